@@ -1,0 +1,47 @@
+//! A finished picture: named channels of 32-bit floats, and what produced them.
+
+/// Channels of one size, row by row from the top left corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// At least `R`, `G` and `B`, linear sRGB radiance; further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
+    pub channels: Vec<Channel>,
+    /// How the picture came about.
+    pub metadata: Metadata,
+}
+
+/// One named plane of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// For example `R` or `Albedo.R`.
+    pub name: String,
+    /// `width * height` values.
+    pub values: Vec<f32>,
+}
+
+/// Facts that are stored with a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// Samples that every pixel got (the least of them if the render was interrupted).
+    pub samples_per_pixel: u32,
+    /// Wall-clock seconds; the only part that differs between two equal renders.
+    pub render_time_seconds: f32,
+    /// Rows of the matrix that takes world points to camera space (right, up, backwards).
+    pub world_to_camera: [[f32; 4]; 4],
+    /// The seed.
+    pub seed: u64,
+    /// A hash of all that the picture depends on in the scene.
+    pub scene_hash: u64,
+    /// Name of the integrator.
+    pub integrator: String,
+}
+
+impl Picture {
+    /// The channel called `name`.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+}

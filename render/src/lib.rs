@@ -1,0 +1,7 @@
+//! halfdome: a renderer for people who light scenes, on top of [`halfdome_kernel`].
+#![forbid(unsafe_code)]
+
+pub mod driver;
+pub mod film;
+pub mod scene;
+pub mod settings;

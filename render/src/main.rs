@@ -1,0 +1,4 @@
+//! The command line of halfdome.
+#![forbid(unsafe_code)]
+
+fn main() {}

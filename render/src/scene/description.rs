@@ -1,0 +1,160 @@
+//! What a scene is, whatever file it came from: meshes in world space, materials, lights, camera, sky.
+//!
+//! Lengths are in the units of the file. Radiance is in W/(m² sr), one number per linear sRGB (Rec. 709) channel.
+//! Coordinates are right-handed. A front face is counter-clockwise.
+
+use glam::{Vec2, Vec3};
+
+/// A scene as loaders deliver it and `World` takes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Meshes, already in world space.
+    pub meshes: Vec<Mesh>,
+    /// Materials; meshes name them by index.
+    pub materials: Vec<Material>,
+    /// Lights without a surface.
+    pub lights: Vec<PunctualLight>,
+    /// Where the picture is taken from; `None` when the file has no camera.
+    pub camera: Option<CameraPose>,
+    /// What rays see that leave the scene.
+    pub sky: Sky,
+    /// What the loader skipped or changed: shown to the user, one line each.
+    pub warnings: Vec<String>,
+}
+
+/// Triangles that share a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// The file's own name for it, or empty.
+    pub name: String,
+    /// Finite positions in world space.
+    pub positions: Vec<Vec3>,
+    /// One unit normal per position, or empty for flat shading.
+    pub normals: Vec<Vec3>,
+    /// One texture coordinate per position, or empty.
+    pub texcoords: Vec<Vec2>,
+    /// Three valid indices into `positions` each.
+    pub triangles: Vec<[u32; 3]>,
+    /// A valid index into [`Scene::materials`].
+    pub material: usize,
+}
+
+/// How a surface reflects and emits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The file's own name for it, or empty.
+    pub name: String,
+    /// Diffuse reflectance (albedo) in 0..=1 per channel, on both sides.
+    pub diffuse: Vec3,
+    /// Emitted radiance; zero for most surfaces.
+    pub emission: Vec3,
+    /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
+    pub emits_both_sides: bool,
+    /// What the file says beyond diffuse reflection; kept for the integrators that will use it.
+    pub gloss: Gloss,
+}
+
+/// Wavefront MTL's `Ks`, `Ns`, `Ni`, `d` and `illum`, with that format's defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Specular reflectance (`Ks`).
+    pub specular: Vec3,
+    /// Phong exponent (`Ns`).
+    pub exponent: f32,
+    /// Index of refraction (`Ni`).
+    pub ior: f32,
+    /// Opacity, 1 for opaque (`d`).
+    pub opacity: f32,
+    /// Illumination model (`illum`).
+    pub model: u32,
+}
+
+/// A light that has no surface. Intensities are per linear sRGB channel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PunctualLight {
+    /// Shines alike in every direction.
+    Point {
+        /// Where it stands.
+        position: Vec3,
+        /// Radiant intensity, W/sr.
+        intensity: Vec3,
+    },
+    /// Shines into a cone, as `KHR_lights_punctual` has it.
+    Spot {
+        /// Where it stands.
+        position: Vec3,
+        /// Unit vector along the cone's axis.
+        direction: Vec3,
+        /// Radiant intensity on the axis, W/sr.
+        intensity: Vec3,
+        /// Cosine of the angle up to which the intensity is full.
+        cos_inner: f32,
+        /// Cosine of the angle from which it is zero; less than `cos_inner`.
+        cos_outer: f32,
+    },
+    /// Shines from infinitely far away.
+    Directional {
+        /// Unit vector along which the light travels.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, W/m².
+        irradiance: Vec3,
+    },
+}
+
+/// A pinhole camera's pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraPose {
+    /// The pinhole.
+    pub eye: Vec3,
+    /// A point in the middle of the picture.
+    pub target: Vec3,
+    /// A vector that points up in the picture; not parallel to the view.
+    pub up: Vec3,
+    /// Vertical field of view in degrees, between 0 and 180.
+    pub vfov: f32,
+}
+
+/// The light from outside the scene: the same radiance from everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sky {
+    /// Radiance, W/(m² sr).
+    pub radiance: Vec3,
+}
+
+impl Default for Material {
+    /// A matte grey, for faces that name no material.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            diffuse: Vec3::splat(0.5),
+            emission: Vec3::ZERO,
+            emits_both_sides: false,
+            gloss: Gloss::default(),
+        }
+    }
+}
+
+impl Default for Gloss {
+    fn default() -> Self {
+        Self { specular: Vec3::ZERO, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
+    }
+}
+
+impl Scene {
+    /// The number of triangles in all meshes.
+    pub fn triangle_count(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
+    }
+
+    /// The smallest box around all positions that triangles use: lower and upper corner; `None` without triangles.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let corners = self
+            .meshes
+            .iter()
+            .flat_map(|mesh| mesh.triangles.iter().flatten().map(|&index| mesh.positions[index as usize]));
+        corners.fold(None, |bounds, p| {
+            let (lower, upper) = bounds.unwrap_or((p, p));
+            Some((p.min(lower), p.max(upper)))
+        })
+    }
+}
