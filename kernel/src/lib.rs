@@ -1,5 +1,50 @@
-//! halfdome's kernel.
+//! A `no_std` ray-tracing kernel: triangles, wide bounding-volume hierarchies and their traversal, one ray or a packet
+//! at a time, with SIMD and with the same hits everywhere.
+//!
+//! Data flows one way, and a module imports only from those above it:
+//! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
+//! validating) → [`traverse`] (walking it).
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! use glam::Vec3;
+//! use halfdome_kernel::{Bvh, BuildOptions, Ray};
+//!
+//! let triangles = [[Vec3::ZERO, Vec3::X, Vec3::Y]];
+//! let (bvh, _) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
+//! let hit = bvh.view().intersect(&Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z)).unwrap();
+//! assert_eq!((hit.t, hit.prim_id), (1.0, 0));
+//! # }
+//! ```
+//!
+//! # What a hit is
+//! The hit of a ray with a triangle depends on these two alone: not on the tree, on other triangles, on the width of
+//! the lanes or on the instruction set. Among equally near hits the lowest `prim_id` wins. All of `t`, `u`, `v` and
+//! `prim_id` are equal bit for bit between the scalar reference, single rays and packets; how, [`geometry`] says.
+//!
+//! # Numeric limits
+//! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
+//! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
+//! anywhere, hit nothing.
+//!
+//! # Features
+//! - `std` (default): builds trees with obvhs; implies `alloc`.
+//! - `alloc`: owns trees, builds them by median splits.
+//! - neither: traces trees that lie in the caller's memory.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
+#![forbid(unsafe_code)]
 
 #[cfg(any(feature = "alloc", test))]
 extern crate alloc;
+
+pub mod bvh;
+pub mod geometry;
+mod simd;
+pub mod traverse;
+
+#[cfg(any(feature = "alloc", test))]
+pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh};
+pub use bvh::{BvhView, InvalidTree};
+pub use geometry::{
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
+};

@@ -1,0 +1,189 @@
+//! Builds a tree and owns it.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::collapse::{self, Collapsed};
+use super::node::{Child, Node, TriangleBlock, WIDTH};
+use super::{BvhView, InvalidTree, median};
+use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
+
+/// A tree that owns its memory.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+    cost: f32,
+}
+
+/// How to build a tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BuildOptions {
+    /// The best builder there is: obvhs with `std`, else median splits.
+    #[default]
+    Best,
+    /// Median splits: least depth, quick to build, slower to trace.
+    Median,
+}
+
+/// What a build left out, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct BuildReport {
+    /// Triangles in the tree.
+    pub kept: usize,
+    /// Triangles without an area: points and lines, which no ray hits.
+    pub degenerate: usize,
+    /// Triangles with a NaN or infinite coordinate, or one beyond [`MAX_COORDINATE`].
+    pub out_of_range: usize,
+    /// Whether the better tree was too deep and median splits made this one.
+    pub fell_back_to_median: bool,
+}
+
+/// Why no tree could be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// There are more triangles than a tree can address.
+    TooManyTriangles {
+        /// How many there are.
+        count: usize,
+    },
+    /// The tree is not valid; only [`InvalidTree::TooLarge`] can occur.
+    Invalid(InvalidTree),
+}
+
+/// A tree in figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeStatistics {
+    /// Nodes.
+    pub nodes: usize,
+    /// Leaves.
+    pub leaves: usize,
+    /// Blocks of triangles.
+    pub blocks: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Nodes on the longest way from the root to a leaf.
+    pub depth: usize,
+    /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a block.
+    pub cost: f32,
+    /// Memory of nodes and blocks in bytes.
+    pub bytes: usize,
+}
+
+impl Bvh {
+    /// Builds a tree over `triangles`; a hit's `prim_id` is an index into them.
+    ///
+    /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
+    ///
+    /// # Errors
+    /// [`BuildError::TooManyTriangles`] from 2²⁹ triangles on, and [`BuildError::Invalid`] if even fewer do not fit.
+    pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), BuildError> {
+        if triangles.len() >= Child::MAX_INDEX as usize * WIDTH {
+            return Err(BuildError::TooManyTriangles { count: triangles.len() });
+        }
+        let mut report = BuildReport::default();
+        let mut aabbs = Vec::with_capacity(triangles.len());
+        let mut prim_ids = Vec::with_capacity(triangles.len());
+        for (prim_id, triangle) in (0..).zip(triangles) {
+            aabbs.push(Aabb::around(triangle));
+            if !in_range(triangle) {
+                report.out_of_range += 1;
+            } else if is_degenerate(triangle) {
+                report.degenerate += 1;
+            } else {
+                prim_ids.push(prim_id);
+            }
+        }
+        report.kept = prim_ids.len();
+        if prim_ids.is_empty() {
+            return Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 }, report));
+        }
+        if *options == BuildOptions::Best
+            && let Some(tree) = best(&aabbs, &prim_ids)
+        {
+            match Self::checked(collapse::collapse(&tree, triangles)) {
+                Err(BuildError::Invalid(InvalidTree::TooDeep { .. })) => report.fell_back_to_median = true,
+                result => return Ok((result?, report)),
+            }
+        }
+        let tree = median::build(&aabbs, prim_ids);
+        Ok((Self::checked(collapse::collapse(&tree, triangles))?, report))
+    }
+
+    fn checked(Collapsed { nodes, blocks, cost }: Collapsed) -> Result<Self, BuildError> {
+        BvhView::new(&nodes, &blocks).map_err(BuildError::Invalid)?;
+        Ok(Self { nodes, blocks, cost })
+    }
+
+    /// Borrows the tree for tracing.
+    pub fn view(&self) -> BvhView<'_> {
+        BvhView::trusted(&self.nodes, &self.blocks)
+    }
+
+    /// The tree in figures.
+    pub fn statistics(&self) -> TreeStatistics {
+        let (mut leaves, mut depth) = (0, 0);
+        let mut todo = vec![(0usize, 1usize)];
+        while let Some((index, level)) = todo.pop() {
+            depth = depth.max(level);
+            for &child in &self.nodes[index].children {
+                match Child::unpack(child) {
+                    Child::Empty => {}
+                    Child::Node(index) => todo.push((index as usize, level + 1)),
+                    Child::Leaf { .. } => leaves += 1,
+                }
+            }
+        }
+        let used = self.blocks.iter().flat_map(|block| block.prim_id).filter(|&id| id != Hit::NO_PRIM);
+        TreeStatistics {
+            nodes: self.nodes.len(),
+            leaves,
+            blocks: self.blocks.len(),
+            triangles: used.count(),
+            depth,
+            cost: self.cost,
+            bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+        }
+    }
+}
+
+#[cfg(feature = "std")]
+fn best(aabbs: &[Aabb], prim_ids: &[u32]) -> Option<super::binary::BinaryTree> {
+    Some(super::obvhs::build(aabbs, prim_ids.to_vec()))
+}
+
+#[cfg(not(feature = "std"))]
+fn best(_: &[Aabb], _: &[u32]) -> Option<super::binary::BinaryTree> {
+    None
+}
+
+fn in_range(triangle: &Triangle) -> bool {
+    triangle.iter().all(|p| p.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all())
+}
+
+/// Whether the corners lie on a line; in `f64`, where the area of a small triangle does not underflow.
+fn is_degenerate(triangle: &Triangle) -> bool {
+    let [a, b, c] = triangle.map(|p| p.as_dvec3());
+    (b - a).cross(c - a) == glam::DVec3::ZERO
+}
+
+impl core::error::Error for BuildError {}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyTriangles { count } => {
+                write!(
+                    f,
+                    "{count} triangles are too many: a tree holds fewer than {}",
+                    Child::MAX_INDEX as usize * WIDTH
+                )
+            }
+            Self::Invalid(error) => error.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The tree in memory: plain arrays of numbers, traced as they lie.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::geometry::{Aabb, Hit, Triangle};
+
+/// Children a node, and triangles a block.
+pub const WIDTH: usize = 8;
+
+/// Eight boxes and what is in them: four cache lines.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct Node {
+    /// The boxes' planes: min x, max x, min y, max y, min z, max z, of all eight children each. An empty slot's box is
+    /// inside out (`+∞ … -∞`).
+    pub planes: [[f32; WIDTH]; 6],
+    /// The contents, as [`Child::pack`] encodes them.
+    pub children: [u32; WIDTH],
+    /// Zero; fills the cache line.
+    pub reserved: [u32; WIDTH],
+}
+
+/// Eight triangles: five cache lines.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct TriangleBlock {
+    /// `corners[corner][axis][lane]`; NaN in unused lanes, which no test passes.
+    pub corners: [[[f32; WIDTH]; 3]; 3],
+    /// The triangles' indices; [`Hit::NO_PRIM`] in unused lanes.
+    pub prim_id: [u32; WIDTH],
+}
+
+/// What is in a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Child {
+    /// Nothing.
+    Empty,
+    /// The node of this index.
+    Node(u32),
+    /// `count` blocks from `first` on; 1 to [`Child::MAX_BLOCKS`].
+    Leaf {
+        /// Index of the first block.
+        first: u32,
+        /// Number of blocks.
+        count: u32,
+    },
+}
+
+impl Child {
+    /// The greatest number of blocks in a leaf.
+    pub const MAX_BLOCKS: u32 = 1 << 5;
+    /// Blocks and nodes have smaller indices than this.
+    pub const MAX_INDEX: u32 = 1 << 26;
+
+    const LEAF: u32 = 1 << 31;
+    const EMPTY: u32 = u32::MAX;
+
+    /// Bit 31: leaf; bits 26 to 30: its number of blocks, less one; bits 0 to 25: index of its first block. A node is
+    /// its index; all bits set are nothing.
+    pub fn pack(self) -> u32 {
+        match self {
+            Self::Empty => Self::EMPTY,
+            Self::Node(index) => index,
+            Self::Leaf { first, count } => Self::LEAF | (count - 1) << 26 | first,
+        }
+    }
+
+    /// The inverse of [`pack`](Self::pack).
+    #[inline(always)]
+    pub fn unpack(bits: u32) -> Self {
+        match bits {
+            Self::EMPTY => Self::Empty,
+            _ if bits & Self::LEAF == 0 => Self::Node(bits),
+            _ => Self::Leaf { first: bits & (Self::MAX_INDEX - 1), count: (bits >> 26 & (Self::MAX_BLOCKS - 1)) + 1 },
+        }
+    }
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        children: [Child::EMPTY; WIDTH],
+        reserved: [0; WIDTH],
+    };
+
+    /// Puts `child` with its box into `slot`.
+    pub fn set(&mut self, slot: usize, aabb: &Aabb, child: Child) {
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = aabb.min[axis];
+            self.planes[2 * axis + 1][slot] = aabb.max[axis];
+        }
+        self.children[slot] = child.pack();
+    }
+
+    /// The box of `slot`.
+    pub fn aabb(&self, slot: usize) -> Aabb {
+        let corner = |side: usize| {
+            let [x, y, z] = core::array::from_fn(|axis| self.planes[2 * axis + side][slot]);
+            glam::Vec3::new(x, y, z)
+        };
+        Aabb { min: corner(0), max: corner(1) }
+    }
+
+    /// The box around all children.
+    pub fn bounds(&self) -> Aabb {
+        (0..WIDTH).fold(Aabb::EMPTY, |bounds, slot| bounds.union(&self.aabb(slot)))
+    }
+}
+
+impl TriangleBlock {
+    /// A block without triangles.
+    pub const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], prim_id: [Hit::NO_PRIM; WIDTH] };
+
+    /// Puts a triangle into `lane`.
+    pub fn set(&mut self, lane: usize, triangle: &Triangle, prim_id: u32) {
+        for (corner, position) in triangle.iter().enumerate() {
+            for axis in 0..3 {
+                self.corners[corner][axis][lane] = position[axis];
+            }
+        }
+        self.prim_id[lane] = prim_id;
+    }
+
+    /// The triangle in `lane`.
+    pub fn triangle(&self, lane: usize) -> Triangle {
+        self.corners.map(|axes| glam::Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_survive_packing() {
+        let leaf = |first, count| Child::Leaf { first, count };
+        let last = Child::MAX_INDEX - 1;
+        for child in [Child::Empty, Child::Node(0), Child::Node(last), leaf(0, 1), leaf(last, 31), leaf(last - 1, 32)] {
+            assert_eq!(Child::unpack(child.pack()), child);
+        }
+    }
+
+    #[test]
+    fn nodes_and_blocks_fill_whole_cache_lines() {
+        assert_eq!((size_of::<Node>(), align_of::<Node>()), (256, 64));
+        assert_eq!((size_of::<TriangleBlock>(), align_of::<TriangleBlock>()), (320, 64));
+    }
+}

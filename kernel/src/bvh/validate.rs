@@ -1,0 +1,157 @@
+//! Checks a tree once for all that traversal relies on.
+//!
+//! Nodes lie in the order in which a depth-first walk meets them, the inner children of a node side by side. The walk
+//! here expects just that, so it sees every node once, and a cycle, a shared or a forgotten node is found without
+//! any memory but the walk's stack. On the way it counts the stack that a traversal can need, whatever the order in
+//! which it visits children.
+
+use core::fmt;
+
+use super::node::{Child, WIDTH};
+use super::{MAX_STACK, Node, TriangleBlock};
+use crate::geometry::{Aabb, Hit, MAX_COORDINATE};
+
+/// What is wrong with a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InvalidTree {
+    /// There is no node; even an empty tree has a root.
+    NoRoot,
+    /// There are more nodes or blocks than [`Child::MAX_INDEX`].
+    TooLarge,
+    /// A child that is out of range or not where a depth-first walk meets it.
+    BadChild {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// A node that no other refers to.
+    ForgottenNode {
+        /// Its index.
+        node: u32,
+    },
+    /// A box that does not enclose its contents, or is not finite.
+    BadBox {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
+    BadTriangle {
+        /// The block that has it.
+        block: u32,
+        /// Its lane.
+        lane: u32,
+    },
+    /// Traversal would need a larger stack than [`MAX_STACK`].
+    TooDeep {
+        /// Entries needed.
+        needed: u32,
+    },
+}
+
+impl core::error::Error for InvalidTree {}
+
+impl fmt::Display for InvalidTree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRoot => write!(f, "the tree has no root node"),
+            Self::TooLarge => write!(f, "the tree has more than {} nodes or blocks", Child::MAX_INDEX),
+            Self::BadChild { node, slot } => {
+                write!(f, "child {slot} of node {node} is out of range or out of order")
+            }
+            Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
+            Self::BadBox { node, slot } => {
+                write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
+            }
+            Self::BadTriangle { block, lane } => {
+                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+            }
+            Self::TooDeep { needed } => {
+                write!(f, "the tree is too deep: it needs a stack of {needed} entries, and {MAX_STACK} are allowed")
+            }
+        }
+    }
+}
+
+/// Checks a tree; see [`BvhView::new`](super::BvhView::new).
+pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), InvalidTree> {
+    if nodes.is_empty() {
+        return Err(InvalidTree::NoRoot);
+    }
+    if nodes.len() > Child::MAX_INDEX as usize || blocks.len() > Child::MAX_INDEX as usize {
+        return Err(InvalidTree::TooLarge);
+    }
+    // Nodes to visit, each with the number of entries that a traversal may hold when it gets there.
+    let mut stack = [(0u32, 0usize); MAX_STACK];
+    let mut height = 1;
+    let mut next_node = 1;
+    while height > 0 {
+        height -= 1;
+        let (index, held) = stack[height];
+        let node = &nodes[index as usize];
+        let children = node.children.iter().filter(|&&child| Child::unpack(child) != Child::Empty).count();
+        let needed = held + children;
+        if needed > MAX_STACK {
+            return Err(InvalidTree::TooDeep { needed: needed as u32 });
+        }
+        let first_inner = next_node;
+        for slot in 0..WIDTH {
+            let bad_child = InvalidTree::BadChild { node: index, slot: slot as u32 };
+            let contents = match Child::unpack(node.children[slot]) {
+                Child::Empty if node.aabb(slot).is_empty() => continue,
+                Child::Empty => return Err(bad_child),
+                Child::Node(child) if child == next_node && (child as usize) < nodes.len() => {
+                    next_node += 1;
+                    nodes[child as usize].bounds()
+                }
+                Child::Node(_) => return Err(bad_child),
+                Child::Leaf { first, count } => {
+                    let range = first as usize..first as usize + count as usize;
+                    leaf_bounds(blocks.get(range).ok_or(bad_child)?, first)?
+                }
+            };
+            let aabb = node.aabb(slot);
+            let limit = glam::Vec3::splat(MAX_COORDINATE);
+            let finite = aabb.min.abs().cmple(limit).all() && aabb.max.abs().cmple(limit).all();
+            let encloses = aabb.min.cmple(contents.min).all() && contents.max.cmple(aabb.max).all();
+            if !(finite && encloses) || aabb.is_empty() {
+                return Err(InvalidTree::BadBox { node: index, slot: slot as u32 });
+            }
+        }
+        for inner in (first_inner..next_node).rev() {
+            // There is room: inner nodes on the stack are among the entries just counted.
+            stack[height] = (inner, needed - 1);
+            height += 1;
+        }
+    }
+    if next_node as usize != nodes.len() {
+        return Err(InvalidTree::ForgottenNode { node: next_node });
+    }
+    Ok(())
+}
+
+/// The box around a leaf's triangles.
+fn leaf_bounds(blocks: &[TriangleBlock], first: u32) -> Result<Aabb, InvalidTree> {
+    let mut bounds = Aabb::EMPTY;
+    for (index, block) in (first..).zip(blocks) {
+        for lane in 0..WIDTH {
+            let triangle = block.triangle(lane);
+            let used = block.prim_id[lane] != Hit::NO_PRIM;
+            let good = if used {
+                triangle.iter().all(|p| p.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all())
+            } else {
+                triangle.iter().all(|p| p.is_nan_mask().all())
+            };
+            if !good {
+                return Err(InvalidTree::BadTriangle { block: index, lane: lane as u32 });
+            }
+            if used {
+                bounds = bounds.union(&Aabb::around(&triangle));
+            }
+        }
+    }
+    Ok(bounds)
+}

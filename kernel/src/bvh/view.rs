@@ -1,0 +1,48 @@
+//! A borrowed tree: what traversal works on.
+
+use super::validate::{self, InvalidTree};
+use super::{Node, TriangleBlock};
+use crate::geometry::Aabb;
+
+/// The greatest number of subtrees that a traversal keeps for later. A tree that could need more is refused.
+pub const MAX_STACK: usize = 192;
+
+/// A tree that lies in somebody's memory, checked once so that tracing need not.
+#[derive(Clone, Copy, Debug)]
+pub struct BvhView<'a> {
+    nodes: &'a [Node],
+    blocks: &'a [TriangleBlock],
+    bounds: Aabb,
+}
+
+impl<'a> BvhView<'a> {
+    /// Borrows a tree whose root is the first node.
+    ///
+    /// # Errors
+    /// [`InvalidTree`] says what is wrong if a child does not lie behind its parent or out of range, if boxes do not
+    /// enclose what is in them, or if traversal would need more than [`MAX_STACK`] entries.
+    pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, InvalidTree> {
+        validate::validate(nodes, blocks)?;
+        Ok(Self::trusted(nodes, blocks))
+    }
+
+    /// Borrows a tree that is known to be valid.
+    pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Self {
+        Self { nodes, blocks, bounds: nodes.first().map_or(Aabb::EMPTY, Node::bounds) }
+    }
+
+    /// The nodes; the first one is the root.
+    pub fn nodes(&self) -> &'a [Node] {
+        self.nodes
+    }
+
+    /// The triangles.
+    pub fn blocks(&self) -> &'a [TriangleBlock] {
+        self.blocks
+    }
+
+    /// The box around all triangles; empty if there are none.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+}

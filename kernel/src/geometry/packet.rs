@@ -1,0 +1,74 @@
+//! Rays and hits in packets, as structures of arrays.
+
+use super::{Hit, Ray};
+
+/// `N` rays; component-wise what [`Ray`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct RayPacket<const N: usize> {
+    /// Origins: all x, all y, all z.
+    pub origin: [[f32; N]; 3],
+    /// Directions: all x, all y, all z.
+    pub direction: [[f32; N]; 3],
+    /// Least `t`.
+    pub t_min: [f32; N],
+    /// Greatest `t`.
+    pub t_max: [f32; N],
+    /// Bit `i` says whether ray `i` is to be traced.
+    pub active: u32,
+}
+
+/// `N` hits; component-wise what [`Hit`] is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct HitPacket<const N: usize> {
+    /// Distances.
+    pub t: [f32; N],
+    /// Barycentric weights of the second corners.
+    pub u: [f32; N],
+    /// Barycentric weights of the third corners.
+    pub v: [f32; N],
+    /// Triangles.
+    pub prim_id: [u32; N],
+}
+
+impl<const N: usize> RayPacket<N> {
+    /// Packs up to `N` rays; lanes beyond them are inactive, as are further rays ignored.
+    pub fn from_rays(rays: &[Ray]) -> Self {
+        let ray = |i: usize| rays.get(i).copied().unwrap_or(bytemuck::Zeroable::zeroed());
+        Self {
+            origin: core::array::from_fn(|axis| core::array::from_fn(|i| ray(i).origin[axis])),
+            direction: core::array::from_fn(|axis| core::array::from_fn(|i| ray(i).direction[axis])),
+            t_min: core::array::from_fn(|i| ray(i).t_min),
+            t_max: core::array::from_fn(|i| ray(i).t_max),
+            active: (0..N.min(rays.len())).fold(0, |active, i| active | 1 << i),
+        }
+    }
+
+    /// Ray `lane`; `lane < N`.
+    pub fn ray(&self, lane: usize) -> Ray {
+        let vector = |v: &[[f32; N]; 3]| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        Ray {
+            origin: vector(&self.origin),
+            t_min: self.t_min[lane],
+            direction: vector(&self.direction),
+            t_max: self.t_max[lane],
+        }
+    }
+}
+
+impl<const N: usize> HitPacket<N> {
+    /// Misses in all lanes.
+    pub const MISS: Self =
+        Self { t: [Hit::MISS.t; N], u: [Hit::MISS.u; N], v: [Hit::MISS.v; N], prim_id: [Hit::MISS.prim_id; N] };
+
+    /// Hit `lane`; `lane < N`.
+    pub fn hit(&self, lane: usize) -> Hit {
+        Hit { t: self.t[lane], u: self.u[lane], v: self.v[lane], prim_id: self.prim_id[lane] }
+    }
+
+    /// Sets hit `lane`; `lane < N`.
+    pub fn set(&mut self, lane: usize, hit: Hit) {
+        (self.t[lane], self.u[lane], self.v[lane], self.prim_id[lane]) = (hit.t, hit.u, hit.v, hit.prim_id);
+    }
+}

@@ -1,0 +1,83 @@
+//! One ray and one hit.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// The points `origin + t * direction` for `t_min <= t <= t_max`.
+///
+/// The direction need not have unit length; `t` counts in its lengths. A ray that is out of the kernel's
+/// [numeric limits](crate#numeric-limits), has a NaN, or has `t_min > t_max` hits nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Ray {
+    /// Where `t` is zero.
+    pub origin: Vec3,
+    /// The least `t` that counts; negative ones reach behind the origin.
+    pub t_min: f32,
+    /// Where the ray goes, of any length within the limits.
+    pub direction: Vec3,
+    /// The greatest `t` that counts; may be infinite.
+    pub t_max: f32,
+}
+
+/// Where a ray meets a triangle: at `origin + t * direction`, which is `(1 - u - v) v0 + u v1 + v v2`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Hit {
+    /// Distance in lengths of the ray's direction.
+    pub t: f32,
+    /// Barycentric weight of the triangle's second corner, 0..=1.
+    pub u: f32,
+    /// Barycentric weight of the triangle's third corner, 0..=1.
+    pub v: f32,
+    /// The triangle's index in the slice that the tree was built from; [`Hit::NO_PRIM`] if nothing was hit.
+    pub prim_id: u32,
+}
+
+impl Ray {
+    /// A ray from `origin` without an end.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
+    }
+
+    /// A ray from `origin` to `target`, whose `t` is 1.
+    pub fn between(origin: Vec3, target: Vec3) -> Self {
+        Self { origin, t_min: 0.0, direction: target - origin, t_max: 1.0 }
+    }
+
+    /// The point at `t`.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+}
+
+impl Hit {
+    /// The `prim_id` of a miss.
+    pub const NO_PRIM: u32 = u32::MAX;
+
+    /// What batches and packets write for a ray that hits nothing.
+    pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, prim_id: Self::NO_PRIM };
+
+    /// Whether something was hit.
+    pub fn is_hit(&self) -> bool {
+        self.prim_id != Self::NO_PRIM
+    }
+
+    /// Whether this hit is nearer than `other`, or as near on a triangle that comes first.
+    #[inline(always)]
+    pub(crate) fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t || self.t == other.t && self.prim_id < other.prim_id
+    }
+
+    /// The hit that a search starts with: any hit up to `t_max` precedes it.
+    #[inline(always)]
+    pub(crate) fn none_before(t_max: f32) -> Self {
+        Self { t: t_max, ..Self::MISS }
+    }
+
+    /// The result of a search.
+    #[inline(always)]
+    pub(crate) fn found(self) -> Option<Self> {
+        self.is_hit().then_some(self)
+    }
+}

@@ -1,0 +1,77 @@
+//! The triangle test, one ray and one triangle: the definition of a hit, which every other path equals bit for bit.
+
+use glam::Vec3;
+
+use super::setup::{LEAST_COMPONENT, OWN_PAD, raise};
+use super::triangle::LEAST_DETERMINANT;
+use super::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, Triangle};
+
+/// Where `ray` meets `triangle`, from either side, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or
+/// if one of them is out of the [numeric limits](crate#numeric-limits).
+///
+/// Woop, Benthin and Wald 2013, with the two deviations that the [module](super) explains.
+pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
+    let d = ray.direction;
+    let largest = d.abs().max_element();
+    if !d.is_finite() || !(MIN_DIRECTION..=MAX_DIRECTION).contains(&largest) {
+        return None;
+    }
+    let [a, b, c] = *triangle;
+    if ![ray.origin, a, b, c].iter().all(|p| p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()) {
+        return None;
+    }
+
+    // The axis along which the ray runs fastest becomes z; x and y swap if it runs backwards, to keep the winding.
+    let kz = (0..3).find(|&k| d[k].abs() == largest)?;
+    let forward = d[kz] > 0.0;
+    let (kx, ky) = if forward { ((kz + 1) % 3, (kz + 2) % 3) } else { ((kz + 2) % 3, (kz + 1) % 3) };
+
+    // Vertices relative to the origin, then sheared.
+    let [a, b, c] = [a, b, c].map(|p| p - ray.origin);
+    let (sx, sy) = (d[kx] / d[kz], d[ky] / d[kz]);
+    let shear = |p: Vec3| (p[kx] - sx * p[kz], p[ky] - sy * p[kz]);
+    let ((ax, ay), (bx, by), (cx, cy)) = (shear(a), shear(b), shear(c));
+
+    // Scaled barycentric coordinates: edge functions of the origin.
+    let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+    if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        return None;
+    }
+    let determinant = u + v + w;
+    let (u, v, w) = if u == 0.0 || v == 0.0 || w == 0.0 || determinant.abs() < LEAST_DETERMINANT {
+        let [ax, ay, bx, by, cx, cy] = [ax, ay, bx, by, cx, cy].map(f64::from);
+        let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let determinant = u + v + w;
+        if determinant == 0.0 {
+            return None;
+        }
+        ((u / determinant) as f32, (v / determinant) as f32, (w / determinant) as f32)
+    } else {
+        (u / determinant, v / determinant, w / determinant)
+    };
+    let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * (1.0 / d[kz]);
+
+    // The ray's interval in the triangle's widened box.
+    let reach = |k: usize| a[k].abs().max(b[k].abs()).max(c[k].abs());
+    let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
+    for k in [kx, ky, kz] {
+        let pad = (reach(k) + reach(kz)) * OWN_PAD;
+        let (lower, upper) = (a[k].min(b[k]).min(c[k]) - pad, a[k].max(b[k]).max(c[k]) + pad);
+        let inverse = 1.0 / raise(d[k], largest * LEAST_COMPONENT);
+        let (enter, leave) =
+            if inverse < 0.0 { (upper * inverse, lower * inverse) } else { (lower * inverse, upper * inverse) };
+        near = near.max(enter);
+        far = far.min(leave);
+    }
+    // A bound that is a negative zero counts as zero.
+    if t < near {
+        t = near + 0.0;
+    }
+    if t > far {
+        t = far + 0.0;
+    }
+    (near <= far && ray.t_min <= t && t <= ray.t_max).then_some(Hit { t, u: v, v: w, prim_id: 0 })
+}

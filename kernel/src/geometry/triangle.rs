@@ -1,0 +1,91 @@
+//! The triangle test in lanes: one ray against several triangles, or several rays against one.
+//!
+//! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
+
+use super::setup::{OWN_PAD, RayLanes};
+use crate::simd::{Lanes, Mask, lanes_of};
+
+/// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
+pub(super) const LEAST_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
+
+/// Where lanes meet their triangles, whatever their `t` intervals: only lanes of `bits` mean anything.
+pub(crate) struct Crossing<L> {
+    pub bits: u32,
+    pub t: L,
+    pub u: L,
+    pub v: L,
+}
+
+/// The crossing of rays and triangles; `None` if there is none in any lane. Corners are in the order of the course's
+/// axes; lanes without a triangle hold NaN.
+#[inline(always)]
+pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L; 3]; 3]) -> Option<Crossing<L>> {
+    let zero = L::splat(0.0);
+    let [a, b, c] = corners.map(|p| [p[0] - ray.origin[0], p[1] - ray.origin[1], p[2] - ray.origin[2]]);
+    let [[ax, ay], [bx, by], [cx, cy]] = [a, b, c].map(|p| [p[0] - ray.shear[0] * p[2], p[1] - ray.shear[1] * p[2]]);
+
+    // Twice the areas opposite the corners: of one sign if the ray passes inside.
+    let u = cx * by - cy * bx;
+    let v = ax * cy - ay * cx;
+    let w = bx * ay - by * ax;
+    let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
+    let mut bits = inside.bits();
+    if bits == 0 {
+        return None;
+    }
+    let sum = u + v + w;
+    let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
+    let mut weights = [u / sum, v / sum, w / sum];
+    if bits & doubtful.bits() != 0 {
+        let lanes = bits & doubtful.bits();
+        bits = decide_in_f64([ax, ay, bx, by, cx, cy], bits, lanes, &mut weights);
+        if bits == 0 {
+            return None;
+        }
+    }
+    let [u, v, w] = weights;
+    let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2];
+
+    // The interval in which the ray is inside the triangle's own box.
+    let reach = |k: usize| a[k].abs().max(b[k].abs()).max(c[k].abs());
+    let reach_z = reach(2);
+    let interval = |k: usize| {
+        let pad = (reach(k) + reach_z) * L::splat(OWN_PAD);
+        let lower = a[k].min(b[k]).min(c[k]) - pad;
+        let upper = a[k].max(b[k]).max(c[k]) + pad;
+        let (near, far) = if ray.negative[k] { (upper, lower) } else { (lower, upper) };
+        (near * ray.inverse[k], far * ray.inverse[k])
+    };
+    let [x, y, z] = [interval(0), interval(1), interval(2)];
+    let (near, far) = (x.0.max(y.0).max(z.0), x.1.min(y.1).min(z.1));
+    // Adding zero makes a negative zero positive: which one the minima and maxima give is up to the backend.
+    let t = L::select(t.lt(near), near + zero, t);
+    let t = L::select(far.lt(t), far + zero, t);
+    bits &= near.le(far).bits();
+    Some(Crossing { bits, t, u: v, v: w })
+}
+
+/// Decides `lanes` again where `f32` could not: an edge function is zero, or all are near underflow. Products of `f32`
+/// are exact in `f64`, so the signs are. Takes and gives the mask of lanes inside.
+#[cold]
+#[inline(never)]
+fn decide_in_f64<const N: usize, L: Lanes<N>>(sheared: [L; 6], bits: u32, lanes: u32, weights: &mut [L; 3]) -> u32 {
+    let corners = sheared.map(L::store);
+    let mut stored = weights.map(L::store);
+    let mut inside = bits;
+    for i in lanes_of(lanes) {
+        let [ax, ay, bx, by, cx, cy] = corners.map(|x| x[i] as f64);
+        let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+        let sum = u + v + w;
+        let same_sign = u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0;
+        if same_sign && sum != 0.0 {
+            for (weight, area) in stored.iter_mut().zip([u, v, w]) {
+                weight[i] = (area / sum) as f32;
+            }
+        } else {
+            inside &= !(1 << i);
+        }
+    }
+    *weights = stored.map(|weight| L::load(&weight));
+    inside
+}

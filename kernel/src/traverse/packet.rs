@@ -1,0 +1,169 @@
+//! Packets of rays that run alike: one box, or one triangle, against all rays at a time.
+//!
+//! Rays run alike if their directions have the same signs and the same fastest axis: then they enter boxes through the
+//! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. Packets of other rays
+//! are traced one by one, which is quicker for rays that go different ways anyhow.
+
+use super::single;
+use super::stack::Stack;
+use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
+use crate::geometry::setup::{Course, RayLanes, RaySetup};
+use crate::geometry::triangle;
+use crate::geometry::{Hit, HitPacket, RayPacket};
+use crate::simd::{Lanes, Mask, lanes_of};
+
+/// `N` rays at a time.
+pub struct Width<const N: usize>;
+
+/// The widths that packets come in: 4 and 8.
+pub trait PacketWidth<const N: usize>: sealed::Sealed {
+    #[doc(hidden)]
+    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<N>, hits: &mut HitPacket<N>);
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Width<4> {}
+    impl Sealed for super::Width<8> {}
+}
+
+impl PacketWidth<4> for Width<4> {
+    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<4>, hits: &mut HitPacket<4>) {
+        trace::<ANY, 4, wide::f32x4>(tree, rays, hits);
+    }
+}
+
+impl PacketWidth<8> for Width<8> {
+    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<8>, hits: &mut HitPacket<8>) {
+        trace::<ANY, 8, wide::f32x8>(tree, rays, hits);
+    }
+}
+
+/// A subtree to visit, the rays that meet its box, and where the first of them enters it.
+#[derive(Clone, Copy)]
+struct Entry {
+    child: u32,
+    rays: u32,
+    near: f32,
+}
+
+/// Writes the hits of the active rays; with `ANY` the first one found of each.
+#[inline(always)]
+fn trace<const ANY: bool, const N: usize, L: Lanes<N>>(tree: &BvhView, packet: &RayPacket<N>, hits: &mut HitPacket<N>) {
+    // Rays that can hit nothing are done with at once.
+    let mut setups = [None; N];
+    let mut live = 0;
+    for lane in lanes_of(packet.active & ((1u64 << N) - 1) as u32) {
+        setups[lane] = RaySetup::new(&packet.ray(lane), &tree.bounds());
+        live |= (setups[lane].is_some() as u32) << lane;
+        hits.set(lane, Hit::MISS);
+    }
+    let Some(first) = setups.iter().flatten().next().copied() else {
+        return;
+    };
+    if setups.iter().flatten().any(|setup| setup.course != first.course) {
+        for lane in lanes_of(live) {
+            let ray = packet.ray(lane);
+            let hit = single::trace::<ANY, wide::f32x8>(tree, &ray);
+            hits.set(lane, hit.found().unwrap_or(Hit::MISS));
+        }
+        return;
+    }
+    let traversal = Traversal {
+        course: first.course,
+        // Idle lanes compute something; nobody looks at it.
+        rays: RayLanes::<L>::gather(&setups.map(|setup| setup.unwrap_or(first))),
+        t_min: L::load(&packet.t_min),
+    };
+    let mut best: [Hit; N] = core::array::from_fn(|lane| Hit::none_before(packet.t_max[lane]));
+    let mut stack = Stack::new(Entry { child: 0, rays: 0, near: 0.0 });
+    let mut next = Some(Entry { child: 0, rays: live, near: f32::NEG_INFINITY });
+    while let Some(entry) = next {
+        let rays = entry.rays & live;
+        if lanes_of(rays).any(|lane| entry.near <= best[lane].t) {
+            match Child::unpack(entry.child) {
+                Child::Empty => {}
+                Child::Node(index) => {
+                    if let Some(node) = tree.nodes().get(index as usize) {
+                        let t_max = L::load(&best.map(|hit| hit.t));
+                        let since = stack.height();
+                        for slot in 0..WIDTH {
+                            let (bits, near) = traversal.enter(node, slot, t_max);
+                            if bits & rays != 0 {
+                                let near =
+                                    lanes_of(bits & rays).fold(f32::INFINITY, |least, lane| least.min(near[lane]));
+                                let entry = Entry { child: node.children[slot], rays: bits & rays, near };
+                                stack.insert(entry, since, |other| !ANY && other.near < near);
+                            }
+                        }
+                    }
+                }
+                Child::Leaf { first, count } => {
+                    let range = first as usize..first as usize + count as usize;
+                    for block in tree.blocks().get(range).unwrap_or(&[]) {
+                        traversal.hit_block(block, rays, &mut best);
+                    }
+                    if ANY {
+                        live =
+                            lanes_of(live).filter(|&lane| !best[lane].is_hit()).fold(0, |live, lane| live | 1 << lane);
+                    }
+                }
+            }
+        }
+        next = stack.pop();
+    }
+    for (lane, setup) in setups.iter().enumerate() {
+        if setup.is_some() {
+            hits.set(lane, best[lane].found().unwrap_or(Hit::MISS));
+        }
+    }
+}
+
+/// What stays the same while a packet is traced.
+struct Traversal<L> {
+    course: Course,
+    rays: RayLanes<L>,
+    t_min: L,
+}
+
+impl<L: Copy> Traversal<L> {
+    /// The rays that meet the box in `slot` within their intervals, and where.
+    #[inline(always)]
+    fn enter<const N: usize>(&self, node: &Node, slot: usize, t_max: L) -> (u32, [f32; N])
+    where
+        L: Lanes<N>,
+    {
+        let (ray, planes) = (&self.rays, self.course.planes());
+        let near = |k: usize| (L::splat(node.planes[planes[k].0][slot]) - ray.near_origin[k]) * ray.inverse[k];
+        let far = |k: usize| (L::splat(node.planes[planes[k].1][slot]) - ray.far_origin[k]) * ray.inverse[k];
+        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
+        let leave = far(0).min(far(1)).min(far(2).min(t_max));
+        (enter.le(leave).bits(), enter.store())
+    }
+
+    /// Tests the block's triangles in turn against `rays`.
+    #[inline(always)]
+    fn hit_block<const N: usize>(&self, block: &TriangleBlock, rays: u32, best: &mut [Hit; N])
+    where
+        L: Lanes<N>,
+    {
+        for (triangle, &prim_id) in block.prim_id.iter().enumerate().filter(|&(_, &id)| id != Hit::NO_PRIM) {
+            let corners =
+                [0, 1, 2].map(|corner| self.course.axes.map(|axis| L::splat(block.corners[corner][axis][triangle])));
+            let Some(crossing) = triangle::cross(&self.rays, corners) else {
+                continue;
+            };
+            let within = self.t_min.le(crossing.t).bits() & crossing.bits & rays;
+            if within == 0 {
+                continue;
+            }
+            let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
+            for lane in lanes_of(within) {
+                let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id };
+                if hit.precedes(&best[lane]) {
+                    best[lane] = hit;
+                }
+            }
+        }
+    }
+}

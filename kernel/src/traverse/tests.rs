@@ -1,0 +1,354 @@
+//! Every way to trace against the scalar loop over all triangles: equal bit for bit.
+
+use alloc::vec::Vec;
+
+use glam::{Vec3, vec3};
+
+use super::reference;
+use crate::geometry::offset_origin;
+use crate::{BuildOptions, Bvh, Hit, HitPacket, Ray, RayPacket, Triangle};
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+    fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1 << 24) as f32
+    }
+    fn vector(&mut self) -> Vec3 {
+        vec3(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+    /// A float of any sign and exponent, NaN and infinity included.
+    fn raw(&mut self) -> f32 {
+        f32::from_bits(self.bits() as u32)
+    }
+}
+
+/// Bits of a hit, so that NaN and zeros of different signs tell.
+fn bits(hit: Option<Hit>) -> [u32; 4] {
+    hit.map_or([0; 4], |hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.prim_id])
+}
+
+/// Traces `rays` in all ways through trees of `triangles` and compares.
+fn check(triangles: &[Triangle], rays: &[Ray]) -> usize {
+    let mut found = 0;
+    for options in [BuildOptions::Best, BuildOptions::Median] {
+        let (bvh, report) = Bvh::build(triangles, &options).unwrap();
+        let tree = bvh.view();
+        let kept: Vec<(u32, Triangle)> = (tree.blocks().iter())
+            .flat_map(|block| (0..8).map(|lane| (block.prim_id[lane], block.triangle(lane))))
+            .filter(|&(id, _)| id != Hit::NO_PRIM)
+            .collect();
+        assert_eq!((kept.len(), bvh.statistics().triangles), (report.kept, report.kept));
+        // Without the triangles that were dropped, at their old indices.
+        let nowhere = [Vec3::NAN; 3];
+        let mut all: Vec<Triangle> = triangles.iter().map(|_| nowhere).collect();
+        kept.iter().for_each(|&(id, triangle)| all[id as usize] = triangle);
+        let expected: Vec<_> = rays.iter().map(|ray| reference::intersect_all(&all, ray)).collect();
+        for (ray, &hit) in rays.iter().zip(&expected) {
+            assert_eq!(bits(reference::intersect(&tree, ray)), bits(hit), "reference, {ray:?}");
+            assert_eq!(bits(tree.intersect(ray)), bits(hit), "single, {ray:?}");
+            assert_eq!(tree.occluded(ray), hit.is_some(), "occluded, {ray:?}");
+            found += hit.is_some() as usize;
+        }
+        check_packets::<4>(&bvh, rays, &expected);
+        check_packets::<8>(&bvh, rays, &expected);
+        let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
+        let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
+        tree.intersect_many(rays, &mut hits);
+        tree.occluded_many(rays, &mut occluded);
+        for ((hit, occluded), expected) in hits.iter().zip(occluded).zip(&expected) {
+            assert_eq!((bits(hit.found()), occluded), (bits(*expected), expected.is_some()));
+        }
+    }
+    found
+}
+
+fn check_packets<const N: usize>(bvh: &Bvh, rays: &[Ray], expected: &[Option<Hit>])
+where
+    super::Width<N>: super::PacketWidth<N>,
+{
+    let untouched = Hit { t: 12.5, u: -3.0, v: 8.0, prim_id: 77 };
+    for (start, chunk) in rays.chunks(N).enumerate() {
+        for active in [u32::MAX, 0b0101_1010, 0b1000_0001] {
+            let mut packet = RayPacket::<N>::from_rays(chunk);
+            packet.active &= active;
+            let mut hits = HitPacket::MISS;
+            (0..N).for_each(|lane| hits.set(lane, untouched));
+            bvh.view().intersect_packet(&packet, &mut hits);
+            let occluded = bvh.view().occluded_packet(&packet);
+            for lane in 0..N {
+                if packet.active >> lane & 1 == 1 {
+                    let expected = expected[start * N + lane];
+                    assert_eq!(bits(hits.hit(lane).found()), bits(expected), "lane {lane} of {N}, {:?}", chunk[lane]);
+                    assert_eq!(occluded >> lane & 1 == 1, expected.is_some());
+                } else {
+                    assert_eq!(bits(Some(hits.hit(lane))), bits(Some(untouched)));
+                    assert_eq!(occluded >> lane & 1, 0);
+                }
+            }
+        }
+    }
+}
+
+/// Rays of all kinds towards triangles: random, along axes and diagonals, through corners and edges, side by side.
+fn rays_at(triangles: &[Triangle], random: &mut Random, count: usize) -> Vec<Ray> {
+    let bounds = triangles
+        .iter()
+        .flatten()
+        .filter(|p| p.is_finite())
+        .fold(crate::Aabb::EMPTY, |sum, &p| sum.union(&crate::Aabb { min: p, max: p }));
+    let (center, size) = (bounds.center(), (bounds.max - bounds.min).max_element().max(1e-3));
+    let mut rays = Vec::new();
+    for i in 0..count {
+        let triangle = triangles[random.bits() as usize % triangles.len()];
+        let target = match i % 5 {
+            0 => triangle[0],
+            1 => (triangle[1] + triangle[2]) * 0.5,
+            2 => triangle[0] * 0.25 + triangle[1] * 0.5 + triangle[2] * 0.25,
+            _ => center + random.vector() * size * 0.5,
+        };
+        let origin = match i % 4 {
+            0 => center + random.vector() * size,
+            1 => center + random.vector() * size * 50.0,
+            2 => triangle[random.bits() as usize % 3],
+            _ => {
+                let steps = [-1.0f32, 0.0, 1.0, -0.0];
+                let axis = Vec3::from_array([0; 3].map(|_| steps[random.bits() as usize % 4]));
+                rays.push(Ray::new(target, axis));
+                target - axis * size
+            }
+        };
+        let direction = (target - origin) * [1.0, 1e-6, 3e7][i % 3];
+        rays.push(Ray::new(origin, direction));
+        rays.push(Ray { t_min: random.unit(), t_max: 1.0 + random.unit(), ..Ray::between(origin, target) });
+        // A bundle that a packet can trace together.
+        for _ in 0..8 {
+            rays.push(Ray::new(origin, direction.normalize_or(Vec3::Z) + random.vector() * 0.05));
+        }
+    }
+    rays
+}
+
+fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
+    (0..count)
+        .map(|_| {
+            let center = random.vector();
+            [(); 3].map(|()| center + random.vector() * size)
+        })
+        .collect()
+}
+
+/// A closed sphere: an octahedron whose faces are quartered `levels` times.
+fn sphere(levels: u32, place: impl Fn(Vec3) -> Vec3) -> Vec<Triangle> {
+    let mut faces = Vec::new();
+    for sign in 0..8 {
+        let s = |bit: u32| if sign >> bit & 1 == 1 { -1.0 } else { 1.0 };
+        let (x, y, z) = (vec3(s(0), 0.0, 0.0), vec3(0.0, s(1), 0.0), vec3(0.0, 0.0, s(2)));
+        faces.push(if s(0) * s(1) * s(2) > 0.0 { [x, y, z] } else { [x, z, y] });
+    }
+    for _ in 0..levels {
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let [ab, bc, ca] = [a + b, b + c, c + a].map(Vec3::normalize);
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    faces.iter().map(|face| face.map(&place)).collect()
+}
+
+#[test]
+fn random_triangles() {
+    let mut random = Random(1);
+    for (count, size) in [(1, 1.0), (2, 0.5), (3, 1.0), (7, 0.5), (8, 0.5), (9, 0.5), (60, 0.4), (400, 0.1), (700, 1.0)]
+    {
+        let triangles = soup(&mut random, count, size);
+        let rays = rays_at(&triangles, &mut random, 60);
+        assert!(check(&triangles, &rays) > rays.len() / 20);
+    }
+}
+
+#[test]
+fn scenes_far_from_the_origin_and_of_extreme_size() {
+    let mut random = Random(2);
+    for (scale, shift) in [(1.0, 1e5), (1e-6, 1.0), (1e11, 0.0), (1e-20, 0.0), (3.0, 148_376.0)] {
+        let triangles: Vec<_> =
+            soup(&mut random, 50, 0.4).iter().map(|triangle| triangle.map(|p| p * scale + shift)).collect();
+        let rays = rays_at(&triangles, &mut random, 40);
+        check(&triangles, &rays);
+    }
+}
+
+#[test]
+fn a_grid_of_axis_aligned_quads() {
+    let mut random = Random(3);
+    let mut triangles = Vec::new();
+    for i in 0..10 {
+        for j in 0..10 {
+            let p = |x: i32, y: i32| vec3(x as f32, y as f32, ((i + j) % 3) as f32);
+            triangles.push([p(i, j), p(i + 1, j), p(i + 1, j + 1)]);
+            triangles.push([p(i, j), p(i + 1, j + 1), p(i, j + 1)]);
+        }
+    }
+    let mut rays = rays_at(&triangles, &mut random, 60);
+    // Along grid lines and through grid points, from inside flat boxes and on split planes.
+    for i in 0..=20 {
+        let at = i as f32 * 0.5;
+        for direction in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Z, vec3(1.0, 1.0, 0.0), vec3(0.0, -0.0, 1.0)] {
+            rays.push(Ray::new(vec3(at, 5.0, 0.0), direction));
+            rays.push(Ray::new(vec3(at, at, -1.0), direction));
+        }
+    }
+    assert!(check(&triangles, &rays) > 400);
+}
+
+#[test]
+fn no_ray_escapes_from_a_sphere_or_enters_it_unseen() {
+    let mut random = Random(4);
+    for center in [Vec3::ZERO, Vec3::splat(1e3), Vec3::splat(1e5), vec3(148_376.0, 1234.0, -223_423.0)] {
+        let triangles = sphere(3, |p| p * 3.0 + center);
+        let (bvh, _) = Bvh::build(&triangles, &BuildOptions::Best).unwrap();
+        for i in 0..20_000 {
+            let triangle = triangles[random.bits() as usize % triangles.len()];
+            let (a, b) = (triangle[i % 3], triangle[(i + 1) % 3]);
+            // At corners, along edges, anywhere.
+            let target = match i % 3 {
+                0 => a,
+                1 => a.lerp(b, random.unit()),
+                _ => center + random.vector(),
+            };
+            let inside = center + random.vector() * 0.8;
+            let leak = Ray::new(inside, target - inside);
+            assert!(bvh.view().intersect(&leak).is_some(), "{leak:?} escapes");
+            let outside = center + random.vector().normalize() * 9.0;
+            let far_wall = Ray { t_max: 2.0, ..Ray::between(outside, inside) };
+            assert!(bvh.view().occluded(&far_wall), "{far_wall:?} passes");
+        }
+    }
+}
+
+#[test]
+fn odd_triangles() {
+    let mut random = Random(5);
+    let mut triangles = soup(&mut random, 30, 0.5);
+    let p = random.vector();
+    triangles.push([p; 3]);
+    triangles.push([p, p + Vec3::X, p + Vec3::X * 2.0]);
+    triangles.push([p, p + Vec3::X, p + Vec3::X * 0.5 + Vec3::Y * 1e-8]);
+    triangles.push([p, p + Vec3::X * 1e-20, p + Vec3::Y * 1e-20]);
+    triangles.push([Vec3::ZERO, Vec3::X * 1e-20, Vec3::Y * 1e-20]);
+    triangles.push([p, Vec3::NAN, Vec3::X]);
+    triangles.push([Vec3::INFINITY, p, Vec3::X]);
+    triangles.push([Vec3::splat(5.9e11), p, Vec3::X]);
+    triangles.push([Vec3::splat(5e12), p, Vec3::X]);
+    let (_, report) = Bvh::build(&triangles, &BuildOptions::Best).unwrap();
+    assert_eq!((report.out_of_range, report.kept + report.degenerate), (3, 36));
+    assert!(report.degenerate >= 2);
+    let rays = rays_at(&triangles[..31], &mut random, 100);
+    check(&triangles, &rays);
+}
+
+#[test]
+fn copies_of_one_triangle_give_the_first() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let triangles: Vec<_> = core::iter::repeat_n(triangle, 100_000).collect();
+    for options in [BuildOptions::Best, BuildOptions::Median] {
+        let (bvh, _) = Bvh::build(&triangles, &options).unwrap();
+        let hit = bvh.view().intersect(&Ray::new(vec3(0.25, 0.25, -2.0), Vec3::Z)).unwrap();
+        assert_eq!(hit, Hit { t: 2.0, u: 0.25, v: 0.25, prim_id: 0 });
+    }
+}
+
+#[test]
+fn rays_out_of_limits_hit_nothing() {
+    let triangles = sphere(2, |p| p);
+    let (bvh, _) = Bvh::build(&triangles, &BuildOptions::Best).unwrap();
+    let good = Ray::new(Vec3::ZERO, Vec3::X);
+    assert!(bvh.view().intersect(&good).is_some());
+    let (nan, inf) = (f32::NAN, f32::INFINITY);
+    let bad = [
+        Ray { direction: Vec3::ZERO, ..good },
+        Ray { direction: Vec3::splat(1e-40), ..good },
+        Ray { direction: Vec3::X * 1e30, ..good },
+        Ray { direction: Vec3::X * 1e-30, ..good },
+        Ray { direction: vec3(1.0, nan, 0.0), ..good },
+        Ray { direction: vec3(1.0, inf, 0.0), ..good },
+        Ray { origin: vec3(nan, 0.0, 0.0), ..good },
+        Ray { origin: vec3(0.0, -inf, 0.0), ..good },
+        Ray { t_min: 2.0, t_max: 1.0, ..good },
+        Ray { t_min: nan, ..good },
+        Ray { t_max: nan, ..good },
+        Ray { t_min: inf, ..good },
+        Ray { t_max: 0.0, ..good },
+        Ray { t_max: -inf, ..good },
+    ];
+    for ray in bad {
+        assert_eq!(bvh.view().intersect(&ray), None, "{ray:?}");
+    }
+    check(&triangles, &bad);
+    // Negative t counts if it is asked for.
+    let behind = bvh.view().intersect(&Ray { t_min: -inf, ..good }).unwrap();
+    assert!((behind.t + 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn rays_of_raw_bits() {
+    let mut random = Random(6);
+    let triangles = soup(&mut random, 40, 1.0);
+    let raw = |random: &mut Random| vec3(random.raw(), random.raw(), random.raw());
+    let mut rays = Vec::new();
+    for _ in 0..4000 {
+        let ray =
+            Ray { origin: raw(&mut random), t_min: random.raw(), direction: raw(&mut random), t_max: random.raw() };
+        rays.push(ray);
+        rays.push(Ray { origin: random.vector(), t_min: -1e30, t_max: 1e30, ..ray });
+        rays.push(Ray { direction: random.vector(), t_min: f32::NEG_INFINITY, t_max: f32::INFINITY, ..ray });
+    }
+    assert!(check(&triangles, &rays) > 100);
+    // Triangles too.
+    for _ in 0..200 {
+        let triangles: Vec<_> = (0..12).map(|_| [(); 3].map(|()| raw(&mut random))).collect();
+        let rays: Vec<_> = (0..20)
+            .map(|i| {
+                let target = triangles[i % 12][i % 3];
+                Ray { t_min: f32::NEG_INFINITY, ..Ray::between(raw(&mut random), target) }
+            })
+            .collect();
+        check(&triangles, &rays);
+    }
+}
+
+#[test]
+fn an_empty_tree_is_missed() {
+    check(&[], &[Ray::new(Vec3::ZERO, Vec3::X)]);
+    check(&[[Vec3::ZERO; 3]], &[Ray::new(Vec3::ZERO, Vec3::X)]);
+}
+
+#[test]
+fn a_ray_that_leaves_a_triangle_does_not_hit_it() {
+    let mut random = Random(7);
+    for i in 0..200_000 {
+        let shift = random.vector() * [0.0, 1.0, 1e3, 1e6][i % 4];
+        let scale = [1.0, 1e-3, 1e4, 1e-2, 7.0][i % 5];
+        let triangle = [(); 3].map(|()| random.vector() * scale + shift);
+        let (mut u, mut v) = (random.unit(), random.unit());
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or_zero();
+        let grazing = [1.0, 1e-2, 1e-4][i % 3];
+        let direction = random.vector().reject_from(normal.normalize_or(Vec3::X)) + normal * (random.unit() * grazing);
+        let origin = offset_origin(&triangle, u, v, direction);
+        let ray = Ray::new(origin, direction);
+        assert_eq!(crate::geometry::intersect_triangle(&ray, &triangle), None, "{triangle:?} {ray:?}");
+    }
+}
