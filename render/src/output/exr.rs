@@ -80,7 +80,7 @@ fn text(path: &Path, name: &str) -> Result<Text, OutputError> {
 ///
 /// # Errors
 /// If the file cannot be read, is not an OpenEXR file or is damaged; if it has subsampled or deep channels or more
-/// than 2³¹ values; if one of the attributes above is of the wrong type.
+/// than 2³¹ values; if an attribute that holds metadata is of the wrong type.
 pub fn read(path: &Path) -> Result<Picture, OutputError> {
     let bytes = fs::read(path).map_err(|error| OutputError::unreadable(path, &error))?;
     let damaged = |error: Error| match error {
@@ -255,6 +255,21 @@ mod tests {
             let error = read(&path).unwrap_err();
             assert!(error.problem.starts_with("is not a complete OpenEXR file: "), "{length}: {error}");
         }
+    }
+
+    #[test]
+    fn no_damaged_byte_makes_the_reader_panic() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let bytes = encoded(&picture(2, 20));
+        let mut refused = 0;
+        for i in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[i] ^= 0xff;
+            fs::write(&path, &damaged).unwrap();
+            refused += u32::from(read(&path).is_err());
+        }
+        assert!(refused > 200, "damage is noticed: {refused}");
     }
 
     #[test]

@@ -1,6 +1,10 @@
 //! Pictures as files: OpenEXR for numbers, PNG for looking at.
 //!
 //! A picture is encoded in memory first and then put in its place in one step, so that a file on disk is always whole.
+//!
+//! An OpenEXR file also holds the metadata, by pbrt's and the standard's names: `samplesPerPixel` (int),
+//! `renderTimeSeconds` (float), `worldToCamera` (m44f for row vectors, left-handed, z into the picture), `integrator`
+//! and `software` (string), `seed` (decimal) and `sceneHash` (hexadecimal) as strings.
 
 mod error;
 mod exr;
@@ -46,7 +50,7 @@ impl Format {
     }
 }
 
-/// Checks before a render that [`write`] will find a format it knows and a place where it can write.
+/// Checks before a render that [`write()`] will find a format it knows and a place where it can write.
 ///
 /// # Errors
 /// Those of [`Format::from_path`] and [`OutputFile::check`].
