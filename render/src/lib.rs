@@ -3,5 +3,6 @@
 
 pub mod driver;
 pub mod film;
+pub mod output;
 pub mod scene;
 pub mod settings;

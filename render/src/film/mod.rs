@@ -1,7 +1,9 @@
 //! The film: pixel filters, and the picture that samples add up to.
 
 mod filter;
+mod filter_sampler;
 mod picture;
 
-pub use filter::Filter;
+pub use filter::{Filter, FilterError};
+pub use filter_sampler::{FilterSample, FilterSampler};
 pub use picture::{Channel, Metadata, Picture};
