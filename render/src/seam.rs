@@ -1,6 +1,6 @@
 //! TEMPORARY, until the branches merge: the thinnest stand-ins for what the command line calls elsewhere.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::driver::{Render, Watch};
@@ -8,15 +8,27 @@ use crate::film::{Channel, Filter, Metadata, Picture};
 use crate::scene::{Place, Scene, SceneError};
 use crate::settings::{Invalid, Settings};
 
-/// Becomes `Filter::from_name`.
-pub(crate) fn filter_from_name(name: &str, width: Option<f32>, sharpness: Option<f32>) -> Result<Filter, Invalid> {
-    let width = width.unwrap_or(if name == "box" { 1.0 } else { 4.0 });
-    match name {
-        "box" => Ok(Filter::Box { width }),
-        "tent" => Ok(Filter::Tent { width }),
-        "gaussian" => Ok(Filter::Gaussian { width }),
-        "mitchell" => Ok(Filter::Mitchell { width, sharpness: sharpness.unwrap_or(2.0 / 3.0) }),
-        _ => Err(Invalid::new(format!("no filter is called {name:?}"), "known are box, tent, gaussian, mitchell")),
+/// Becomes what `Filter::from_name` gives.
+pub(crate) struct FilterError {
+    pub(crate) problem: String,
+    pub(crate) remedy: String,
+}
+
+impl Filter {
+    pub(crate) const NAMES: [&'static str; 4] = ["box", "tent", "gaussian", "mitchell"];
+
+    pub(crate) fn from_name(name: &str, width: Option<f32>, sharpness: Option<f32>) -> Result<Filter, FilterError> {
+        let width = width.unwrap_or(if name == "box" { 1.0 } else { 4.0 });
+        match name {
+            "box" => Ok(Filter::Box { width }),
+            "tent" => Ok(Filter::Tent { width }),
+            "gaussian" => Ok(Filter::Gaussian { width }),
+            "mitchell" => Ok(Filter::Mitchell { width, sharpness: sharpness.unwrap_or(2.0 / 3.0) }),
+            _ => Err(FilterError {
+                problem: format!("there is no pixel filter {name:?}"),
+                remedy: format!("choose one of {}", Self::NAMES.join(", ")),
+            }),
+        }
     }
 }
 
@@ -69,34 +81,54 @@ pub(crate) fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> R
     Ok(Render { picture, finished: !watch.stop(), rays, elapsed: start.elapsed() })
 }
 
-/// Becomes `output::ToneMapping`.
-pub(crate) struct ToneMapping {
-    pub(crate) exposure: f32,
-    pub(crate) curve: Curve,
-}
+/// Becomes `crate::output`.
+pub(crate) mod output {
+    use std::path::Path;
 
-/// Becomes `output::Curve`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Curve {
-    Linear,
-    Reinhard,
-}
+    use crate::film::Picture;
+    use crate::settings::Invalid;
 
-/// Becomes `output::OutputFile`.
-pub(crate) struct OutputFile(PathBuf);
-
-impl OutputFile {
-    pub(crate) fn check(path: &Path) -> Result<Self, Invalid> {
-        let extension = path.extension().unwrap_or_default();
-        if extension != "exr" && extension != "png" {
-            return Err(Invalid::new(format!("{}: unknown kind of picture", path.display()), "name it .exr or .png"));
-        }
-        Ok(Self(path.to_owned()))
+    #[derive(Clone, Debug)]
+    pub(crate) struct ToneMapping {
+        pub(crate) exposure: f32,
+        pub(crate) curve: ToneCurve,
     }
-}
 
-/// Becomes `output::write`.
-pub(crate) fn write(file: &OutputFile, picture: &Picture, tone: &ToneMapping) -> Result<(), Invalid> {
-    let text = format!("{} {} {} {:?}", picture.width, picture.height, tone.exposure, tone.curve);
-    std::fs::write(&file.0, text).map_err(|error| Invalid::new(format!("{}: {error}", file.0.display()), "make room"))
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum ToneCurve {
+        Linear,
+        Reinhard,
+        Neutral,
+    }
+
+    impl ToneCurve {
+        pub(crate) const NAMES: [&'static str; 3] = ["linear", "reinhard", "neutral"];
+
+        pub(crate) fn from_name(name: &str) -> Option<Self> {
+            let curves = [Self::Linear, Self::Reinhard, Self::Neutral];
+            Self::NAMES.iter().position(|known| *known == name).map(|i| curves[i])
+        }
+    }
+
+    pub(crate) struct Format;
+
+    impl Format {
+        pub(crate) fn from_path(path: &Path) -> Result<Self, Invalid> {
+            match path.extension().and_then(|extension| extension.to_str()) {
+                Some("exr" | "png") => Ok(Self),
+                _ => Err(Invalid::new(format!("{}: unknown format", path.display()), "end the name in .exr or .png")),
+            }
+        }
+    }
+
+    pub(crate) fn check(path: &Path) -> Result<(), Invalid> {
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        let missing = || Invalid::new(format!("{}: no such folder", path.display()), "choose another folder");
+        if folder.is_dir() { Ok(()) } else { Err(missing()) }
+    }
+
+    pub(crate) fn write(path: &Path, picture: &Picture, tone: &ToneMapping) -> Result<(), Invalid> {
+        let text = format!("{} {} {:?}", picture.width, tone.exposure, tone.curve);
+        std::fs::write(path, text).map_err(|error| Invalid::new(format!("{}: {error}", path.display()), "make room"))
+    }
 }

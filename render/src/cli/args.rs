@@ -3,12 +3,13 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
 use super::progress::Mode;
 use crate::scene::Overrides;
-use crate::seam::{Curve, ToneMapping};
+use crate::seam::output::{ToneCurve, ToneMapping};
 use crate::settings::{Invalid, MAX_SIDE};
 
 const EXIT_CODES: &str = "\
@@ -89,8 +90,8 @@ pub(super) struct RenderArguments {
     exposure: f32,
 
     /// Tone curve of PNG pictures
-    #[arg(long, value_name = "CURVE", default_value = "linear", help_heading = "PNG")]
-    tone: Curve,
+    #[arg(long, value_name = "CURVE", default_value = "linear", help_heading = "PNG", value_parser = tone_curve())]
+    tone: ToneCurve,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -158,6 +159,11 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     sides
         .and_then(|(width, height)| Some((side(width)?, side(height)?)))
         .ok_or_else(|| format!("expected two whole numbers from 1 to {MAX_SIDE}, for example 1280x720"))
+}
+
+fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
+    PossibleValuesParser::new(ToneCurve::NAMES)
+        .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
 }
 
 fn exposure(text: &str) -> Result<f32, String> {

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 
 use super::{EXIT_INPUT, EXIT_SYSTEM};
+use crate::scene::SceneError;
 use crate::settings::Invalid;
 
 /// Why there is no result. The texts may have further lines with help.
@@ -18,6 +19,10 @@ pub(super) enum CliError {
 }
 
 impl CliError {
+    pub(super) fn input(error: impl Display) -> Self {
+        Self::Input(error.to_string())
+    }
+
     pub(super) fn system(error: impl Display) -> Self {
         Self::System(error.to_string())
     }
@@ -39,7 +44,13 @@ impl CliError {
 
 impl From<Invalid> for CliError {
     fn from(error: Invalid) -> Self {
-        Self::Input(error.to_string())
+        Self::input(error)
+    }
+}
+
+impl From<SceneError> for CliError {
+    fn from(error: SceneError) -> Self {
+        Self::input(error)
     }
 }
 

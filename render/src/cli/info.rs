@@ -84,7 +84,7 @@ impl Info {
             camera: Camera { eye: pose.eye, target: pose.target, up: pose.up, vfov: pose.vfov },
             bounds: scene.bounds().map(|(lower, upper)| Bounds { lower, upper }),
             warnings: std::mem::take(&mut scene.warnings),
-            tree: World::new(scene)?.tree_statistics(),
+            tree: World::new(scene).map_err(CliError::input)?.tree_statistics(),
         };
         Ok(facts)
     }

@@ -17,7 +17,7 @@ use clap::Parser;
 use args::{Arguments, Command};
 use error::CliError;
 
-use crate::scene::{self, Overrides, Scene, SceneError};
+use crate::scene::{self, Overrides, Place, Scene, SceneError};
 
 /// Done.
 const EXIT_DONE: u8 = 0;
@@ -53,11 +53,13 @@ pub fn main() -> ExitCode {
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
 fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
-    if name == Path::new(CORNELL) { Ok((scene::cornell_box(), Overrides::default())) } else { scene::open(name) }
-}
-
-impl From<SceneError> for CliError {
-    fn from(error: SceneError) -> Self {
-        Self::Input(error.to_string())
+    if name == Path::new(CORNELL) {
+        return Ok((scene::cornell_box(), Overrides::default()));
     }
+    if !name.exists() {
+        let remedy =
+            "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+        return Err(SceneError::new(name, Place::File, "no such file", remedy));
+    }
+    scene::open(name)
 }

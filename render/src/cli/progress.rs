@@ -6,7 +6,7 @@ use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::thread::JoinHandle;
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -87,14 +87,15 @@ impl Progress {
         let (stop, stopped) = channel();
         // The wait ends early when `stop` is dropped.
         let wait = move |interval| stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout);
+        let thread = Builder::new().name("progress".to_owned());
         let reporter = match style {
             Style::Silent => return Self { counters, reporter: None },
-            Style::Json => std::thread::spawn(move || {
+            Style::Json => thread.spawn(move || {
                 while wait(JSON_INTERVAL) {
                     print_line(&snapshot().json());
                 }
             }),
-            Style::Bar => std::thread::spawn(move || {
+            Style::Bar => thread.spawn(move || {
                 let bar = bar(total);
                 while wait(BAR_INTERVAL) {
                     let now = snapshot();
@@ -104,7 +105,8 @@ impl Progress {
                 bar.finish_and_clear();
             }),
         };
-        Self { counters, reporter: Some((stop, reporter)) }
+        // A render without a bar is better than none.
+        Self { counters, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
     }
 }
 

@@ -7,15 +7,19 @@ use super::args::RenderArguments;
 use super::progress::Progress;
 use super::summary::Job;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, open};
-use crate::driver::Render;
+use crate::film::Picture;
 use crate::scene::Scene;
-use crate::seam::{OutputFile, World, render, write};
+use crate::seam::output::ToneMapping;
+use crate::seam::{World, output, render};
 use crate::settings::{IntegratorKind, Settings};
 
 /// Renders; the exit code says whether every sample was taken.
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let paths = arguments.outputs()?;
-    let outputs = paths.iter().map(|path| OutputFile::check(path)).collect::<Result<Vec<_>, _>>()?;
+    for path in &paths {
+        output::Format::from_path(path).map_err(CliError::input)?;
+        output::check(path).map_err(CliError::system)?;
+    }
     let (mut scene, file_overrides) = open(&arguments.scene)?;
     let settings = arguments.overrides().or(file_overrides).apply(&mut scene)?;
     memory::check(&settings)?;
@@ -32,14 +36,14 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
     job.print_start(style);
 
-    let world = pool.install(|| World::new(scene))?;
+    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
     let result = pool.install(|| render(&world, &settings, &progress));
     drop(progress);
     let result = result.map_err(CliError::system)?;
 
-    let (written, failures) = write_all(&paths, &outputs, &result, arguments);
+    let (written, failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
     job.print_end(style, &result, &written);
     if !failures.is_empty() {
         return Err(CliError::System(failures.join("\n")));
@@ -48,17 +52,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
 }
 
 /// Writes every picture that can be written, for it may have taken hours to make: paths written, errors of the others.
-fn write_all(
-    paths: &[PathBuf],
-    outputs: &[OutputFile],
-    result: &Render,
-    arguments: &RenderArguments,
-) -> (Vec<PathBuf>, Vec<String>) {
-    let tone = arguments.tone_mapping();
+fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<PathBuf>, Vec<String>) {
     let mut written = Vec::new();
     let mut failures = Vec::new();
-    for (path, output) in paths.iter().zip(outputs) {
-        match write(output, &result.picture, &tone) {
+    for path in paths {
+        match output::write(path, picture, tone) {
             Ok(()) => written.push(path.clone()),
             Err(error) => failures.push(error.to_string()),
         }

@@ -246,5 +246,4 @@ fn shortened(text: &str) -> String {
 }
 
 #[cfg(test)]
-#[path = "file_tests.rs"]
 mod tests;

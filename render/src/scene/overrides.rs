@@ -3,13 +3,13 @@
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use glam::Vec3;
 
 use super::framing::frame;
 use super::value::{self, argument};
 use super::{CameraPose, Scene};
 use crate::film::Filter;
-use crate::seam::filter_from_name;
 use crate::settings::{IntegratorKind, Invalid, Settings};
 
 /// Options that are set here; the others are `None` and leave things as they are.
@@ -38,8 +38,8 @@ pub struct Overrides {
     /// Pixels down [default: 512]
     #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::side))]
     pub height: Option<u32>,
-    /// Pixel filter: box, tent, gaussian or mitchell [default: box]
-    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::text))]
+    /// Pixel filter [default: box]
+    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = PossibleValuesParser::new(Filter::NAMES))]
     pub filter: Option<String>,
     /// The filter's full width in pixels [default: the filter's own]
     #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::filter_width))]
@@ -126,7 +126,9 @@ impl Overrides {
 
     /// The pixel filter, `box` if none is named.
     pub(super) fn film_filter(&self) -> Result<Filter, Invalid> {
-        filter_from_name(self.filter.as_deref().unwrap_or("box"), self.filter_width, self.sharpness)
+        let name = self.filter.as_deref().unwrap_or("box");
+        Filter::from_name(name, self.filter_width, self.sharpness)
+            .map_err(|error| Invalid::new(error.problem, error.remedy))
     }
 
     /// With both eye and target given, a new camera; else the scene's, or without one the framing one, with what is
@@ -153,7 +155,8 @@ impl Overrides {
             vfov: self.vfov.unwrap_or(base.vfov),
         };
         check_pose(&pose)?;
-        Ok(pose)
+        // A very long or short vector would not survive the squares of 32-bit arithmetic.
+        Ok(CameraPose { up: pose.up.as_dvec3().normalize().as_vec3(), ..pose })
     }
 }
 
@@ -163,20 +166,29 @@ const DEFAULT_VFOV: f32 = 40.0;
 /// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
 const MIN_SIN_UP: f64 = 1e-4;
 
+/// The greatest magnitude of a coordinate, as for models.
+const MAX_COORDINATE: f32 = 1e18;
+
+/// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.
+const MIN_VIEW_LENGTH: f64 = 1e-18;
+
 /// Refuses a pose from which no picture follows.
 pub(super) fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
     let CameraPose { eye, target, up, .. } = *pose;
-    if !(eye.is_finite() && target.is_finite()) {
-        return Err(Invalid::new("the camera is too far away for 32-bit floats", "scale the model down"));
-    }
-    if eye == target {
+    if eye.abs().max(target.abs()).max_element() > MAX_COORDINATE {
         return Err(Invalid::new(
-            format!("the camera's eye and target are both {eye}"),
+            format!("the camera at {eye}, looking at {target}, is too far away"),
+            format!("coordinates go up to {MAX_COORDINATE:e}; scale the model down"),
+        ));
+    }
+    let view = target.as_dvec3() - eye.as_dvec3();
+    if view.length() < MIN_VIEW_LENGTH {
+        return Err(Invalid::new(
+            format!("the camera's eye {eye} and target {target} are the same point"),
             "give two different points: eye is where the camera stands, target what it looks at",
         ));
     }
-    let view = (target.as_dvec3() - eye.as_dvec3()).normalize();
-    if view.cross(up.as_dvec3().normalize()).length() < MIN_SIN_UP {
+    if view.normalize().cross(up.as_dvec3().normalize()).length() < MIN_SIN_UP {
         return Err(Invalid::new(
             format!("the camera's up vector {up} points along its view"),
             "give an up vector across the view, for example 0,0,-1 to look straight down",
@@ -184,3 +196,6 @@ pub(super) fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;
