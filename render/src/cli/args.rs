@@ -23,25 +23,27 @@ Exit codes:
 
 const EXAMPLES: &str = "\
 Examples:
-  halfdome                                      render the built-in Cornell box to cornell.exr and cornell.png
-  halfdome render room.glb                      render a model to room.exr and room.png
-  halfdome render room.toml --spp 1024 -o a.exr render a scene file with more samples
-  halfdome info room.glb --json                 what is in a model";
+  halfdome                              the built-in Cornell box
+  halfdome render room.glb              a model, to room.exr and room.png
+  halfdome render room.toml --spp 1024  a scene file, with more samples
+  halfdome info room.glb --json         what is in a model";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
   halfdome render cornell --size 256x256 --spp 16 -o small.png
-  halfdome render hall.obj --eye 0,1.7,4 --target 0,1,0 --vfov 60 --sky 0.5,0.6,0.8
+  halfdome render hall.obj --eye 0,1.7,4 --target 0,1,0 --sky 0.5,0.6,0.8
   halfdome render hall.toml --integrator normals -o normals.exr
   halfdome render hall.glb --exposure -1 --tone reinhard --progress none
 
-Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new one;
-with one of them the model's camera is changed. A model without a camera is seen from the front, 30 degrees from the
-right and 20 from above, from where all of it is in the picture.";
+Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
+one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
+its front and 20 above, from where all of it is in the picture.";
 
-/// Renders scenes with global illumination.
+/// Renders scenes with global illumination
+///
+/// Without a command, the built-in Cornell box is rendered to cornell.exr and cornell.png in the current folder.
 #[derive(Parser, Debug)]
-#[command(version, about, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+#[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {
     /// What to do; without one, the built-in Cornell box is rendered.
     #[command(subcommand)]
