@@ -5,21 +5,30 @@ use crate::film::Filter;
 /// The settings of one picture; defaults as `Settings::default()` has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Pixels across.
+    /// Pixels across, 1 to [`MAX_SIDE`].
     pub width: u32,
-    /// Pixels down.
+    /// Pixels down, 1 to [`MAX_SIDE`].
     pub height: u32,
     /// The pixel filter.
     pub filter: Filter,
     /// What is computed.
     pub integrator: IntegratorKind,
-    /// Samples per pixel.
+    /// Samples per pixel, at least 1.
     pub spp: u32,
     /// The greatest number of surface hits on a path, camera's included: 1 shows emitters alone, 2 adds direct light.
     pub max_depth: u32,
     /// Selects the random numbers.
     pub seed: u64,
 }
+
+/// The longest side of a picture, in pixels.
+pub const MAX_SIDE: u32 = 65_536;
+
+/// The largest picture: 2^28 pixels, a square of 16,384.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// An estimate of the bytes that a pixel takes until it is written: ten channels of 32-bit floats, three sums of 64 bits.
+pub const BYTES_PER_PIXEL: u64 = 64;
 
 /// The integrators by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +39,56 @@ pub enum IntegratorKind {
     Normals,
     /// Diffuse reflectance.
     Albedo,
+}
+
+/// Settings that do not go together, or a camera that sees nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}\n  help: {remedy}")]
+pub struct Invalid {
+    /// What is wrong, as a sentence without a capital or a full stop.
+    pub problem: String,
+    /// What would be right, likewise.
+    pub remedy: String,
+}
+
+impl Invalid {
+    /// What is wrong, and what would be right.
+    pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { problem: problem.into(), remedy: remedy.into() }
+    }
+}
+
+impl IntegratorKind {
+    /// Every integrator.
+    pub const ALL: [Self; 3] = [Self::Path, Self::Normals, Self::Albedo];
+
+    /// The name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Normals => "normals",
+            Self::Albedo => "albedo",
+        }
+    }
+}
+
+impl Settings {
+    /// An estimate of the memory that the picture takes, in bytes, without the scene.
+    pub fn picture_bytes(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * BYTES_PER_PIXEL
+    }
+
+    /// Refuses a picture of more than [`MAX_PIXELS`].
+    pub fn check_pixels(width: u32, height: u32) -> Result<(), Invalid> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels <= MAX_PIXELS {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            format!("{width}x{height} are {pixels} pixels"),
+            format!("a picture has at most {MAX_PIXELS} pixels, for example 16384x16384"),
+        ))
+    }
 }
 
 impl Default for Settings {

@@ -1,7 +1,17 @@
 //! Scenes: what they are made of, and the files they are read from.
 
+mod builtin;
 mod description;
 mod error;
+mod file;
+mod framing;
+mod nearest;
+mod overrides;
+mod value;
 
+pub use builtin::cornell_box;
 pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
 pub use error::{Place, SceneError};
+pub use file::{SceneFile, open};
+pub use framing::frame;
+pub use overrides::Overrides;

@@ -1,0 +1,250 @@
+//! The arguments.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+
+use super::CORNELL;
+use super::progress::Mode;
+use crate::scene::Overrides;
+use crate::seam::output::{ToneCurve, ToneMapping};
+use crate::settings::{Invalid, MAX_SIDE};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  bad input or usage
+  2  the system failed: reading, writing, memory
+  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written
+  4  stopped early by a limit (reserved)
+  A second Ctrl-C ends the program at once, with 130 and no picture.";
+
+const EXAMPLES: &str = "\
+Examples:
+  halfdome                              the built-in Cornell box
+  halfdome render room.glb              a model, to room.exr and room.png
+  halfdome render room.toml --spp 1024  a scene file, with more samples
+  halfdome info room.glb --json         what is in a model";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  halfdome render cornell --size 256x256 --spp 16 -o small.png
+  halfdome render hall.obj --eye 0,1.7,4 --target 0,1,0 --sky 0.5,0.6,0.8
+  halfdome render hall.toml --integrator normals -o normals.exr
+  halfdome render hall.glb --exposure -1 --tone reinhard --progress none
+
+Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
+one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
+its front and 20 above, from where all of it is in the picture.";
+
+/// Renders scenes with global illumination
+///
+/// Without a command, the built-in Cornell box is rendered to cornell.exr and cornell.png in the current folder.
+#[derive(Parser, Debug)]
+#[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+pub(super) struct Arguments {
+    /// What to do; without one, the built-in Cornell box is rendered.
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+}
+
+#[derive(Subcommand, Debug)]
+pub(super) enum Command {
+    /// Render a scene to pictures
+    #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Render(Box<RenderArguments>),
+    /// Say what is in a scene, without rendering it
+    #[command(after_help = EXIT_CODES)]
+    Info(InfoArguments),
+}
+
+#[derive(Args, Clone, Debug)]
+pub(super) struct RenderArguments {
+    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    pub(super) scene: PathBuf,
+
+    /// Picture to write, .exr (linear radiance) or .png (tone mapped); may be given several times
+    /// [default: the scene's name with .exr and .png, in the current folder]
+    #[arg(short, long = "output", value_name = "FILE")]
+    outputs: Vec<PathBuf>,
+
+    /// Pixels across and down, for example 1280x720 [default: 512x512]
+    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
+    #[arg(value_parser = size)]
+    size: Option<(u32, u32)>,
+
+    #[command(flatten)]
+    overrides: Overrides,
+
+    /// Threads; the picture does not depend on them [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
+    #[arg(long, value_name = "MODE", default_value = "auto")]
+    pub(super) progress: Mode,
+
+    /// Exposure of PNG pictures in stops: each doubles the brightness
+    #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
+    #[arg(value_parser = exposure)]
+    exposure: f32,
+
+    /// Tone curve of PNG pictures
+    #[arg(long, value_name = "CURVE", default_value = "linear", help_heading = "PNG", value_parser = tone_curve())]
+    tone: ToneCurve,
+}
+
+#[derive(Args, Clone, Debug)]
+pub(super) struct InfoArguments {
+    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    pub(super) scene: PathBuf,
+
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+impl Command {
+    /// What the program does without arguments.
+    pub(super) fn cornell() -> Self {
+        let arguments = Arguments::parse_from(["halfdome", "render", CORNELL]);
+        arguments.command.expect("`render` is a command")
+    }
+}
+
+impl RenderArguments {
+    /// The options that are given.
+    pub(super) fn overrides(&self) -> Overrides {
+        let mut overrides = self.overrides.clone();
+        if let Some((width, height)) = self.size {
+            (overrides.width, overrides.height) = (Some(width), Some(height));
+        }
+        overrides
+    }
+
+    /// The pictures to write, each once.
+    pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Invalid> {
+        if self.outputs.is_empty() {
+            let stem = self.scene.file_stem().unwrap_or(OsStr::new("picture"));
+            return Ok(["exr", "png"].map(|extension| with_extension(stem, extension)).to_vec());
+        }
+        for (i, path) in self.outputs.iter().enumerate() {
+            if self.outputs[..i].contains(path) {
+                return Err(Invalid::new(
+                    format!("{} would be written twice", path.display()),
+                    "give each picture a name of its own",
+                ));
+            }
+        }
+        Ok(self.outputs.clone())
+    }
+
+    /// How PNG pictures are made.
+    pub(super) fn tone_mapping(&self) -> ToneMapping {
+        ToneMapping { exposure: self.exposure, curve: self.tone }
+    }
+}
+
+/// `stem.extension`, even if the stem has dots.
+fn with_extension(stem: &OsStr, extension: &str) -> PathBuf {
+    let mut name = stem.to_owned();
+    name.push(".");
+    name.push(extension);
+    Path::new(&name).to_owned()
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    let sides = text.split_once(['x', 'X', '×']);
+    sides
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| format!("expected two whole numbers from 1 to {MAX_SIDE}, for example 1280x720"))
+}
+
+fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
+    PossibleValuesParser::new(ToneCurve::NAMES)
+        .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= 64.0);
+    stops.ok_or_else(|| "expected stops from -64 to 64".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
+        let all = ["halfdome", "render"].iter().chain(arguments);
+        match Arguments::try_parse_from(all)?.command {
+            Some(Command::Render(arguments)) => Ok(*arguments),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Arguments::command().debug_assert();
+        let Command::Render(arguments) = Command::cornell() else { panic!("not a render") };
+        assert_eq!(arguments.outputs().unwrap(), [Path::new("cornell.exr"), Path::new("cornell.png")]);
+    }
+
+    #[test]
+    fn every_override_can_be_given() {
+        let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
+                         --filter-width 2 --sharpness .5 --integrator normals --spp 7 --max-depth 3 \
+                         --seed 18446744073709551615 --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
+        let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
+        let expected = Overrides {
+            eye: Some([-1.0, 2.0, 3.0].into()),
+            target: Some([0.0, -0.5, 0.0].into()),
+            up: Some([0.0, 0.0, 1.0].into()),
+            vfov: Some(30.0),
+            width: Some(10),
+            height: Some(20),
+            filter: Some("tent".into()),
+            filter_width: Some(2.0),
+            sharpness: Some(0.5),
+            integrator: Some(crate::settings::IntegratorKind::Normals),
+            spp: Some(7),
+            max_depth: Some(3),
+            seed: Some(u64::MAX),
+            sky: Some([1.0, 2.0, 3.0].into()),
+            emits_both_sides: Some(true),
+        };
+        assert_eq!(arguments.overrides(), expected);
+        assert_eq!(arguments.tone_mapping().exposure, -1.5);
+    }
+
+    #[test]
+    fn a_size_is_two_sides_and_excludes_single_ones() {
+        let arguments = render(&["s.glb", "--size", "1280x720"]).unwrap().overrides();
+        assert_eq!((arguments.width, arguments.height), (Some(1280), Some(720)));
+        for wrong in ["1280", "0x720", "1280x65537", "x", "axb", "1280x720x3", "-1x5"] {
+            assert!(render(&["s.glb", &format!("--size={wrong}")]).is_err(), "{wrong}");
+        }
+        assert!(render(&["s.glb", "--size", "1x1", "--width", "3"]).is_err());
+    }
+
+    #[test]
+    fn errors_name_the_option_and_what_would_be_right() {
+        let text = render(&["s.glb", "--vfov", "200"]).unwrap_err().to_string();
+        assert!(text.contains("--vfov <DEGREES>") && text.contains("more than 0 and less than 180"), "{text}");
+        for wrong in ["--exposure=nan", "--exposure=65", "--threads=0", "--tone=blue", "--progress=loud", "--spp=0"] {
+            assert!(render(&["s.glb", wrong]).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn outputs_are_named_after_the_scene_unless_given() {
+        let names = |arguments: &[&str]| render(arguments).unwrap().outputs();
+        assert_eq!(names(&["a/b.v2.toml"]).unwrap(), [Path::new("b.v2.exr"), Path::new("b.v2.png")]);
+        assert_eq!(names(&["s.glb", "-o", "x.png", "-o", "y.exr"]).unwrap(), [Path::new("x.png"), Path::new("y.exr")]);
+        assert!(names(&["s.glb", "-o", "x.png", "-o", "x.png"]).is_err());
+    }
+}

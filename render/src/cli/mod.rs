@@ -1,0 +1,65 @@
+//! The command line: arguments, progress, summaries, exit codes.
+
+mod args;
+mod error;
+mod info;
+mod interrupt;
+mod memory;
+mod progress;
+mod render;
+mod summary;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use error::CliError;
+
+use crate::scene::{self, Overrides, Place, Scene, SceneError};
+
+/// Done.
+const EXIT_DONE: u8 = 0;
+/// Bad input or usage.
+const EXIT_INPUT: u8 = 1;
+/// The system failed: reading, writing, memory.
+const EXIT_SYSTEM: u8 = 2;
+/// Interrupted, with a valid partial picture.
+const EXIT_INTERRUPTED: u8 = 3;
+
+/// The built-in scene's name in place of a path.
+const CORNELL: &str = "cornell";
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are "errors" that go to stdout; nothing is left to do if even printing fails.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
+        }
+    };
+    let outcome = match arguments.command.unwrap_or_else(Command::cornell) {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Info(arguments) => info::run(&arguments),
+    };
+    ExitCode::from(outcome.unwrap_or_else(|error| {
+        error.print();
+        error.exit_code()
+    }))
+}
+
+/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
+fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
+    if name == Path::new(CORNELL) {
+        return Ok((scene::cornell_box(), Overrides::default()));
+    }
+    if !name.exists() {
+        let remedy =
+            "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+        return Err(SceneError::new(name, Place::File, "no such file", remedy));
+    }
+    scene::open(name)
+}

@@ -1,0 +1,245 @@
+//! Progress on stderr while a render runs: a bar for people, lines of JSON for programs.
+//!
+//! The render's threads add to two counters and never wait; a thread of its own looks at them now and then.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+
+use super::interrupt;
+use crate::driver::Watch;
+
+/// How progress is shown, as the user asks for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Mode {
+    /// A bar if stderr is a terminal, else lines of JSON
+    Auto,
+    /// A bar (drawn on a terminal only) and a summary
+    Bar,
+    /// Lines of JSON: start, progress (twice a second at most), warning, end
+    Json,
+    /// Nothing
+    None,
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Style {
+    Bar,
+    Json,
+    Silent,
+}
+
+impl Mode {
+    /// The style, on a terminal or elsewhere.
+    pub(super) fn style(self, terminal: bool) -> Style {
+        match self {
+            Self::Auto if terminal => Style::Bar,
+            Self::Auto | Self::Json => Style::Json,
+            Self::Bar => Style::Bar,
+            Self::None => Style::Silent,
+        }
+    }
+}
+
+const BAR_INTERVAL: Duration = Duration::from_millis(100);
+const JSON_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Watches a render and shows how far it is.
+pub(super) struct Progress {
+    counters: Arc<Counters>,
+    reporter: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+#[derive(Default)]
+struct Counters {
+    samples: AtomicU64,
+    rays: AtomicU64,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Snapshot {
+    samples: u64,
+    total: u64,
+    rays: u64,
+    elapsed: Duration,
+}
+
+impl Progress {
+    /// Shows the progress towards `total` samples from now on.
+    pub(super) fn start(style: Style, total: u64) -> Self {
+        let counters = Arc::new(Counters::default());
+        let seen = Arc::clone(&counters);
+        let start = Instant::now();
+        let snapshot = move || Snapshot {
+            samples: seen.samples.load(Ordering::Relaxed),
+            total,
+            rays: seen.rays.load(Ordering::Relaxed),
+            elapsed: start.elapsed(),
+        };
+        let (stop, stopped) = channel();
+        // The wait ends early when `stop` is dropped.
+        let wait = move |interval| stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout);
+        let thread = Builder::new().name("progress".to_owned());
+        let reporter = match style {
+            Style::Silent => return Self { counters, reporter: None },
+            Style::Json => thread.spawn(move || {
+                while wait(JSON_INTERVAL) {
+                    print_line(&snapshot().json());
+                }
+            }),
+            Style::Bar => thread.spawn(move || {
+                let bar = bar(total);
+                while wait(BAR_INTERVAL) {
+                    let now = snapshot();
+                    bar.set_position(now.samples);
+                    bar.set_message(now.message());
+                }
+                bar.finish_and_clear();
+            }),
+        };
+        // A render without a bar is better than none.
+        Self { counters, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
+    }
+}
+
+impl Drop for Progress {
+    /// Ends the showing; nothing more is printed afterwards.
+    fn drop(&mut self) {
+        if let Some((stop, reporter)) = self.reporter.take() {
+            drop(stop);
+            // A reporter that panicked has said so itself; the picture matters more.
+            let _ = reporter.join();
+        }
+    }
+}
+
+impl Watch for Progress {
+    fn advance(&self, samples: u64, rays: u64) {
+        self.counters.samples.fetch_add(samples, Ordering::Relaxed);
+        self.counters.rays.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    fn stop(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+impl Snapshot {
+    /// From 0 to 1.
+    fn done(&self) -> f64 {
+        if self.total == 0 { 1.0 } else { (self.samples as f64 / self.total as f64).min(1.0) }
+    }
+
+    /// Seconds left if the rest goes as fast; unknown at the beginning.
+    fn remaining(&self) -> Option<f64> {
+        let done = self.done();
+        (done > 0.0).then(|| self.elapsed.as_secs_f64() * (1.0 - done) / done)
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "event": "progress",
+            "done": self.done(),
+            "rays": self.rays,
+            "rays_per_second": per_second(self.rays, self.elapsed),
+            "elapsed": self.elapsed.as_secs_f64(),
+            "remaining": self.remaining(),
+        })
+    }
+
+    fn message(&self) -> String {
+        let samples = per_second(self.samples, self.elapsed) / 1e6;
+        let rays = per_second(self.rays, self.elapsed) / 1e6;
+        let left = self.remaining().map_or("--:--".to_owned(), clock);
+        format!("{samples:.2} Msamples/s  {rays:.1} Mrays/s  {left} left")
+    }
+}
+
+/// `count` in a second, zero in no time.
+pub(super) fn per_second(count: u64, elapsed: Duration) -> f64 {
+    let seconds = elapsed.as_secs_f64();
+    if seconds > 0.0 { count as f64 / seconds } else { 0.0 }
+}
+
+/// Minutes and seconds, with hours if there are any.
+pub(super) fn clock(seconds: f64) -> String {
+    let seconds = seconds.round() as u64;
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes:02}:{seconds:02}") }
+}
+
+/// Prints one line of JSON to stderr; if that is closed, nobody reads it.
+pub(super) fn print_line(event: &Value) {
+    let _ = writeln!(std::io::stderr(), "{event}");
+}
+
+fn bar(total: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{elapsed_precise} [{wide_bar}] {percent:>3}%  {msg}");
+    bar.set_style(style.expect("the template is valid").progress_chars("=> "));
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HALF: Snapshot = Snapshot { samples: 50, total: 100, rays: 3_000_000, elapsed: Duration::from_secs(2) };
+
+    #[test]
+    fn a_line_is_valid_json_with_the_promised_keys() {
+        let line = HALF.json().to_string();
+        assert!(!line.contains('\n'));
+        let value: Value = serde_json::from_str(&line).unwrap();
+        let expected = json!({
+            "event": "progress", "done": 0.5, "rays": 3_000_000, "rays_per_second": 1.5e6, "elapsed": 2.0,
+            "remaining": 2.0
+        });
+        assert_eq!(value, expected);
+    }
+
+    #[test]
+    fn the_first_line_has_no_infinities() {
+        let first = Snapshot { samples: 0, total: 100, rays: 0, elapsed: Duration::ZERO };
+        let value: Value = serde_json::from_str(&first.json().to_string()).unwrap();
+        assert_eq!(value["remaining"], Value::Null);
+        assert_eq!(value["rays_per_second"], 0.0);
+        assert_eq!(first.message(), "0.00 Msamples/s  0.0 Mrays/s  --:-- left");
+    }
+
+    #[test]
+    fn the_bar_says_rates_and_time_left() {
+        assert_eq!(HALF.message(), "0.00 Msamples/s  1.5 Mrays/s  00:02 left");
+        assert_eq!(clock(3_725.4), "1:02:05");
+        assert_eq!(clock(59.6), "01:00");
+    }
+
+    #[test]
+    fn auto_depends_on_the_terminal_alone() {
+        assert_eq!(Mode::Auto.style(true), Style::Bar);
+        assert_eq!(Mode::Auto.style(false), Style::Json);
+        assert_eq!(Mode::Bar.style(false), Style::Bar);
+        assert_eq!(Mode::Json.style(true), Style::Json);
+        assert_eq!(Mode::None.style(true), Style::Silent);
+    }
+
+    #[test]
+    fn counts_add_up_over_threads() {
+        let progress = Progress::start(Style::Silent, 1000);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..250).for_each(|_| progress.advance(1, 3)));
+            }
+        });
+        assert_eq!(progress.counters.samples.load(Ordering::Relaxed), 1000);
+        assert_eq!(progress.counters.rays.load(Ordering::Relaxed), 3000);
+    }
+}

@@ -1,0 +1,106 @@
+//! `halfdome render`: from a scene to pictures on disk.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use super::args::RenderArguments;
+use super::progress::Progress;
+use super::summary::Job;
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, open};
+use crate::film::Picture;
+use crate::scene::Scene;
+use crate::seam::output::ToneMapping;
+use crate::seam::{World, output, render};
+use crate::settings::{IntegratorKind, Settings};
+
+/// Renders; the exit code says whether every sample was taken.
+pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
+    let paths = arguments.outputs()?;
+    for path in &paths {
+        output::Format::from_path(path).map_err(CliError::input)?;
+        output::check(path).map_err(CliError::system)?;
+    }
+    let (mut scene, file_overrides) = open(&arguments.scene)?;
+    let settings = arguments.overrides().or(file_overrides).apply(&mut scene)?;
+    memory::check(&settings)?;
+    if settings.integrator == IntegratorKind::Path && !has_light(&scene) {
+        scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
+    }
+
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))?;
+    let style = arguments.progress.style(std::io::stderr().is_terminal());
+    let warnings = std::mem::take(&mut scene.warnings);
+    let scene_name = arguments.scene.display().to_string();
+    let job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
+    job.print_start(style);
+
+    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    interrupt::catch()?;
+    let progress = Progress::start(style, samples(&settings));
+    let result = pool.install(|| render(&world, &settings, &progress));
+    drop(progress);
+    let result = result.map_err(CliError::system)?;
+
+    let (written, failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
+    job.print_end(style, &result, &written);
+    if !failures.is_empty() {
+        return Err(CliError::System(failures.join("\n")));
+    }
+    Ok(if result.finished { EXIT_DONE } else { EXIT_INTERRUPTED })
+}
+
+/// Writes every picture that can be written, for it may have taken hours to make: paths written, errors of the others.
+fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<PathBuf>, Vec<String>) {
+    let mut written = Vec::new();
+    let mut failures = Vec::new();
+    for path in paths {
+        match output::write(path, picture, tone) {
+            Ok(()) => written.push(path.clone()),
+            Err(error) => failures.push(error.to_string()),
+        }
+    }
+    (written, failures)
+}
+
+/// Camera samples of the whole picture.
+fn samples(settings: &Settings) -> u64 {
+    // Less than 2^28 pixels of less than 2^32 samples.
+    u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp)
+}
+
+/// Whether anything emits: the sky, a light without a surface, or a triangle.
+fn has_light(scene: &Scene) -> bool {
+    let emits = |material: usize| scene.materials[material].emission != glam::Vec3::ZERO;
+    scene.sky.radiance != glam::Vec3::ZERO
+        || !scene.lights.is_empty()
+        || scene.meshes.iter().any(|mesh| !mesh.triangles.is_empty() && emits(mesh.material))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{PunctualLight, cornell_box};
+    use glam::Vec3;
+
+    #[test]
+    fn light_is_a_sky_a_lamp_or_a_triangle_that_emits() {
+        assert!(has_light(&cornell_box()));
+        let mut dark = cornell_box();
+        let lamp = dark.meshes.pop().unwrap();
+        assert_eq!(lamp.name, "light");
+        assert!(!has_light(&dark), "an emitting material without a triangle does not count");
+        let mut sky = dark.clone();
+        sky.sky.radiance = Vec3::X;
+        assert!(has_light(&sky));
+        dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
+        assert!(has_light(&dark));
+    }
+
+    #[test]
+    fn the_number_of_samples_does_not_overflow() {
+        let settings = Settings { width: 16_384, height: 16_384, spp: u32::MAX, ..Settings::default() };
+        assert_eq!(samples(&settings), (1 << 28) * (u64::from(u32::MAX)));
+    }
+}

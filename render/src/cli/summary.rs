@@ -1,0 +1,144 @@
+//! What is said on stderr before and after a render, as text or as lines of JSON.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use super::error::painted;
+use super::progress::{Style, per_second, print_line};
+use crate::driver::Render;
+use crate::settings::Settings;
+
+/// What is rendered.
+pub(super) struct Job<'a> {
+    /// As the user calls it.
+    pub(super) scene: String,
+    pub(super) settings: &'a Settings,
+    pub(super) threads: usize,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Job<'_> {
+    /// Announces the job and its warnings.
+    pub(super) fn print_start(&self, style: Style) {
+        match style {
+            Style::Silent => {}
+            Style::Json => {
+                print_line(&self.start_event());
+                for warning in &self.warnings {
+                    print_line(&json!({ "event": "warning", "message": warning }));
+                }
+            }
+            Style::Bar => {
+                let mut text = format!("{}\n", self.title());
+                for warning in &self.warnings {
+                    text += &format!("{} {warning}\n", painted("warning:", "1;33"));
+                }
+                let _ = std::io::stderr().write_all(text.as_bytes());
+            }
+        }
+    }
+
+    /// Says how it went and what was written.
+    pub(super) fn print_end(&self, style: Style, render: &Render, files: &[PathBuf]) {
+        match style {
+            Style::Silent => {}
+            Style::Json => print_line(&self.end_event(render, files)),
+            Style::Bar => {
+                let _ = std::io::stderr().write_all(self.end_text(render, files).as_bytes());
+            }
+        }
+    }
+
+    fn title(&self) -> String {
+        let Settings { width, height, spp, integrator, .. } = self.settings;
+        let threads = if self.threads == 1 { "1 thread".to_owned() } else { format!("{} threads", self.threads) };
+        format!("{}: {width}x{height}, {spp} spp, {}, {threads}", self.scene, integrator.name())
+    }
+
+    fn end_text(&self, render: &Render, files: &[PathBuf]) -> String {
+        let state = if render.finished { "rendered" } else { "interrupted; the picture so far was rendered" };
+        let seconds = render.elapsed.as_secs_f64();
+        let rays = per_second(render.rays, render.elapsed) / 1e6;
+        let mut text = format!("{state} in {seconds:.2} s at {rays:.1} Mrays/s ({} rays)\n", render.rays);
+        for file in files {
+            text += &format!("wrote {}\n", file.display());
+        }
+        match self.warnings.len() {
+            0 => {}
+            1 => text += "1 warning, above\n",
+            several => text += &format!("{several} warnings, above\n"),
+        }
+        text
+    }
+
+    fn start_event(&self) -> Value {
+        json!({
+            "event": "start",
+            "scene": self.scene,
+            "width": self.settings.width,
+            "height": self.settings.height,
+            "spp": self.settings.spp,
+            "integrator": self.settings.integrator.name(),
+            "seed": self.settings.seed,
+            "threads": self.threads,
+        })
+    }
+
+    fn end_event(&self, render: &Render, files: &[PathBuf]) -> Value {
+        let files: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        json!({
+            "event": "end",
+            "finished": render.finished,
+            "width": self.settings.width,
+            "height": self.settings.height,
+            "spp": self.settings.spp,
+            "rays": render.rays,
+            "rays_per_second": per_second(render.rays, render.elapsed),
+            "elapsed": render.elapsed.as_secs_f64(),
+            "files": files,
+            "warnings": self.warnings,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::film::{Metadata, Picture};
+
+    fn render(finished: bool) -> Render {
+        let picture = Picture { width: 512, height: 512, channels: Vec::new(), metadata: Metadata::default() };
+        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500) }
+    }
+
+    #[test]
+    fn the_text_says_what_was_done() {
+        let settings = Settings::default();
+        let warnings = vec!["no light".to_owned()];
+        let job = Job { scene: "cornell".into(), settings: &settings, threads: 2, warnings };
+        assert_eq!(job.title(), "cornell: 512x512, 64 spp, path, 2 threads");
+        let text = job.end_text(&render(true), &["a.exr".into()]);
+        assert_eq!(text, "rendered in 2.50 s at 2.0 Mrays/s (5000000 rays)\nwrote a.exr\n1 warning, above\n");
+        assert!(job.end_text(&render(false), &[]).starts_with("interrupted"));
+    }
+
+    #[test]
+    fn the_events_are_valid_json_whatever_the_names() {
+        let settings = Settings::default();
+        let warnings = vec!["a \"quoted\"\nline".to_owned()];
+        let job = Job { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings };
+        let start: Value = serde_json::from_str(&job.start_event().to_string()).unwrap();
+        assert_eq!(start["scene"], "a\"b\\c");
+        let line = job.end_event(&render(false), &["a.exr".into()]).to_string();
+        assert!(!line.contains('\n'));
+        let end: Value = serde_json::from_str(&line).unwrap();
+        assert_eq!(end["finished"], false);
+        assert_eq!(end["rays_per_second"], 2e6);
+        assert_eq!(end["files"], json!(["a.exr"]));
+        assert_eq!(end["warnings"], json!(["a \"quoted\"\nline"]));
+    }
+}

@@ -1,0 +1,249 @@
+//! Scene files: TOML that names a model and says what model formats cannot.
+//!
+//! ```toml
+//! [scene]
+//! file = "hall.glb"      # relative to the folder of this file
+//! emission = "both"      # which sides of emitters emit: "front" or "both"
+//!
+//! [camera]
+//! eye = [1.0, 1.7, 4.0]
+//! target = [0.0, 1.0, 0.0]
+//! up = [0.0, 1.0, 0.0]
+//! vfov = 40.0            # degrees
+//!
+//! [film]
+//! width = 1280
+//! height = 720
+//! filter = "mitchell"
+//! filter_width = 4.0     # pixels
+//! sharpness = 0.67
+//!
+//! [render]
+//! integrator = "path"
+//! spp = 256
+//! max_depth = 16
+//! seed = 1
+//!
+//! [sky]
+//! radiance = [0.3, 0.4, 0.6]
+//! ```
+//!
+//! All but `scene.file` may be left out.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use toml::de::{DeTable, DeValue};
+
+use super::nearest::suggestion;
+use super::overrides::check_pose;
+use super::value::{self, Expected, Value};
+use super::{CameraPose, Overrides, Place, Scene, SceneError};
+use crate::seam::load;
+use crate::settings::{Invalid, Settings};
+
+/// What a scene file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneFile {
+    /// The model, relative to the current folder or absolute.
+    pub model: PathBuf,
+    /// The options that the file sets.
+    pub overrides: Overrides,
+}
+
+/// The sections of a scene file with their keys.
+const SECTIONS: [(&str, &[&str]); 5] = [
+    ("scene", &["file", "emission"]),
+    ("camera", &["eye", "target", "up", "vfov"]),
+    ("film", &["width", "height", "filter", "filter_width", "sharpness"]),
+    ("render", &["integrator", "spp", "max_depth", "seed"]),
+    ("sky", &["radiance"]),
+];
+
+/// Reads a scene: the model at `path`, or the scene file (`.toml`) and the model that it names.
+pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
+    let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if is_toml {
+        let file = SceneFile::read(path)?;
+        Ok((load(&file.model)?, file.overrides))
+    } else {
+        Ok((load(path)?, Overrides::default()))
+    }
+}
+
+impl SceneFile {
+    /// Reads the scene file at `path`.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        let bytes = std::fs::read(path).map_err(|error| SceneError::unreadable(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = line_of(error.as_bytes(), valid);
+            SceneError::new(path, Place::Line(line), "this is not UTF-8", "save the file as UTF-8")
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// Parses `text`, the contents of the scene file at `path`. The model that it names must exist.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
+        Parser { path, text }.parse()
+    }
+}
+
+/// The line, from 1, of the byte at `offset`.
+fn line_of(text: &[u8], offset: usize) -> usize {
+    1 + text.iter().take(offset).filter(|&&byte| byte == b'\n').count()
+}
+
+struct Parser<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+/// A key or section with its value, and where both stand in the text.
+struct Entry<'a> {
+    name: &'a str,
+    at: Range<usize>,
+    value: &'a DeValue<'a>,
+    value_at: Range<usize>,
+}
+
+impl Parser<'_> {
+    fn parse(&self) -> Result<SceneFile, SceneError> {
+        let document = DeTable::parse(self.text).map_err(|error| {
+            let message = error.message().lines().next().unwrap_or("not TOML").to_owned();
+            self.error(error.span().unwrap_or(0..0).start, message, "see https://toml.io for how TOML is written")
+        })?;
+        let mut model = None;
+        let mut overrides = Overrides::default();
+        for section in entries(document.get_ref()) {
+            let sections = SECTIONS.map(|(name, _)| name);
+            let Some((_, keys)) = SECTIONS.iter().find(|(name, _)| *name == section.name) else {
+                let problem = format!("unknown section {:?}", section.name);
+                return Err(self.error(section.at.start, problem, suggestion(section.name, &sections)));
+            };
+            let DeValue::Table(table) = section.value else {
+                let problem = format!("`{}` is not a section", section.name);
+                return Err(self.error(section.at.start, problem, format!("write [{}] on a line", section.name)));
+            };
+            for entry in entries(table) {
+                if (section.name, entry.name) == ("scene", "file") {
+                    model = Some(self.model(&entry)?);
+                } else if keys.contains(&entry.name) {
+                    self.set(&mut overrides, section.name, &entry)?;
+                } else {
+                    let problem = format!("unknown key {:?} in [{}]", entry.name, section.name);
+                    return Err(self.error(entry.at.start, problem, suggestion(entry.name, keys)));
+                }
+            }
+            let together = check_together(section.name, &overrides);
+            together.map_err(|error| self.error(section.at.start, error.problem, error.remedy))?;
+        }
+        let remedy = "name one: [scene] on a line, then file = \"model.glb\"";
+        let model = model.ok_or_else(|| SceneError::new(self.path, Place::File, "no model is named", remedy))?;
+        Ok(SceneFile { model, overrides })
+    }
+
+    /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
+    fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
+        match entry.name {
+            "emission" => to.emits_both_sides = Some(self.read(value::emission, section, entry)?),
+            "eye" => to.eye = Some(self.read(value::point, section, entry)?),
+            "target" => to.target = Some(self.read(value::point, section, entry)?),
+            "up" => to.up = Some(self.read(value::direction, section, entry)?),
+            "vfov" => to.vfov = Some(self.read(value::vfov, section, entry)?),
+            "width" => to.width = Some(self.read(value::side, section, entry)?),
+            "height" => to.height = Some(self.read(value::side, section, entry)?),
+            "filter" => to.filter = Some(self.read(value::text, section, entry)?),
+            "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
+            "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
+            "integrator" => to.integrator = Some(self.read(value::integrator, section, entry)?),
+            "spp" => to.spp = Some(self.read(value::count, section, entry)?),
+            "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
+            "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
+            "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
+            name => unreachable!("[{section}] {name} is listed, but sets nothing"),
+        }
+        Ok(())
+    }
+
+    fn read<T>(
+        &self,
+        reading: fn(&Value) -> Result<T, Expected>,
+        section: &str,
+        entry: &Entry<'_>,
+    ) -> Result<T, SceneError> {
+        reading(&value_of(entry.value)).map_err(|expected| {
+            let written = self.text.get(entry.value_at.clone()).unwrap_or_default();
+            let problem = format!("{section}.{} is {}", entry.name, shortened(written));
+            self.error(entry.value_at.start, problem, expected.to_string())
+        })
+    }
+
+    /// The model's path, which must exist.
+    fn model(&self, entry: &Entry<'_>) -> Result<PathBuf, SceneError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let model = folder.join(self.read(value::text, "scene", entry)?);
+        if model.is_file() {
+            return Ok(model);
+        }
+        let problem = format!("there is no file {}", model.display());
+        Err(self.error(entry.value_at.start, problem, "name a model, relative to the folder of this scene file"))
+    }
+
+    fn error(&self, offset: usize, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+        SceneError::new(self.path, Place::Line(line_of(self.text.as_bytes(), offset)), problem, remedy)
+    }
+}
+
+/// Checks what only the keys of a section together can get wrong.
+fn check_together(section: &str, overrides: &Overrides) -> Result<(), Invalid> {
+    match (section, overrides) {
+        ("camera", &Overrides { eye: Some(eye), target: Some(target), up, .. }) => {
+            check_pose(&CameraPose { eye, target, up: up.unwrap_or(Vec3::Y), vfov: 40.0 })
+        }
+        ("film", overrides) => {
+            if overrides.filter.is_some() {
+                overrides.film_filter()?;
+            }
+            let default = Settings::default();
+            let (width, height) =
+                (overrides.width.unwrap_or(default.width), overrides.height.unwrap_or(default.height));
+            Settings::check_pixels(width, height)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The entries of a table in the order of the text.
+fn entries<'a>(table: &'a DeTable<'a>) -> Vec<Entry<'a>> {
+    let entry = |(key, value): (&'a toml::Spanned<_>, &'a toml::Spanned<_>)| {
+        let name: &std::borrow::Cow<'_, str> = key.get_ref();
+        Entry { name, at: key.span(), value: value.get_ref(), value_at: value.span() }
+    };
+    let mut entries: Vec<_> = table.iter().map(entry).collect();
+    entries.sort_by_key(|entry| entry.at.start);
+    entries
+}
+
+fn value_of(value: &DeValue<'_>) -> Value {
+    match value {
+        DeValue::String(text) => Value::Text(text.clone().into_owned()),
+        DeValue::Integer(integer) => {
+            i128::from_str_radix(integer.as_str(), integer.radix()).map_or(Value::Other, Value::Integer)
+        }
+        DeValue::Float(float) => float.as_str().parse().map_or(Value::Other, Value::Number),
+        DeValue::Array(values) => Value::List(values.iter().map(|value| value_of(value.get_ref())).collect()),
+        DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Table(_) => Value::Other,
+    }
+}
+
+/// The first line of `text`, at most 40 characters of it.
+fn shortened(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let short: String = line.chars().take(40).collect();
+    if short.len() < text.len() { format!("{short}...") } else { short }
+}
+
+#[cfg(test)]
+mod tests;

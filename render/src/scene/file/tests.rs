@@ -1,0 +1,173 @@
+use super::*;
+use crate::film::Filter;
+use crate::settings::IntegratorKind;
+
+/// Parses `text` as the scene file `room.toml` beside a model `room.obj`.
+fn parse(text: &str) -> Result<SceneFile, SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("room.obj"), "").unwrap();
+    SceneFile::parse(&folder.path().join("room.toml"), text)
+}
+
+/// What is wrong with `text` after a section that names the model, which takes two lines.
+fn error(text: &str) -> (usize, String, String) {
+    let error = parse(&format!("[scene]\nfile = \"room.obj\"\n{text}")).unwrap_err();
+    let Place::Line(line) = error.place else { panic!("no line: {error}") };
+    assert!(error.file.ends_with("room.toml"));
+    (line, error.problem, error.remedy)
+}
+
+fn overrides(text: &str) -> Overrides {
+    parse(&format!("[scene]\nfile = \"room.obj\"\n{text}")).unwrap().overrides
+}
+
+#[test]
+fn every_key_sets_its_option() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("models")).unwrap();
+    std::fs::write(folder.path().join("models/room.obj"), "").unwrap();
+    let text = r#"
+        [scene]
+        file = "models/room.obj"
+        emission = "both"
+        [camera]
+        eye = [0, 1, 2.5]
+        target = [0.0, -1.0, 0.0]
+        up = [0, 0, 1]
+        vfov = 45
+        [film]
+        width = 320
+        height = 200
+        filter = "mitchell"
+        filter_width = 3
+        sharpness = 0.5
+        [render]
+        integrator = "albedo"
+        spp = 9
+        max_depth = 3
+        seed = 18446744073709551615
+        [sky]
+        radiance = [0.1, 0.2, 0.3]
+    "#;
+    let path = folder.path().join("room.toml");
+    let file = SceneFile::parse(&path, text).unwrap();
+    assert_eq!(file.model, folder.path().join("models/room.obj"));
+    let expected = Overrides {
+        eye: Some(Vec3::new(0.0, 1.0, 2.5)),
+        target: Some(Vec3::new(0.0, -1.0, 0.0)),
+        up: Some(Vec3::Z),
+        vfov: Some(45.0),
+        width: Some(320),
+        height: Some(200),
+        filter: Some("mitchell".into()),
+        filter_width: Some(3.0),
+        sharpness: Some(0.5),
+        integrator: Some(IntegratorKind::Albedo),
+        spp: Some(9),
+        max_depth: Some(3),
+        seed: Some(u64::MAX),
+        sky: Some(Vec3::new(0.1, 0.2, 0.3)),
+        emits_both_sides: Some(true),
+    };
+    assert_eq!(file.overrides, expected);
+}
+
+#[test]
+fn what_is_left_out_stays_unset() {
+    assert_eq!(overrides(""), Overrides::default());
+    assert_eq!(overrides("[sky]\nradiance = 2").sky, Some(Vec3::splat(2.0)));
+    assert_eq!(overrides("[render]\nseed = 0x1_F").seed, Some(31));
+}
+
+#[test]
+fn unknown_names_are_errors_with_the_nearest_known_one() {
+    let (line, problem, remedy) = error("\n[film]\nwidht = 100\n");
+    assert_eq!((line, problem.as_str()), (5, "unknown key \"widht\" in [film]"));
+    assert_eq!(remedy, "did you mean `width`?");
+    let (line, problem, remedy) = error("[cammera]\nvfov = 100\n");
+    assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
+    assert_eq!(remedy, "did you mean `camera`?");
+    assert_eq!(error("[light]\n").2, "known are scene, camera, film, render, sky");
+    assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance");
+    // A key of another section is unknown in this one.
+    assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");
+    let (line, problem, _) = error("[render]\nintegrator = \"pathh\"");
+    assert_eq!((line, problem.as_str()), (4, "render.integrator is \"pathh\""));
+}
+
+#[test]
+fn wrong_values_are_errors_with_their_line() {
+    for (line, text) in [
+        (5, "[camera]\neye = [0, 0, 0]\nvfov = 180"),
+        (4, "[camera]\nvfov = nan"),
+        (4, "[camera]\nvfov = \"wide\""),
+        (4, "[camera]\neye = [0, 0]"),
+        (4, "[camera]\neye = [0, 0, inf]"),
+        (4, "[camera]\neye = [0, 0, \"1\"]"),
+        (4, "[camera]\nup = [0, 0, 0]"),
+        (4, "[film]\nwidth = 0"),
+        (4, "[film]\nwidth = 512.0"),
+        (4, "[film]\nheight = 65537"),
+        (4, "[film]\nheight = -1"),
+        (4, "[film]\nfilter_width = 0"),
+        (4, "[film]\nsharpness = 2"),
+        (4, "[film]\nfilter = 3"),
+        (4, "[render]\nspp = 0"),
+        (4, "[render]\nmax_depth = 0"),
+        (4, "[render]\nseed = -1"),
+        (4, "[render]\nspp = true"),
+        (4, "[sky]\nradiance = -0.1"),
+        (4, "[sky]\nradiance = [1, 1, -1]"),
+        (4, "[sky]\nradiance = [1, 1]"),
+        (4, "[sky]\nradiance = 2026-01-01"),
+        // Checked together, reported at the section.
+        (3, "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]"),
+        (3, "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 0]"),
+        (3, "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 5]\nup = [0, -1, 1]"),
+        (3, "[film]\nwidth = 65536\nheight = 65536"),
+        (3, "[film]\nfilter = \"lens\""),
+    ] {
+        let (found, problem, remedy) = error(text);
+        assert_eq!(found, line, "{text}: {problem}");
+        assert!(!remedy.is_empty());
+    }
+    assert_eq!(error("[camera]\nvfov = 200").1, "camera.vfov is 200");
+    assert_eq!(error("[camera]\nvfov = 200").2, "expected degrees, more than 0 and less than 180");
+}
+
+#[test]
+fn broken_toml_is_an_error_with_its_line() {
+    assert_eq!(error("[film]\nwidth = \n").0, 4);
+    assert_eq!(error("[film]\nwidth = 1\nwidth = 2\n").0, 5);
+    assert_eq!(error("[film]\nwidth = 1\n[film\n").0, 5);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("latin1.toml");
+    std::fs::write(&path, b"[scene]\n# caf\xe9\n").unwrap();
+    assert_eq!(SceneFile::read(&path).unwrap_err().place, Place::Line(2));
+}
+
+#[test]
+fn the_model_must_be_named_and_exist() {
+    assert_eq!(parse("").unwrap_err().place, Place::File);
+    assert_eq!(parse("[scene]\n").unwrap_err().problem, "no model is named");
+    let missing = parse("[scene]\n\nfile = \"hall.glb\"").unwrap_err();
+    assert_eq!(missing.place, Place::Line(3));
+    assert!(missing.problem.ends_with("hall.glb"));
+    assert_eq!(parse("scene = 3").unwrap_err().problem, "`scene` is not a section");
+    let none = SceneFile::read(Path::new("/nonexistent/none.toml")).unwrap_err();
+    assert_eq!(none.problem, "no such file");
+}
+
+#[test]
+fn the_command_line_wins_and_the_rest_is_combined() {
+    let file = overrides("[film]\nwidth = 100\nheight = 50\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]");
+    let arguments = Overrides { width: Some(200), filter: Some("tent".into()), vfov: Some(50.0), ..Default::default() };
+    let mut scene = Scene::default();
+    let settings = arguments.or(file).apply(&mut scene).unwrap();
+    assert_eq!((settings.width, settings.height), (200, 50));
+    assert!(matches!(settings.filter, Filter::Tent { .. }));
+    assert_eq!(settings.spp, Settings::default().spp);
+    let pose = CameraPose { eye: Vec3::new(0.0, 0.0, 9.0), target: Vec3::ZERO, up: Vec3::Y, vfov: 50.0 };
+    assert_eq!(scene.camera, Some(pose));
+    assert_eq!(scene.warnings, [""; 0], "nothing was made up");
+}

@@ -1,0 +1,35 @@
+//! "Did you mean": the known word that a misspelt one is nearest to.
+
+/// The entry of `known` nearest to `word` by Damerau and Levenshtein's distance, if it is near: at most a third of the
+/// word's letters, and at least one, may differ.
+pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let allowed = (word.chars().count() / 3).max(1);
+    let distances = known.iter().map(|&candidate| (strsim::damerau_levenshtein(&word, candidate), candidate));
+    distances.filter(|&(distance, _)| distance <= allowed).min_by_key(|&(distance, _)| distance).map(|(_, word)| word)
+}
+
+/// A remedy for an unknown `word`: the nearest of `known`, or all of them when none is near.
+pub(super) fn suggestion(word: &str, known: &[&str]) -> String {
+    match nearest(word, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("known are {}", known.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_words_are_named_and_far_ones_get_the_list() {
+        let known = ["width", "height", "filter", "filter_width"];
+        assert_eq!(nearest("widht", &known), Some("width"));
+        assert_eq!(nearest("Filter", &known), Some("filter"));
+        assert_eq!(nearest("filterwidth", &known), Some("filter_width"));
+        assert_eq!(nearest("resolution", &known), None);
+        assert_eq!(nearest("", &known), None);
+        assert_eq!(suggestion("heigth", &known), "did you mean `height`?");
+        assert_eq!(suggestion("bokeh", &known), "known are width, height, filter, filter_width");
+    }
+}

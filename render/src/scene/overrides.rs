@@ -1,0 +1,201 @@
+//! The options that a scene file and the command line may set: what they override, and how they combine.
+//!
+//! The command line wins over the scene file, the scene file over the model, the model over the defaults.
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use glam::Vec3;
+
+use super::framing::frame;
+use super::value::{self, argument};
+use super::{CameraPose, Scene};
+use crate::film::Filter;
+use crate::settings::{IntegratorKind, Invalid, Settings};
+
+/// Options that are set here; the others are `None` and leave things as they are.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Where the camera stands, in the model's units
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    #[arg(value_parser = argument(value::point))]
+    pub eye: Option<Vec3>,
+    /// The point in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    #[arg(value_parser = argument(value::point))]
+    pub target: Option<Vec3>,
+    /// What points up in the picture [default: the model's, or 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+    #[arg(value_parser = argument(value::direction))]
+    pub up: Option<Vec3>,
+    /// Vertical field of view in degrees [default: the model's, or 40]
+    #[arg(long, value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
+    #[arg(value_parser = argument(value::vfov))]
+    pub vfov: Option<f32>,
+
+    /// Pixels across [default: 512]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::side))]
+    pub width: Option<u32>,
+    /// Pixels down [default: 512]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::side))]
+    pub height: Option<u32>,
+    /// Pixel filter [default: box]
+    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = PossibleValuesParser::new(Filter::NAMES))]
+    pub filter: Option<String>,
+    /// The filter's full width in pixels [default: the filter's own]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::filter_width))]
+    pub filter_width: Option<f32>,
+    /// Sharpness of the mitchell filter, from 0 (soft) to 1 (sharp)
+    #[arg(long, value_name = "S", help_heading = "Film", value_parser = argument(value::sharpness))]
+    pub sharpness: Option<f32>,
+
+    /// What is computed: path (global illumination), normals or albedo [default: path]
+    #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::integrator))]
+    pub integrator: Option<IntegratorKind>,
+    /// Samples per pixel [default: 64]
+    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::count))]
+    pub spp: Option<u32>,
+    /// Most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 64]
+    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::count))]
+    pub max_depth: Option<u32>,
+    /// Selects the random numbers [default: 0]
+    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::seed))]
+    pub seed: Option<u64>,
+
+    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    #[arg(long, value_name = "R[,G,B]", help_heading = "Light", allow_hyphen_values = true)]
+    #[arg(value_parser = argument(value::radiance))]
+    pub sky: Option<Vec3>,
+    /// Which sides of all emitters emit: front or both [default: as each material says]
+    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
+    pub emits_both_sides: Option<bool>,
+}
+
+impl Overrides {
+    /// These options, and those of `fallback` where these are not set.
+    pub fn or(self, fallback: Self) -> Self {
+        Self {
+            eye: self.eye.or(fallback.eye),
+            target: self.target.or(fallback.target),
+            up: self.up.or(fallback.up),
+            vfov: self.vfov.or(fallback.vfov),
+            width: self.width.or(fallback.width),
+            height: self.height.or(fallback.height),
+            filter: self.filter.or(fallback.filter),
+            filter_width: self.filter_width.or(fallback.filter_width),
+            sharpness: self.sharpness.or(fallback.sharpness),
+            integrator: self.integrator.or(fallback.integrator),
+            spp: self.spp.or(fallback.spp),
+            max_depth: self.max_depth.or(fallback.max_depth),
+            seed: self.seed.or(fallback.seed),
+            sky: self.sky.or(fallback.sky),
+            emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
+        }
+    }
+
+    /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that
+    /// was made up.
+    pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Invalid> {
+        let settings = self.settings()?;
+        let aspect = f64::from(settings.width) / f64::from(settings.height);
+        scene.camera = Some(self.camera(scene, aspect)?);
+        if let Some(radiance) = self.sky {
+            scene.sky.radiance = radiance;
+        }
+        if let Some(both) = self.emits_both_sides {
+            for material in &mut scene.materials {
+                material.emits_both_sides = both;
+            }
+        }
+        Ok(settings)
+    }
+
+    fn settings(&self) -> Result<Settings, Invalid> {
+        let default = Settings::default();
+        let settings = Settings {
+            width: self.width.unwrap_or(default.width),
+            height: self.height.unwrap_or(default.height),
+            filter: self.film_filter()?,
+            integrator: self.integrator.unwrap_or(default.integrator),
+            spp: self.spp.unwrap_or(default.spp),
+            max_depth: self.max_depth.unwrap_or(default.max_depth),
+            seed: self.seed.unwrap_or(default.seed),
+        };
+        Settings::check_pixels(settings.width, settings.height)?;
+        Ok(settings)
+    }
+
+    /// The pixel filter, `box` if none is named.
+    pub(super) fn film_filter(&self) -> Result<Filter, Invalid> {
+        let name = self.filter.as_deref().unwrap_or("box");
+        Filter::from_name(name, self.filter_width, self.sharpness)
+            .map_err(|error| Invalid::new(error.problem, error.remedy))
+    }
+
+    /// With both eye and target given, a new camera; else the scene's, or without one the framing one, with what is
+    /// given replaced.
+    fn camera(&self, scene: &mut Scene, aspect: f64) -> Result<CameraPose, Invalid> {
+        let new = self.eye.is_some() && self.target.is_some();
+        let base = match scene.camera.filter(|_| !new) {
+            Some(pose) => pose,
+            None => {
+                if !new {
+                    scene.warnings.push(
+                        "the model has no camera; what the options leave open of it is chosen to show all of the model"
+                            .to_owned(),
+                    );
+                }
+                let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
+                frame(bounds, self.up.unwrap_or(Vec3::Y), self.vfov.unwrap_or(DEFAULT_VFOV), aspect)
+            }
+        };
+        let pose = CameraPose {
+            eye: self.eye.unwrap_or(base.eye),
+            target: self.target.unwrap_or(base.target),
+            up: self.up.unwrap_or(base.up),
+            vfov: self.vfov.unwrap_or(base.vfov),
+        };
+        check_pose(&pose)?;
+        // A very long or short vector would not survive the squares of 32-bit arithmetic.
+        Ok(CameraPose { up: pose.up.as_dvec3().normalize().as_vec3(), ..pose })
+    }
+}
+
+/// Degrees; what a camera has whose vertical field of view is not given.
+const DEFAULT_VFOV: f32 = 40.0;
+
+/// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
+const MIN_SIN_UP: f64 = 1e-4;
+
+/// The greatest magnitude of a coordinate, as for models.
+const MAX_COORDINATE: f32 = 1e18;
+
+/// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.
+const MIN_VIEW_LENGTH: f64 = 1e-18;
+
+/// Refuses a pose from which no picture follows.
+pub(super) fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
+    let CameraPose { eye, target, up, .. } = *pose;
+    if eye.abs().max(target.abs()).max_element() > MAX_COORDINATE {
+        return Err(Invalid::new(
+            format!("the camera at {eye}, looking at {target}, is too far away"),
+            format!("coordinates go up to {MAX_COORDINATE:e}; scale the model down"),
+        ));
+    }
+    let view = target.as_dvec3() - eye.as_dvec3();
+    if view.length() < MIN_VIEW_LENGTH {
+        return Err(Invalid::new(
+            format!("the camera's eye {eye} and target {target} are the same point"),
+            "give two different points: eye is where the camera stands, target what it looks at",
+        ));
+    }
+    if view.normalize().cross(up.as_dvec3().normalize()).length() < MIN_SIN_UP {
+        return Err(Invalid::new(
+            format!("the camera's up vector {up} points along its view"),
+            "give an up vector across the view, for example 0,0,-1 to look straight down",
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+use super::*;
+use crate::scene::Mesh;
+
+/// A scene of one triangle with `camera` after `overrides` are applied, and the settings.
+fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Invalid> {
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Default::default() };
+    let mut scene = Scene { meshes: vec![mesh], materials: vec![Default::default()], camera, ..Scene::default() };
+    let settings = overrides.apply(&mut scene)?;
+    Ok((scene, settings))
+}
+
+#[test]
+fn one_option_changes_the_models_camera_and_two_points_make_a_new_one() {
+    let model = CameraPose { eye: Vec3::ONE, target: Vec3::ZERO, up: Vec3::Z, vfov: 70.0 };
+    let aside = Vec3::new(3.0, 0.0, 0.0);
+    let eye = Some(aside);
+    let camera = |overrides: Overrides| applied(&overrides, Some(model)).unwrap().0.camera.unwrap();
+    assert_eq!(camera(Overrides::default()), model);
+    assert_eq!(camera(Overrides { eye, ..Default::default() }), CameraPose { eye: aside, ..model });
+    let new = camera(Overrides { eye, target: Some(Vec3::Y), ..Default::default() });
+    assert_eq!(new, CameraPose { eye: aside, target: Vec3::Y, up: Vec3::Y, vfov: 40.0 });
+    let long = camera(Overrides { up: Some(Vec3::new(0.0, 1e30, 0.0)), ..Default::default() });
+    assert_eq!(long.up, Vec3::Y, "has unit length");
+}
+
+#[test]
+fn a_model_without_a_camera_is_framed_and_the_user_told() {
+    let (scene, _) = applied(&Overrides { vfov: Some(20.0), width: Some(1024), ..Default::default() }, None).unwrap();
+    let framed = frame((Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)), Vec3::Y, 20.0, 2.0);
+    assert_eq!(scene.camera, Some(framed));
+    assert_eq!(scene.warnings.len(), 1);
+}
+
+#[test]
+fn combinations_that_cannot_be_rendered_are_refused() {
+    let model = Some(CameraPose { eye: Vec3::ONE, target: Vec3::ZERO, up: Vec3::Y, vfov: 70.0 });
+    for wrong in [
+        Overrides { eye: Some(Vec3::ZERO), ..Default::default() },
+        Overrides { up: Some(Vec3::splat(-2.0)), ..Default::default() },
+        Overrides { eye: Some(Vec3::splat(1e19)), ..Default::default() },
+        Overrides { eye: Some(Vec3::splat(1e-30)), ..Default::default() },
+        Overrides { width: Some(65_536), height: Some(4_097), ..Default::default() },
+    ] {
+        assert!(applied(&wrong, model).is_err(), "{wrong:?}");
+    }
+    assert!(applied(&Overrides { width: Some(65_536), height: Some(4_096), ..Default::default() }, model).is_ok());
+}
+
+#[test]
+fn sky_and_emission_reach_the_scene() {
+    let overrides = Overrides { sky: Some(Vec3::X), emits_both_sides: Some(true), ..Default::default() };
+    let (scene, _) = applied(&overrides, None).unwrap();
+    assert_eq!(scene.sky.radiance, Vec3::X);
+    assert!(scene.materials[0].emits_both_sides);
+    let (scene, _) = applied(&Overrides::default(), None).unwrap();
+    assert!(!scene.materials[0].emits_both_sides);
+}

@@ -1,0 +1,220 @@
+//! Values as scene files and command lines spell them, and the types and ranges that options ask of them.
+//!
+//! Both sources are read by the same functions, so that they accept the same values and say the same about others.
+
+use glam::Vec3;
+
+use super::nearest::nearest;
+use crate::settings::{IntegratorKind, MAX_SIDE};
+
+/// A value whose meaning is not known yet.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Integer(i128),
+    Number(f64),
+    Text(String),
+    List(Vec<Value>),
+    /// A kind that no option takes.
+    Other,
+}
+
+/// What would be right in place of a wrong value.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected {0}")]
+pub(super) struct Expected(pub(super) String);
+
+type Reading<T> = Result<T, Expected>;
+
+impl Value {
+    /// The value of a command-line argument: a list if it has commas, else a number if it reads as one.
+    fn from_argument(text: &str) -> Self {
+        if text.contains(',') {
+            return Self::List(text.split(',').map(Self::from_argument).collect());
+        }
+        let text = text.trim();
+        let integer = text.parse().map(Self::Integer).ok();
+        let number = || text.parse().map(Self::Number).ok();
+        integer.or_else(number).unwrap_or_else(|| Self::Text(text.to_owned()))
+    }
+
+    /// The number, unless it is NaN or out of a 32-bit float's range.
+    fn finite(&self) -> Option<f32> {
+        let number = match self {
+            Self::Integer(value) => *value as f32,
+            Self::Number(value) => *value as f32,
+            _ => return None,
+        };
+        number.is_finite().then_some(number)
+    }
+
+    fn three(&self) -> Option<Vec3> {
+        let Self::List(values) = self else { return None };
+        let [x, y, z] = values.as_slice() else { return None };
+        Some(Vec3::new(x.finite()?, y.finite()?, z.finite()?))
+    }
+
+    fn integer<T: TryFrom<i128>>(&self) -> Option<T> {
+        let Self::Integer(value) = self else { return None };
+        T::try_from(*value).ok()
+    }
+
+    fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Reading<T> {
+        let Self::Text(text) = self else { return expected(list(known)) };
+        let found = known.iter().find(|(name, _)| name == text);
+        found.map_or_else(|| expected(meant(text, known)), |&(_, value)| Ok(value))
+    }
+}
+
+/// Reads command-line arguments with `read`.
+pub(super) fn argument<T>(read: fn(&Value) -> Reading<T>) -> impl Fn(&str) -> Reading<T> + Clone {
+    move |text| read(&Value::from_argument(text))
+}
+
+fn expected<T>(what: impl Into<String>) -> Reading<T> {
+    Err(Expected(what.into()))
+}
+
+fn list<T>(known: &[(&str, T)]) -> String {
+    let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+    format!("one of {}", names.join(", "))
+}
+
+fn meant<T>(text: &str, known: &[(&str, T)]) -> String {
+    let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+    match nearest(text, &names) {
+        Some(near) => format!("{}; did you mean `{near}`?", list(known)),
+        None => list(known),
+    }
+}
+
+/// Any text.
+pub(super) fn text(value: &Value) -> Reading<String> {
+    match value {
+        Value::Text(text) => Ok(text.clone()),
+        _ => expected("text"),
+    }
+}
+
+/// A point in space.
+pub(super) fn point(value: &Value) -> Reading<Vec3> {
+    value.three().map_or_else(|| expected("three finite numbers x, y, z"), Ok)
+}
+
+/// A vector that has a direction.
+pub(super) fn direction(value: &Value) -> Reading<Vec3> {
+    match value.three() {
+        Some(v) if v != Vec3::ZERO => Ok(v),
+        _ => expected("three finite numbers x, y, z that are not all zero"),
+    }
+}
+
+/// A field of view in degrees.
+pub(super) fn vfov(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => expected("degrees, more than 0 and less than 180"),
+    }
+}
+
+/// Radiance: one number for all channels, or three.
+pub(super) fn radiance(value: &Value) -> Reading<Vec3> {
+    match value.finite().map(Vec3::splat).or_else(|| value.three()) {
+        Some(radiance) if radiance.min_element() >= 0.0 => Ok(radiance),
+        _ => expected("one number, or three for red, green and blue, finite and not negative"),
+    }
+}
+
+/// The width or height of a picture.
+pub(super) fn side(value: &Value) -> Reading<u32> {
+    match value.integer() {
+        Some(pixels @ 1..=MAX_SIDE) => Ok(pixels),
+        _ => expected(format!("a whole number of pixels from 1 to {MAX_SIDE}")),
+    }
+}
+
+/// Something of which there is at least one.
+pub(super) fn count(value: &Value) -> Reading<u32> {
+    match value.integer() {
+        Some(count @ 1..) => Ok(count),
+        _ => expected(format!("a whole number from 1 to {}", u32::MAX)),
+    }
+}
+
+/// A seed.
+pub(super) fn seed(value: &Value) -> Reading<u64> {
+    value.integer().map_or_else(|| expected(format!("a whole number from 0 to {}", u64::MAX)), Ok)
+}
+
+/// A filter's full width in pixels.
+pub(super) fn filter_width(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(width) if width > 0.0 => Ok(width),
+        _ => expected("a number of pixels, more than 0"),
+    }
+}
+
+/// A filter's sharpness.
+pub(super) fn sharpness(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(sharpness @ 0.0..=1.0) => Ok(sharpness),
+        _ => expected("a number from 0 (soft) to 1 (sharp)"),
+    }
+}
+
+/// An integrator's name.
+pub(super) fn integrator(value: &Value) -> Reading<IntegratorKind> {
+    value.one_of(&IntegratorKind::ALL.map(|kind| (kind.name(), kind)))
+}
+
+/// Which sides emit: whether both do.
+pub(super) fn emission(value: &Value) -> Reading<bool> {
+    value.one_of(&[("front", false), ("both", true)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_read_as_numbers_lists_or_text() {
+        assert_eq!(Value::from_argument("18446744073709551615"), Value::Integer(u64::MAX.into()));
+        assert_eq!(Value::from_argument("-0.5"), Value::Number(-0.5));
+        assert_eq!(Value::from_argument("1, 2.5"), Value::List(vec![Value::Integer(1), Value::Number(2.5)]));
+        assert_eq!(Value::from_argument("path"), Value::Text("path".into()));
+    }
+
+    #[test]
+    fn ranges_end_where_they_say() {
+        assert!(argument(vfov)("0").is_err());
+        assert!(argument(vfov)("180").is_err());
+        assert!(argument(vfov)("nan").is_err());
+        assert_eq!(argument(vfov)("179.5"), Ok(179.5));
+        assert!(argument(side)("0").is_err());
+        assert_eq!(argument(side)("65536"), Ok(65_536));
+        assert!(argument(side)("65537").is_err());
+        assert!(argument(side)("512.0").is_err());
+        assert!(argument(count)("0").is_err());
+        assert!(argument(count)("4294967296").is_err());
+        assert_eq!(argument(seed)("18446744073709551615"), Ok(u64::MAX));
+        assert!(argument(seed)("18446744073709551616").is_err());
+        assert!(argument(seed)("-1").is_err());
+        assert!(argument(filter_width)("0").is_err());
+        assert!(argument(filter_width)("1e39").is_err(), "infinite as a 32-bit float");
+        assert!(argument(sharpness)("1.01").is_err());
+        assert!(argument(radiance)("1,-1,1").is_err());
+        assert_eq!(argument(radiance)("0"), Ok(Vec3::ZERO));
+        assert_eq!(argument(radiance)("1,2,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
+        assert!(argument(radiance)("1,2").is_err());
+        assert_eq!(argument(point)("-1,2,.5"), Ok(Vec3::new(-1.0, 2.0, 0.5)));
+        assert!(argument(point)("1,2,inf").is_err());
+        assert!(argument(point)("1,2,").is_err());
+        assert!(argument(direction)("0,0,0").is_err());
+    }
+
+    #[test]
+    fn misspelt_names_get_the_nearest() {
+        let error = argument(integrator)("pth").unwrap_err();
+        assert_eq!(error.to_string(), "expected one of path, normals, albedo; did you mean `path`?");
+        assert_eq!(argument(emission)("back").unwrap_err().to_string(), "expected one of front, both");
+    }
+}
