@@ -15,6 +15,9 @@ const MAX_COORDINATE: f32 = 1e18;
 /// length has fewer of them than a `u32` counts.
 const MAX_LENGTH: u64 = u32::MAX as u64;
 
+/// Some editors on Windows begin UTF-8 text with it.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// First bytes that give away what a file is. Text that matches none is of unknown kind.
 const SIGNATURES: [(&[u8], &str); 16] = [
     (b"glTF", "binary glTF (GLB)"),
@@ -64,7 +67,13 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
         return Err(whole("this file is larger than 4 GiB", "split the model into smaller files"));
     }
     let bytes = std::fs::read(path).map_err(|error| SceneError::unreadable(path, &error))?;
-    let text = without_byte_order_mark(&bytes);
+    parse(path, format, &bytes)
+}
+
+/// Reads the model in `bytes`, which `path` holds.
+fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
+    let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if text.iter().all(u8::is_ascii_whitespace) {
         return Err(whole("the file is empty", "export the model again"));
     }
@@ -125,10 +134,6 @@ impl Format {
             "give the file the extension of what it is, or name another file",
         ))
     }
-}
-
-fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 fn check_extent(path: &Path, scene: &Scene) -> Result<(), SceneError> {

@@ -191,4 +191,4 @@ impl Skipped {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

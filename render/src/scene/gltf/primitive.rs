@@ -118,13 +118,13 @@ fn check_counts(
 }
 
 /// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
-fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
-    let windows = indices.windows(3).enumerate();
+pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
+            let windows = indices.windows(3).enumerate();
             windows.map(|(place, v)| if place % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] }).collect()
         }
-        Mode::TriangleFan => windows.skip(1).map(|(_, v)| [v[0], v[1], indices[0]]).collect(),
+        Mode::TriangleFan => indices.windows(2).skip(1).map(|v| [v[0], v[1], indices[0]]).collect(),
         _ => indices.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect(),
     }
 }
