@@ -1,0 +1,119 @@
+//! The node hierarchy: which nodes the scene shows, and where they are in the world.
+//!
+//! Nodes must form trees: each has one parent at most, and none is its own ancestor (glTF 2.0, section 3.5.2).
+
+use ::gltf::json::scene::Node;
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
+
+use super::Document;
+use crate::scene::SceneError;
+
+/// A node in its place.
+pub(super) struct Placed {
+    /// Its index.
+    pub(super) node: usize,
+    /// Takes its coordinates to the world; affine and finite.
+    pub(super) to_world: DMat4,
+}
+
+/// The nodes of the default scene, or of all trees if there is none, parents before their children, in the file's order.
+pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
+    let parents = parents(document)?;
+    let mut stack: Vec<(usize, DMat4)> = match document.root.scene {
+        Some(index) => {
+            let user = format!("scene {}", index.value());
+            let roots = &document.object(index, "scene", "scene")?.nodes;
+            let roots = roots.iter().map(|&root| document.object(root, "node", &user).map(|_| root.value()));
+            let roots: Vec<usize> = roots.collect::<Result<_, _>>()?;
+            for (place, &root) in roots.iter().enumerate() {
+                let other = parents[root].map(|parent| document.node(parent));
+                let twice = roots[..place].contains(&root).then(|| user.clone());
+                if let Some(other) = other.or(twice) {
+                    return Err(two_parents(document, root, &user, &other));
+                }
+            }
+            roots.into_iter().map(|root| (root, DMat4::IDENTITY)).collect()
+        }
+        None => {
+            (0..parents.len()).filter(|&node| parents[node].is_none()).map(|root| (root, DMat4::IDENTITY)).collect()
+        }
+    };
+    stack.reverse();
+    let mut walk = Vec::new();
+    while let Some((index, parent)) = stack.pop() {
+        let node = &document.root.nodes[index];
+        let to_world = parent * local(document, node, index)?;
+        if !to_world.is_finite() {
+            return Err(document.error(document.node(index), "its transform is not finite", "use smaller numbers"));
+        }
+        walk.push(Placed { node: index, to_world });
+        stack.extend(node.children.iter().flatten().rev().map(|child| (child.value(), to_world)));
+    }
+    Ok(walk)
+}
+
+/// Every node's parent. All nodes are checked, also those that no scene shows.
+fn parents(document: &Document) -> Result<Vec<Option<usize>>, SceneError> {
+    let nodes = &document.root.nodes;
+    let mut parents = vec![None; nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        for &child in node.children.iter().flatten() {
+            document.object(child, "node", &document.node(index))?;
+            if let Some(other) = parents[child.value()].replace(index) {
+                return Err(two_parents(document, child.value(), &document.node(index), &document.node(other)));
+            }
+        }
+    }
+    // With one parent each, what the roots do not reach is on a cycle or below one.
+    let mut reached: Vec<bool> = parents.iter().map(Option::is_none).collect();
+    let mut stack: Vec<usize> = (0..nodes.len()).filter(|&node| reached[node]).collect();
+    while let Some(index) = stack.pop() {
+        for child in nodes[index].children.iter().flatten() {
+            reached[child.value()] = true;
+            stack.push(child.value());
+        }
+    }
+    if let Some(below) = reached.iter().position(|reached| !reached) {
+        let on_cycle = (0..nodes.len()).fold(below, |node, _| parents[node].unwrap_or(node));
+        let place = document.node(on_cycle);
+        return Err(document.error(place, "it is a descendant of itself", "make the nodes a tree"));
+    }
+    Ok(parents)
+}
+
+fn two_parents(document: &Document, node: usize, one: &str, other: &str) -> SceneError {
+    let problem =
+        if one == other { format!("{one} lists it twice") } else { format!("it is listed by both {one} and {other}") };
+    document.error(document.node(node), problem, "list each node in one place")
+}
+
+/// The node's own transform: its matrix, or translation, rotation and scale.
+fn local(document: &Document, node: &Node, index: usize) -> Result<DMat4, SceneError> {
+    if let Some(columns) = node.matrix {
+        let matrix = DMat4::from_cols_array(&columns.map(f64::from));
+        if matrix.row(3) != glam::DVec4::W {
+            let problem = "its matrix is not affine";
+            return Err(document.error(document.node(index), problem, "end each column with 0, and the last with 1"));
+        }
+        return Ok(matrix);
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
+    if rotation.length_squared() == 0.0 {
+        return Err(document.error(document.node(index), "its rotation is zero", "write a unit quaternion"));
+    }
+    let vector = |vector: Option<[f32; 3]>, default| vector.map_or(default, |vector| Vec3::from(vector).as_dvec3());
+    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+}
+
+impl Placed {
+    /// The node's origin.
+    pub(super) fn origin(&self) -> Vec3 {
+        self.to_world.w_axis.truncate().as_vec3()
+    }
+
+    /// Directions, scale and shear.
+    pub(super) fn linear(&self) -> DMat3 {
+        DMat3::from_mat4(self.to_world)
+    }
+}

@@ -1,0 +1,71 @@
+//! `KHR_lights_punctual`: lights shine along their node's -Z axis. Scale does not change them.
+
+use core::f32::consts::FRAC_PI_2;
+
+use ::gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
+use ::gltf::json::validation::Checked;
+use glam::{DVec3, Vec3};
+
+use super::Document;
+use super::hierarchy::Placed;
+use crate::scene::{PunctualLight, SceneError};
+
+/// The light with the number `index` at a node.
+pub(super) fn read(
+    document: &Document,
+    light: &Light,
+    index: usize,
+    placed: &Placed,
+) -> Result<PunctualLight, SceneError> {
+    let place = format!("light {index}");
+    let strength = Vec3::from(light.color) * light.intensity;
+    if !strength.is_finite() || strength.min_element() < 0.0 || light.intensity < 0.0 {
+        return Err(document.error(
+            place,
+            "its colour or intensity is negative or not finite",
+            "write numbers that are 0 or more",
+        ));
+    }
+    let position = placed.origin();
+    match light.type_ {
+        Checked::Valid(Type::Point) => Ok(PunctualLight::Point { position, intensity: strength }),
+        Checked::Valid(Type::Directional) => {
+            Ok(PunctualLight::Directional { direction: direction(document, placed)?, irradiance: strength })
+        }
+        Checked::Valid(Type::Spot) => {
+            let Some(spot) = &light.spot else {
+                return Err(document.error(place, "it is a spot light without `spot`", "give it the object `spot`"));
+            };
+            let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+            if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2) {
+                return Err(document.error(
+                    place,
+                    format!("its cone goes from {inner} to {outer}"),
+                    "write angles in radians: 0 <= innerConeAngle < outerConeAngle <= pi/2",
+                ));
+            }
+            let cos_inner = inner.cos();
+            // Cosines of narrow cones may round to the same number.
+            let cos_outer = outer.cos().max(0.0).min(cos_inner.next_down());
+            Ok(PunctualLight::Spot {
+                position,
+                direction: direction(document, placed)?,
+                intensity: strength,
+                cos_inner,
+                cos_outer,
+            })
+        }
+        Checked::Invalid => Err(document.error(place, "its type is unknown", "use directional, point or spot")),
+    }
+}
+
+fn direction(document: &Document, placed: &Placed) -> Result<Vec3, SceneError> {
+    let direction = (placed.linear() * DVec3::NEG_Z).try_normalize();
+    direction.map(DVec3::as_vec3).ok_or_else(|| {
+        document.error(
+            document.node(placed.node),
+            "its scale leaves its light no direction",
+            "use a scale that is not 0",
+        )
+    })
+}

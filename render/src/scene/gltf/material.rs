@@ -1,0 +1,58 @@
+//! Materials: the factors of base colour and emission.
+
+use glam::Vec3;
+
+use super::Document;
+use crate::scene::model::count;
+use crate::scene::{Material, SceneError};
+
+/// The file's materials in its order.
+pub(super) fn read(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Material>, SceneError> {
+    let mut textures = 0;
+    let mut materials = Vec::with_capacity(document.root.materials.len());
+    for (index, material) in document.root.materials.iter().enumerate() {
+        let place = format!("material {index}");
+        let base = &material.pbr_metallic_roughness;
+        textures += [
+            base.base_color_texture.is_some(),
+            base.metallic_roughness_texture.is_some(),
+            material.normal_texture.is_some(),
+            material.occlusion_texture.is_some(),
+            material.emissive_texture.is_some(),
+        ]
+        .map(usize::from)
+        .iter()
+        .sum::<usize>();
+
+        let [r, g, b, _] = base.base_color_factor.0;
+        let colour = Vec3::new(r, g, b);
+        let diffuse = colour.clamp(Vec3::ZERO, Vec3::ONE);
+        if diffuse != colour {
+            let path = document.path.display();
+            warnings.push(format!("{path}: {place}: `baseColorFactor` is outside 0 to 1 and is clamped"));
+        }
+
+        let extension = material.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
+        let strength = extension.map_or(1.0, |extension| extension.emissive_strength.0);
+        let emission = Vec3::from(material.emissive_factor.0) * strength;
+        if !emission.is_finite() || emission.min_element() < 0.0 || strength < 0.0 {
+            return Err(document.error(
+                place,
+                "its emission is negative or not finite",
+                "write numbers that are 0 or more",
+            ));
+        }
+        materials.push(Material {
+            name: material.name.clone().unwrap_or_default(),
+            diffuse,
+            emission,
+            emits_both_sides: material.double_sided,
+            ..Material::default()
+        });
+    }
+    if textures > 0 {
+        let textures = count(textures, "texture is", "textures are");
+        warnings.push(format!("{}: {textures} ignored", document.path.display()));
+    }
+    Ok(materials)
+}

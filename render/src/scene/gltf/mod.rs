@@ -1,0 +1,194 @@
+//! glTF 2.0 (Khronos Group), as JSON text or in a binary container (GLB).
+//!
+//! The crate `gltf` gives the JSON its types. Its readers are not used, since they panic on indices and ranges that a
+//! malformed file may have: here every index is looked up and every range checked.
+//!
+//! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
+//! first set of texture coordinates, base colour, emission (`KHR_materials_emissive_strength`), cameras and
+//! `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
+//!
+//! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Textures, skins, morph targets, lights' ranges,
+//! orthographic cameras, points and lines are left out with a warning, animations without one.
+
+mod accessor;
+mod camera;
+mod container;
+mod hierarchy;
+mod light;
+mod material;
+mod primitive;
+
+use std::path::Path;
+
+use ::gltf::json::{Index, Root, deserialize, root::Get};
+use serde::Deserialize;
+
+use super::model::count;
+use super::{Material, Place, Scene, SceneError};
+
+/// Reads glTF as JSON text.
+pub(super) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
+    let root = parse(path, text, |error| Place::Line(error.line()))?;
+    read(path, root, None)
+}
+
+/// Reads a GLB container.
+pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let chunks = container::split(path, bytes)?;
+    let root = parse(path, chunks.json, |error| Place::Part(format!("JSON chunk, byte {}", error.column())))?;
+    read(path, root, chunks.binary)
+}
+
+/// A glTF file with its buffers.
+struct Document<'a> {
+    path: &'a Path,
+    root: Root,
+    buffers: Vec<Vec<u8>>,
+}
+
+/// What was left out, for the warnings.
+#[derive(Default)]
+struct Skipped {
+    points_and_lines: usize,
+    skinned: usize,
+    morphed: usize,
+    ranges: usize,
+}
+
+impl Document<'_> {
+    fn error(&self, part: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+        SceneError::new(self.path, Place::Part(part.into()), problem, remedy)
+    }
+
+    /// The object at `index`. `kind` names such objects ("mesh"), `user` what refers to it ("node 3").
+    fn object<T>(&self, index: Index<T>, kind: &str, user: &str) -> Result<&T, SceneError>
+    where
+        Root: Get<T>,
+    {
+        self.root.get(index).ok_or_else(|| {
+            let problem = format!("it refers to {kind} {}, which does not exist", index.value());
+            self.error(user, problem, "refer to one that the file has, counted from 0")
+        })
+    }
+
+    /// For errors: "node 5" or "node 5 (\"lamp\")".
+    fn node(&self, index: usize) -> String {
+        let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
+        name.map_or_else(|| format!("node {index}"), |name| format!("node {index} ({name:?})"))
+    }
+}
+
+/// The part of glTF that all its versions have.
+#[derive(Deserialize)]
+struct Version {
+    asset: Option<Asset>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place) -> Result<Root, SceneError> {
+    let invalid = |error: ::gltf::json::Error| {
+        // The message ends with the place, which is told on its own.
+        let message = error.to_string();
+        let problem = message.split(" at line ").next().unwrap_or_default();
+        SceneError::new(path, place(&error), format!("this is not valid glTF: {problem}"), "export the model again")
+    };
+    // The version goes first, for glTF 1 differs so much that its error would be about something else.
+    let Version { asset } = deserialize::from_slice(text).map_err(invalid)?;
+    let version = asset.map(|asset| asset.version);
+    if !version.as_deref().is_some_and(|version| version == "2" || version.starts_with("2.")) {
+        let problem = version.map_or_else(
+            || "it tells no glTF version".to_owned(),
+            |version| format!("its version is {version:?}, which is not 2"),
+        );
+        return Err(SceneError::new(path, Place::Part("asset".to_owned()), problem, "export the model as glTF 2.0"));
+    }
+    deserialize::from_slice(text).map_err(invalid)
+}
+
+fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
+    let mut warnings = check_extensions(path, &root)?;
+    let buffers = container::buffers(path, &root, binary)?;
+    let document = Document { path, root, buffers };
+    let mut scene = Scene { materials: material::read(&document, &mut warnings)?, ..Scene::default() };
+    let mut skipped = Skipped::default();
+    let mut cameras = Vec::new();
+    for placed in hierarchy::walk(&document)? {
+        let node = &document.root.nodes[placed.node];
+        let place = document.node(placed.node);
+        if let Some(index) = node.mesh {
+            let mesh = document.object(index, "mesh", &place)?;
+            let name = node.name.as_ref().or(mesh.name.as_ref()).cloned().unwrap_or_default();
+            skipped.skinned += usize::from(node.skin.is_some());
+            for (number, primitive) in mesh.primitives.iter().enumerate() {
+                let place = format!("mesh {}, primitive {number}", index.value());
+                if let Some(mesh) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
+                    scene.meshes.push(super::Mesh { name: name.clone(), ..mesh });
+                }
+            }
+        }
+        if let Some(index) = node.camera {
+            let camera = document.object(index, "camera", &place)?;
+            if let Some(pose) = camera::read(&document, camera, index.value(), &placed, &mut warnings)? {
+                cameras.push((place.clone(), pose));
+            }
+        }
+        let lights = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+        if let Some(index) = lights.map(|lights| lights.light) {
+            let light = document.object(index, "light", &place)?;
+            skipped.ranges += usize::from(light.range.is_some());
+            scene.lights.push(light::read(&document, light, index.value(), &placed)?);
+        }
+    }
+    if let Some((place, pose)) = cameras.first() {
+        scene.camera = Some(*pose);
+        if cameras.len() > 1 {
+            warnings.push(format!("{}: of {} cameras, that of {place} is used", path.display(), cameras.len()));
+        }
+    }
+    if scene.meshes.iter().any(|mesh| mesh.material == scene.materials.len()) {
+        scene.materials.push(Material::default());
+    }
+    warnings.extend(skipped.warnings(path));
+    Ok(Scene { warnings, ..scene })
+}
+
+/// Refuses extensions that the file requires and that would change what is read here. Those about textures and about
+/// surfaces beyond their colour are harmless, since both are left out anyway.
+fn check_extensions(path: &Path, root: &Root) -> Result<Vec<String>, SceneError> {
+    const KNOWN: [&str; 2] = ["KHR_lights_punctual", "KHR_materials_emissive_strength"];
+    const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
+    let unknown: Vec<&str> =
+        root.extensions_required.iter().map(String::as_str).filter(|name| !KNOWN.contains(name)).collect();
+    let (harmless, refused): (Vec<&str>, Vec<&str>) =
+        unknown.into_iter().partition(|name| HARMLESS.iter().any(|prefix| name.starts_with(prefix)));
+    if !refused.is_empty() {
+        let (names, remedy) = (refused.join(", "), "export the model without compression or other required extensions");
+        let problem = format!("the file requires {names}, which cannot be read");
+        return Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy));
+    }
+    let warning = format!("{}: the file asks for {}, which is left out", path.display(), harmless.join(", "));
+    Ok(if harmless.is_empty() { Vec::new() } else { vec![warning] })
+}
+
+impl Skipped {
+    fn warnings(&self, path: &Path) -> Vec<String> {
+        let counts = [
+            (self.points_and_lines, "primitive of points or lines is", "primitives of points or lines are", "skipped"),
+            (self.skinned, "mesh is", "meshes are", "shown without the skin"),
+            (self.morphed, "primitive is", "primitives are", "shown without the morph targets"),
+            (self.ranges, "light has", "lights have", "a range, which is ignored"),
+        ];
+        let counts = counts.iter().filter(|(number, ..)| *number > 0);
+        counts
+            .map(|&(number, one, many, what)| format!("{}: {} {what}", path.display(), count(number, one, many)))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -1,0 +1,155 @@
+//! Triangles of a mesh primitive, taken to the world.
+//!
+//! Normals go by the inverse transpose. It is the matrix of cofactors over the determinant, and as normals become unit
+//! vectors the determinant's sign suffices: M⁻ᵀ n ∥ sign(det M) cof(M) n. So a node that flattens has normals, too.
+
+use ::gltf::json::accessor::ComponentType::{F32, U8, U16, U32};
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+use glam::{DMat3, Vec2, Vec3};
+
+use super::hierarchy::Placed;
+use super::{Document, Skipped, accessor};
+use crate::scene::model::{count, unit};
+use crate::scene::{Mesh, SceneError};
+
+/// The triangles of `primitive`, which `place` names in errors; `None` for points and lines. The material is the number
+/// of materials for a primitive without one.
+pub(super) fn read(
+    document: &Document,
+    primitive: &Primitive,
+    place: &str,
+    placed: &Placed,
+    skipped: &mut Skipped,
+) -> Result<Option<Mesh>, SceneError> {
+    let Checked::Valid(mode) = primitive.mode else {
+        return Err(document.error(place, "its mode is unknown", "use a mode from 0 to 6; 4 is triangles"));
+    };
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        skipped.points_and_lines += 1;
+        return Ok(None);
+    }
+    skipped.morphed += usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
+    let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+
+    let positions = attribute(Semantic::Positions)
+        .ok_or_else(|| document.error(place, "it has no POSITION", "give it the attribute POSITION"))?;
+    let positions: Vec<Vec3> = vectors(document, positions, place, "POSITION")?;
+    if let Some(vertex) = positions.iter().position(|position| !position.is_finite()) {
+        return Err(document.error(
+            place,
+            format!("the POSITION of vertex {vertex} is not finite"),
+            "export the model again",
+        ));
+    }
+    let normals = attribute(Semantic::Normals).map(|index| vectors(document, index, place, "NORMAL")).transpose()?;
+    let texcoords = match attribute(Semantic::TexCoords(0)) {
+        Some(index) => {
+            let texcoords = accessor::read::<2>(document, index, place, "TEXCOORD_0", &[F32, U8, U16])?;
+            Some(texcoords.into_iter().map(|pair| Vec2::from(pair.map(accessor::Component::normalised))).collect())
+        }
+        None => None,
+    };
+    check_counts(document, place, positions.len(), normals.as_ref().map(Vec::len), texcoords.as_ref().map(Vec::len))?;
+    let indices = match primitive.indices {
+        Some(index) => {
+            let indices = accessor::read::<1>(document, index, place, "indices", &[U8, U16, U32])?;
+            let indices: Vec<u32> = indices.into_iter().map(|[index]| index.index()).collect();
+            if let Some(wrong) = indices.iter().find(|&&index| index as usize >= positions.len()) {
+                let vertices = count(positions.len(), "vertex", "vertices");
+                let problem = format!("it holds the index {wrong}, but {place} has {vertices}");
+                return Err(document.error(
+                    format!("accessor {}", index.value()),
+                    problem,
+                    "keep indices below that number",
+                ));
+            }
+            indices
+        }
+        None => (0..positions.len() as u32).collect(),
+    };
+    if mode == Mode::Triangles && indices.len() % 3 != 0 {
+        let corners = count(indices.len(), "corner", "corners");
+        return Err(document.error(place, format!("its triangles have {corners} together"), "give each triangle 3"));
+    }
+
+    let material = match primitive.material {
+        Some(index) => {
+            document.object(index, "material", place)?;
+            index.value()
+        }
+        None => document.root.materials.len(),
+    };
+    let mesh = Mesh {
+        name: String::new(),
+        positions,
+        normals: normals.unwrap_or_default(),
+        texcoords: texcoords.unwrap_or_default(),
+        triangles: triangles(mode, &indices),
+        material,
+    };
+    to_world(document, mesh, place, placed).map(Some)
+}
+
+fn vectors(
+    document: &Document,
+    index: ::gltf::json::Index<::gltf::json::Accessor>,
+    place: &str,
+    what: &str,
+) -> Result<Vec<Vec3>, SceneError> {
+    let vectors = accessor::read::<3>(document, index, place, what, &[F32])?;
+    Ok(vectors.into_iter().map(|vector| Vec3::from(vector.map(accessor::Component::normalised))).collect())
+}
+
+fn check_counts(
+    document: &Document,
+    place: &str,
+    positions: usize,
+    normals: Option<usize>,
+    texcoords: Option<usize>,
+) -> Result<(), SceneError> {
+    for (name, found) in [("NORMAL", normals), ("TEXCOORD_0", texcoords)] {
+        if let Some(found) = found.filter(|&found| found != positions) {
+            let problem = format!("it has {positions} of POSITION, but {found} of {name}");
+            return Err(document.error(place, problem, "give every vertex all attributes"));
+        }
+    }
+    Ok(())
+}
+
+/// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
+pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let windows = indices.windows(3).enumerate();
+            windows.map(|(place, v)| if place % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] }).collect()
+        }
+        Mode::TriangleFan => indices.windows(2).skip(1).map(|v| [v[0], v[1], indices[0]]).collect(),
+        _ => indices.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect(),
+    }
+}
+
+fn to_world(document: &Document, mut mesh: Mesh, place: &str, placed: &Placed) -> Result<Mesh, SceneError> {
+    for position in &mut mesh.positions {
+        *position = placed.to_world.transform_point3(position.as_dvec3()).as_vec3();
+        if !position.is_finite() {
+            let problem = format!("its transform takes {place} out of the range of numbers");
+            return Err(document.error(document.node(placed.node), problem, "use smaller numbers"));
+        }
+    }
+    let linear = placed.linear();
+    let mirrors = linear.determinant() < 0.0;
+    if mirrors {
+        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if mirrors { -1.0 } else { 1.0 };
+    // Normals without a direction leave the mesh flat.
+    let normals: Option<Vec<Vec3>> = mesh.normals.iter().map(|normal| direction(cofactors, *normal)).collect();
+    mesh.normals = normals.unwrap_or_default();
+    Ok(mesh)
+}
+
+fn direction(cofactors: DMat3, normal: Vec3) -> Option<Vec3> {
+    (cofactors * unit(normal)?.as_dvec3()).try_normalize().map(|normal| normal.as_vec3())
+}
