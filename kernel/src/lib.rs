@@ -3,3 +3,5 @@
 
 #[cfg(any(feature = "alloc", test))]
 extern crate alloc;
+
+pub mod sampling;
