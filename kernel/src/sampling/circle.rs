@@ -72,7 +72,7 @@ pub fn turns(y: f32, x: f32) -> f32 {
     if turn < 0.0 { (turn + 1.0).min(ONE_MINUS_EPSILON) } else { turn }
 }
 
-/// The angle of (x, y) in octants, 8 to a turn, for |y| ≤ x or |y| ≤ -x reflected: in [-1, 1].
+/// The angle from the x axis to the line through (x, y), |y| ≤ |x|, in octants (8 to a turn): in [-1, 1].
 pub(super) fn octants(y: f32, x: f32) -> f32 {
     libm::atanf(y / x) * (4.0 / PI)
 }

@@ -6,6 +6,18 @@
 //! Every function is plain additions, multiplications, divisions and square roots (all correctly rounded by IEEE 754),
 //! or a soft-float routine of `libm`. Nothing is fused and nothing asks the platform's mathematics library, so results
 //! are equal bit for bit on every target with IEEE single precision, and in lanes as in scalars.
+//!
+//! ```
+//! use glam::Vec3;
+//! use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+//! use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
+//!
+//! // A direction about a normal for the bounce of sample 3 in pixel 1234 that uses set 2.
+//! let sampler = Sampler::new(Pattern::Sobol, 0, 1234, 3);
+//! let local = CosineHemisphere.map(sampler.uniform2(2));
+//! let direction = Frame::from_normal(Vec3::X).to_world(local);
+//! assert!(direction.x > 0.0 && CosineHemisphere.pdf(local) > 0.0);
+//! ```
 
 mod alias;
 mod circle;

@@ -136,15 +136,16 @@ mod tests {
     /// A number of one set says nothing about that of another set, pixel or seed at the same sample.
     #[test]
     fn sets_pixels_and_seeds_are_independent() {
-        let address: [fn(u32) -> (u64, u32, u32); 3] = [|i| (0, 0, i), |i| (0, i, 0), |i| (u64::from(i), 0, 0)];
+        // Along the sets, the pixels and the seeds.
+        let axes: [fn(u32) -> [u32; 3]; 3] = [|i| [0, 0, i], |i| [0, i, 0], |i| [i, 0, 0]];
         for pattern in PATTERNS {
-            for address in address {
+            for axis in axes {
                 let mut counts = [0.0; 64];
                 // A new pair of neighbours every 4 samples, or stratification would make the test too good.
                 for i in 0..8000 {
                     let [x, y] = [2 * (i / 4), 2 * (i / 4) + 1].map(|n| {
-                        let (seed, pixel, set) = address(n);
-                        Sampler::new(pattern, seed, pixel, i % 4).uniform1(set)
+                        let [seed, pixel, set] = axis(n);
+                        Sampler::new(pattern, seed.into(), pixel, i % 4).uniform1(set)
                     });
                     counts[(x * 8.0) as usize * 8 + (y * 8.0) as usize] += 1.0;
                 }

@@ -125,7 +125,7 @@ mod tests {
             [1, 5, 3, 1],
         ];
         for (i, point) in (0u32..).zip(listed) {
-            assert_eq!([0, 1, 2, 3].map(|d| sobol(i ^ i / 2, d) >> 29), point, "point {i}");
+            assert_eq!([0, 1, 2, 3].map(|d| sobol(i ^ (i / 2), d) >> 29), point, "point {i}");
         }
     }
 

@@ -1,12 +1,12 @@
 //! Directions of the hemisphere z > 0. Measure: solid angle.
 //!
-//! With v = (u_x, u_y) each polar map has azimuth 2πu_y and an elevation that inverts its distribution:
+//! Each polar map has azimuth 2πu_y and an elevation that inverts its distribution:
 //!
 //! - uniform, p = 1/2π: cos θ = 1 - u_x;
 //! - cosine, p = cos θ / π: sin θ = √u_x;
 //! - power cosine, p = (n + 1)/2π cosⁿ θ: cos θ = (1 - u_x)^(1/(n + 1)).
 //!
-//! No direction lies on the horizon, where the densities vanish: cos θ is at least 2⁻¹² for the cosine, and 2⁻²⁴ for
+//! No direction lies on the horizon, where densities vanish: cos θ is at least 2⁻¹² for the cosine, and about 2⁻²⁴ for
 //! the others.
 
 use core::f32::consts::{FRAC_1_PI, TAU};
