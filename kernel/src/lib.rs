@@ -3,7 +3,7 @@
 //!
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it).
+//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) stands beside.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -39,6 +39,7 @@ extern crate alloc;
 
 pub mod bvh;
 pub mod geometry;
+pub mod sampling;
 mod simd;
 pub mod traverse;
 
