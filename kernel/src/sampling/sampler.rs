@@ -133,6 +133,36 @@ mod tests {
         }
     }
 
+    /// Sobol's property A: of 2⁴ points one is in each of the 2⁴ orthants of the cube.
+    #[test]
+    fn sixteen_samples_are_in_sixteen_orthants() {
+        for set in 0..50 {
+            let orthant = |i| Sampler::new(Pattern::Sobol, 1, 2, i).uniform4(set).map(|x| x >= 0.5);
+            let mut orthants: Vec<_> = (0..16).map(orthant).collect();
+            orthants.sort_unstable();
+            orthants.dedup();
+            assert_eq!(orthants.len(), 16, "set {set}");
+        }
+    }
+
+    /// The samples of one pixel fill the square of two sets: a common index alone would leave them on a few lines.
+    #[test]
+    fn sets_of_one_pixel_are_shuffled() {
+        for pattern in PATTERNS {
+            let mut filled = 0;
+            for pair in 0..20 {
+                let mut cells: Vec<_> = (0..256)
+                    .map(|i| [0, 1].map(|s| (Sampler::new(pattern, 0, 0, i).uniform1(2 * pair + s) * 8.0) as u32))
+                    .collect();
+                cells.sort_unstable();
+                cells.dedup();
+                filled += cells.len();
+            }
+            // Independent points leave 64 (63/64)^256 = 1.1 cells of 64 empty.
+            assert!(filled > 20 * 56, "{pattern:?}: {filled} of {} cells", 20 * 64);
+        }
+    }
+
     /// A number of one set says nothing about that of another set, pixel or seed at the same sample.
     #[test]
     fn sets_pixels_and_seeds_are_independent() {

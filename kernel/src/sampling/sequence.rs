@@ -130,6 +130,16 @@ mod tests {
     }
 
     #[test]
+    fn direction_numbers_follow_the_recurrence() {
+        // Bratley and Fox's example: x³ + x + 1 from 1, 3, 7 goes on with 5, 7, 43. From Joe and Kuo's 1, 3, 1 the same
+        // m_k = 4 m_(k-2) ^ 8 m_(k-3) ^ m_(k-3) gives 12 ^ 8 ^ 1, 4 ^ 24 ^ 3, 20 ^ 8 ^ 1.
+        let odd = |v: [u32; 32]| [0, 1, 2, 3, 4, 5].map(|i| v[i] >> (31 - i));
+        assert_eq!(odd(directions([1, 3, 7], 3, 1)), [1, 3, 7, 5, 7, 43]);
+        assert_eq!(odd(DIRECTIONS[3]), [1, 3, 1, 5, 31, 29]);
+        assert_eq!(odd(DIRECTIONS[1]), [1, 3, 5, 15, 17, 51]);
+    }
+
+    #[test]
     fn aligned_blocks_are_nets() {
         for bits in 0..=10 {
             for block in [0, 1, 5] {
