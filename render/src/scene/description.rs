@@ -140,6 +140,13 @@ impl Default for Gloss {
     }
 }
 
+impl Mesh {
+    /// The corners of face `face`.
+    pub fn corners(&self, face: usize) -> [Vec3; 3] {
+        self.triangles[face].map(|index| self.positions[index as usize])
+    }
+}
+
 impl Scene {
     /// The number of triangles in all meshes.
     pub fn triangle_count(&self) -> usize {

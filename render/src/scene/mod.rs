@@ -6,6 +6,7 @@ mod error;
 mod file;
 mod framing;
 mod gltf;
+mod hash;
 mod model;
 mod mtl;
 mod nearest;

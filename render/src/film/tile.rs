@@ -1,0 +1,132 @@
+//! Tiles: the film's squares of pixels, and the sums of their samples.
+
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
+
+use super::{Channel, FilterSample};
+
+/// Pixels along a tile's side.
+pub(crate) const TILE_SIDE: u32 = 32;
+
+/// What one camera ray saw.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sighting {
+    pub radiance: Vec3,
+    /// Of the first surface; zero where there is none.
+    pub features: Features,
+}
+
+/// What the first surface along a camera ray is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Features {
+    pub albedo: Vec3,
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub shading_normal: Vec3,
+    pub uv: Vec2,
+}
+
+/// A square of pixels, cut off at the film's border.
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    x: Range<u32>,
+    y: Range<u32>,
+    pixels: Vec<Pixel>,
+    /// Samples that every pixel has.
+    pub samples: u32,
+}
+
+/// Weighted sums over a pixel's samples, in the order of the samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    weight: f64,
+    radiance: [f64; 3],
+    radiance_squared: [f64; 3],
+    features: [f64; FEATURE_NAMES.len()],
+}
+
+const FEATURE_NAMES: [&str; 14] = [
+    "Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v",
+];
+
+impl Features {
+    fn values(&self) -> [f32; FEATURE_NAMES.len()] {
+        let [a, p, n, s] = [self.albedo, self.position, self.normal, self.shading_normal].map(|v| v.to_array());
+        [a[0], a[1], a[2], p[0], p[1], p[2], n[0], n[1], n[2], s[0], s[1], s[2], self.uv.x, self.uv.y]
+    }
+}
+
+/// The tiles of a film, row by row.
+pub(crate) fn tiles(width: u32, height: u32) -> Vec<Tile> {
+    let starts = |end: u32| (0..end).step_by(TILE_SIDE as usize);
+    let range = |start: u32, end: u32| start..start.saturating_add(TILE_SIDE).min(end);
+    let tile = |x: u32, y: u32| {
+        let (x, y) = (range(x, width), range(y, height));
+        let pixels = vec![Pixel::default(); x.len() * y.len()];
+        Tile { x, y, pixels, samples: 0 }
+    };
+    starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect()
+}
+
+impl Tile {
+    /// The pixels' coordinates, in the order in which [`add`](Self::add) numbers them.
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (columns, rows) = (self.x.clone(), self.y.clone());
+        rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))
+    }
+
+    /// Adds a sample to the pixel of this number. One that is not a number counts as black.
+    pub(crate) fn add(&mut self, pixel: usize, filter: &FilterSample, sighting: &Sighting) {
+        let sums = &mut self.pixels[pixel];
+        let weight = f64::from(filter.weight);
+        sums.weight += weight;
+        let radiance = if sighting.radiance.is_finite() { sighting.radiance } else { Vec3::ZERO };
+        for (channel, value) in radiance.to_array().into_iter().enumerate() {
+            sums.radiance[channel] += weight * f64::from(value);
+            sums.radiance_squared[channel] += f64::from(value).powi(2) * weight.powi(2);
+        }
+        for (sum, value) in sums.features.iter_mut().zip(sighting.features.values()) {
+            *sum += weight * f64::from(value);
+        }
+    }
+}
+
+/// The channels of a film of `width` by `height` pixels; with `features` those of the first surface too.
+pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32, features: bool) -> Vec<Channel> {
+    let plane = |name: &str, value: &dyn Fn(&Pixel, f64) -> f64| {
+        let mut values = vec![0.0; width as usize * height as usize];
+        for tile in tiles {
+            for ((x, y), pixel) in tile.pixels().zip(&tile.pixels) {
+                values[y as usize * width as usize + x as usize] = value(pixel, f64::from(tile.samples)) as f32;
+            }
+        }
+        Channel { name: name.to_owned(), values }
+    };
+    let mean = |sum: f64, pixel: &Pixel| if pixel.weight == 0.0 { 0.0 } else { sum / pixel.weight };
+    let colors = ["R", "G", "B"].into_iter().enumerate();
+    let mut channels: Vec<Channel> =
+        colors.clone().map(|(c, name)| plane(name, &|pixel, _| mean(pixel.radiance[c], pixel))).collect();
+    if features {
+        for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
+            channels.push(plane(name, &|pixel, _| mean(pixel.features[f], pixel)));
+        }
+        for (c, name) in colors {
+            channels.push(plane(&format!("Variance.{name}"), &|pixel, n| pixel.variance(c, n)));
+        }
+    }
+    channels
+}
+
+impl Pixel {
+    /// The estimated variance of the pixel's value: that of `n` samples' mean, had they been independent.
+    fn variance(&self, channel: usize, n: f64) -> f64 {
+        if n < 2.0 || self.weight == 0.0 {
+            return 0.0;
+        }
+        let scale = n / self.weight;
+        let mean = self.radiance[channel] / self.weight;
+        let mean_square = self.radiance_squared[channel] * scale * scale / n;
+        (mean_square - mean * mean).max(0.0) / (n - 1.0)
+    }
+}

@@ -1,0 +1,34 @@
+//! Integrators: what a camera ray is worth.
+//!
+//! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
+//! what it needs further in batches.
+
+mod normals;
+mod path;
+
+use glam::Vec3;
+use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::{Hit, Ray};
+
+use crate::settings::{IntegratorKind, Settings};
+use crate::world::World;
+
+/// Camera rays that are traced together, with unit directions, and their hits.
+pub(crate) struct CameraRays<'a> {
+    pub rays: &'a [Ray],
+    pub hits: &'a [Hit],
+    /// The numbers of each ray's sample; sets from [`FIRST_SET`] on are the integrator's.
+    pub samplers: &'a [Sampler],
+}
+
+/// The camera uses the sets of random numbers before this one.
+pub(crate) const FIRST_SET: u32 = 1;
+
+/// Writes the radiance that each camera ray sees; gives the number of further rays traced.
+pub(crate) fn radiance(world: &World, settings: &Settings, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
+    match settings.integrator {
+        IntegratorKind::Path => path::radiance(world, settings.max_depth, camera, radiance),
+        IntegratorKind::Normals => normals::normals(world, camera, radiance),
+        IntegratorKind::Albedo => normals::albedo(world, camera, radiance),
+    }
+}

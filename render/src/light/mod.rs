@@ -1,0 +1,112 @@
+//! All that emits and can be aimed at: emissive triangles and lights without a surface, chosen in proportion to power.
+//!
+//! The sky is not among them: a ray that leaves a diffuse surface by its cosine finds a constant sky as well as any.
+
+use glam::Vec3;
+use halfdome_kernel::sampling::{AliasEntry, AliasTable};
+use halfdome_kernel::{Aabb, Triangle};
+
+use crate::scene::{Material, PunctualLight};
+
+/// The lights of a world.
+#[derive(Debug)]
+pub(crate) struct Lights {
+    sources: Vec<Source>,
+    /// `None` if nothing emits.
+    table: Option<AliasTable<Vec<AliasEntry>>>,
+    /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
+    area_density: Vec<f32>,
+}
+
+/// One light.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    /// An emissive triangle.
+    Triangle(u32),
+    /// A light without a surface.
+    Punctual(PunctualLight),
+}
+
+/// Linear sRGB to luminance (Rec. 709).
+pub(crate) fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+impl Lights {
+    /// The lights among `triangles`, whose materials `material` gives, and `punctual`; `bounds` are the scene's.
+    pub(crate) fn new<'m>(
+        triangles: &[Triangle],
+        material: impl Fn(usize) -> &'m Material,
+        punctual: Vec<PunctualLight>,
+        bounds: Aabb,
+    ) -> Self {
+        let mut sources = Vec::new();
+        let mut powers = Vec::new();
+        let mut areas = Vec::new();
+        for (prim_id, triangle) in triangles.iter().enumerate() {
+            let material = material(prim_id);
+            let area = area(triangle);
+            if material.emission != Vec3::ZERO && area > 0.0 {
+                let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
+                powers.push(std::f32::consts::PI * area * sides * brightness(material.emission));
+                sources.push(Source::Triangle(prim_id as u32));
+                areas.push(area);
+            }
+        }
+        for light in punctual {
+            powers.push(power(&light, bounds));
+            sources.push(Source::Punctual(light));
+        }
+        let entries = vec![AliasEntry::default(); powers.len()];
+        let table = AliasTable::build(&powers, entries).ok();
+        let mut area_density = Vec::new();
+        if let Some(table) = &table
+            && !areas.is_empty()
+        {
+            area_density = vec![0.0; triangles.len()];
+            for (index, (source, area)) in sources.iter().zip(areas).enumerate() {
+                if let Source::Triangle(prim_id) = source {
+                    area_density[*prim_id as usize] = table.mass(index) / area;
+                }
+            }
+        }
+        Self { sources, table, area_density }
+    }
+
+    /// Chooses a light by a number in [0, 1): the light, its probability, and a number in [0, 1) made of the rest.
+    pub(crate) fn choose(&self, u: f32) -> Option<(&Source, f32, f32)> {
+        let (index, probability, rest) = self.table.as_ref()?.sample(u);
+        Some((&self.sources[index], probability, rest))
+    }
+
+    /// The density per area with which points of triangle `prim_id` are chosen.
+    pub(crate) fn area_density(&self, prim_id: u32) -> f32 {
+        self.area_density.get(prim_id as usize).copied().unwrap_or(0.0)
+    }
+}
+
+/// Area of a triangle.
+fn area(triangle: &Triangle) -> f32 {
+    let [a, b, c] = triangle.map(|p| p.as_dvec3());
+    (0.5 * (b - a).cross(c - a).length()) as f32
+}
+
+/// Luminance, but never zero for what is not black: each light must have a chance.
+fn brightness(rgb: Vec3) -> f32 {
+    luminance(rgb).max(rgb.max_element() * 0.05)
+}
+
+/// The power of a light without a surface; of a directional one, what it sends through the scene's sphere.
+fn power(light: &PunctualLight, bounds: Aabb) -> f32 {
+    use std::f32::consts::PI;
+    match light {
+        PunctualLight::Point { intensity, .. } => 4.0 * PI * brightness(*intensity),
+        PunctualLight::Spot { intensity, cos_inner, cos_outer, .. } => {
+            2.0 * PI * (1.0 - 0.5 * (cos_inner + cos_outer)) * brightness(*intensity)
+        }
+        PunctualLight::Directional { irradiance, .. } => {
+            let radius = if bounds.is_empty() { 1.0 } else { 0.5 * (bounds.max - bounds.min).length() };
+            PI * radius * radius * brightness(*irradiance)
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! A hash of a scene: FNV-1a, 64 bits (Fowler, Noll and Vo), over the bits of all that a picture depends on.
+
+use glam::{Vec2, Vec3};
+
+use super::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
+
+impl Scene {
+    /// Equal for scenes that give equal pictures: names and warnings do not count.
+    pub fn hash(&self) -> u64 {
+        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+        let Self { meshes, materials, lights, camera, sky: Sky { radiance }, warnings: _ } = self;
+        hash.count(meshes.len());
+        for Mesh { name: _, positions, normals, texcoords, triangles, material } in meshes {
+            hash.count(positions.len());
+            positions.iter().for_each(|&p| hash.vector(p));
+            hash.count(normals.len());
+            normals.iter().for_each(|&n| hash.vector(n));
+            hash.count(texcoords.len());
+            texcoords.iter().for_each(|&Vec2 { x, y }| hash.floats(&[x, y]));
+            hash.count(triangles.len());
+            triangles.iter().flatten().for_each(|&index| hash.word(index));
+            hash.count(*material);
+        }
+        hash.count(materials.len());
+        for Material { name: _, diffuse, emission, emits_both_sides, gloss } in materials {
+            let Gloss { specular, exponent, ior, opacity, model } = gloss;
+            [*diffuse, *emission, *specular].into_iter().for_each(|v| hash.vector(v));
+            hash.floats(&[*exponent, *ior, *opacity]);
+            hash.word(*model);
+            hash.word((*emits_both_sides).into());
+        }
+        hash.count(lights.len());
+        lights.iter().for_each(|light| hash.light(light));
+        if let Some(CameraPose { eye, target, up, vfov }) = camera {
+            [*eye, *target, *up].into_iter().for_each(|v| hash.vector(v));
+            hash.floats(&[*vfov]);
+        }
+        hash.vector(*radiance);
+        hash.0
+    }
+}
+
+struct Fnv(u64);
+
+impl Fnv {
+    fn word(&mut self, word: u32) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    fn count(&mut self, count: usize) {
+        self.word(count as u32);
+        self.word((count as u64 >> 32) as u32);
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        values.iter().for_each(|value| self.word(value.to_bits()));
+    }
+
+    fn vector(&mut self, v: Vec3) {
+        self.floats(&v.to_array());
+    }
+
+    fn light(&mut self, light: &PunctualLight) {
+        match light {
+            PunctualLight::Point { position, intensity } => {
+                self.word(0);
+                [*position, *intensity].into_iter().for_each(|v| self.vector(v));
+            }
+            PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+                self.word(1);
+                [*position, *direction, *intensity].into_iter().for_each(|v| self.vector(v));
+                self.floats(&[*cos_inner, *cos_outer]);
+            }
+            PunctualLight::Directional { direction, irradiance } => {
+                self.word(2);
+                [*direction, *irradiance].into_iter().for_each(|v| self.vector(v));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::cornell_box;
+
+    #[test]
+    fn the_hash_follows_what_is_seen_and_nothing_else() {
+        let scene = cornell_box();
+        let mut same = scene.clone();
+        same.warnings.push("anything".to_owned());
+        same.meshes[0].name.clear();
+        assert_eq!(scene.hash(), same.hash());
+        let mut moved = scene.clone();
+        moved.meshes[0].positions[0].x = moved.meshes[0].positions[0].x.next_up();
+        let mut darker = scene.clone();
+        darker.materials[0].diffuse *= 0.5;
+        let mut lit = scene.clone();
+        lit.sky.radiance.z = 1.0;
+        let hashes = [&scene, &moved, &darker, &lit].map(|scene| scene.hash());
+        assert!((0..4).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+    }
+}

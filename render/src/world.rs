@@ -1,0 +1,177 @@
+//! The world: a scene made ready for tracing.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::bvh::TreeStatistics;
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::{BuildError, BuildOptions, BuildReport, Bvh, BvhView, Hit, Triangle, offset_origin};
+
+use crate::light::Lights;
+use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
+
+/// Geometry in a tree, materials, lights and a camera.
+#[derive(Debug)]
+pub struct World {
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+    /// Mesh and face of each `prim_id`.
+    faces: Vec<(u32, u32)>,
+    bvh: Bvh,
+    report: BuildReport,
+    /// All that emits and can be aimed at.
+    pub(crate) lights: Lights,
+    pub(crate) sky: Sky,
+    pub(crate) camera: CameraPose,
+    hash: u64,
+}
+
+/// Where a ray met the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'w> {
+    pub position: Vec3,
+    /// Unit normal of the triangle, on its front side.
+    pub normal: Vec3,
+    /// Interpolated unit normal, on the same side.
+    pub shading_normal: Vec3,
+    /// Texture coordinates, or the barycentric ones if the mesh has none.
+    pub uv: Vec2,
+    pub material: &'w Material,
+    pub prim_id: u32,
+    triangle: Triangle,
+    barycentric: [f32; 2],
+}
+
+/// Why a scene cannot be made ready.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorldError {
+    /// The scene has no camera.
+    #[error("the scene has no camera, and no bounds to make one from\n  help: give the camera's eye and target")]
+    NoCamera,
+    /// No tree can be built.
+    #[error("{0}")]
+    Tree(#[from] BuildError),
+}
+
+impl World {
+    /// Makes a scene ready.
+    ///
+    /// # Errors
+    /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
+    pub fn new(scene: Scene) -> Result<Self, WorldError> {
+        let camera = scene.camera.ok_or(WorldError::NoCamera)?;
+        let hash = scene.hash();
+        let Scene { meshes, materials, lights, sky, .. } = scene;
+        let faces: Vec<(u32, u32)> = (0..)
+            .zip(&meshes)
+            .flat_map(|(mesh, m)| (0..m.triangles.len() as u32).map(move |face| (mesh, face)))
+            .collect();
+        let triangles: Vec<Triangle> =
+            faces.iter().map(|&(mesh, face)| meshes[mesh as usize].corners(face as usize)).collect();
+        let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default())?;
+        let emission = |prim: usize| &materials[meshes[faces[prim].0 as usize].material];
+        let lights = Lights::new(&triangles, emission, lights, bvh.view().bounds());
+        Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash })
+    }
+
+    /// The tree, for tracing.
+    pub fn tree(&self) -> BvhView<'_> {
+        self.bvh.view()
+    }
+
+    /// The tree in figures.
+    pub fn tree_statistics(&self) -> TreeStatistics {
+        self.bvh.statistics()
+    }
+
+    /// What was left out of the tree.
+    pub fn build_report(&self) -> BuildReport {
+        self.report
+    }
+
+    /// A hash of all in the scene that a picture depends on.
+    pub fn hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// The corners of triangle `prim_id`.
+    pub(crate) fn triangle(&self, prim_id: u32) -> Triangle {
+        let (mesh, face) = self.faces[prim_id as usize];
+        self.meshes[mesh as usize].corners(face as usize)
+    }
+
+    /// The surface at barycentric coordinates of a triangle.
+    pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
+        let (mesh, face) = self.faces[prim_id as usize];
+        let mesh = &self.meshes[mesh as usize];
+        let indices = mesh.triangles[face as usize].map(|index| index as usize);
+        let triangle = indices.map(|index| mesh.positions[index]);
+        let weights = [1.0 - u - v, u, v];
+        let interpolate = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
+        let mut normal = face_normal(&triangle);
+        let mut shading_normal = normal;
+        if !mesh.normals.is_empty() {
+            shading_normal = interpolate(indices.map(|index| mesh.normals[index])).normalize_or(normal);
+            // A model's own normals say which side is the front, whatever the winding.
+            if normal.dot(shading_normal) < 0.0 {
+                normal = -normal;
+            }
+        }
+        let uv = if mesh.texcoords.is_empty() {
+            Vec2::new(u, v)
+        } else {
+            let [a, b, c] = indices.map(|index| mesh.texcoords[index]);
+            a * weights[0] + b * weights[1] + c * weights[2]
+        };
+        Surface {
+            position: interpolate(triangle),
+            normal,
+            shading_normal,
+            uv,
+            material: &self.materials[mesh.material],
+            prim_id,
+            triangle,
+            barycentric: [u, v],
+        }
+    }
+
+    /// The surface at a hit.
+    pub(crate) fn surface_at(&self, hit: &Hit) -> Surface<'_> {
+        self.surface(hit.prim_id, hit.u, hit.v)
+    }
+}
+
+impl Surface<'_> {
+    /// Where a ray starts that leaves in `direction`.
+    pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
+        offset_origin(&self.triangle, self.barycentric[0], self.barycentric[1], direction)
+    }
+
+    /// The same surface with its normals on the side from which a ray in `direction` comes.
+    pub(crate) fn facing(self, direction: Vec3) -> Self {
+        if self.normal.dot(direction) > 0.0 {
+            Self { normal: -self.normal, shading_normal: -self.shading_normal, ..self }
+        } else {
+            self
+        }
+    }
+
+    /// The frame about the shading normal.
+    pub(crate) fn frame(&self) -> Frame {
+        Frame::from_normal(self.shading_normal)
+    }
+
+    /// Radiance emitted towards the origin of a ray in `direction`.
+    pub(crate) fn emitted(&self, direction: Vec3) -> Vec3 {
+        if self.material.emits_both_sides || self.normal.dot(direction) < 0.0 {
+            self.material.emission
+        } else {
+            Vec3::ZERO
+        }
+    }
+}
+
+/// The unit normal on the front side; zero for a degenerate triangle, which no ray hits.
+pub(crate) fn face_normal(triangle: &Triangle) -> Vec3 {
+    let [a, b, c] = triangle.map(|p| p.as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
