@@ -49,8 +49,8 @@ enum Format {
 
 /// Reads the model at `path`: Wavefront OBJ with its MTL files (`.obj`), PLY (`.ply`), or glTF 2.0 (`.gltf`, `.glb`).
 ///
-/// Things that are missing or of no use here, such as textures, give a line in [`Scene::warnings`]. Degenerate triangles
-/// stay in the meshes.
+/// Things that are missing or of no use here, such as textures, give a line in [`Scene::warnings`]. Degenerate
+/// triangles stay in the meshes.
 ///
 /// # Errors
 ///
@@ -143,7 +143,7 @@ fn check_extent(path: &Path, scene: &Scene) -> Result<(), SceneError> {
             return Err(SceneError::new(
                 path,
                 Place::Part(format!("mesh {index}{name}")),
-                format!("the position ({:e}, {:e}, {:e}) is too far away", position.x, position.y, position.z),
+                format!("the position ({:?}, {:?}, {:?}) is too far away", position.x, position.y, position.z),
                 "keep coordinates between -1e18 and 1e18",
             ));
         }

@@ -166,10 +166,10 @@ impl<'a> Reader<'a> {
             let index = if number > 0 { number - 1 } else { known as i64 + number };
             if number == 0 || !(0..known as i64).contains(&index) {
                 let known = count(known, one, many);
-                let remedy =
-                    if number == 0 { "count from 1, or from -1 backwards" } else { "define it before the face" };
-                return Err(statement
-                    .error(format!("{one} {number} does not exist: there are {known} up to this line"), remedy));
+                return Err(statement.error(
+                    format!("{one} {number} does not exist: the file has {known} up to this line"),
+                    "define it before the face, and count from 1, or backwards from -1",
+                ));
             }
             corner[slot] = index as u32;
         }

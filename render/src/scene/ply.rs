@@ -26,8 +26,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let file = File { path, bytes };
     let mut reader = Reader::new(bytes);
     let header = Parser::<Ignored>::new().read_header(&mut reader).map_err(|error| file.header_error(&error))?;
+    let available = reader.get_ref().len();
+    file.check_declarations(&header, &bytes[..bytes.len() - available])?;
     file.check_header(&header)?;
-    file.check_length(&header, reader.get_ref().len())?;
+    file.check_length(&header, available)?;
 
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for element in header.elements.values() {
@@ -178,6 +180,22 @@ impl<'a> File<'a> {
         Ok(())
     }
 
+    /// Whether everything is declared once. The crate keeps the last of two declarations, and would misread the data.
+    fn check_declarations(&self, header: &Header, text: &[u8]) -> Result<(), SceneError> {
+        let declared = |keyword: &[u8]| {
+            let keywords = text.split(|&byte| byte == b'\n').map(|line| line.split(u8::is_ascii_whitespace).next());
+            keywords.filter(|&first| first == Some(keyword)).count()
+        };
+        let properties = header.elements.values().map(|element| element.properties.len()).sum();
+        for (keyword, distinct) in [("element", header.elements.len()), ("property", properties)] {
+            if declared(keyword.as_bytes()) != distinct {
+                let problem = format!("the header declares one {keyword} twice");
+                return Err(self.error(Place::File, problem, "give each a name of its own"));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether what the header announces fits into the `available` bytes that follow it.
     fn check_length(&self, header: &Header, available: usize) -> Result<(), SceneError> {
         let mut least = 0_usize;
@@ -255,7 +273,7 @@ impl<'a> File<'a> {
         };
         if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= vertices) {
             let vertices = count(vertices, "vertex", "vertices");
-            return Err(self.error(place, format!("vertex {corner} does not exist: there are {vertices}"), indices));
+            return Err(self.error(place, format!("vertex {corner} does not exist: the file has {vertices}"), indices));
         }
         if corners.len() < 3 {
             let corners = count(corners.len(), "corner", "corners");

@@ -36,12 +36,16 @@ pub(super) fn read(
         up: up.as_vec3(),
         vfov,
     };
-    match ((linear * DVec3::NEG_Z).try_normalize(), (linear * DVec3::Y).try_normalize()) {
-        (Some(forward), Some(up)) if forward.cross(up).length_squared() > 1e-12 => Ok(Some(pose(forward, up))),
-        _ => Err(document.error(
+    let pose = match ((linear * DVec3::NEG_Z).try_normalize(), (linear * DVec3::Y).try_normalize()) {
+        (Some(forward), Some(up)) if forward.cross(up).length_squared() > 1e-12 => Some(pose(forward, up)),
+        _ => None,
+    };
+    // Far from the origin, one unit ahead rounds to the eye itself.
+    pose.filter(|pose| pose.target != pose.eye).map(Some).ok_or_else(|| {
+        document.error(
             document.node(placed.node),
-            "its scale leaves its camera no direction",
-            "use a scale that is not 0",
-        )),
-    }
+            "its camera has no direction",
+            "use a scale that is not 0, and stay within 1e7 units of the origin",
+        )
+    })
 }

@@ -16,7 +16,7 @@ pub(super) struct Placed {
     pub(super) to_world: DMat4,
 }
 
-/// The nodes of the default scene, or of all trees if there is none, parents before their children, in the file's order.
+/// The nodes of the default scene, or of all trees if there is none; parents before children, in the file's order.
 pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
     let parents = parents(document)?;
     let mut stack: Vec<(usize, DMat4)> = match document.root.scene {
@@ -25,10 +25,11 @@ pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
             let roots = &document.object(index, "scene", "scene")?.nodes;
             let roots = roots.iter().map(|&root| document.object(root, "node", &user).map(|_| root.value()));
             let roots: Vec<usize> = roots.collect::<Result<_, _>>()?;
-            for (place, &root) in roots.iter().enumerate() {
+            let mut listed = vec![false; parents.len()];
+            for &root in &roots {
+                let twice = core::mem::replace(&mut listed[root], true).then(|| user.clone());
                 let other = parents[root].map(|parent| document.node(parent));
-                let twice = roots[..place].contains(&root).then(|| user.clone());
-                if let Some(other) = other.or(twice) {
+                if let Some(other) = twice.or(other) {
                     return Err(two_parents(document, root, &user, &other));
                 }
             }

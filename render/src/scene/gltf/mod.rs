@@ -36,7 +36,9 @@ pub(super) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
 /// Reads a GLB container.
 pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
-    let root = parse(path, chunks.json, |error| Place::Part(format!("JSON chunk, byte {}", error.column())))?;
+    let root = parse(path, chunks.json, |error| {
+        Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
+    })?;
     read(path, root, chunks.binary)
 }
 
@@ -171,7 +173,7 @@ fn check_extensions(path: &Path, root: &Root) -> Result<Vec<String>, SceneError>
         let problem = format!("the file requires {names}, which cannot be read");
         return Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy));
     }
-    let warning = format!("{}: the file asks for {}, which is left out", path.display(), harmless.join(", "));
+    let warning = format!("{}: extensions for surfaces are left out: {}", path.display(), harmless.join(", "));
     Ok(if harmless.is_empty() { Vec::new() } else { vec![warning] })
 }
 

@@ -82,7 +82,7 @@ fn positions_too_far_away_are_refused() {
     let folder = Folder::new();
     let error = load(&folder.write("a.obj", format!("o far\n{}", TRIANGLE.replace("v 1", "v 1.1e18")))).unwrap_err();
     assert_eq!(error.place, Place::Part("mesh 0 (\"far\")".to_owned()));
-    assert_eq!(error.problem, "the position (1.1e18, 0e0, 0e0) is too far away");
+    assert_eq!(error.problem, "the position (1.1e18, 0.0, 0.0) is too far away");
     assert!(load(&folder.write("b.obj", TRIANGLE.replace("v 1", "v -1e18"))).is_ok());
 }
 

@@ -67,7 +67,8 @@ fn vertices_are_shared_within_a_mesh() {
 
 #[test]
 fn blanks_comments_and_continuations() {
-    let text = b"\t# C:\\models\\\r\nv\t0 0  0 # origin\r\nv 1e0 \\\r\n 0 \\\r\n0\r\n  v +1 1. .0 0.5 0.5 0.5\r\nf 1 2 3\r\n\x1a";
+    let text = b"\t# C:\\models\\\r\nv\t0 0  0 # origin\r\nv 1e0 \\\r\n 0 \\\r\n0\r\n  v +1 1. .0 0.5 0.5 0.5\r\n\
+          f 1 2 3\r\n\x1a";
     assert_eq!(parse(text).unwrap().meshes[0].positions, ABCD[..3]);
     // The line of an error is the one that the statement begins on, continuations counted.
     assert_eq!(problem("v 0 \\\n0 \\\n0\nv 1 2 x\n"), "4: `x` is not a number");
@@ -126,14 +127,14 @@ fn wrong_numbers() {
 #[test]
 fn wrong_corners() {
     let problem = |face: &str| problem(format!("{CORNERS}{face}\n"));
-    assert_eq!(problem("f 1 2 5"), "10: vertex 5 does not exist: there are 4 vertices up to this line");
-    assert_eq!(problem("f 1 2 -5"), "10: vertex -5 does not exist: there are 4 vertices up to this line");
-    assert_eq!(problem("f 1 2 0"), "10: vertex 0 does not exist: there are 4 vertices up to this line");
+    assert_eq!(problem("f 1 2 5"), "10: vertex 5 does not exist: the file has 4 vertices up to this line");
+    assert_eq!(problem("f 1 2 -5"), "10: vertex -5 does not exist: the file has 4 vertices up to this line");
+    assert_eq!(problem("f 1 2 0"), "10: vertex 0 does not exist: the file has 4 vertices up to this line");
     assert_eq!(
         problem("f 1/4 2/1 3/1"),
-        "10: texture coordinate 4 does not exist: there are 3 texture coordinates up to this line"
+        "10: texture coordinate 4 does not exist: the file has 3 texture coordinates up to this line"
     );
-    assert_eq!(problem("f 1//1 2//1 3//3"), "10: normal 3 does not exist: there are 2 normals up to this line");
+    assert_eq!(problem("f 1//1 2//1 3//3"), "10: normal 3 does not exist: the file has 2 normals up to this line");
     assert_eq!(problem("f 1 2"), "10: this face has 2 corners");
     assert_eq!(problem("f"), "10: this face has 0 corners");
     assert_eq!(problem("f 1 2 /1"), "10: `/1` is not a corner of a face");
@@ -141,14 +142,14 @@ fn wrong_corners() {
     assert_eq!(problem("f 1 2 3.0"), "10: `3.0` is not a corner of a face");
     assert_eq!(
         problem("f 1 2 9223372036854775807"),
-        "10: vertex 9223372036854775807 does not exist: there are 4 vertices up to this line"
+        "10: vertex 9223372036854775807 does not exist: the file has 4 vertices up to this line"
     );
     assert_eq!(
         problem("f 1 2 -9223372036854775808"),
-        "10: vertex -9223372036854775808 does not exist: there are 4 vertices up to this line"
+        "10: vertex -9223372036854775808 does not exist: the file has 4 vertices up to this line"
     );
     assert_eq!(super::tests::problem("v 0 0 0\nf 1 2 3\nv 1 0 0\nv 0 1 0\n"), {
-        "2: vertex 2 does not exist: there are 1 vertex up to this line"
+        "2: vertex 2 does not exist: the file has 1 vertex up to this line"
     });
 }
 

@@ -130,6 +130,11 @@ fn wrong_headers() {
     assert_eq!(problem(SQUARE.replace("float x", "list uchar float x")), "element `vertex`: there is no number `x`");
     assert_eq!(problem(SQUARE.replace("element vertex", "element point")), "there is no element `vertex`");
     assert_eq!(problem(SQUARE.replace("element face", "element tristrips")), "there is no element `face`");
+    assert_eq!(problem(SQUARE.replace("float y", "float x")), "the header declares one property twice");
+    assert_eq!(
+        problem(SQUARE.replace("element face", "element vertex 3\nelement face")),
+        "the header declares one element twice"
+    );
     for list in ["list uchar float vertex_indices", "int vertex_indices", "list uchar int corners"] {
         assert_eq!(
             problem(SQUARE.replace("list uchar int vertex_indices", list)),
@@ -157,11 +162,11 @@ fn wrong_vertices() {
 #[test]
 fn wrong_faces() {
     let face = |corners: &str| problem(SQUARE.replace("4 0 1 2 3", corners));
-    assert_eq!(face("3 0 1 4"), "face 0: vertex 4 does not exist: there are 4 vertices");
+    assert_eq!(face("3 0 1 4"), "face 0: vertex 4 does not exist: the file has 4 vertices");
     assert_eq!(face("3 0 1 -1"), "face 0: it names a vertex by a negative number");
     assert_eq!(face("2 0 1"), "face 0: it has 2 corners");
     assert_eq!(face("0"), "face 0: it has 0 corners");
     assert_eq!(face("3 0 1 1.5"), "15: `3 0 1 1.5` is not a `face`");
     let two = SQUARE.replace("face 1", "face 2").replace("4 0 1 2 3\n", "4 0 1 2 3\n3 1 2 9\n");
-    assert_eq!(problem(two), "face 1: vertex 9 does not exist: there are 4 vertices");
+    assert_eq!(problem(two), "face 1: vertex 9 does not exist: the file has 4 vertices");
 }

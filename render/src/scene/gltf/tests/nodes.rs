@@ -1,0 +1,100 @@
+//! The node hierarchy.
+
+use core::f32::consts::FRAC_PI_4;
+
+use glam::Vec3;
+use serde_json::{Value, json};
+
+use super::*;
+
+#[test]
+fn transforms_go_down_the_hierarchy() {
+    let (sin, cos) = (FRAC_PI_4.sin(), FRAC_PI_4.cos());
+    let mut document = triangle();
+    document["nodes"] = json!([
+        {"mesh": 0, "name": "leaf", "scale": [2, 3, 4]},
+        // A quarter turn about z, then a translation.
+        {"children": [0], "rotation": [0, 0, sin, cos], "translation": [10, 0, 0]},
+        {"children": [1], "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]}
+    ]);
+    let mesh = one_mesh(parse(document).unwrap());
+    assert_eq!(mesh.name, "leaf");
+    let expected = [Vec3::new(10.0, 0.0, 5.0), Vec3::new(10.0, 2.0, 5.0), Vec3::new(7.0, 0.0, 5.0)];
+    for (position, expected) in mesh.positions.iter().zip(expected) {
+        assert!(position.distance(expected) < 1e-5, "{position} {expected}");
+    }
+    // The inverse transpose of the scale takes (0.6, 0, 0.8) to (0.3, 0, 0.2) up to length; x then turns into y.
+    let expected = Vec3::new(0.0, 0.3, 0.2).normalize();
+    assert!(mesh.normals[2].distance(expected) < 1e-6);
+}
+
+#[test]
+fn mirrors_flip_the_winding() {
+    let mesh = one_mesh(parse(with("/nodes/0/scale", json!([-1, 1, 1]))).unwrap());
+    assert_eq!(mesh.positions[1], Vec3::NEG_X);
+    assert_eq!(mesh.triangles, [[0, 2, 1]]);
+    assert_eq!(mesh.normals, [Vec3::Z, Vec3::Z, Vec3::new(-0.6, 0.0, 0.8)]);
+    let twice = one_mesh(parse(with("/nodes/0/scale", json!([-1, -1, 1]))).unwrap());
+    assert_eq!(twice.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn flattening_keeps_the_normal_of_the_plane() {
+    let mesh = one_mesh(parse(with("/nodes/0/scale", json!([2, 2, 0]))).unwrap());
+    assert_eq!(mesh.normals, [Vec3::Z; 3]);
+    let point = one_mesh(parse(with("/nodes/0/scale", json!([0, 0, 0]))).unwrap());
+    assert!(point.normals.is_empty());
+}
+
+#[test]
+fn the_default_scene_or_all_roots() {
+    let mut document = triangle();
+    document["nodes"] =
+        json!([{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "children": [2]}, {"mesh": 0, "name": "c"}]);
+    document["scenes"] = json!([{"nodes": [0]}, {"nodes": [1]}]);
+    let names = |document: &Value| -> Vec<String> {
+        parse(document.clone()).unwrap().meshes.into_iter().map(|mesh| mesh.name).collect()
+    };
+    assert_eq!(names(&document), ["a", "b", "c"]);
+    document["scene"] = json!(1);
+    assert_eq!(names(&document), ["b", "c"]);
+}
+
+#[test]
+fn nodes_that_are_no_trees() {
+    let nodes = |nodes: Value| problem(with("/nodes", nodes));
+    assert_eq!(
+        nodes(json!([{"children": [1]}, {"children": [0], "name": "loop"}, {"mesh": 0}])),
+        "node 1 (\"loop\"): it is a descendant of itself"
+    );
+    assert_eq!(nodes(json!([{"children": [0]}])), "node 0: it is a descendant of itself");
+    assert_eq!(
+        nodes(json!([{"children": [2]}, {"children": [2]}, {"mesh": 0, "name": "x"}])),
+        "node 2 (\"x\"): it is listed by both node 1 and node 0"
+    );
+    assert_eq!(nodes(json!([{"children": [1, 1]}, {}])), "node 1: node 0 lists it twice");
+    let mut document = with("/nodes", json!([{"children": [1]}, {"mesh": 0}]));
+    document["scene"] = json!(0);
+    document["scenes"] = json!([{"nodes": [0, 1]}]);
+    assert_eq!(problem(document.clone()), "node 1: it is listed by both scene 0 and node 0");
+    document["scenes"] = json!([{"nodes": [0, 0]}]);
+    assert_eq!(problem(document), "node 0: scene 0 lists it twice");
+    assert_eq!(problem(with("/nodes/0/rotation", json!([0, 0, 0, 0]))), "node 0: its rotation is zero");
+    assert_eq!(problem(with("/nodes/0/matrix", json!(vec![1; 16]))), "node 0: its matrix is not affine");
+    assert_eq!(
+        problem(
+            with("/nodes/0/scale", json!([3e38, 3e38, 3e38]))
+                .as_object()
+                .map(|document| changed(json!(document), "/nodes/0/translation", json!([3e38, 0, 0])))
+                .unwrap()
+        ),
+        "node 0: its transform takes mesh 0, primitive 0 out of the range of numbers"
+    );
+}
+
+#[test]
+fn deep_hierarchies_do_not_overflow_the_stack() {
+    let mut nodes: Vec<Value> = (1..100_000).map(|child| json!({"children": [child]})).collect();
+    nodes.push(json!({"mesh": 0}));
+    assert_eq!(parse(with("/nodes", json!(nodes))).unwrap().meshes.len(), 1);
+}

@@ -1,0 +1,128 @@
+//! Materials, lights and cameras.
+
+use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_3, FRAC_PI_6};
+
+use glam::Vec3;
+use serde_json::{Value, json};
+
+use super::*;
+use crate::scene::{CameraPose, PunctualLight};
+
+#[test]
+fn materials() {
+    let mut document = with("/meshes/0/primitives/0/material", json!(1));
+    document["materials"] = json!([
+        {"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0.25, 0, 0.5],
+         "baseColorTexture": {"index": 0}},
+         "normalTexture": {"index": 0}},
+        {"emissiveFactor": [1, 0.5, 0], "doubleSided": true,
+         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}}
+    ]);
+    let scene = parse(document.clone()).unwrap();
+    let red = Material { name: "red".to_owned(), diffuse: Vec3::new(1.0, 0.25, 0.0), ..Material::default() };
+    let lamp = Material {
+        diffuse: Vec3::ONE,
+        emission: Vec3::new(8.0, 4.0, 0.0),
+        emits_both_sides: true,
+        ..Material::default()
+    };
+    assert_eq!(scene.materials, [red, lamp]);
+    assert_eq!(scene.warnings, ["model.gltf: 2 textures are ignored"]);
+    assert_eq!(one_mesh(scene).material, 1);
+
+    document["materials"][0] = json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.25, -1, 1]}});
+    let scene = parse(document.clone()).unwrap();
+    assert_eq!(scene.materials[0].diffuse, Vec3::new(1.0, 0.25, 0.0));
+    assert_eq!(scene.warnings, ["model.gltf: material 0: `baseColorFactor` is outside 0 to 1 and is clamped"]);
+    document["materials"][1]["emissiveFactor"] = json!([0, -1, 0]);
+    assert_eq!(problem(document), "material 1: its emission is negative or not finite");
+}
+
+/// The triangle with lights, one per node; nodes turn by a quarter about y, which takes -z to -x.
+fn lit(lights: Value) -> Value {
+    let nodes = lights.as_array().unwrap().iter().enumerate().map(|(index, _)| {
+        json!({
+            "translation": [1, 2, 3], "scale": [2, 2, 2], "rotation": [0, FRAC_1_SQRT_2, 0, FRAC_1_SQRT_2],
+            "extensions": {"KHR_lights_punctual": {"light": index}}
+        })
+    });
+    let nodes: Vec<Value> = nodes.collect();
+    let mut document = with("/nodes", json!(nodes));
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": lights}});
+    document["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    document
+}
+
+#[test]
+fn lights() {
+    let scene = parse(lit(json!([
+        {"type": "point", "color": [1, 0.5, 0], "intensity": 4, "range": 9},
+        {"type": "directional", "intensity": 3},
+        {"type": "spot", "spot": {"innerConeAngle": FRAC_PI_6, "outerConeAngle": FRAC_PI_3}},
+        {"type": "spot", "spot": {"innerConeAngle": 0, "outerConeAngle": 1e-6}}
+    ])))
+    .unwrap();
+    assert_eq!(scene.warnings, ["model.gltf: 1 light has a range, which is ignored"]);
+    let here = Vec3::new(1.0, 2.0, 3.0);
+    assert_eq!(scene.lights[0], PunctualLight::Point { position: here, intensity: Vec3::new(4.0, 2.0, 0.0) });
+    let PunctualLight::Directional { direction, irradiance } = scene.lights[1] else { panic!() };
+    assert!(direction.distance(Vec3::NEG_X) < 1e-6);
+    assert_eq!(irradiance, Vec3::splat(3.0));
+    let PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } = scene.lights[2] else {
+        panic!()
+    };
+    assert_eq!((position, intensity), (here, Vec3::ONE));
+    assert!(direction.distance(Vec3::NEG_X) < 1e-6 && direction.is_normalized());
+    assert!((cos_inner - 0.75_f32.sqrt()).abs() < 1e-6 && (cos_outer - 0.5).abs() < 1e-6);
+    let PunctualLight::Spot { cos_inner, cos_outer, .. } = scene.lights[3] else { panic!() };
+    assert!(cos_outer < cos_inner);
+}
+
+#[test]
+fn wrong_lights() {
+    let light = |light: Value| problem(lit(json!([light])));
+    let negative = "light 0: its colour or intensity is negative or not finite";
+    assert_eq!(light(json!({"type": "point", "intensity": -1})), negative);
+    assert_eq!(light(json!({"type": "point", "color": [1, -1, 1]})), negative);
+    assert_eq!(light(json!({"type": "point", "color": [-1, -1, -1], "intensity": -1})), negative);
+    assert_eq!(light(json!({"type": "area"})), "light 0: its type is unknown");
+    assert_eq!(light(json!({"type": "spot"})), "light 0: it is a spot light without `spot`");
+    let cone = json!({"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.5}});
+    assert_eq!(light(cone), "light 0: its cone goes from 0.5 to 0.5");
+    let mut flat = lit(json!([{"type": "directional"}]));
+    flat["nodes"][0]["scale"] = json!([1, 1, 0]);
+    assert_eq!(problem(flat), "node 0: its scale leaves its light no direction");
+}
+
+#[test]
+fn cameras() {
+    let mut document = triangle();
+    document["cameras"] = json!([
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 1}},
+        {"type": "perspective", "perspective": {"yfov": FRAC_PI_3, "znear": 1, "aspectRatio": 2}},
+        {"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}
+    ]);
+    document["nodes"] = json!([
+        {"mesh": 0, "camera": 0},
+        {"camera": 1, "name": "shot", "translation": [1, 2, 3], "scale": [5, 5, 5]},
+        {"camera": 2}
+    ]);
+    let scene = parse(document.clone()).unwrap();
+    let CameraPose { eye, target, up, vfov } = scene.camera.unwrap();
+    assert_eq!((eye, target, up), (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 2.0), Vec3::Y));
+    assert!((vfov - 60.0).abs() < 1e-4);
+    assert_eq!(
+        scene.warnings,
+        [
+            "model.gltf: camera 0 is not a perspective one and is skipped",
+            "model.gltf: of 2 cameras, that of node 1 (\"shot\") is used",
+        ]
+    );
+    let wide = changed(document.clone(), "/cameras/2/perspective/yfov", json!(4));
+    assert_eq!(problem(wide), "camera 2: its yfov is 4 radians");
+    let far = changed(document.clone(), "/nodes/1/translation", json!([0, 0, 1e9]));
+    assert_eq!(problem(far), "node 1 (\"shot\"): its camera has no direction");
+    let flat = changed(document, "/nodes/1/scale", json!([1, 0, 1]));
+    assert_eq!(problem(flat), "node 1 (\"shot\"): its camera has no direction");
+    assert_eq!(parse(triangle()).unwrap().camera, None);
+}
