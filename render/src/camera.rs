@@ -11,7 +11,7 @@ use crate::scene::CameraPose;
 
 /// A camera for a film of a given size.
 #[derive(Clone, Copy, Debug)]
-pub struct Camera {
+pub(crate) struct Camera {
     eye: Vec3,
     /// The view: right, up and forward, orthonormal.
     axes: [DVec3; 3],
@@ -23,7 +23,7 @@ pub struct Camera {
 
 impl Camera {
     /// The camera at a valid pose for a film of `width` by `height` pixels.
-    pub fn new(pose: &CameraPose, width: u32, height: u32) -> Self {
+    pub(crate) fn new(pose: &CameraPose, width: u32, height: u32) -> Self {
         let forward = (pose.target.as_dvec3() - pose.eye.as_dvec3()).normalize();
         let right = forward.cross(pose.up.as_dvec3()).normalize();
         let up = right.cross(forward);
@@ -39,12 +39,12 @@ impl Camera {
     }
 
     /// The ray through the film's point `(x, y)`, in pixels from the top left corner; its direction is a unit vector.
-    pub fn ray(&self, x: f32, y: f32) -> Ray {
+    pub(crate) fn ray(&self, x: f32, y: f32) -> Ray {
         Ray::new(self.eye, (self.corner + self.step[0] * x + self.step[1] * y).normalize())
     }
 
     /// Rows of the matrix that takes world points, as column vectors, to camera space: right, up, backwards.
-    pub fn world_to_camera(&self) -> [[f32; 4]; 4] {
+    pub(crate) fn world_to_camera(&self) -> [[f32; 4]; 4] {
         let [right, up, forward] = self.axes;
         let row = |axis: DVec3| {
             let shift = -axis.dot(self.eye.as_dvec3());

@@ -1,8 +1,21 @@
 //! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
+//!
+//! Samples are taken in waves over the whole picture: first one a pixel, then as many as there are already, so that a
+//! render which is stopped leaves a picture without holes. A pixel's samples are summed in their own order, whatever
+//! the tiles, waves and threads.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::film::Picture;
+use glam::Vec3;
+use halfdome_kernel::Hit;
+use halfdome_kernel::sampling::{Pattern, Sampler};
+use rayon::prelude::*;
+
+use crate::camera::Camera;
+use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
+use crate::integrator::{self, CameraRays};
+use crate::settings::Settings;
+use crate::world::World;
 
 /// Watches a render and may stop it. Called from all threads.
 pub trait Watch: Sync {
@@ -23,4 +36,112 @@ pub struct Render {
     pub rays: u64,
     /// Wall-clock time.
     pub elapsed: Duration,
+}
+
+/// The most samples a pixel that one wave takes, and so the most that an interruption loses.
+const MAX_WAVE: u32 = 16;
+/// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
+const BATCH: usize = 4096;
+/// The set of random numbers that places a sample on the film.
+const FILM_SET: u32 = 0;
+
+/// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
+pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
+    let start = Instant::now();
+    let job = Job {
+        world,
+        settings,
+        watch,
+        camera: Camera::new(&world.camera, settings.width, settings.height),
+        filter: FilterSampler::new(&settings.filter),
+    };
+    let mut tiles = tiles(settings.width, settings.height, settings.aov);
+    let mut rays = 0;
+    let mut done = 0;
+    while done < settings.spp && !watch.stop() {
+        let wave = done.clamp(1, MAX_WAVE).min(settings.spp - done);
+        rays += tiles.par_iter_mut().map(|tile| job.sample(tile, done + wave)).sum::<u64>();
+        done += wave;
+    }
+    let samples = tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
+    let metadata = Metadata {
+        samples_per_pixel: samples,
+        render_time_seconds: start.elapsed().as_secs_f32(),
+        world_to_camera: job.camera.world_to_camera(),
+        seed: settings.seed,
+        scene_hash: world.hash(),
+        integrator: settings.integrator.name().to_owned(),
+    };
+    let channels = channels(&tiles, settings.width, settings.height);
+    let picture = Picture { width: settings.width, height: settings.height, channels, metadata };
+    Render { picture, finished: samples == settings.spp, rays, elapsed: start.elapsed() }
+}
+
+/// What all tiles share.
+struct Job<'a> {
+    world: &'a World,
+    settings: &'a Settings,
+    watch: &'a dyn Watch,
+    camera: Camera,
+    filter: FilterSampler,
+}
+
+impl Job<'_> {
+    /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.
+    fn sample(&self, tile: &mut Tile, target: u32) -> u64 {
+        let pixels: Vec<(u32, u32)> = tile.pixels().collect();
+        let mut traced = 0;
+        while tile.samples < target && !self.watch.stop() {
+            let batch = (BATCH / pixels.len()).max(1) as u32;
+            let end = target.min(tile.samples + batch);
+            let rays = self.sample_batch(tile, &pixels, end);
+            self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
+            tile.samples = end;
+            traced += rays;
+        }
+        traced
+    }
+
+    /// Adds the samples from the tile's number up to `end` to all its pixels.
+    fn sample_batch(&self, tile: &mut Tile, pixels: &[(u32, u32)], end: u32) -> u64 {
+        let mut placed: Vec<(usize, FilterSample)> = Vec::new();
+        let mut samplers = Vec::new();
+        let mut rays = Vec::new();
+        for sample in tile.samples..end {
+            for (number, &(x, y)) in pixels.iter().enumerate() {
+                let sampler = Sampler::new(Pattern::Sobol, self.settings.seed, y * self.settings.width + x, sample);
+                let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
+                rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
+                placed.push((number, filter));
+                samplers.push(sampler);
+            }
+        }
+        let mut hits = vec![Hit::MISS; rays.len()];
+        self.world.tree().intersect_many(&rays, &mut hits);
+        let mut radiance = vec![Vec3::ZERO; rays.len()];
+        let camera = CameraRays { rays: &rays, hits: &hits, samplers: &samplers };
+        let traced = integrator::radiance(self.world, self.settings, &camera, &mut radiance);
+        for (i, (number, filter)) in placed.iter().enumerate() {
+            tile.add(*number, filter, radiance[i]);
+            if self.settings.aov {
+                tile.add_features(*number, filter, &self.features(&hits[i]));
+            }
+        }
+        rays.len() as u64 + traced
+    }
+
+    /// What the first surface is.
+    fn features(&self, hit: &Hit) -> Features {
+        if !hit.is_hit() {
+            return Features::default();
+        }
+        let surface = self.world.surface_at(hit);
+        Features {
+            albedo: surface.material.diffuse,
+            position: surface.position,
+            normal: surface.normal,
+            shading_normal: surface.shading_normal,
+            uv: surface.uv,
+        }
+    }
 }

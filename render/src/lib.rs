@@ -1,10 +1,14 @@
 //! halfdome: a renderer for people who light scenes, on top of [`halfdome_kernel`].
 #![forbid(unsafe_code)]
 
+mod camera;
 pub mod cli;
 pub mod driver;
+mod estimator;
 pub mod film;
+mod integrator;
+mod light;
 pub mod output;
 pub mod scene;
-mod seam;
 pub mod settings;
+pub mod world;

@@ -19,6 +19,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// Selects the random numbers.
     pub seed: u64,
+    /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
+    pub aov: bool,
 }
 
 /// The longest side of a picture, in pixels.
@@ -27,8 +29,11 @@ pub const MAX_SIDE: u32 = 65_536;
 /// The largest picture: 2^28 pixels, a square of 16,384.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// An estimate of the bytes that a pixel takes until it is written: ten channels of 32-bit floats, three sums of 64 bits.
-pub const BYTES_PER_PIXEL: u64 = 64;
+/// An estimate of the bytes that a pixel takes until it is written: sums of 64 bits, then channels of 32, twice.
+pub const BYTES_PER_PIXEL: u64 = 7 * 8 + 3 * 4 * 2;
+
+/// What a pixel takes on top of that with AOVs.
+pub const AOV_BYTES_PER_PIXEL: u64 = 14 * 8 + 17 * 4 * 2;
 
 /// The integrators by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +80,8 @@ impl IntegratorKind {
 impl Settings {
     /// An estimate of the memory that the picture takes, in bytes, without the scene.
     pub fn picture_bytes(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height) * BYTES_PER_PIXEL
+        let pixel = BYTES_PER_PIXEL + if self.aov { AOV_BYTES_PER_PIXEL } else { 0 };
+        u64::from(self.width) * u64::from(self.height) * pixel
     }
 
     /// Refuses a picture of more than [`MAX_PIXELS`].
@@ -101,6 +107,7 @@ impl Default for Settings {
             spp: 64,
             max_depth: 64,
             seed: 0,
+            aov: false,
         }
     }
 }

@@ -93,12 +93,6 @@ impl World {
         self.hash
     }
 
-    /// The corners of triangle `prim_id`.
-    pub(crate) fn triangle(&self, prim_id: u32) -> Triangle {
-        let (mesh, face) = self.faces[prim_id as usize];
-        self.meshes[mesh as usize].corners(face as usize)
-    }
-
     /// The surface at barycentric coordinates of a triangle.
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
         let (mesh, face) = self.faces[prim_id as usize];

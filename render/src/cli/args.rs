@@ -8,8 +8,8 @@ use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
 use super::progress::Mode;
+use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
-use crate::seam::output::{ToneCurve, ToneMapping};
 use crate::settings::{Invalid, MAX_SIDE};
 
 const EXIT_CODES: &str = "\
@@ -214,6 +214,7 @@ mod tests {
             spp: Some(7),
             max_depth: Some(3),
             seed: Some(u64::MAX),
+            aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),
             emits_both_sides: Some(true),
         };

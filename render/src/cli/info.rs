@@ -5,12 +5,13 @@ use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 
 use glam::{DVec3, Vec3};
+use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
 use super::args::InfoArguments;
 use super::{CliError, EXIT_DONE, memory, open};
 use crate::scene::{PunctualLight, Scene};
-use crate::seam::{TreeStatistics, World};
+use crate::world::World;
 
 /// All that is told of a scene; lengths in the model's units.
 #[derive(Serialize)]
@@ -22,7 +23,7 @@ struct Info {
     lights: Lights,
     camera: Camera,
     bounds: Option<Bounds>,
-    tree: TreeStatistics,
+    tree: Tree,
     warnings: Vec<String>,
 }
 
@@ -51,6 +52,19 @@ struct Camera {
 struct Bounds {
     lower: Vec3,
     upper: Vec3,
+}
+
+#[derive(Serialize)]
+struct Tree {
+    degenerate_triangles: usize,
+    out_of_range_triangles: usize,
+    bytes: usize,
+    sah_cost: f32,
+    depth: usize,
+    nodes: usize,
+    leaf_blocks: usize,
+    /// The share of the blocks' lanes that hold a triangle.
+    block_fill: f32,
 }
 
 /// Prints the table or JSON to stdout.
@@ -84,7 +98,7 @@ impl Info {
             camera: Camera { eye: pose.eye, target: pose.target, up: pose.up, vfov: pose.vfov },
             bounds: scene.bounds().map(|(lower, upper)| Bounds { lower, upper }),
             warnings: std::mem::take(&mut scene.warnings),
-            tree: World::new(scene).map_err(CliError::input)?.tree_statistics(),
+            tree: Tree::of(&World::new(scene).map_err(CliError::input)?),
         };
         Ok(facts)
     }
@@ -124,6 +138,22 @@ impl Info {
             row("warning", warning.clone());
         }
         table
+    }
+}
+
+impl Tree {
+    fn of(world: &World) -> Self {
+        let (tree, report) = (world.tree_statistics(), world.build_report());
+        Self {
+            degenerate_triangles: report.degenerate,
+            out_of_range_triangles: report.out_of_range,
+            bytes: tree.bytes,
+            sah_cost: tree.cost,
+            depth: tree.depth,
+            nodes: tree.nodes,
+            leaf_blocks: tree.blocks,
+            block_fill: tree.triangles as f32 / (WIDTH * tree.blocks).max(1) as f32,
+        }
     }
 }
 

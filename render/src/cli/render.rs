@@ -7,11 +7,12 @@ use super::args::RenderArguments;
 use super::progress::Progress;
 use super::summary::Job;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, open};
+use crate::driver;
 use crate::film::Picture;
+use crate::output::{self, ToneMapping};
 use crate::scene::Scene;
-use crate::seam::output::ToneMapping;
-use crate::seam::{World, output, render};
 use crate::settings::{IntegratorKind, Settings};
+use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
@@ -39,9 +40,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
-    let result = pool.install(|| render(&world, &settings, &progress));
+    let result = pool.install(|| driver::render(&world, &settings, &progress));
     drop(progress);
-    let result = result.map_err(CliError::system)?;
 
     let (written, failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
     job.print_end(style, &result, &written);

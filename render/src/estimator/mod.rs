@@ -2,4 +2,4 @@
 
 mod direct;
 
-pub(crate) use direct::{LightSample, emitted_density, sample_light};
+pub(crate) use direct::{emitted_density, sample_light};

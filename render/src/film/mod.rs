@@ -3,7 +3,9 @@
 mod filter;
 mod filter_sampler;
 mod picture;
+mod tile;
 
 pub use filter::{Filter, FilterError};
 pub use filter_sampler::{FilterSample, FilterSampler};
 pub use picture::{Channel, Metadata, Picture};
+pub(crate) use tile::{Features, Tile, channels, tiles};

@@ -9,14 +9,6 @@ use super::{Channel, FilterSample};
 /// Pixels along a tile's side.
 pub(crate) const TILE_SIDE: u32 = 32;
 
-/// What one camera ray saw.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sighting {
-    pub radiance: Vec3,
-    /// Of the first surface; zero where there is none.
-    pub features: Features,
-}
-
 /// What the first surface along a camera ray is.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Features {
@@ -33,6 +25,8 @@ pub(crate) struct Tile {
     x: Range<u32>,
     y: Range<u32>,
     pixels: Vec<Pixel>,
+    /// Weighted sums of [`Features`] for each pixel; empty if they are not asked for.
+    features: Vec<[f64; FEATURE_NAMES.len()]>,
     /// Samples that every pixel has.
     pub samples: u32,
 }
@@ -43,12 +37,10 @@ struct Pixel {
     weight: f64,
     radiance: [f64; 3],
     radiance_squared: [f64; 3],
-    features: [f64; FEATURE_NAMES.len()],
 }
 
-const FEATURE_NAMES: [&str; 14] = [
-    "Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v",
-];
+const FEATURE_NAMES: [&str; 14] =
+    ["Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v"];
 
 impl Features {
     fn values(&self) -> [f32; FEATURE_NAMES.len()] {
@@ -57,14 +49,15 @@ impl Features {
     }
 }
 
-/// The tiles of a film, row by row.
-pub(crate) fn tiles(width: u32, height: u32) -> Vec<Tile> {
+/// The tiles of a film, row by row; with `features` they hold those of the first surface too.
+pub(crate) fn tiles(width: u32, height: u32, features: bool) -> Vec<Tile> {
     let starts = |end: u32| (0..end).step_by(TILE_SIDE as usize);
     let range = |start: u32, end: u32| start..start.saturating_add(TILE_SIDE).min(end);
     let tile = |x: u32, y: u32| {
         let (x, y) = (range(x, width), range(y, height));
         let pixels = vec![Pixel::default(); x.len() * y.len()];
-        Tile { x, y, pixels, samples: 0 }
+        let features = if features { vec![[0.0; FEATURE_NAMES.len()]; pixels.len()] } else { Vec::new() };
+        Tile { x, y, pixels, features, samples: 0 }
     };
     starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect()
 }
@@ -77,55 +70,66 @@ impl Tile {
     }
 
     /// Adds a sample to the pixel of this number. One that is not a number counts as black.
-    pub(crate) fn add(&mut self, pixel: usize, filter: &FilterSample, sighting: &Sighting) {
+    pub(crate) fn add(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3) {
         let sums = &mut self.pixels[pixel];
         let weight = f64::from(filter.weight);
         sums.weight += weight;
-        let radiance = if sighting.radiance.is_finite() { sighting.radiance } else { Vec3::ZERO };
+        let radiance = if radiance.is_finite() { radiance } else { Vec3::ZERO };
         for (channel, value) in radiance.to_array().into_iter().enumerate() {
             sums.radiance[channel] += weight * f64::from(value);
             sums.radiance_squared[channel] += f64::from(value).powi(2) * weight.powi(2);
         }
-        for (sum, value) in sums.features.iter_mut().zip(sighting.features.values()) {
-            *sum += weight * f64::from(value);
+    }
+
+    /// Adds what the sample's first surface is; only on tiles made for it.
+    pub(crate) fn add_features(&mut self, pixel: usize, filter: &FilterSample, features: &Features) {
+        for (sum, value) in self.features[pixel].iter_mut().zip(features.values()) {
+            *sum += f64::from(filter.weight) * f64::from(value);
         }
     }
 }
 
-/// The channels of a film of `width` by `height` pixels; with `features` those of the first surface too.
-pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32, features: bool) -> Vec<Channel> {
-    let plane = |name: &str, value: &dyn Fn(&Pixel, f64) -> f64| {
+/// The channels of a film of `width` by `height` pixels.
+pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32) -> Vec<Channel> {
+    let plane = |name: &str, value: &dyn Fn(&Tile, usize) -> f64| {
         let mut values = vec![0.0; width as usize * height as usize];
         for tile in tiles {
-            for ((x, y), pixel) in tile.pixels().zip(&tile.pixels) {
-                values[y as usize * width as usize + x as usize] = value(pixel, f64::from(tile.samples)) as f32;
+            for (number, (x, y)) in tile.pixels().enumerate() {
+                values[y as usize * width as usize + x as usize] = value(tile, number) as f32;
             }
         }
         Channel { name: name.to_owned(), values }
     };
-    let mean = |sum: f64, pixel: &Pixel| if pixel.weight == 0.0 { 0.0 } else { sum / pixel.weight };
     let colors = ["R", "G", "B"].into_iter().enumerate();
-    let mut channels: Vec<Channel> =
-        colors.clone().map(|(c, name)| plane(name, &|pixel, _| mean(pixel.radiance[c], pixel))).collect();
-    if features {
+    let mut channels: Vec<Channel> = colors
+        .clone()
+        .map(|(c, name)| plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.pixels[pixel].radiance[c])))
+        .collect();
+    if tiles.iter().any(|tile| !tile.features.is_empty()) {
         for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
-            channels.push(plane(name, &|pixel, _| mean(pixel.features[f], pixel)));
+            channels.push(plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.features[pixel][f])));
         }
         for (c, name) in colors {
-            channels.push(plane(&format!("Variance.{name}"), &|pixel, n| pixel.variance(c, n)));
+            let variance = |tile: &Tile, pixel: usize| tile.pixels[pixel].variance(c, f64::from(tile.samples));
+            channels.push(plane(&format!("Variance.{name}"), &variance));
         }
     }
     channels
 }
 
 impl Pixel {
+    /// A weighted sum over the weights; zero without samples.
+    fn mean(&self, sum: f64) -> f64 {
+        if self.weight == 0.0 { 0.0 } else { sum / self.weight }
+    }
+
     /// The estimated variance of the pixel's value: that of `n` samples' mean, had they been independent.
     fn variance(&self, channel: usize, n: f64) -> f64 {
         if n < 2.0 || self.weight == 0.0 {
             return 0.0;
         }
         let scale = n / self.weight;
-        let mean = self.radiance[channel] / self.weight;
+        let mean = self.mean(self.radiance[channel]);
         let mean_square = self.radiance_squared[channel] * scale * scale / n;
         (mean_square - mean * mean).max(0.0) / (n - 1.0)
     }

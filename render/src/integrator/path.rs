@@ -99,8 +99,8 @@ impl Wavefront {
             let [choice, x, y, survival] = samplers[index].uniform4(set);
             if let Some(light) = sample_light(world, &surface, choice, Vec2::new(x, y)) {
                 let bounce_density = surface.shading_normal.dot(light.shadow.direction.normalize()).max(0.0) / PI;
-                let weight = if light.density.is_finite() { power(light.density, bounce_density) } else { 1.0 };
-                self.pending.push(Pending { index, radiance: throughput * light.reflected(albedo) * weight });
+                let radiance = throughput * light.reflected(albedo) * power(light.density, bounce_density);
+                self.pending.push(Pending { index, radiance });
                 self.shadows.push(light.shadow);
             }
 
@@ -152,7 +152,7 @@ impl Wavefront {
 /// What the surface emits along the path, weighted against the light sample that might have found it.
 fn emission(world: &World, surface: &Surface, ray: &Ray, t: f32, bounce_density: f32) -> Vec3 {
     let emitted = surface.emitted(ray.direction);
-    if emitted == Vec3::ZERO || bounce_density == f32::INFINITY {
+    if emitted == Vec3::ZERO {
         return emitted;
     }
     emitted * power(bounce_density, emitted_density(world, surface, ray.direction, t))

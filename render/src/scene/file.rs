@@ -17,6 +17,7 @@
 //! filter = "mitchell"
 //! filter_width = 4.0     # pixels
 //! sharpness = 0.67
+//! aov = false
 //!
 //! [render]
 //! integrator = "path"
@@ -36,11 +37,11 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use toml::de::{DeTable, DeValue};
 
+use super::load;
 use super::nearest::suggestion;
 use super::overrides::check_pose;
 use super::value::{self, Expected, Value};
 use super::{CameraPose, Overrides, Place, Scene, SceneError};
-use crate::seam::load;
 use crate::settings::{Invalid, Settings};
 
 /// What a scene file says.
@@ -56,7 +57,7 @@ pub struct SceneFile {
 const SECTIONS: [(&str, &[&str]); 5] = [
     ("scene", &["file", "emission"]),
     ("camera", &["eye", "target", "up", "vfov"]),
-    ("film", &["width", "height", "filter", "filter_width", "sharpness"]),
+    ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
     ("render", &["integrator", "spp", "max_depth", "seed"]),
     ("sky", &["radiance"]),
 ];
@@ -157,6 +158,7 @@ impl Parser<'_> {
             "filter" => to.filter = Some(self.read(value::text, section, entry)?),
             "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
             "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
+            "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
             "integrator" => to.integrator = Some(self.read(value::integrator, section, entry)?),
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
             "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
@@ -234,7 +236,8 @@ fn value_of(value: &DeValue<'_>) -> Value {
         }
         DeValue::Float(float) => float.as_str().parse().map_or(Value::Other, Value::Number),
         DeValue::Array(values) => Value::List(values.iter().map(|value| value_of(value.get_ref())).collect()),
-        DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Table(_) => Value::Other,
+        DeValue::Boolean(flag) => Value::Boolean(*flag),
+        DeValue::Datetime(_) | DeValue::Table(_) => Value::Other,
     }
 }
 

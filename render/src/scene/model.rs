@@ -5,11 +5,9 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use halfdome_kernel::MAX_COORDINATE;
 
 use super::{Place, Scene, SceneError, gltf, obj, ply};
-
-/// The greatest magnitude of a coordinate. The kernel's arithmetic is sound up to 2^60, about 1.15e18.
-const MAX_COORDINATE: f32 = 1e18;
 
 /// The greatest length of a file in bytes. No format spends less than a byte on an index or a vertex, so a file of this
 /// length has fewer of them than a `u32` counts.
@@ -55,7 +53,7 @@ enum Format {
 /// # Errors
 ///
 /// A [`SceneError`] if the extension is another one, if the file or one that it needs cannot be read, if it breaks the
-/// rules of its format, has no triangles, or has a coordinate beyond 1e18.
+/// rules of its format, has no triangles, or has a coordinate beyond [`MAX_COORDINATE`].
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let metadata = std::fs::metadata(path).map_err(|error| SceneError::unreadable(path, &error))?;
@@ -144,7 +142,7 @@ fn check_extent(path: &Path, scene: &Scene) -> Result<(), SceneError> {
                 path,
                 Place::Part(format!("mesh {index}{name}")),
                 format!("the position ({:?}, {:?}, {:?}) is too far away", position.x, position.y, position.z),
-                "keep coordinates between -1e18 and 1e18",
+                format!("keep coordinates between -{MAX_COORDINATE:e} and {MAX_COORDINATE:e}"),
             ));
         }
     }

@@ -5,6 +5,7 @@
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use glam::Vec3;
+use halfdome_kernel::MAX_COORDINATE;
 
 use super::framing::frame;
 use super::value::{self, argument};
@@ -60,6 +61,10 @@ pub struct Overrides {
     /// Selects the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::seed))]
     pub seed: Option<u64>,
+    /// Write channels of the first surface (Albedo, P, N, Ns, u, v) and of the variance into the EXR too
+    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
+    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
+    pub aov: Option<bool>,
 
     /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
     #[arg(long, value_name = "R[,G,B]", help_heading = "Light", allow_hyphen_values = true)]
@@ -87,6 +92,7 @@ impl Overrides {
             spp: self.spp.or(fallback.spp),
             max_depth: self.max_depth.or(fallback.max_depth),
             seed: self.seed.or(fallback.seed),
+            aov: self.aov.or(fallback.aov),
             sky: self.sky.or(fallback.sky),
             emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
         }
@@ -119,6 +125,7 @@ impl Overrides {
             spp: self.spp.unwrap_or(default.spp),
             max_depth: self.max_depth.unwrap_or(default.max_depth),
             seed: self.seed.unwrap_or(default.seed),
+            aov: self.aov.unwrap_or(default.aov),
         };
         Settings::check_pixels(settings.width, settings.height)?;
         Ok(settings)
@@ -165,9 +172,6 @@ const DEFAULT_VFOV: f32 = 40.0;
 
 /// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
 const MIN_SIN_UP: f64 = 1e-4;
-
-/// The greatest magnitude of a coordinate, as for models.
-const MAX_COORDINATE: f32 = 1e18;
 
 /// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.
 const MIN_VIEW_LENGTH: f64 = 1e-18;

@@ -12,6 +12,7 @@ use crate::settings::{IntegratorKind, MAX_SIDE};
 pub(super) enum Value {
     Integer(i128),
     Number(f64),
+    Boolean(bool),
     Text(String),
     List(Vec<Value>),
     /// A kind that no option takes.
@@ -34,7 +35,8 @@ impl Value {
         let text = text.trim();
         let integer = text.parse().map(Self::Integer).ok();
         let number = || text.parse().map(Self::Number).ok();
-        integer.or_else(number).unwrap_or_else(|| Self::Text(text.to_owned()))
+        let boolean = || text.parse().map(Self::Boolean).ok();
+        integer.or_else(number).or_else(boolean).unwrap_or_else(|| Self::Text(text.to_owned()))
     }
 
     /// The number, unless it is NaN or out of a 32-bit float's range.
@@ -158,6 +160,14 @@ pub(super) fn sharpness(value: &Value) -> Reading<f32> {
     match value.finite() {
         Some(sharpness @ 0.0..=1.0) => Ok(sharpness),
         _ => expected("a number from 0 (soft) to 1 (sharp)"),
+    }
+}
+
+/// Whether something is wanted.
+pub(super) fn flag(value: &Value) -> Reading<bool> {
+    match value {
+        Value::Boolean(flag) => Ok(*flag),
+        _ => expected("true or false"),
     }
 }
 

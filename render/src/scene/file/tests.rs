@@ -66,6 +66,7 @@ fn every_key_sets_its_option() {
         spp: Some(9),
         max_depth: Some(3),
         seed: Some(u64::MAX),
+        aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
         emits_both_sides: Some(true),
     };
