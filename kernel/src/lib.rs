@@ -32,7 +32,7 @@
 //! - `alloc`: owns trees, builds them by median splits.
 //! - neither: traces trees that lie in the caller's memory.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[cfg(any(feature = "alloc", test))]
 extern crate alloc;
@@ -40,6 +40,7 @@ extern crate alloc;
 pub mod bvh;
 pub mod geometry;
 pub mod sampling;
+#[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;
 pub mod traverse;
 
@@ -48,4 +49,6 @@ pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh};
 pub use bvh::{BvhView, InvalidTree};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
+    triangle_normal,
 };
+pub use simd::{Isa, Level};

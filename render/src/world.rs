@@ -3,7 +3,9 @@
 use glam::{Vec2, Vec3};
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::sampling::Frame;
-use halfdome_kernel::{BuildError, BuildOptions, BuildReport, Bvh, BvhView, Hit, Triangle, offset_origin};
+use halfdome_kernel::{
+    BuildError, BuildOptions, BuildReport, Bvh, BvhView, Hit, Triangle, offset_origin, triangle_normal,
+};
 
 use crate::light::Lights;
 use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
@@ -101,7 +103,7 @@ impl World {
         let triangle = indices.map(|index| mesh.positions[index]);
         let weights = [1.0 - u - v, u, v];
         let interpolate = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
-        let mut normal = face_normal(&triangle);
+        let mut normal = triangle_normal(&triangle);
         let mut shading_normal = normal;
         if !mesh.normals.is_empty() {
             shading_normal = interpolate(indices.map(|index| mesh.normals[index])).normalize_or(normal);
@@ -137,7 +139,7 @@ impl World {
 impl Surface<'_> {
     /// Where a ray starts that leaves in `direction`.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        offset_origin(&self.triangle, self.barycentric[0], self.barycentric[1], direction)
+        offset_origin(&self.triangle, self.normal, self.barycentric[0], self.barycentric[1], direction)
     }
 
     /// The same surface with its normals on the side from which a ray in `direction` comes.
@@ -162,10 +164,4 @@ impl Surface<'_> {
             Vec3::ZERO
         }
     }
-}
-
-/// The unit normal on the front side; zero for a degenerate triangle, which no ray hits.
-pub(crate) fn face_normal(triangle: &Triangle) -> Vec3 {
-    let [a, b, c] = triangle.map(|p| p.as_dvec3());
-    (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }

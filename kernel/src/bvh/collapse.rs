@@ -66,6 +66,7 @@ pub(super) fn collapse(tree: &BinaryTree, triangles: &[Triangle]) -> Collapsed {
         }
         // The first child is to be met first.
         todo[inner..].reverse();
+        node.sort();
         out.nodes[target] = node;
     }
     out

@@ -16,8 +16,9 @@ pub struct Node {
     pub planes: [[f32; WIDTH]; 6],
     /// The contents, as [`Child::pack`] encodes them.
     pub children: [u32; WIDTH],
-    /// Zero; fills the cache line.
-    pub reserved: [u32; WIDTH],
+    /// For each octant of directions the slots from the farthest child to the nearest, three bits a slot, the first one
+    /// lowest; see [`Node::sort`].
+    pub order: [u32; WIDTH],
 }
 
 /// Eight triangles: five cache lines.
@@ -76,6 +77,9 @@ impl Child {
     }
 }
 
+/// The slots from 0 to 7, three bits each.
+const SLOTS_IN_ORDER: u32 = 0o76543210;
+
 impl Node {
     /// A node without children.
     pub const EMPTY: Self = Self {
@@ -88,7 +92,7 @@ impl Node {
             [f32::NEG_INFINITY; WIDTH],
         ],
         children: [Child::EMPTY; WIDTH],
-        reserved: [0; WIDTH],
+        order: [SLOTS_IN_ORDER; WIDTH],
     };
 
     /// Puts `child` with its box into `slot`.
@@ -98,6 +102,27 @@ impl Node {
             self.planes[2 * axis + 1][slot] = aabb.max[axis];
         }
         self.children[slot] = child.pack();
+    }
+
+    /// Sets the orders: children by the projection of their boxes' centres onto the octant's diagonal. In octant `o`,
+    /// bit `a` of `o` says that directions are negative along axis `a`.
+    pub fn sort(&mut self) {
+        for octant in 0..WIDTH {
+            let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
+            let depth: [f32; WIDTH] = core::array::from_fn(|slot| match self.aabb(slot) {
+                aabb if aabb.is_empty() => f32::INFINITY,
+                aabb => (0..3).map(|axis| sign(axis) * (aabb.min[axis] + aabb.max[axis])).sum(),
+            });
+            let mut slots: [u32; WIDTH] = core::array::from_fn(|slot| slot as u32);
+            slots.sort_unstable_by(|&a, &b| depth[b as usize].total_cmp(&depth[a as usize]).then(a.cmp(&b)));
+            self.order[octant] = slots.iter().rev().fold(0, |order, slot| order << 3 | slot);
+        }
+    }
+
+    /// Whether each of the orders names every slot once.
+    pub(super) fn is_sorted(&self) -> bool {
+        let slots = |order: u32| (0..WIDTH).fold(0u32, |slots, i| slots | 1 << (order >> (3 * i) & 7));
+        self.order.iter().all(|&order| order >> 24 == 0 && slots(order) == 0xff)
     }
 
     /// The box of `slot`.

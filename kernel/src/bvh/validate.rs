@@ -26,6 +26,11 @@ pub enum InvalidTree {
         /// The child's place in the node.
         slot: u32,
     },
+    /// An order of children that does not name each once.
+    BadOrder {
+        /// The node that has it.
+        node: u32,
+    },
     /// A node that no other refers to.
     ForgottenNode {
         /// Its index.
@@ -62,6 +67,7 @@ impl fmt::Display for InvalidTree {
             Self::BadChild { node, slot } => {
                 write!(f, "child {slot} of node {node} is out of range or out of order")
             }
+            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
             Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
             Self::BadBox { node, slot } => {
                 write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
@@ -92,6 +98,9 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
         height -= 1;
         let (index, held) = stack[height];
         let node = &nodes[index as usize];
+        if !node.is_sorted() {
+            return Err(InvalidTree::BadOrder { node: index });
+        }
         let children = node.children.iter().filter(|&&child| Child::unpack(child) != Child::Empty).count();
         let needed = held + children;
         if needed > MAX_STACK {

@@ -3,6 +3,7 @@
 use super::validate::{self, InvalidTree};
 use super::{Node, TriangleBlock};
 use crate::geometry::Aabb;
+use crate::simd::Isa;
 
 /// The greatest number of subtrees that a traversal keeps for later. A tree that could need more is refused.
 pub const MAX_STACK: usize = 192;
@@ -13,6 +14,7 @@ pub struct BvhView<'a> {
     nodes: &'a [Node],
     blocks: &'a [TriangleBlock],
     bounds: Aabb,
+    isa: Isa,
 }
 
 impl<'a> BvhView<'a> {
@@ -28,7 +30,18 @@ impl<'a> BvhView<'a> {
 
     /// Borrows a tree that is known to be valid.
     pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Self {
-        Self { nodes, blocks, bounds: nodes.first().map_or(Aabb::EMPTY, Node::bounds) }
+        Self { nodes, blocks, bounds: nodes.first().map_or(Aabb::EMPTY, Node::bounds), isa: Isa::detect() }
+    }
+
+    /// The same tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
+    #[must_use]
+    pub fn with_isa(self, isa: Isa) -> Self {
+        Self { isa, ..self }
+    }
+
+    /// What the tree is traced with.
+    pub fn isa(&self) -> Isa {
+        self.isa
     }
 
     /// The nodes; the first one is the root.

@@ -29,7 +29,7 @@ pub(crate) mod setup;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;
-pub use offset::offset_origin;
+pub use offset::{offset_origin, triangle_normal};
 pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};
 pub use reference::intersect_triangle;

@@ -11,24 +11,39 @@ use super::Triangle;
 /// In units of the largest coordinate: 16 roundings, where the hit point and the test together make fewer.
 const ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 
-/// The point of `triangle` with the barycentric weights `u` and `v` of a hit, moved off the triangle's plane to the
-/// side to which `direction` points. It scales with the scene: there is no length to tune.
-///
-/// A degenerate triangle has no plane; the point is then not moved.
-pub fn offset_origin(triangle: &Triangle, u: f32, v: f32, direction: Vec3) -> Vec3 {
+/// The unit normal of the side from which the corners of `triangle` run counter-clockwise; zero if it has no area.
+pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
+    let [a, b, c] = *triangle;
+    let normal = (b - a).cross(c - a);
+    let square = normal.length_squared();
+    if (1e-30..1e30).contains(&square) {
+        return normal * (1.0 / square.sqrt());
+    }
+    // In f64 the edges' products neither underflow nor overflow.
+    let [a, b, c]: [DVec3; 3] = triangle.map(|p| p.as_dvec3());
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// The point of `triangle` with the barycentric weights `u` and `v` of a hit, moved along its unit `normal`, to the side
+/// to which `direction` points. It scales with the scene: there is no length to tune.
+pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, direction: Vec3) -> Vec3 {
     let [a, b, c] = *triangle;
     let point = (1.0 - u - v) * a + u * b + v * c;
-    // In f64, where the edges' products cannot underflow.
-    let [a, b, c]: [DVec3; 3] = triangle.map(|p| p.as_dvec3());
-    let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-    let largest = triangle.iter().fold(0.0f32, |largest, p| largest.max(p.abs().max_element()));
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
     let distance = largest * ERROR * (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let offset = if normal.dot(direction) < 0.0 { -normal } else { normal } * distance;
     let moved = point + offset;
     // The sum may have been rounded back: go one step further, away from the plane.
-    Vec3::from_array(core::array::from_fn(|k| match offset[k] {
-        o if o > 0.0 => moved[k].next_up(),
-        o if o < 0.0 => moved[k].next_down(),
-        _ => moved[k],
-    }))
+    Vec3::new(step(moved.x, offset.x), step(moved.y, offset.y), step(moved.z, offset.z))
+}
+
+/// The next float after `x` in the direction of `sign`; `x` if that is zero.
+fn step(x: f32, sign: f32) -> f32 {
+    if sign > 0.0 {
+        x.next_up()
+    } else if sign < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Course {
     pub axes: [usize; 3],
     /// Whether the direction is negative along each of [`axes`](Self::axes).
     pub negative: [bool; 3],
+    /// The same as a number: bit `a` says that the direction is negative along axis `a`.
+    pub octant: usize,
 }
 
 impl Course {
@@ -35,10 +37,15 @@ impl Course {
     /// `[min x, max x, min y, max y, min z, max z]`, in the order of [`axes`](Self::axes).
     #[inline(always)]
     pub(crate) fn planes(&self) -> [(usize, usize); 3] {
-        core::array::from_fn(|k| {
-            let (min, negative) = (2 * self.axes[k], self.negative[k] as usize);
-            (min + negative, min + 1 - negative)
-        })
+        [self.planes_across(0), self.planes_across(1), self.planes_across(2)]
+    }
+}
+
+impl Course {
+    #[inline(always)]
+    fn planes_across(&self, k: usize) -> (usize, usize) {
+        let (min, negative) = (2 * self.axes[k], self.negative[k] as usize);
+        (min + negative, min + 1 - negative)
     }
 }
 
@@ -51,12 +58,23 @@ pub(crate) struct RaySetup {
     pub inverse: [f32; 3],
     /// `d[0] / d[2]` and `d[1] / d[2]`.
     pub shear: [f32; 2],
-    /// The origin moved so that near planes come nearer, and far planes farther, by the nodes' pad.
-    pub near_origin: [f32; 3],
-    pub far_origin: [f32; 3],
+    /// The distance to a near plane of a node is `plane * inverse - near_shift`, to a far one likewise: the shifts are
+    /// `inverse` times the origin, moved so that near planes come nearer, and far planes farther, by the nodes' pad.
+    pub near_shift: [f32; 3],
+    pub far_shift: [f32; 3],
 }
 
 impl RaySetup {
+    /// The setup of no ray.
+    pub(crate) const NOWHERE: Self = Self {
+        course: Course { axes: [0, 1, 2], negative: [false; 3], octant: 0 },
+        origin: [0.0; 3],
+        inverse: [0.0; 3],
+        shear: [0.0; 2],
+        near_shift: [0.0; 3],
+        far_shift: [0.0; 3],
+    };
+
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
     #[inline]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
@@ -93,13 +111,14 @@ impl RaySetup {
             let pad = (reach[k] + reach[2]) * NODE_PAD + origin[k].abs() * NODE_ORIGIN_PAD;
             pad.copysign(direction[k])
         });
+        let negative = inverse.map(|inverse| inverse < 0.0);
         Some(Self {
-            course: Course { axes, negative: inverse.map(|inverse| inverse < 0.0) },
+            course: Course { axes, negative, octant: (0..3).map(|k| usize::from(negative[k]) << axes[k]).sum() },
             origin,
             inverse,
             shear: [direction[0] / direction[2], direction[1] / direction[2]],
-            near_origin: core::array::from_fn(|k| origin[k] + pad[k]),
-            far_origin: core::array::from_fn(|k| origin[k] - pad[k]),
+            near_shift: core::array::from_fn(|k| (origin[k] + pad[k]) * inverse[k]),
+            far_shift: core::array::from_fn(|k| (origin[k] - pad[k]) * inverse[k]),
         })
     }
 }
@@ -109,6 +128,11 @@ pub(crate) fn raise(value: f32, least: f32) -> f32 {
     if value.abs() < least { least.copysign(value) } else { value }
 }
 
+#[inline(always)]
+fn splat<const N: usize, L: Lanes<N>>(v: [f32; 3]) -> [L; 3] {
+    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+}
+
 /// Ray setups in lanes: one ray in all of them, or one in each. Fields as in [`RaySetup`].
 #[derive(Clone, Copy)]
 pub(crate) struct RayLanes<L> {
@@ -116,8 +140,8 @@ pub(crate) struct RayLanes<L> {
     pub origin: [L; 3],
     pub inverse: [L; 3],
     pub shear: [L; 2],
-    pub near_origin: [L; 3],
-    pub far_origin: [L; 3],
+    pub near_shift: [L; 3],
+    pub far_shift: [L; 3],
 }
 
 impl<L> RayLanes<L> {
@@ -129,11 +153,11 @@ impl<L> RayLanes<L> {
     {
         Self {
             negative: ray.course.negative,
-            origin: ray.origin.map(L::splat),
-            inverse: ray.inverse.map(L::splat),
-            shear: ray.shear.map(L::splat),
-            near_origin: ray.near_origin.map(L::splat),
-            far_origin: ray.far_origin.map(L::splat),
+            origin: splat(ray.origin),
+            inverse: splat(ray.inverse),
+            shear: [L::splat(ray.shear[0]), L::splat(ray.shear[1])],
+            near_shift: splat(ray.near_shift),
+            far_shift: splat(ray.far_shift),
         }
     }
 
@@ -143,14 +167,30 @@ impl<L> RayLanes<L> {
     where
         L: Lanes<N>,
     {
-        let lanes = |value: &dyn Fn(&RaySetup) -> f32| L::load(&core::array::from_fn(|i| value(&rays[i])));
         Self {
             negative: rays[0].course.negative,
-            origin: core::array::from_fn(|k| lanes(&|ray| ray.origin[k])),
-            inverse: core::array::from_fn(|k| lanes(&|ray| ray.inverse[k])),
-            shear: core::array::from_fn(|k| lanes(&|ray| ray.shear[k])),
-            near_origin: core::array::from_fn(|k| lanes(&|ray| ray.near_origin[k])),
-            far_origin: core::array::from_fn(|k| lanes(&|ray| ray.far_origin[k])),
+            origin: gather(rays, |ray| ray.origin),
+            inverse: gather(rays, |ray| ray.inverse),
+            shear: gather(rays, |ray| ray.shear),
+            near_shift: gather(rays, |ray| ray.near_shift),
+            far_shift: gather(rays, |ray| ray.far_shift),
         }
     }
+}
+
+/// The same part of all rays, turned into lanes.
+#[inline(always)]
+fn gather<const N: usize, const M: usize, L: Lanes<N>>(
+    rays: &[RaySetup; N],
+    part: impl Fn(&RaySetup) -> [f32; M],
+) -> [L; M] {
+    let mut lanes = [L::splat(0.0); M];
+    for (k, lanes) in lanes.iter_mut().enumerate() {
+        let mut values = [0.0; N];
+        for (value, ray) in values.iter_mut().zip(rays) {
+            *value = part(ray)[k];
+        }
+        *lanes = L::load(&values);
+    }
+    lanes
 }

@@ -21,8 +21,8 @@ pub(crate) struct Crossing<L> {
 #[inline(always)]
 pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L; 3]; 3]) -> Option<Crossing<L>> {
     let zero = L::splat(0.0);
-    let [a, b, c] = corners.map(|p| [p[0] - ray.origin[0], p[1] - ray.origin[1], p[2] - ray.origin[2]]);
-    let [[ax, ay], [bx, by], [cx, cy]] = [a, b, c].map(|p| [p[0] - ray.shear[0] * p[2], p[1] - ray.shear[1] * p[2]]);
+    let (a, b, c) = (sub(corners[0], ray.origin), sub(corners[1], ray.origin), sub(corners[2], ray.origin));
+    let ([ax, ay], [bx, by], [cx, cy]) = (shear(a, ray.shear), shear(b, ray.shear), shear(c, ray.shear));
 
     // Twice the areas opposite the corners: of one sign if the ray passes inside.
     let u = cx * by - cy * bx;
@@ -36,9 +36,9 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
     let sum = u + v + w;
     let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
     let mut weights = [u / sum, v / sum, w / sum];
-    if bits & doubtful.bits() != 0 {
-        let lanes = bits & doubtful.bits();
-        bits = decide_in_f64([ax, ay, bx, by, cx, cy], bits, lanes, &mut weights);
+    let doubtful = bits & doubtful.bits();
+    if doubtful != 0 {
+        bits = decide_in_f64([ax, ay, bx, by, cx, cy], bits, doubtful, &mut weights);
         if bits == 0 {
             return None;
         }
@@ -47,22 +47,41 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2];
 
     // The interval in which the ray is inside the triangle's own box.
-    let reach = |k: usize| a[k].abs().max(b[k].abs()).max(c[k].abs());
-    let reach_z = reach(2);
-    let interval = |k: usize| {
-        let pad = (reach(k) + reach_z) * L::splat(OWN_PAD);
-        let lower = a[k].min(b[k]).min(c[k]) - pad;
-        let upper = a[k].max(b[k]).max(c[k]) + pad;
-        let (near, far) = if ray.negative[k] { (upper, lower) } else { (lower, upper) };
-        (near * ray.inverse[k], far * ray.inverse[k])
-    };
-    let [x, y, z] = [interval(0), interval(1), interval(2)];
-    let (near, far) = (x.0.max(y.0).max(z.0), x.1.min(y.1).min(z.1));
+    let reach = reach(a[2], b[2], c[2]);
+    let (near_x, far_x) = interval(ray, 0, [a[0], b[0], c[0]], reach);
+    let (near_y, far_y) = interval(ray, 1, [a[1], b[1], c[1]], reach);
+    let (near_z, far_z) = interval(ray, 2, [a[2], b[2], c[2]], reach);
+    let (near, far) = (near_x.max(near_y).max(near_z), far_x.min(far_y).min(far_z));
     // Adding zero makes a negative zero positive: which one the minima and maxima give is up to the backend.
     let t = L::select(t.lt(near), near + zero, t);
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
     Some(Crossing { bits, t, u: v, v: w })
+}
+
+#[inline(always)]
+fn sub<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline(always)]
+fn shear<const N: usize, L: Lanes<N>>(p: [L; 3], shear: [L; 2]) -> [L; 2] {
+    [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2]]
+}
+
+#[inline(always)]
+fn reach<const N: usize, L: Lanes<N>>(a: L, b: L, c: L) -> L {
+    a.abs().max(b.abs()).max(c.abs())
+}
+
+/// Where the ray enters and leaves the slab of one axis around three corners, widened by their error.
+#[inline(always)]
+fn interval<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, axis: usize, [a, b, c]: [L; 3], reach_z: L) -> (L, L) {
+    let pad = (reach(a, b, c) + reach_z) * L::splat(OWN_PAD);
+    let lower = a.min(b).min(c) - pad;
+    let upper = a.max(b).max(c) + pad;
+    let (near, far) = if ray.negative[axis] { (upper, lower) } else { (lower, upper) };
+    (near * ray.inverse[axis], far * ray.inverse[axis])
 }
 
 /// Decides `lanes` again where `f32` could not: an edge function is zero, or all are near underflow. Products of `f32`

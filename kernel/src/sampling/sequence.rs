@@ -55,6 +55,20 @@ const fn directions(initial: [u32; 3], degree: usize, inner: u32) -> [u32; 32] {
 /// [`DIMENSIONS`] reads as the last one.
 #[inline]
 pub fn sobol(index: u32, dimension: usize) -> u32 {
+    // The first two dimensions without a loop: the radical inverse, and the same of the index times Pascal's triangle
+    // modulo 2, which is a Kronecker power of ((1, 1), (0, 1)).
+    if dimension == 0 {
+        return index.reverse_bits();
+    }
+    if dimension == 1 {
+        let mut x = index;
+        x ^= x >> 1 & 0x5555_5555;
+        x ^= x >> 2 & 0x3333_3333;
+        x ^= x >> 4 & 0x0f0f_0f0f;
+        x ^= x >> 8 & 0x00ff_00ff;
+        x ^= x >> 16;
+        return x.reverse_bits();
+    }
     let directions = &DIRECTIONS[dimension.min(DIMENSIONS - 1)];
     let (mut rest, mut point) = (index, 0);
     for &direction in directions {
@@ -97,6 +111,18 @@ pub fn r2(index: u32, rotation: [u32; 2]) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_quick_dimensions_are_those_of_the_direction_numbers() {
+        for i in 0..10_000u32 {
+            let index = i.wrapping_mul(0x9e37_79b9);
+            for dimension in [0, 1] {
+                let set = (0..32).filter(|bit| index >> bit & 1 == 1);
+                let point = set.fold(0, |point, bit| point ^ DIRECTIONS[dimension][bit]);
+                assert_eq!(sobol(index, dimension), point);
+            }
+        }
+    }
 
     /// Whether the points (x, y) put exactly one into each elementary interval of area 2^-bits.
     fn is_net(points: &[[u32; 2]], bits: u32) -> bool {

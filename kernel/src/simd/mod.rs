@@ -1,13 +1,40 @@
-//! Lanes of `f32`: the few operations that the kernels are written in, and their backends.
+//! Lanes of `f32`: the few operations that the kernels are written in, and their backends. All of the kernel's `unsafe`
+//! is in this folder.
 //!
-//! The kernels are generic over [`Lanes`], so that one loop serves every width and instruction set. Every operation is
-//! IEEE 754 exact (correctly rounded, nothing fused), which is what makes results equal bit for bit on all backends.
-//! [`min`](Lanes::min) and [`max`](Lanes::max) are the exception: on NaN, or on zeros of both signs, backends may
-//! differ, so no kernel lets such a difference reach a result.
+//! Code in lanes is written in `#[inline(always)]` functions, never in closures or `array::map`: intrinsics are inlined
+//! only into code that is compiled for their instruction set, which the kernels are once all of their parts have become
+//! part of [`dispatch`]'s entry points. A closure that stays a function of its own makes every operation a call.
+//!
+//! The kernels are generic over [`Simd`], an instruction set, and compiled once for each; [`dispatch`] picks one a
+//! batch. Operations are IEEE 754 exact (correctly rounded, nothing fused), which is what makes results equal bit for
+//! bit on all backends. The exceptions are [`min`](Lanes::min) and [`max`](Lanes::max) on NaN or on zeros of both
+//! signs, and [`mul_sub`](Lanes::mul_sub), which may be fused: no kernel lets such a difference reach a result.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod isa;
 mod portable;
+#[cfg(test)]
+mod tests;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+pub use isa::{Isa, Level};
+pub(crate) use isa::{Work, dispatch};
+pub(crate) use portable::Portable;
+
+/// An instruction set.
+pub(crate) trait Simd: Copy {
+    /// Four lanes.
+    type F4: Lanes<4>;
+    /// Eight lanes.
+    type F8: Lanes<8> + Children;
+
+    /// Fetches `slice[index]` into the first-level cache, if there is such an element and such an instruction.
+    fn prefetch<T>(slice: &[T], index: usize);
+}
 
 /// `N` numbers that are computed with together.
 pub(crate) trait Lanes<const N: usize>:
@@ -22,6 +49,8 @@ pub(crate) trait Lanes<const N: usize>:
     fn load(values: &[f32; N]) -> Self;
     /// The lanes, in order.
     fn store(self) -> [f32; N];
+    /// `self * factor - minuend`, fused or not: for box tests, which leave room for the difference.
+    fn mul_sub(self, factor: Self, minuend: Self) -> Self;
     /// The smaller of each pair; no NaN may be among them.
     fn min(self, other: Self) -> Self;
     /// The larger of each pair; no NaN may be among them.
@@ -44,7 +73,23 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn bits(self) -> u32;
 }
 
+/// What traversal does with the eight children of a node.
+pub(crate) trait Children: Sized {
+    /// Writes those children for which `near <= far` to the start of `kept`, and their `near` to that of `distances`,
+    /// in `order`: three bits a child, the first one lowest. Gives their number; what follows them in the arrays is of
+    /// no meaning.
+    fn keep(
+        near: Self,
+        far: Self,
+        order: u32,
+        children: &[u32; 8],
+        kept: &mut [u32; 8],
+        distances: &mut [f32; 8],
+    ) -> usize;
+}
+
 /// The lanes set in a bit mask, lowest first.
+#[inline(always)]
 pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let lane = bits.trailing_zeros() as usize;

@@ -8,9 +8,9 @@
 //!
 //! Nothing here allocates or panics.
 
+mod flight;
 mod packet;
 pub mod reference;
-mod single;
 mod stack;
 #[cfg(test)]
 mod tests;
@@ -19,16 +19,23 @@ pub use packet::{PacketWidth, Width};
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
+use crate::simd::{Level, Simd, Work, dispatch};
 
 impl BvhView<'_> {
     /// The nearest hit of `ray`; among equally near ones that of the lowest `prim_id`.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        single::trace::<false, wide::f32x8>(self, ray).found()
+        match self.isa().level() {
+            Level::Scalar => reference::intersect(self, ray),
+            _ => dispatch(self.isa(), One::<false> { tree: self, ray }),
+        }
     }
 
     /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        single::trace::<true, wide::f32x8>(self, ray).is_hit()
+        match self.isa().level() {
+            Level::Scalar => reference::occluded(self, ray),
+            _ => dispatch(self.isa(), One::<true> { tree: self, ray }).is_some(),
+        }
     }
 
     /// The nearest hit of each active ray of a packet, [`Hit::MISS`] for those that hit nothing. Lanes of inactive rays
@@ -53,16 +60,63 @@ impl BvhView<'_> {
     }
 
     /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.
+    ///
+    /// The quickest way for many rays that do not run side by side: several are in flight at once.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.intersect(ray).unwrap_or(Hit::MISS);
+        if self.isa().level() == Level::Scalar {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = reference::intersect(self, ray).unwrap_or(Hit::MISS);
+            }
+        } else {
+            let land = |number: usize, found: Option<Hit>| {
+                if let Some(hit) = hits.get_mut(number) {
+                    *hit = found.unwrap_or(Hit::MISS);
+                }
+            };
+            dispatch(self.isa(), Many::<false, _> { tree: self, rays, land });
         }
     }
 
     /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        for (ray, occluded) in rays.iter().zip(occluded) {
-            *occluded = self.occluded(ray);
+        if self.isa().level() == Level::Scalar {
+            for (ray, occluded) in rays.iter().zip(occluded) {
+                *occluded = reference::occluded(self, ray);
+            }
+        } else {
+            let land = |number: usize, found: Option<Hit>| {
+                if let Some(occluded) = occluded.get_mut(number) {
+                    *occluded = found.is_some();
+                }
+            };
+            dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
         }
+    }
+}
+
+struct One<'a, const ANY: bool> {
+    tree: &'a BvhView<'a>,
+    ray: &'a Ray,
+}
+
+impl<const ANY: bool> Work for One<'_, ANY> {
+    type Output = Option<Hit>;
+    #[inline(always)]
+    fn run<S: Simd>(self) -> Option<Hit> {
+        flight::trace::<ANY, S>(self.tree, self.ray)
+    }
+}
+
+struct Many<'a, const ANY: bool, F> {
+    tree: &'a BvhView<'a>,
+    rays: &'a [Ray],
+    land: F,
+}
+
+impl<const ANY: bool, F: FnMut(usize, Option<Hit>)> Work for Many<'_, ANY, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        flight::trace_many::<ANY, S>(self.tree, self.rays, self.land);
     }
 }

@@ -4,13 +4,13 @@
 //! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. Packets of other rays
 //! are traced one by one, which is quicker for rays that go different ways anyhow.
 
-use super::single;
+use super::flight;
 use super::stack::Stack;
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Course, RayLanes, RaySetup};
 use crate::geometry::triangle;
 use crate::geometry::{Hit, HitPacket, RayPacket};
-use crate::simd::{Lanes, Mask, lanes_of};
+use crate::simd::{Lanes, Mask, Simd, Work, dispatch, lanes_of};
 
 /// `N` rays at a time.
 pub struct Width<const N: usize>;
@@ -27,17 +27,26 @@ mod sealed {
     impl Sealed for super::Width<8> {}
 }
 
-impl PacketWidth<4> for Width<4> {
-    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<4>, hits: &mut HitPacket<4>) {
-        trace::<ANY, 4, wide::f32x4>(tree, rays, hits);
-    }
+macro_rules! width {
+    ($width:literal, $lanes:ident) => {
+        impl PacketWidth<$width> for Width<$width> {
+            fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<$width>, hits: &mut HitPacket<$width>) {
+                struct Trace<'a, const ANY: bool>(&'a BvhView<'a>, &'a RayPacket<$width>, &'a mut HitPacket<$width>);
+                impl<const ANY: bool> Work for Trace<'_, ANY> {
+                    type Output = ();
+                    #[inline(always)]
+                    fn run<S: Simd>(self) {
+                        trace::<ANY, $width, S, S::$lanes>(self.0, self.1, self.2);
+                    }
+                }
+                dispatch(tree.isa(), Trace::<ANY>(tree, rays, hits));
+            }
+        }
+    };
 }
 
-impl PacketWidth<8> for Width<8> {
-    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<8>, hits: &mut HitPacket<8>) {
-        trace::<ANY, 8, wide::f32x8>(tree, rays, hits);
-    }
-}
+width!(4, F4);
+width!(8, F8);
 
 /// A subtree to visit, the rays that meet its box, and where the first of them enters it.
 #[derive(Clone, Copy)]
@@ -49,7 +58,11 @@ struct Entry {
 
 /// Writes the hits of the active rays; with `ANY` the first one found of each.
 #[inline(always)]
-fn trace<const ANY: bool, const N: usize, L: Lanes<N>>(tree: &BvhView, packet: &RayPacket<N>, hits: &mut HitPacket<N>) {
+fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
+    tree: &BvhView,
+    packet: &RayPacket<N>,
+    hits: &mut HitPacket<N>,
+) {
     // Rays that can hit nothing are done with at once.
     let mut setups = [None; N];
     let mut live = 0;
@@ -64,8 +77,7 @@ fn trace<const ANY: bool, const N: usize, L: Lanes<N>>(tree: &BvhView, packet: &
     if setups.iter().flatten().any(|setup| setup.course != first.course) {
         for lane in lanes_of(live) {
             let ray = packet.ray(lane);
-            let hit = single::trace::<ANY, wide::f32x8>(tree, &ray);
-            hits.set(lane, hit.found().unwrap_or(Hit::MISS));
+            hits.set(lane, flight::trace::<ANY, S>(tree, &ray).unwrap_or(Hit::MISS));
         }
         return;
     }
@@ -134,11 +146,23 @@ impl<L: Copy> Traversal<L> {
         L: Lanes<N>,
     {
         let (ray, planes) = (&self.rays, self.course.planes());
-        let near = |k: usize| (L::splat(node.planes[planes[k].0][slot]) - ray.near_origin[k]) * ray.inverse[k];
-        let far = |k: usize| (L::splat(node.planes[planes[k].1][slot]) - ray.far_origin[k]) * ray.inverse[k];
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(t_max));
+        let (mut enter, mut leave) = (self.t_min, t_max);
+        for (k, (near, far)) in planes.into_iter().enumerate() {
+            enter = enter.max(L::splat(node.planes[near][slot]).mul_sub(ray.inverse[k], ray.near_shift[k]));
+            leave = leave.min(L::splat(node.planes[far][slot]).mul_sub(ray.inverse[k], ray.far_shift[k]));
+        }
         (enter.le(leave).bits(), enter.store())
+    }
+
+    /// A corner of one triangle, in the order of the course's axes.
+    #[inline(always)]
+    fn corner<const N: usize>(&self, block: &TriangleBlock, corner: usize, triangle: usize) -> [L; 3]
+    where
+        L: Lanes<N>,
+    {
+        let [x, y, z] = self.course.axes;
+        let axes = &block.corners[corner];
+        [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
     }
 
     /// Tests the block's triangles in turn against `rays`.
@@ -149,7 +173,7 @@ impl<L: Copy> Traversal<L> {
     {
         for (triangle, &prim_id) in block.prim_id.iter().enumerate().filter(|&(_, &id)| id != Hit::NO_PRIM) {
             let corners =
-                [0, 1, 2].map(|corner| self.course.axes.map(|axis| L::splat(block.corners[corner][axis][triangle])));
+                [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
             let Some(crossing) = triangle::cross(&self.rays, corners) else {
                 continue;
             };

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use glam::{Vec3, vec3};
 
 use super::reference;
-use crate::geometry::offset_origin;
-use crate::{BuildOptions, Bvh, Hit, HitPacket, Ray, RayPacket, Triangle};
+use crate::geometry::{offset_origin, triangle_normal};
+use crate::{BuildOptions, Bvh, BvhView, Hit, HitPacket, Isa, Ray, RayPacket, Triangle};
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
 struct Random(u64);
@@ -41,8 +41,7 @@ fn check(triangles: &[Triangle], rays: &[Ray]) -> usize {
     let mut found = 0;
     for options in [BuildOptions::Best, BuildOptions::Median] {
         let (bvh, report) = Bvh::build(triangles, &options).unwrap();
-        let tree = bvh.view();
-        let kept: Vec<(u32, Triangle)> = (tree.blocks().iter())
+        let kept: Vec<(u32, Triangle)> = (bvh.view().blocks().iter())
             .flat_map(|block| (0..8).map(|lane| (block.prim_id[lane], block.triangle(lane))))
             .filter(|&(id, _)| id != Hit::NO_PRIM)
             .collect();
@@ -52,26 +51,38 @@ fn check(triangles: &[Triangle], rays: &[Ray]) -> usize {
         let mut all: Vec<Triangle> = triangles.iter().map(|_| nowhere).collect();
         kept.iter().for_each(|&(id, triangle)| all[id as usize] = triangle);
         let expected: Vec<_> = rays.iter().map(|ray| reference::intersect_all(&all, ray)).collect();
-        for (ray, &hit) in rays.iter().zip(&expected) {
-            assert_eq!(bits(reference::intersect(&tree, ray)), bits(hit), "reference, {ray:?}");
-            assert_eq!(bits(tree.intersect(ray)), bits(hit), "single, {ray:?}");
-            assert_eq!(tree.occluded(ray), hit.is_some(), "occluded, {ray:?}");
-            found += hit.is_some() as usize;
-        }
-        check_packets::<4>(&bvh, rays, &expected);
-        check_packets::<8>(&bvh, rays, &expected);
-        let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
-        let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
-        tree.intersect_many(rays, &mut hits);
-        tree.occluded_many(rays, &mut occluded);
-        for ((hit, occluded), expected) in hits.iter().zip(occluded).zip(&expected) {
-            assert_eq!((bits(hit.found()), occluded), (bits(*expected), expected.is_some()));
-        }
+        found += expected.iter().flatten().count();
+        isas().for_each(|isa| check_isa(&bvh.view().with_isa(isa), rays, &expected));
     }
     found
 }
 
-fn check_packets<const N: usize>(bvh: &Bvh, rays: &[Ray], expected: &[Option<Hit>])
+/// Every level that this machine has.
+fn isas() -> impl Iterator<Item = Isa> {
+    #[cfg(feature = "std")]
+    return crate::Level::ALL.into_iter().filter_map(Isa::new);
+    #[cfg(not(feature = "std"))]
+    [Isa::SCALAR, Isa::PORTABLE].into_iter()
+}
+
+fn check_isa(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
+    let level = tree.isa().level();
+    for (ray, &hit) in rays.iter().zip(expected) {
+        assert_eq!(bits(tree.intersect(ray)), bits(hit), "{level}, {ray:?}");
+        assert_eq!(tree.occluded(ray), hit.is_some(), "{level}, any hit, {ray:?}");
+    }
+    check_packets::<4>(tree, rays, expected);
+    check_packets::<8>(tree, rays, expected);
+    let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
+    let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
+    tree.intersect_many(rays, &mut hits);
+    tree.occluded_many(rays, &mut occluded);
+    for ((hit, occluded), expected) in hits.iter().zip(occluded).zip(expected) {
+        assert_eq!((bits(hit.found()), occluded), (bits(*expected), expected.is_some()), "{level}, many");
+    }
+}
+
+fn check_packets<const N: usize>(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>])
 where
     super::Width<N>: super::PacketWidth<N>,
 {
@@ -82,8 +93,8 @@ where
             packet.active &= active;
             let mut hits = HitPacket::MISS;
             (0..N).for_each(|lane| hits.set(lane, untouched));
-            bvh.view().intersect_packet(&packet, &mut hits);
-            let occluded = bvh.view().occluded_packet(&packet);
+            tree.intersect_packet(&packet, &mut hits);
+            let occluded = tree.occluded_packet(&packet);
             for lane in 0..N {
                 if packet.active >> lane & 1 == 1 {
                     let expected = expected[start * N + lane];
@@ -344,10 +355,10 @@ fn a_ray_that_leaves_a_triangle_does_not_hit_it() {
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
         }
-        let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or_zero();
+        let normal = triangle_normal(&triangle);
         let grazing = [1.0, 1e-2, 1e-4][i % 3];
         let direction = random.vector().reject_from(normal.normalize_or(Vec3::X)) + normal * (random.unit() * grazing);
-        let origin = offset_origin(&triangle, u, v, direction);
+        let origin = offset_origin(&triangle, normal, u, v, direction);
         let ray = Ray::new(origin, direction);
         assert_eq!(crate::geometry::intersect_triangle(&ray, &triangle), None, "{triangle:?} {ray:?}");
     }

@@ -8,7 +8,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Sampler, power};
 use halfdome_kernel::{Hit, Ray};
@@ -17,8 +17,8 @@ use super::{CameraRays, FIRST_SET};
 use crate::estimator::{emitted_density, sample_light};
 use crate::world::{Surface, World};
 
-/// Sets of random numbers that a bounce uses: one for the light, one for the direction.
-const SETS_PER_BOUNCE: u32 = 2;
+/// Sets of random numbers that a bounce uses: which light, where on it, the next direction, whether to go on.
+const SETS_PER_BOUNCE: u32 = 4;
 /// Surfaces on a path before roulette begins.
 const SURE_DEPTH: u32 = 3;
 /// The greatest probability of going on.
@@ -96,8 +96,8 @@ impl Wavefront {
             let surface = surface.facing(ray.direction);
             let albedo = surface.material.diffuse;
             let set = FIRST_SET + (depth - 1) * SETS_PER_BOUNCE;
-            let [choice, x, y, survival] = samplers[index].uniform4(set);
-            if let Some(light) = sample_light(world, &surface, choice, Vec2::new(x, y)) {
+            let sampler = &samplers[index];
+            if let Some(light) = sample_light(world, &surface, sampler.uniform1(set), sampler.uniform2(set + 1)) {
                 let bounce_density = surface.shading_normal.dot(light.shadow.direction.normalize()).max(0.0) / PI;
                 let radiance = throughput * light.reflected(albedo) * power(light.density, bounce_density);
                 self.pending.push(Pending { index, radiance });
@@ -107,12 +107,12 @@ impl Wavefront {
             let mut throughput = throughput * albedo;
             if depth > SURE_DEPTH {
                 let go_on = throughput.max_element().min(MAX_SURVIVAL);
-                if survival >= go_on {
+                if sampler.uniform1(set + 3) >= go_on {
                     continue;
                 }
                 throughput /= go_on;
             }
-            let local = CosineHemisphere.map(samplers[index].uniform2(set + 1));
+            let local = CosineHemisphere.map(sampler.uniform2(set + 2));
             let direction = surface.frame().to_world(local);
             // A shading normal may send light through the surface: none comes from there.
             if surface.normal.dot(direction) <= 0.0 || throughput == Vec3::ZERO {

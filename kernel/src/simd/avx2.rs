@@ -1,0 +1,185 @@
+//! AVX2 and FMA.
+//!
+//! Safety of this module: values of its types come into being only in kernels that [`dispatch`](super::dispatch) runs
+//! on this instruction set, after it has been detected or vouched for.
+
+use core::arch::x86_64::*;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+use super::{Children, Lanes, Mask, Simd};
+
+/// AVX2, FMA and BMI.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2;
+
+impl Simd for Avx2 {
+    type F4 = wide::f32x4;
+    type F8 = F32x8;
+
+    #[inline(always)]
+    fn prefetch<T>(slice: &[T], index: usize) {
+        prefetch(slice, index);
+    }
+}
+
+/// Fetches the cache lines of an element.
+#[inline(always)]
+pub(super) fn prefetch<T>(slice: &[T], index: usize) {
+    let start = slice.as_ptr().wrapping_add(index).cast::<i8>();
+    for offset in (0..size_of::<T>()).step_by(64) {
+        // SAFETY: SSE is part of x86-64, and a prefetch is a hint that may name any address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+    }
+}
+
+/// Eight lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct F32x8(pub(super) __m256);
+
+/// Eight truth values.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask8(__m256);
+
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: AVX is there, see the module.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+operator!(F32x8, Add, add, _mm256_add_ps);
+operator!(F32x8, Sub, sub, _mm256_sub_ps);
+operator!(F32x8, Mul, mul, _mm256_mul_ps);
+operator!(F32x8, Div, div, _mm256_div_ps);
+operator!(Mask8, BitAnd, bitand, _mm256_and_ps);
+operator!(Mask8, BitOr, bitor, _mm256_or_ps);
+
+impl Lanes<8> for F32x8 {
+    type Mask = Mask8;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: AVX is there, see the module.
+        Self(unsafe { _mm256_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f32; 8]) -> Self {
+        // SAFETY: AVX is there, see the module; the pointer is to eight floats.
+        Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        let mut values = [0.0; 8];
+        // SAFETY: AVX is there, see the module; the pointer is to eight floats.
+        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
+        values
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, minuend: Self) -> Self {
+        // SAFETY: FMA is there, see the module.
+        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, minuend.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: AVX is there, see the module.
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: AVX is there, see the module.
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: AVX is there, see the module.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        // SAFETY: AVX is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask8 {
+        // SAFETY: AVX is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask8 {
+        // SAFETY: AVX is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, yes: Self, no: Self) -> Self {
+        // SAFETY: AVX is there, see the module.
+        Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask.0) })
+    }
+}
+
+impl Mask for Mask8 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: AVX is there, see the module.
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+}
+
+/// For each mask the numbers of its set bits, lowest first, a byte each.
+const SET_BITS: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < 8 {
+            if mask >> bit & 1 == 1 {
+                table[mask] |= (bit as u64) << (8 * count);
+                count += 1;
+            }
+            bit += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// The eight slots of an order, a lane each.
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+pub(super) unsafe fn slots(order: u32) -> __m256i {
+    // SAFETY: the caller's promise. Permutations look at the low three bits of each lane alone.
+    unsafe { _mm256_srlv_epi32(_mm256_set1_epi32(order as i32), _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21)) }
+}
+
+impl Children for F32x8 {
+    #[inline(always)]
+    fn keep(
+        near: Self,
+        far: Self,
+        order: u32,
+        children: &[u32; 8],
+        kept: &mut [u32; 8],
+        distances: &mut [f32; 8],
+    ) -> usize {
+        // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.
+        unsafe {
+            let slots = slots(order);
+            let (near_in_order, far_in_order) =
+                (_mm256_permutevar8x32_ps(near.0, slots), _mm256_permutevar8x32_ps(far.0, slots));
+            let bits = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near_in_order, far_in_order)) as usize;
+            let to_front = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET_BITS[bits & 255] as i64));
+            let slots = _mm256_permutevar8x32_epi32(slots, to_front);
+            let children = _mm256_loadu_si256(children.as_ptr().cast());
+            _mm256_storeu_si256(kept.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(children, slots));
+            _mm256_storeu_ps(distances.as_mut_ptr(), _mm256_permutevar8x32_ps(near.0, slots));
+            bits.count_ones() as usize
+        }
+    }
+}

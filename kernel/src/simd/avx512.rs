@@ -1,0 +1,150 @@
+//! AVX-512 on eight lanes: masks in registers of their own, and a compression that needs no table.
+//!
+//! Safety of this module: values of its types come into being only in kernels that [`dispatch`](super::dispatch) runs
+//! on this instruction set, after it has been detected or vouched for.
+
+use core::arch::x86_64::*;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+use super::avx2;
+use super::{Children, Lanes, Mask, Simd};
+
+/// AVX-512 F, VL, BW and DQ, and all that AVX2 has.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512;
+
+impl Simd for Avx512 {
+    type F4 = wide::f32x4;
+    type F8 = F32x8;
+
+    #[inline(always)]
+    fn prefetch<T>(slice: &[T], index: usize) {
+        avx2::prefetch(slice, index);
+    }
+}
+
+/// Eight lanes: those of AVX2, but for what masks are.
+#[derive(Clone, Copy)]
+pub(crate) struct F32x8(avx2::F32x8);
+
+/// Eight truth values.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask8(__mmask8);
+
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl $trait for F32x8 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl BitAnd for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Lanes<8> for F32x8 {
+    type Mask = Mask8;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(avx2::F32x8::splat(value))
+    }
+    #[inline(always)]
+    fn load(values: &[f32; 8]) -> Self {
+        Self(avx2::F32x8::load(values))
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        self.0.store()
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, minuend: Self) -> Self {
+        Self(self.0.mul_sub(factor.0, minuend.0))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        // SAFETY: AVX-512 VL is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(self.0.0, other.0.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask8 {
+        // SAFETY: AVX-512 VL is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(self.0.0, other.0.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask8 {
+        // SAFETY: AVX-512 VL is there, see the module.
+        Mask8(unsafe { _mm256_cmp_ps_mask::<_CMP_EQ_OQ>(self.0.0, other.0.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, yes: Self, no: Self) -> Self {
+        // SAFETY: AVX-512 VL is there, see the module.
+        Self(avx2::F32x8(unsafe { _mm256_mask_blend_ps(mask.0, no.0.0, yes.0.0) }))
+    }
+}
+
+impl Mask for Mask8 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.into()
+    }
+}
+
+impl Children for F32x8 {
+    #[inline(always)]
+    fn keep(
+        near: Self,
+        far: Self,
+        order: u32,
+        children: &[u32; 8],
+        kept: &mut [u32; 8],
+        distances: &mut [f32; 8],
+    ) -> usize {
+        // SAFETY: AVX-512 VL is there, see the module; the pointers are to eight elements each.
+        unsafe {
+            let slots = avx2::slots(order);
+            let near = _mm256_permutevar8x32_ps(near.0.0, slots);
+            let far = _mm256_permutevar8x32_ps(far.0.0, slots);
+            let children = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(children.as_ptr().cast()), slots);
+            let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
+            // In registers first: compressing into memory takes tens of cycles on some processors.
+            _mm256_storeu_si256(kept.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(mask, children));
+            _mm256_storeu_ps(distances.as_mut_ptr(), _mm256_maskz_compress_ps(mask, near));
+            mask.count_ones() as usize
+        }
+    }
+}

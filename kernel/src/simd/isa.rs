@@ -1,0 +1,144 @@
+//! Which instruction set to run on, and running a kernel on it.
+
+use core::fmt;
+use core::str::FromStr;
+
+use super::{Portable, Simd};
+
+/// A level of instruction sets. Hits are equal on all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Level {
+    /// The scalar reference: for comparison, many times slower.
+    Scalar,
+    /// What the target always has: SSE2 on x86-64, NEON on AArch64, simd128 on wasm if it is enabled.
+    Portable,
+    /// AVX2, FMA and BMI.
+    Avx2,
+    /// AVX-512 F, VL, BW and DQ.
+    Avx512,
+}
+
+impl Level {
+    /// All levels, the slowest first.
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// `scalar`, `sse2` (`portable` on other targets), `avx2` or `avx512`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Portable if cfg!(target_arch = "x86_64") => "sse2",
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Level {
+    type Err = ();
+
+    /// The level of this [`name`](Self::name); `portable` works everywhere.
+    fn from_str(name: &str) -> Result<Self, ()> {
+        let is_named = |level: &Level| level.name() == name || (*level == Self::Portable && name == "portable");
+        Self::ALL.into_iter().find(is_named).ok_or(())
+    }
+}
+
+/// A level that this processor has: proof that its instructions may run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Isa(Level);
+
+impl Isa {
+    /// The scalar reference.
+    pub const SCALAR: Self = Self(Level::Scalar);
+    /// What the target always has.
+    pub const PORTABLE: Self = Self(Level::Portable);
+
+    /// The level.
+    pub fn level(self) -> Level {
+        self.0
+    }
+
+    /// The proof for `level`, if this processor has it.
+    #[cfg(feature = "std")]
+    pub fn new(level: Level) -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            let avx2 =
+                || has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt");
+            let avx512 = || has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq");
+            match level {
+                Level::Avx2 if avx2() => return Some(Self(level)),
+                Level::Avx512 if avx2() && avx512() => return Some(Self(level)),
+                _ => {}
+            }
+        }
+        matches!(level, Level::Scalar | Level::Portable).then_some(Self(level))
+    }
+
+    /// The best level that this processor has or, if the environment variable `HALFDOME_ISA` names one that it has,
+    /// that one. Found once.
+    #[cfg(feature = "std")]
+    pub fn detect() -> Self {
+        static FOUND: std::sync::OnceLock<Isa> = std::sync::OnceLock::new();
+        *FOUND.get_or_init(|| {
+            let wanted = std::env::var("HALFDOME_ISA").ok().and_then(|name| name.parse().ok()).and_then(Self::new);
+            let best = Level::ALL.into_iter().rev().find_map(Self::new);
+            wanted.or(best).unwrap_or(Self::PORTABLE)
+        })
+    }
+
+    /// [`Isa::PORTABLE`]: without `std` nothing is detected.
+    #[cfg(not(feature = "std"))]
+    pub fn detect() -> Self {
+        Self::PORTABLE
+    }
+
+    /// The proof for `level` on the caller's word; for where nothing can be detected.
+    ///
+    /// # Safety
+    /// The processor, and the operating system's handling of its registers, must support `level`.
+    pub unsafe fn assume(level: Level) -> Self {
+        Self(level)
+    }
+}
+
+/// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it calls.
+pub(crate) trait Work {
+    type Output;
+    fn run<S: Simd>(self) -> Self::Output;
+}
+
+/// Runs `work` with the instructions of `isa`; of [`Isa::SCALAR`] with those of [`Isa::PORTABLE`].
+#[inline(always)]
+pub(crate) fn dispatch<W: Work>(isa: Isa, work: W) -> W::Output {
+    match isa.0 {
+        // SAFETY: an `Isa` is proof of its level.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { on_avx2(work) },
+        // SAFETY: an `Isa` is proof of its level.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { on_avx512(work) },
+        _ => work.run::<Portable>(),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn on_avx2<W: Work>(work: W) -> W::Output {
+    work.run::<super::avx2::Avx2>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn on_avx512<W: Work>(work: W) -> W::Output {
+    work.run::<super::avx512::Avx512>()
+}

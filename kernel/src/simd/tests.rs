@@ -1,0 +1,103 @@
+//! Every backend that this machine has against plain numbers.
+
+use super::*;
+
+/// Every operation against the same operation on scalars, over pairs that include zeros, infinities and NaN.
+#[inline(always)]
+fn check<const N: usize, L: Lanes<N>>() {
+    let values = [0.0, -0.0, 1.0, -1.5, 1e-40, -3e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1, 7.0, 1e30];
+    for i in 0..values.len() {
+        for j in 0..values.len() {
+            let a: [f32; N] = core::array::from_fn(|k| values[(i + k) % values.len()]);
+            let b: [f32; N] = core::array::from_fn(|k| values[(j + 3 * k) % values.len()]);
+            let (x, y) = (L::load(&a), L::load(&b));
+            let same = |lanes: L, scalar: &dyn Fn(f32, f32) -> f32| {
+                for (k, value) in lanes.store().into_iter().enumerate() {
+                    let expected = scalar(a[k], b[k]);
+                    assert!(value.to_bits() == expected.to_bits() || value.is_nan() && expected.is_nan());
+                }
+            };
+            same(x + y, &|p, q| p + q);
+            same(x - y, &|p, q| p - q);
+            same(x * y, &|p, q| p * q);
+            same(x / y, &|p, q| p / q);
+            same(x.abs(), &|p, _| p.abs());
+            same(L::splat(2.5), &|_, _| 2.5);
+            same(L::select(x.lt(y), x, y), &|p, q| if p < q { p } else { q });
+            let bits = |mask: L::Mask, scalar: &dyn Fn(f32, f32) -> bool| {
+                let expected = (0..N).map(|k| (scalar(a[k], b[k]) as u32) << k).sum::<u32>();
+                assert_eq!(mask.bits(), expected);
+            };
+            bits(x.lt(y), &|p, q| p < q);
+            bits(x.le(y), &|p, q| p <= q);
+            bits(x.eq(y), &|p, q| p == q);
+            bits(x.lt(y) | x.eq(y), &|p, q| p <= q);
+            bits(x.le(y) & y.le(x), &|p, q| p == q);
+            for k in 0..N {
+                if !a[k].is_nan() && !b[k].is_nan() {
+                    assert_eq!(x.min(y).store()[k], a[k].min(b[k]));
+                    assert_eq!(x.max(y).store()[k], a[k].max(b[k]));
+                }
+            }
+            // A product that is exact, so that fused or not makes no difference.
+            let (two, three) = (L::splat(2.0), L::splat(3.0));
+            same(two.mul_sub(three, L::splat(5.0)), &|_, _| 1.0);
+        }
+    }
+}
+
+/// Which children are kept, for every mask and several orders.
+#[inline(always)]
+fn check_children<L: Lanes<8> + Children>() {
+    let children: [u32; 8] = core::array::from_fn(|slot| 100 + slot as u32);
+    let orders = [[0, 1, 2, 3, 4, 5, 6, 7], [7, 6, 5, 4, 3, 2, 1, 0], [3, 1, 4, 0, 5, 7, 2, 6]];
+    for slots in orders {
+        let order = slots.iter().rev().fold(0u32, |order, slot| order << 3 | slot);
+        for mask in 0..256u32 {
+            let near: [f32; 8] = core::array::from_fn(|slot| slot as f32);
+            let far = near.map(|near| if mask >> near as u32 & 1 == 1 { near } else { near - 1.0 });
+            let (mut kept, mut distances) = ([0; 8], [0.0; 8]);
+            let count = L::keep(L::load(&near), L::load(&far), order, &children, &mut kept, &mut distances);
+            let expected = slots.into_iter().filter(|slot| mask >> slot & 1 == 1);
+            assert!(expected.clone().map(|slot| 100 + slot).eq(kept[..count].iter().copied()));
+            assert!(expected.map(|slot| slot as f32).eq(distances[..count].iter().copied()));
+        }
+    }
+}
+
+struct Check;
+
+impl Work for Check {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        check::<4, S::F4>();
+        check::<8, S::F8>();
+        check_children::<S::F8>();
+        S::prefetch(&[0u8; 3], 1_000_000);
+    }
+}
+
+#[test]
+fn lanes_compute_as_scalars_do() {
+    dispatch(Isa::PORTABLE, Check);
+    dispatch(Isa::detect(), Check);
+    #[cfg(feature = "std")]
+    Level::ALL.into_iter().filter_map(Isa::new).for_each(|isa| dispatch(isa, Check));
+}
+
+#[test]
+fn levels_are_found_by_their_names() {
+    for level in Level::ALL {
+        assert_eq!(level.name().parse(), Ok(level));
+    }
+    assert_eq!("portable".parse(), Ok(Level::Portable));
+    assert_eq!("mmx".parse::<Level>(), Err(()));
+}
+
+#[test]
+fn set_lanes_are_listed_in_order() {
+    assert!(lanes_of(0b1010_0001).eq([0, 5, 7]));
+    assert!(lanes_of(0).next().is_none());
+    assert!(lanes_of(u32::MAX).eq(0..32));
+}
