@@ -7,13 +7,13 @@
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use halfdome_kernel::Hit;
 use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
-use crate::integrator::{self, CameraRays};
+use crate::integrator::{self, CameraRays, Wavefront};
 use crate::settings::Settings;
 use crate::world::World;
 
@@ -41,7 +41,7 @@ pub struct Render {
 /// The most samples a pixel that one wave takes, and so the most that an interruption loses.
 const MAX_WAVE: u32 = 16;
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
-const BATCH: usize = 4096;
+const BATCH: usize = 2048;
 /// The set of random numbers that places a sample on the film.
 const FILM_SET: u32 = 0;
 
@@ -60,7 +60,10 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     let mut done = 0;
     while done < settings.spp && !watch.stop() {
         let wave = done.clamp(1, MAX_WAVE).min(settings.spp - done);
-        rays += tiles.par_iter_mut().map(|tile| job.sample(tile, done + wave)).sum::<u64>();
+        rays += tiles
+            .par_iter_mut()
+            .map_init(Batch::default, |batch, tile| job.sample(batch, tile, done + wave))
+            .sum::<u64>();
         done += wave;
     }
     let samples = tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
@@ -77,6 +80,18 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     Render { picture, finished: samples == settings.spp, rays, elapsed: start.elapsed() }
 }
 
+/// Camera rays that are traced together, and their memory, which the next batch uses again.
+#[derive(Default)]
+struct Batch {
+    /// Number of the pixel in its tile, and place in the pixel.
+    places: Vec<(usize, FilterSample)>,
+    samplers: Vec<Sampler>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    radiance: Vec<Vec3>,
+    wavefront: Wavefront,
+}
+
 /// What all tiles share.
 struct Job<'a> {
     world: &'a World,
@@ -88,13 +103,13 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.
-    fn sample(&self, tile: &mut Tile, target: u32) -> u64 {
+    fn sample(&self, batch: &mut Batch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<(u32, u32)> = tile.pixels().collect();
         let mut traced = 0;
         while tile.samples < target && !self.watch.stop() {
-            let batch = (BATCH / pixels.len()).max(1) as u32;
-            let end = target.min(tile.samples + batch);
-            let rays = self.sample_batch(tile, &pixels, end);
+            let samples = (BATCH / pixels.len()).max(1) as u32;
+            let end = target.min(tile.samples + samples);
+            let rays = self.sample_batch(batch, tile, &pixels, end);
             self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
             tile.samples = end;
             traced += rays;
@@ -103,25 +118,26 @@ impl Job<'_> {
     }
 
     /// Adds the samples from the tile's number up to `end` to all its pixels.
-    fn sample_batch(&self, tile: &mut Tile, pixels: &[(u32, u32)], end: u32) -> u64 {
-        let mut placed: Vec<(usize, FilterSample)> = Vec::new();
-        let mut samplers = Vec::new();
-        let mut rays = Vec::new();
+    fn sample_batch(&self, batch: &mut Batch, tile: &mut Tile, pixels: &[(u32, u32)], end: u32) -> u64 {
+        let Batch { places, samplers, rays, hits, radiance, wavefront } = batch;
+        places.clear();
+        samplers.clear();
+        rays.clear();
         for sample in tile.samples..end {
             for (number, &(x, y)) in pixels.iter().enumerate() {
                 let sampler = Sampler::new(Pattern::Sobol, self.settings.seed, y * self.settings.width + x, sample);
                 let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
                 rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
-                placed.push((number, filter));
+                places.push((number, filter));
                 samplers.push(sampler);
             }
         }
-        let mut hits = vec![Hit::MISS; rays.len()];
-        self.world.tree().intersect_many(&rays, &mut hits);
-        let mut radiance = vec![Vec3::ZERO; rays.len()];
-        let camera = CameraRays { rays: &rays, hits: &hits, samplers: &samplers };
-        let traced = integrator::radiance(self.world, self.settings, &camera, &mut radiance);
-        for (i, (number, filter)) in placed.iter().enumerate() {
+        hits.resize(rays.len(), Hit::MISS);
+        radiance.resize(rays.len(), Vec3::ZERO);
+        self.world.tree().intersect_many(rays, hits);
+        let camera = CameraRays { rays, hits, samplers };
+        let traced = integrator::radiance(self.world, self.settings, &camera, wavefront, radiance);
+        for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {
                 tile.add_features(*number, filter, &self.features(&hits[i]));

@@ -15,8 +15,8 @@ use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
 pub struct World {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
-    /// Mesh and face of each `prim_id`.
-    faces: Vec<(u32, u32)>,
+    /// What is behind each `prim_id`.
+    faces: Vec<Face>,
     bvh: Bvh,
     report: BuildReport,
     /// All that emits and can be aimed at.
@@ -24,6 +24,15 @@ pub struct World {
     pub(crate) sky: Sky,
     pub(crate) camera: CameraPose,
     hash: u64,
+}
+
+/// A triangle of a mesh.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    mesh: u32,
+    index: u32,
+    /// Unit normal by the winding.
+    normal: Vec3,
 }
 
 /// Where a ray met the world.
@@ -63,14 +72,16 @@ impl World {
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
         let hash = scene.hash();
         let Scene { meshes, materials, lights, sky, .. } = scene;
-        let faces: Vec<(u32, u32)> = (0..)
-            .zip(&meshes)
-            .flat_map(|(mesh, m)| (0..m.triangles.len() as u32).map(move |face| (mesh, face)))
-            .collect();
         let triangles: Vec<Triangle> =
-            faces.iter().map(|&(mesh, face)| meshes[mesh as usize].corners(face as usize)).collect();
+            meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
+        let places =
+            (0..).zip(&meshes).flat_map(|(mesh, m)| (0..m.triangles.len() as u32).map(move |face| (mesh, face)));
+        let faces: Vec<Face> = places
+            .zip(&triangles)
+            .map(|((mesh, index), triangle)| Face { mesh, index, normal: triangle_normal(triangle) })
+            .collect();
         let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default())?;
-        let emission = |prim: usize| &materials[meshes[faces[prim].0 as usize].material];
+        let emission = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
         let lights = Lights::new(&triangles, emission, lights, bvh.view().bounds());
         Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash })
     }
@@ -97,13 +108,12 @@ impl World {
 
     /// The surface at barycentric coordinates of a triangle.
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
-        let (mesh, face) = self.faces[prim_id as usize];
+        let Face { mesh, index, mut normal } = self.faces[prim_id as usize];
         let mesh = &self.meshes[mesh as usize];
-        let indices = mesh.triangles[face as usize].map(|index| index as usize);
+        let indices = mesh.triangles[index as usize].map(|index| index as usize);
         let triangle = indices.map(|index| mesh.positions[index]);
         let weights = [1.0 - u - v, u, v];
         let interpolate = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
-        let mut normal = triangle_normal(&triangle);
         let mut shading_normal = normal;
         if !mesh.normals.is_empty() {
             shading_normal = interpolate(indices.map(|index| mesh.normals[index])).normalize_or(normal);

@@ -76,7 +76,7 @@ impl RaySetup {
     };
 
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
         let size = ray.direction.abs();
         let largest = size.max_element();

@@ -76,6 +76,7 @@ impl Sampler {
         block(self.seed, self.pixel, 0, set, purpose)
     }
 
+    #[inline]
     fn sobol_pair(&self, shuffle: u32, dimension: usize, scrambles: [u32; 2]) -> [u32; 2] {
         let index = nested_uniform_scramble(self.sample, shuffle);
         [0, 1].map(|i| nested_uniform_scramble(sobol(index, dimension + i), scrambles[i]))

@@ -13,6 +13,8 @@ use halfdome_kernel::{Hit, Ray};
 use crate::settings::{IntegratorKind, Settings};
 use crate::world::World;
 
+pub(crate) use path::Wavefront;
+
 /// Camera rays that are traced together, with unit directions, and their hits.
 pub(crate) struct CameraRays<'a> {
     pub rays: &'a [Ray],
@@ -25,9 +27,15 @@ pub(crate) struct CameraRays<'a> {
 pub(crate) const FIRST_SET: u32 = 1;
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
-pub(crate) fn radiance(world: &World, settings: &Settings, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
+pub(crate) fn radiance(
+    world: &World,
+    settings: &Settings,
+    camera: &CameraRays,
+    wavefront: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
     match settings.integrator {
-        IntegratorKind::Path => path::radiance(world, settings.max_depth, camera, radiance),
+        IntegratorKind::Path => path::radiance(world, settings.max_depth, camera, wavefront, radiance),
         IntegratorKind::Normals => normals::normals(world, camera, radiance),
         IntegratorKind::Albedo => normals::albedo(world, camera, radiance),
     }

@@ -8,7 +8,7 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Sampler, power};
 use halfdome_kernel::{Hit, Ray};
@@ -17,8 +17,8 @@ use super::{CameraRays, FIRST_SET};
 use crate::estimator::{emitted_density, sample_light};
 use crate::world::{Surface, World};
 
-/// Sets of random numbers that a bounce uses: which light, where on it, the next direction, whether to go on.
-const SETS_PER_BOUNCE: u32 = 4;
+/// Sets of random numbers that a bounce uses: which light and whether to go on, where on the light, the next direction.
+const SETS_PER_BOUNCE: u32 = 3;
 /// Surfaces on a path before roulette begins.
 const SURE_DEPTH: u32 = 3;
 /// The greatest probability of going on.
@@ -41,7 +41,7 @@ struct Pending {
 
 /// All paths of a batch, side by side: element `i` of each list belongs to the same path, and finished ones are gone.
 #[derive(Default)]
-struct Wavefront {
+pub(crate) struct Wavefront {
     paths: Vec<Path>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
@@ -51,9 +51,15 @@ struct Wavefront {
 }
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
-pub(super) fn radiance(world: &World, max_depth: u32, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
+pub(super) fn radiance(
+    world: &World,
+    max_depth: u32,
+    camera: &CameraRays,
+    wave: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
     radiance.fill(Vec3::ZERO);
-    let mut wave = Wavefront::from_camera(camera);
+    wave.start(camera);
     let mut traced = 0;
     for depth in 1..=max_depth {
         wave.shade(world, camera.samplers, depth, max_depth, radiance);
@@ -67,14 +73,15 @@ pub(super) fn radiance(world: &World, max_depth: u32, camera: &CameraRays, radia
 }
 
 impl Wavefront {
-    fn from_camera(camera: &CameraRays) -> Self {
+    /// Starts a path with each camera ray, in the memory of the paths before.
+    fn start(&mut self, camera: &CameraRays) {
         let path = |index| Path { index, throughput: Vec3::ONE, density: f32::INFINITY };
-        Self {
-            paths: (0..camera.rays.len()).map(path).collect(),
-            rays: camera.rays.to_vec(),
-            hits: camera.hits.to_vec(),
-            ..Self::default()
-        }
+        self.paths.clear();
+        self.paths.extend((0..camera.rays.len()).map(path));
+        self.rays.clear();
+        self.rays.extend_from_slice(camera.rays);
+        self.hits.clear();
+        self.hits.extend_from_slice(camera.hits);
     }
 
     /// Collects light at the paths' hits, samples lights there, and turns the paths to their next direction.
@@ -97,7 +104,8 @@ impl Wavefront {
             let albedo = surface.material.diffuse;
             let set = FIRST_SET + (depth - 1) * SETS_PER_BOUNCE;
             let sampler = &samplers[index];
-            if let Some(light) = sample_light(world, &surface, sampler.uniform1(set), sampler.uniform2(set + 1)) {
+            let Vec2 { x: choice, y: survival } = sampler.uniform2(set);
+            if let Some(light) = sample_light(world, &surface, choice, sampler.uniform2(set + 1)) {
                 let bounce_density = surface.shading_normal.dot(light.shadow.direction.normalize()).max(0.0) / PI;
                 let radiance = throughput * light.reflected(albedo) * power(light.density, bounce_density);
                 self.pending.push(Pending { index, radiance });
@@ -107,7 +115,7 @@ impl Wavefront {
             let mut throughput = throughput * albedo;
             if depth > SURE_DEPTH {
                 let go_on = throughput.max_element().min(MAX_SURVIVAL);
-                if sampler.uniform1(set + 3) >= go_on {
+                if survival >= go_on {
                     continue;
                 }
                 throughput /= go_on;
