@@ -1,9 +1,9 @@
 //! Renders without the command line, and the statistics of what they give.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use halfdome::driver::{self, Watch};
 use halfdome::film::Picture;
-use halfdome::scene::Scene;
+use halfdome::scene::{CameraPose, Material, Mesh, Scene};
 use halfdome::settings::Settings;
 use halfdome::world::World;
 
@@ -65,4 +65,32 @@ impl From<DVec3> for Estimate {
     fn from(mean: DVec3) -> Self {
         Self { mean, error: DVec3::ZERO }
     }
+}
+
+/// A mesh of single triangles without normals.
+pub fn mesh(triangles: &[[Vec3; 3]], material: usize) -> Mesh {
+    let corners = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    Mesh { positions: triangles.concat(), triangles: corners.collect(), material, ..Mesh::default() }
+}
+
+/// Two triangles of a quadrilateral.
+pub fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
+    [[a, b, c], [a, c, d]]
+}
+
+/// A material of this reflectance and emission.
+pub fn material(diffuse: Vec3, emission: Vec3) -> Material {
+    Material { diffuse, emission, ..Material::default() }
+}
+
+/// Unit direction through the film's point `(x, y)`, in pixels from the top left corner, of a pinhole camera.
+pub fn view(pose: &CameraPose, size: (u32, u32), x: f64, y: f64) -> DVec3 {
+    let forward = (pose.target - pose.eye).as_dvec3().normalize();
+    let right = forward.cross(pose.up.as_dvec3()).normalize();
+    let up = right.cross(forward);
+    let (width, height) = (f64::from(size.0), f64::from(size.1));
+    // Both sides of the film in units of half its height.
+    let (x, y) = ((2.0 * x - width) / height, 1.0 - 2.0 * y / height);
+    let scale = (f64::from(pose.vfov).to_radians() / 2.0).tan();
+    (forward + scale * (x * right + y * up)).normalize()
 }
