@@ -220,7 +220,7 @@ fn a_picture_beyond_the_memory() {
     let total = meminfo.lines().find(|line| line.starts_with("MemTotal:")).unwrap();
     let kibibytes: u64 = total.split_whitespace().nth(1).unwrap().parse().unwrap();
     // The largest picture with all channels takes no less than its 20 channels of 32 bits.
-    if kibibytes * 1024 < 20 * 4 << 28 {
+    if kibibytes * 1024 < (20 * 4) << 28 {
         Desk::new().refuses(
             "render t.obj --size 16384x16384 --aov",
             2,
