@@ -110,7 +110,8 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
         for slot in 0..WIDTH {
             let bad_child = InvalidTree::BadChild { node: index, slot: slot as u32 };
             let contents = match Child::unpack(node.children[slot]) {
-                Child::Empty if node.aabb(slot).is_empty() => continue,
+                // Any other box would get into the bounds of the node, and so of the scene.
+                Child::Empty if node.aabb(slot) == Aabb::EMPTY => continue,
                 Child::Empty => return Err(bad_child),
                 Child::Node(child) if child == next_node && (child as usize) < nodes.len() => {
                     next_node += 1;

@@ -32,12 +32,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))?;
     let style = arguments.progress.style(std::io::stderr().is_terminal());
-    let warnings = std::mem::take(&mut scene.warnings);
+    let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
+    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    match world.build_report().degenerate {
+        0 => {}
+        1 => warnings.push("1 triangle without an area is dropped".to_owned()),
+        several => warnings.push(format!("{several} triangles without an area are dropped")),
+    }
     let job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
     job.print_start(style);
 
-    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
     let result = pool.install(|| driver::render(&world, &settings, &progress));

@@ -34,32 +34,39 @@ pub struct Overrides {
     pub vfov: Option<f32>,
 
     /// Pixels across [default: 512]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::side))]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
+    #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub width: Option<u32>,
     /// Pixels down [default: 512]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::side))]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
+    #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
     /// Pixel filter [default: box]
     #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = PossibleValuesParser::new(Filter::NAMES))]
     pub filter: Option<String>,
     /// The filter's full width in pixels [default: the filter's own]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film", value_parser = argument(value::filter_width))]
+    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
+    #[arg(value_parser = argument(value::filter_width), allow_negative_numbers = true)]
     pub filter_width: Option<f32>,
     /// Sharpness of the mitchell filter, from 0 (soft) to 1 (sharp)
-    #[arg(long, value_name = "S", help_heading = "Film", value_parser = argument(value::sharpness))]
+    #[arg(long, value_name = "S", help_heading = "Film")]
+    #[arg(value_parser = argument(value::sharpness), allow_negative_numbers = true)]
     pub sharpness: Option<f32>,
 
     /// What is computed: path (global illumination), normals or albedo [default: path]
     #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::integrator))]
     pub integrator: Option<IntegratorKind>,
     /// Samples per pixel [default: 64]
-    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::count))]
+    #[arg(long, value_name = "N", help_heading = "Render")]
+    #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub spp: Option<u32>,
     /// Most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 64]
-    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::count))]
+    #[arg(long, value_name = "N", help_heading = "Render")]
+    #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub max_depth: Option<u32>,
     /// Selects the random numbers [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Render", value_parser = argument(value::seed))]
+    #[arg(long, value_name = "N", help_heading = "Render")]
+    #[arg(value_parser = argument(value::seed), allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Write channels of the first surface (Albedo, P, N, Ns, u, v) and of the variance into the EXR too
     #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]

@@ -1,0 +1,93 @@
+//! Input that is odd, but right: it works, and what was changed or left out is told.
+
+use crate::Desk;
+use crate::model::TRIANGLE;
+use serde_json::Value;
+
+/// The events of a run that prints JSON lines.
+pub(crate) fn events(stderr: &str) -> Vec<Value> {
+    stderr.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"))).collect()
+}
+
+fn values(desk: &Desk, name: &str, channel: &str) -> Vec<f32> {
+    let picture = halfdome::output::read_exr(&desk.folder.path().join(name)).unwrap();
+    picture.channel(channel).unwrap().values.clone()
+}
+
+#[test]
+fn a_scene_without_light_is_black_and_gives_a_warning() {
+    let desk = Desk::new();
+    let outcome = desk.run("render t.obj --size 9x7 --spp 2 -o a.exr --progress json");
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let warnings: Vec<Value> =
+        events(&outcome.stderr).into_iter().filter(|event| event["event"] == "warning").collect();
+    assert!(warnings.iter().any(|warning| warning["message"].as_str().unwrap().contains("no light")), "{warnings:?}");
+    assert_eq!(values(&desk, "a.exr", "R"), [0.0; 63]);
+    let lit = desk.run("render t.obj --size 9x7 --spp 2 -o a.exr --progress json --sky 1");
+    assert!(lit.code == Some(0) && !lit.stderr.contains("no light"), "{}", lit.stderr);
+    assert!(values(&desk, "a.exr", "R").iter().all(|value| *value > 0.0));
+    // Pictures that need no light need no warning either.
+    let normals = desk.run("render t.obj --size 9x7 --spp 2 -o a.exr --integrator normals");
+    assert!(normals.code == Some(0) && !normals.stderr.contains("no light"), "{}", normals.stderr);
+}
+
+#[test]
+fn degenerate_triangles_are_dropped_and_counted() {
+    let desk = Desk::new();
+    desk.program().put("thin.obj", format!("{TRIANGLE}v 2 0 0\nf 1 1 2\nf 1 2 4\n"));
+    let info = desk.run("info thin.obj");
+    assert!(info.stdout.contains("3 (2 degenerate, dropped)"), "{}", info.stdout);
+    let json: Value = serde_json::from_str(&desk.run("info thin.obj --json").stdout).unwrap();
+    assert_eq!((&json["triangles"], &json["tree"]["degenerate_triangles"]), (&3.into(), &2.into()));
+    for mode in ["json", "bar"] {
+        let render = desk.run(&format!("render thin.obj --size 4x4 --spp 1 --progress {mode} -o a.exr"));
+        let expected = "2 triangles without an area are dropped";
+        assert!(render.code == Some(0) && render.stderr.contains(expected), "{}", render.stderr);
+    }
+}
+
+#[test]
+fn options_win_over_the_scene_file() {
+    let desk = Desk::new();
+    let scene = "[scene]\nfile = \"t.obj\"\n[film]\nwidth = 5\nheight = 4\n[render]\nspp = 3\nseed = 9\n";
+    desk.program().put("s.toml", scene);
+    assert_eq!(desk.run("render s.toml -o a.exr --spp 2 --width 6").code, Some(0));
+    let picture = halfdome::output::read_exr(&desk.folder.path().join("a.exr")).unwrap();
+    assert_eq!((picture.width, picture.height), (6, 4));
+    assert_eq!((picture.metadata.samples_per_pixel, picture.metadata.seed), (2, 9));
+}
+
+/// Names in files of another encoding are kept as well as may be; the model renders.
+#[test]
+fn names_that_are_not_utf_8_do_no_harm() {
+    let desk = Desk::new();
+    let obj = [b"o caf\xe9\ng \xff\xfe\nusemtl m\xe9tal\n".as_slice(), TRIANGLE.as_bytes(), b"mtllib b\xe9.mtl\n"];
+    desk.program().put("latin.obj", obj.concat());
+    let outcome = desk.run("render latin.obj --size 4x4 --spp 1 -o a.exr --progress json");
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("is not defined; grey instead"), "{}", outcome.stderr);
+    events(&outcome.stderr);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn paths_that_are_not_utf_8_work() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    let desk = Desk::new();
+    let name = |bytes: &'static [u8]| OsStr::from_bytes(bytes);
+    desk.program().put(name(b"caf\xe9.obj"), TRIANGLE);
+    let mut arguments = vec![OsStr::new("render"), name(b"caf\xe9.obj")];
+    arguments.extend("--size 4x4 --spp 1 --progress json".split(' ').map(OsStr::new));
+    let outcome = desk.program().run(&arguments);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    events(&outcome.stderr);
+    let files = desk.program().files();
+    assert!(files.contains_key(name(b"caf\xe9.exr")) && files.contains_key(name(b"caf\xe9.png")), "{:?}", files.keys());
+    let info = desk.program().run(&[OsStr::new("info"), OsStr::new("--json"), name(b"caf\xe9.obj")]);
+    serde_json::from_str::<Value>(&info.stdout).unwrap();
+    // What is wrong with such a file is told, too.
+    desk.program().put(name(b"\xff.obj"), "f 1 2 3\n");
+    let outcome = desk.program().run(&[OsStr::new("render"), name(b"\xff.obj")]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains(".obj:1: vertex 1"), "{}", outcome.stderr);
+}
