@@ -76,7 +76,9 @@ impl Answers {
         self.hits() == other.hits() && self.differing(other) * 10_000 <= self.len()
     }
 
-    fn len(&self) -> usize {
+    /// How many rays were traced.
+    #[expect(clippy::len_without_is_empty, reason = "nobody asks whether there are none")]
+    pub fn len(&self) -> usize {
         match self {
             Self::Nearest(hits) => hits.len(),
             Self::Any(occluded) => occluded.len(),

@@ -12,6 +12,16 @@ pub trait Tracer {
     fn occluded(&self, rays: &[Ray], occluded: &mut [bool]);
 }
 
+impl<T: Tracer + ?Sized> Tracer for &T {
+    fn intersect(&self, rays: &[Ray], hits: &mut [Hit]) {
+        (**self).intersect(rays, hits);
+    }
+
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        (**self).occluded(rays, occluded);
+    }
+}
+
 /// An entry point of the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
