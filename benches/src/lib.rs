@@ -1,1 +1,11 @@
-//! Benchmarks.
+//! What the benchmarks share: [`scenes`] to trace, [`rays`] to trace in them, the ways to trace them ([`tracer`]) and
+//! how those are timed and their answers compared ([`measure`]).
+//!
+//! `cargo bench -p halfdome-benches` times the kernel's entry points against each other; the binary `peers` times them
+//! against other ray tracers.
+#![forbid(unsafe_code)]
+
+pub mod measure;
+pub mod rays;
+pub mod scenes;
+pub mod tracer;
