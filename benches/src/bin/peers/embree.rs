@@ -72,7 +72,8 @@ impl Embree {
     /// If there is no library there, or it is not Embree.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         let reason = |error: libloading::Error| match error.source() {
-            Some(source) => format!("{}: {source}", path.display()),
+            // The loader's own words, which name the file.
+            Some(source) => source.to_string(),
             None => format!("{}: {error}", path.display()),
         };
         // SAFETY: the path names Embree, whose initialisers only set up its own state and its task scheduler's.
