@@ -61,19 +61,21 @@ impl Answers {
         }
     }
 
-    /// For how many rays the answers of another tracer are different: a hit against a miss, or a distance beyond
-    /// [`TOLERANCE`]. The primitives may differ, for two may be equally near.
-    pub fn differing(&self, other: &Self) -> usize {
+    /// Where the answers of another tracer to the same rays differ. That it names another primitive at the same
+    /// distance does not count, for two may be equally near.
+    pub fn difference(&self, other: &Self) -> Difference {
+        let mut difference = Difference::default();
         match (self, other) {
-            (Self::Nearest(a), Self::Nearest(b)) => a.iter().zip(b).filter(|(a, b)| !alike(a, b)).count(),
-            (Self::Any(a), Self::Any(b)) => a.iter().zip(b).filter(|(a, b)| a != b).count(),
+            (Self::Nearest(a), Self::Nearest(b)) => a.iter().zip(b).for_each(|(a, b)| difference.count_hits(a, b)),
+            (Self::Any(a), Self::Any(b)) => a.iter().zip(b).for_each(|(&a, &b)| difference.count(a, b)),
             _ => panic!("answers to different questions"),
         }
+        difference
     }
 
     /// Whether another tracer finds the same: as many hits, and the same for at least 9,999 rays in 10,000.
     pub fn agrees_with(&self, other: &Self) -> bool {
-        self.hits() == other.hits() && self.differing(other) * 10_000 <= self.len()
+        self.hits() == other.hits() && self.difference(other).rays() * 10_000 <= self.len()
     }
 
     /// How many rays were traced.
@@ -86,10 +88,32 @@ impl Answers {
     }
 }
 
-fn alike(a: &Hit, b: &Hit) -> bool {
-    match (a.is_hit(), b.is_hit()) {
-        (true, true) => (a.t - b.t).abs() <= TOLERANCE * a.t.min(b.t),
-        (a, b) => a == b,
+/// For how many rays a tracer's answers differ from another's, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Difference {
+    /// Rays that only the first says hit something.
+    pub missed: usize,
+    /// Rays that only the other says hit something.
+    pub extra: usize,
+    /// Rays that both say hit something, at distances farther apart than [`TOLERANCE`].
+    pub apart: usize,
+}
+
+impl Difference {
+    /// All rays with different answers.
+    pub fn rays(&self) -> usize {
+        self.missed + self.extra + self.apart
+    }
+
+    fn count(&mut self, first: bool, other: bool) {
+        self.missed += usize::from(first && !other);
+        self.extra += usize::from(other && !first);
+    }
+
+    fn count_hits(&mut self, first: &Hit, other: &Hit) {
+        let (both, nearer) = (first.is_hit() && other.is_hit(), first.t.min(other.t));
+        self.apart += usize::from(both && (first.t - other.t).abs() > TOLERANCE * nearer);
+        self.count(first.is_hit(), other.is_hit());
     }
 }
 
@@ -180,11 +204,14 @@ mod tests {
     fn answers_agree_within_the_tolerance() {
         let base = hits(&[1.0, 100.0, f32::INFINITY]);
         assert_eq!(base.hits(), 2);
-        assert_eq!(base.differing(&hits(&[1.00009, 99.991, f32::INFINITY])), 0);
-        assert_eq!(base.differing(&hits(&[1.0002, 100.0, 5.0])), 2);
+        assert_eq!(base.difference(&hits(&[1.00009, 99.991, f32::INFINITY])), Difference::default());
+        let difference = base.difference(&hits(&[1.0002, f32::INFINITY, 5.0]));
+        assert_eq!(difference, Difference { missed: 1, extra: 1, apart: 1 });
+        assert_eq!(difference.rays(), 3);
         assert!(base.agrees_with(&base));
         assert!(!base.agrees_with(&hits(&[1.0, f32::INFINITY, f32::INFINITY])));
-        assert_eq!(Answers::Any(vec![true, false]).differing(&Answers::Any(vec![true, true])), 1);
+        let difference = Answers::Any(vec![true, false]).difference(&Answers::Any(vec![true, true]));
+        assert_eq!(difference, Difference { missed: 0, extra: 1, apart: 0 });
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! Embree 4 through its C API, loaded at run time.
 //!
-//! Layouts and constants are those of Embree 4.4's `rtcore_ray.h`, `rtcore_scene.h`, `rtcore_geometry.h` and
-//! `rtcore_device.h` with one level of instances and instance arrays, as its releases are built. A library built
-//! without instance arrays has smaller hits, and then leaves the last word alone.
+//! Functions and constants are those of Embree 4.4's `rtcore_device.h`, `rtcore_scene.h`, `rtcore_geometry.h` and
+//! `rtcore_common.h`; what it reads and writes is in [`layout`](crate::layout). All unsafe code of the benchmarks is here.
 
+use std::error::Error;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::path::Path;
 use std::ptr;
@@ -13,12 +13,9 @@ use halfdome_benches::tracer::Tracer;
 use halfdome_kernel::{Hit, Ray, Triangle};
 use libloading::Library;
 
+use crate::layout::{Arguments, COHERENT, INCOHERENT, RayHit, Valid};
 use crate::trees::Peer;
 
-/// `RTC_INVALID_GEOMETRY_ID`.
-const INVALID: u32 = u32::MAX;
-/// `RTC_RAY_QUERY_FLAG_COHERENT`.
-const COHERENT: u32 = 1 << 16;
 /// `RTC_BUILD_QUALITY_HIGH`: spatial splits.
 const QUALITY_HIGH: c_int = 2;
 const GEOMETRY_TRIANGLE: c_int = 0;
@@ -26,43 +23,12 @@ const BUFFER_INDEX: c_int = 0;
 const BUFFER_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
+const PROPERTY_VERSION_MAJOR: c_int = 1;
+
+/// Bytes that all devices hold: a C callback has no better place to count them.
+static ALLOCATED: AtomicIsize = AtomicIsize::new(0);
 
 type Handle = *mut c_void;
-
-/// `RTCRayHitNt<N>`, and for N = 1 `RTCRayHit`. Its alignment is the largest that any width asks for.
-#[repr(C, align(64))]
-struct RayHit<const N: usize> {
-    origin: [[f32; N]; 3],
-    t_near: [f32; N],
-    direction: [[f32; N]; 3],
-    time: [f32; N],
-    t_far: [f32; N],
-    mask: [u32; N],
-    id: [u32; N],
-    flags: [u32; N],
-    normal: [[f32; N]; 3],
-    u: [f32; N],
-    v: [f32; N],
-    prim_id: [u32; N],
-    geom_id: [u32; N],
-    instance_id: [u32; N],
-    instance_prim_id: [u32; N],
-}
-
-/// `RTCIntersectArguments`, and `RTCOccludedArguments`, which is alike; with room for the fields of later versions.
-#[repr(C)]
-struct Arguments {
-    flags: u32,
-    feature_mask: u32,
-    context: Handle,
-    filter: Handle,
-    intersect: Handle,
-    reserved: [u64; 4],
-}
-
-/// Which lanes are active: -1 or 0 each.
-#[repr(C, align(64))]
-struct Valid<const N: usize>([c_int; N]);
 
 type TraceOne = unsafe extern "C" fn(Handle, *mut RayHit<1>, *mut Arguments);
 type TracePacket<const N: usize> = unsafe extern "C" fn(*const c_int, Handle, *mut RayHit<N>, *mut Arguments);
@@ -71,6 +37,7 @@ type MemoryMonitor = extern "C" fn(*mut c_void, isize, bool) -> bool;
 /// The functions of the library that are used; valid while it is loaded.
 struct Api {
     new_device: unsafe extern "C" fn(*const c_char) -> Handle,
+    device_property: unsafe extern "C" fn(Handle, c_int) -> isize,
     device_error: unsafe extern "C" fn(Handle) -> c_int,
     monitor_memory: unsafe extern "C" fn(Handle, MemoryMonitor, *mut c_void),
     release_device: unsafe extern "C" fn(Handle),
@@ -100,18 +67,27 @@ pub(crate) struct Embree {
 
 impl Embree {
     /// Loads the library at `path`.
-    pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
+    ///
+    /// # Errors
+    /// If there is no library there, or it is not Embree.
+    pub(crate) fn load(path: &Path) -> Result<Self, String> {
+        let reason = |error: libloading::Error| match error.source() {
+            // The loader's own words, which name the file.
+            Some(source) => source.to_string(),
+            None => format!("{}: {error}", path.display()),
+        };
         // SAFETY: the path names Embree, whose initialisers only set up its own state and its task scheduler's.
-        let library = unsafe { Library::new(path) }?;
+        let library = unsafe { Library::new(path) }.map_err(reason)?;
         macro_rules! symbol {
             ($name:literal) => {
                 // SAFETY: the field that the pointer goes to has the type of the function of that name in Embree 4's
                 // headers, and the library stays loaded as long as the pointer is held.
-                *unsafe { library.get($name) }?
+                *unsafe { library.get($name) }.map_err(reason)?
             };
         }
         let api = Api {
             new_device: symbol!("rtcNewDevice"),
+            device_property: symbol!("rtcGetDeviceProperty"),
             device_error: symbol!("rtcGetDeviceError"),
             monitor_memory: symbol!("rtcSetDeviceMemoryMonitorFunction"),
             release_device: symbol!("rtcReleaseDevice"),
@@ -135,20 +111,26 @@ impl Embree {
     }
 
     /// Builds a tree over `triangles` in high quality on one thread.
+    ///
+    /// # Errors
+    /// Embree's error code, or its version if that is not 4.
     pub(crate) fn build(&self, triangles: &[Triangle]) -> Result<Scene<'_>, String> {
         let api = &self.api;
-        let allocated = Box::new(AtomicIsize::new(0));
         // SAFETY: every handle comes from the library and is used as its headers say. The buffers hold one element for
-        // each corner and each triangle, which is what is written to them. The device lives as long as the counter
-        // that its monitor writes to: both belong to the scene, which releases the device when dropped.
+        // each corner and each triangle, which is what is written to them.
         unsafe {
             let device = (api.new_device)(c"threads=1".as_ptr());
             if device.is_null() {
                 return Err(format!("error {} when making a device", (api.device_error)(ptr::null_mut())));
             }
-            (api.monitor_memory)(device, count_bytes, ptr::from_ref(&*allocated).cast_mut().cast());
+            (api.monitor_memory)(device, count_bytes, ptr::null_mut());
             let handle = (api.new_scene)(device);
-            let mut scene = Scene { api, device, handle, allocated, bytes: 0 };
+            let mut scene = Scene { api, device, handle, bytes: 0 };
+            // Embree 3 has functions of the same names and other arguments.
+            let version = (api.device_property)(device, PROPERTY_VERSION_MAJOR);
+            if version != 4 {
+                return Err(format!("the library is version {version}, this needs version 4"));
+            }
             (api.set_quality)(handle, QUALITY_HIGH);
             let geometry = (api.new_geometry)(device, GEOMETRY_TRIANGLE);
             let corners = triangles.as_flattened();
@@ -166,9 +148,9 @@ impl Embree {
             (api.commit_geometry)(geometry);
             (api.attach_geometry)(handle, geometry);
             (api.release_geometry)(geometry);
-            let before = scene.allocated.load(Ordering::Relaxed);
+            let before = ALLOCATED.load(Ordering::Relaxed);
             (api.commit_scene)(handle);
-            scene.bytes = scene.allocated.load(Ordering::Relaxed) - before;
+            scene.bytes = ALLOCATED.load(Ordering::Relaxed) - before;
             match (api.device_error)(device) {
                 0 => Ok(scene),
                 error => Err(format!("error {error} when building")),
@@ -177,10 +159,9 @@ impl Embree {
     }
 }
 
-/// Embree's memory monitor: adds what it allocates and frees to the counter at `counter`.
-extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _post: bool) -> bool {
-    // SAFETY: the device was given a pointer to the counter of its scene, which outlives it.
-    unsafe { &*counter.cast::<AtomicIsize>() }.fetch_add(bytes, Ordering::Relaxed);
+/// Embree's memory monitor: counts what is allocated and freed, and lets it go on.
+extern "C" fn count_bytes(_user: *mut c_void, bytes: isize, _post: bool) -> bool {
+    ALLOCATED.fetch_add(bytes, Ordering::Relaxed);
     true
 }
 
@@ -189,7 +170,6 @@ pub(crate) struct Scene<'a> {
     api: &'a Api,
     device: Handle,
     handle: Handle,
-    allocated: Box<AtomicIsize>,
     bytes: isize,
 }
 
@@ -201,7 +181,7 @@ impl Scene<'_> {
         occluded: TracePacket<N>,
         coherent: bool,
     ) -> Packets<'_, N> {
-        Packets { scene: self, intersect, occluded, flags: if coherent { COHERENT } else { 0 } }
+        Packets { scene: self, intersect, occluded, flags: if coherent { COHERENT } else { INCOHERENT } }
     }
 }
 
@@ -228,43 +208,6 @@ impl Drop for Scene<'_> {
             (self.api.release_scene)(self.handle);
             (self.api.release_device)(self.device);
         }
-    }
-}
-
-impl<const N: usize> RayHit<N> {
-    /// Up to N rays, without hits.
-    fn new(rays: &[Ray]) -> Self {
-        let ray = |i: usize| &rays[i.min(rays.len() - 1)];
-        let lanes = |value: fn(&Ray) -> f32| std::array::from_fn(|i| value(ray(i)));
-        Self {
-            origin: [lanes(|ray| ray.origin.x), lanes(|ray| ray.origin.y), lanes(|ray| ray.origin.z)],
-            t_near: lanes(|ray| ray.t_min),
-            direction: [lanes(|ray| ray.direction.x), lanes(|ray| ray.direction.y), lanes(|ray| ray.direction.z)],
-            time: [0.0; N],
-            t_far: lanes(|ray| ray.t_max),
-            mask: [u32::MAX; N],
-            id: [0; N],
-            flags: [0; N],
-            normal: [[0.0; N]; 3],
-            u: [0.0; N],
-            v: [0.0; N],
-            prim_id: [INVALID; N],
-            geom_id: [INVALID; N],
-            instance_id: [INVALID; N],
-            instance_prim_id: [INVALID; N],
-        }
-    }
-
-    fn hit(&self, lane: usize) -> Hit {
-        if self.geom_id[lane] == INVALID {
-            return Hit::MISS;
-        }
-        Hit { t: self.t_far[lane], u: self.u[lane], v: self.v[lane], prim_id: self.prim_id[lane] }
-    }
-
-    /// Embree answers an occlusion query with a `t_far` of minus infinity.
-    fn is_occluded(&self, lane: usize) -> bool {
-        self.t_far[lane] < 0.0
     }
 }
 
@@ -305,16 +248,8 @@ impl<const N: usize> Packets<'_, N> {
     #[inline]
     fn trace(&self, function: TracePacket<N>, rays: &[Ray]) -> RayHit<N> {
         let mut query = RayHit::new(rays);
-        let valid = Valid::<N>(std::array::from_fn(|lane| if lane < rays.len() { -1 } else { 0 }));
-        let none = ptr::null_mut();
-        let mut arguments = Arguments {
-            flags: self.flags,
-            feature_mask: u32::MAX,
-            context: none,
-            filter: none,
-            intersect: none,
-            reserved: [0; 4],
-        };
+        let valid = Valid::<N>::first(rays.len());
+        let mut arguments = Arguments::new(self.flags);
         // SAFETY: the scene is committed, and the mask, the query and the arguments have the layouts and alignments
         // that a packet of N asks for.
         unsafe { function(valid.0.as_ptr(), self.scene.handle, &mut query, &mut arguments) };

@@ -5,6 +5,7 @@
 //! `RUSTFLAGS="-C target-cpu=native" cargo run --release -p halfdome-benches --features peers --bin peers`.
 
 mod embree;
+mod layout;
 mod locate;
 #[cfg(feature = "peers")]
 mod obvhs;
@@ -47,8 +48,8 @@ struct Options {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let load = |path: std::path::PathBuf| Embree::load(&path).map_err(|error| error.to_string());
-    let embree = locate::embree().and_then(load).inspect_err(|error| eprintln!("no Embree: {error}")).ok();
+    let embree =
+        locate::embree().and_then(|path| Embree::load(&path)).inspect_err(|error| eprintln!("no Embree: {error}")).ok();
     if let Some(missing) = trees::missing() {
         eprintln!("{missing}");
     }

@@ -1,6 +1,6 @@
 //! What is printed: a table for people, or one JSON object a line for machines.
 
-use halfdome_benches::measure::Timing;
+use halfdome_benches::measure::{Answers, Difference, Timing};
 use serde_json::{Value, json};
 
 /// The peers' columns, in order; those of Embree come first.
@@ -42,11 +42,14 @@ impl<'a> Comparison<'a> {
         Some(self.best().1.ratio(embree))
     }
 
-    /// Whether all peers find what the kernel finds; `None` without peers.
+    /// Embree's answers, which are the same for all its ways.
+    fn embree(&self) -> Option<&'a Answers> {
+        self.peers.iter().find(|(name, _)| name.starts_with(EMBREE)).map(|(_, timing)| &timing.answers)
+    }
+
+    /// Whether Embree finds what the kernel finds; `None` without Embree.
     fn hits_equal(&self) -> Option<bool> {
-        let answers = &self.best().1.answers;
-        let equal = || self.peers.iter().all(|(_, timing)| answers.agrees_with(&timing.answers));
-        (!self.peers.is_empty()).then(equal)
+        self.embree().map(|embree| self.best().1.answers.agrees_with(embree))
     }
 
     /// The line of machines.
@@ -66,7 +69,10 @@ impl<'a> Comparison<'a> {
             line[column] = json!(self.peer(column).map(|timing| rounded(timing.rate())));
         }
         line["entries"] = self.ours.iter().map(|(name, timing)| (*name, json!(rounded(timing.rate())))).collect();
-        let differing = |(name, timing): &Named| (*name, json!(ours.answers.differing(&timing.answers)));
+        let differing = |(name, timing): &Named| {
+            let Difference { missed, extra, apart } = ours.answers.difference(&timing.answers);
+            (*name, json!({ "missed": missed, "extra": extra, "apart": apart }))
+        };
         line["differing"] = self.peers.iter().map(differing).collect();
         line
     }
@@ -76,19 +82,19 @@ impl<'a> Comparison<'a> {
         let (entry, ours) = self.best();
         let cell = |rate: Option<f64>| rate.map_or_else(|| format!("{:>11}", "-"), |rate| format!("{rate:11.2}"));
         let peers: String = COLUMNS.map(|column| cell(self.peer(column).map(Timing::rate))).concat();
-        let equal = match self.hits_equal() {
-            Some(true) => "equal",
-            Some(false) => "DIFFERENT",
-            None => "-",
+        let equal = match self.embree() {
+            Some(embree) if ours.answers.agrees_with(embree) => "equal".to_owned(),
+            Some(embree) => format!("{} differ", ours.answers.difference(embree).rays()),
+            None => "-".to_owned(),
         };
-        format!("{:8}{entry:>9}{:9.2}{peers}{}{equal:>11}", self.kind, ours.rate(), cell(self.ratio()))
+        format!("{:8}{entry:>9}{:9.2}{peers}{}{equal:>14}", self.kind, ours.rate(), cell(self.ratio()))
     }
 }
 
 /// What stands above the lines of [`Comparison::text`].
 pub(crate) fn heading() -> String {
     let columns = COLUMNS.map(|column| format!("{column:>11}")).concat();
-    format!("{:8}{:>9}{:>9}{columns}{:>11}{:>11}", "Mrays/s", "entry", "ours", "ratio", "hits")
+    format!("{:8}{:>9}{:>9}{columns}{:>11}{:>14}", "Mrays/s", "entry", "ours", "ratio", "hits")
 }
 
 /// The builds of a scene as a line for machines.
@@ -118,8 +124,6 @@ fn rounded(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use halfdome_benches::measure::Answers;
-
     use super::*;
 
     fn timing(rates: &[f64], occluded: &[bool]) -> Timing {
@@ -136,11 +140,12 @@ mod tests {
             ("tinybvh", timing(&[12.0], &hits)),
         ];
         let line = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &peers }.json();
+        let none = json!({ "missed": 0, "extra": 0, "apart": 0 });
         let expected = json!({
             "scene": "cornell", "kind": "shadow", "entry": "batch", "ours": 6.0, "ratio": 1.5, "hits_equal": true,
             "rays": 2, "hits": 1, "embree_x1": 2.0, "embree_x8": 4.0, "embree_x16": null, "tinybvh": 12.0,
             "obvhs": null, "entries": { "single": 5.0, "batch": 6.0 },
-            "differing": { "embree_x1": 0, "embree_x8": 0, "tinybvh": 0 },
+            "differing": { "embree_x1": none, "embree_x8": none, "tinybvh": none },
         });
         assert_eq!(line, expected);
     }
@@ -148,13 +153,17 @@ mod tests {
     #[test]
     fn a_peer_that_finds_something_else_is_told() {
         let ours = [("single", timing(&[5.0], &[true, false]))];
-        let peers = [("obvhs", timing(&[2.0], &[true, true]))];
-        let comparison = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &peers };
+        let other = |name| [(name, timing(&[2.0], &[true, true]))];
+        let [embree, obvhs] = [other("embree_x1"), other("obvhs")];
+        let comparison = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &embree };
         let line = comparison.json();
-        assert_eq!((&line["hits_equal"], &line["differing"]["obvhs"]), (&json!(false), &json!(1)));
-        assert_eq!(line["ratio"], Value::Null);
-        assert!(comparison.text().ends_with("DIFFERENT"));
+        assert_eq!((&line["hits_equal"], &line["differing"]["embree_x1"]["extra"]), (&json!(false), &json!(1)));
         assert_eq!(comparison.text().len(), heading().len());
+        assert!(comparison.text().ends_with("  1 differ"));
+        // The ratio and the verdict are of Embree alone.
+        let line = Comparison { peers: &obvhs, ..comparison }.json();
+        assert_eq!((&line["hits_equal"], &line["differing"]["obvhs"]["extra"]), (&Value::Null, &json!(1)));
+        assert_eq!(line["ratio"], Value::Null);
     }
 
     #[test]

@@ -1,16 +1,29 @@
 //! tinybvh: its tree of 8 children for AVX2, built in high quality.
 //!
 //! The Rust binding has no any-hit query, so the nearest hit stands in for it, and none to ask how much memory the tree
-//! takes.
+//! takes. Its `Ray::new` is not used: in 0.1.0-beta.3 the C++ side writes a ray of 128 bytes, aligned to 64, where the
+//! Rust type has but the first 64, so that it writes over the caller's stack.
 
+use glam::Vec3;
 use halfdome_benches::tracer::Tracer;
 use halfdome_kernel::{Hit, Ray, Triangle};
-use tinybvh_rs::{INFINITE, Intersector, bvh, bvh8_cpu, mbvh};
+use tinybvh_rs::{INFINITE, Intersection, Intersector, bvh, bvh8_cpu, mbvh};
 
 use crate::trees::Peer;
 
 /// The most triangles that this layout takes in a leaf.
 const LEAF: u32 = 4;
+
+/// The ray's mask, where the binding sees padding.
+const EVERY_INSTANCE: u32 = 0xFFFF;
+
+/// A ray as the C++ side has it.
+#[repr(C, align(64))]
+struct Query {
+    ray: tinybvh_rs::Ray,
+    /// The user's data.
+    _rest: [u8; 64],
+}
 
 /// A tree of tinybvh's.
 pub(crate) struct Tinybvh(bvh8_cpu::BVH);
@@ -27,11 +40,21 @@ impl Tinybvh {
     /// The nearest hit before `t_max`.
     #[inline]
     fn trace(&self, ray: &Ray) -> Hit {
-        let mut query = tinybvh_rs::Ray::new(ray.origin.to_array(), ray.direction.to_array());
         let t_max = ray.t_max.min(INFINITE);
-        query.hit.t = t_max;
-        self.0.intersect(&mut query);
-        let hit = query.hit;
+        let mut query = Query {
+            ray: tinybvh_rs::Ray {
+                origin: ray.origin.to_array(),
+                padding_0: EVERY_INSTANCE,
+                dir: ray.direction.to_array(),
+                // Finite where a component is 0, as the C++ side's own reciprocal is.
+                r_d: ray.direction.recip().clamp(Vec3::splat(-INFINITE), Vec3::splat(INFINITE)).to_array(),
+                hit: Intersection { t: t_max, ..Default::default() },
+                ..Default::default()
+            },
+            _rest: [0; 64],
+        };
+        self.0.intersect(&mut query.ray);
+        let hit = query.ray.hit;
         if hit.t < t_max { Hit { t: hit.t, u: hit.u, v: hit.v, prim_id: hit.prim } } else { Hit::MISS }
     }
 }
