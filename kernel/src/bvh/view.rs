@@ -35,26 +35,31 @@ impl<'a> BvhView<'a> {
 
     /// The same tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
+    #[inline]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
     }
 
     /// What the tree is traced with.
+    #[inline]
     pub fn isa(&self) -> Isa {
         self.isa
     }
 
     /// The nodes; the first one is the root.
+    #[inline]
     pub fn nodes(&self) -> &'a [Node] {
         self.nodes
     }
 
     /// The triangles.
+    #[inline]
     pub fn blocks(&self) -> &'a [TriangleBlock] {
         self.blocks
     }
 
     /// The box around all triangles; empty if there are none.
+    #[inline]
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }

@@ -12,6 +12,7 @@ use super::Triangle;
 const ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 
 /// The unit normal of the side from which the corners of `triangle` run counter-clockwise; zero if it has no area.
+#[inline]
 pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(c - a);
@@ -26,6 +27,7 @@ pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
 
 /// The point of `triangle` with the barycentric weights `u` and `v` of a hit, moved along its unit `normal`, to the side
 /// to which `direction` points. It scales with the scene: there is no length to tune.
+#[inline]
 pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, direction: Vec3) -> Vec3 {
     let [a, b, c] = *triangle;
     let point = (1.0 - u - v) * a + u * b + v * c;
@@ -38,6 +40,7 @@ pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, directio
 }
 
 /// The next float after `x` in the direction of `sign`; `x` if that is zero.
+#[inline]
 fn step(x: f32, sign: f32) -> f32 {
     if sign > 0.0 {
         x.next_up()

@@ -36,16 +36,19 @@ pub struct Hit {
 
 impl Ray {
     /// A ray from `origin` without an end.
+    #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
     }
 
     /// A ray from `origin` to `target`, whose `t` is 1.
+    #[inline]
     pub fn between(origin: Vec3, target: Vec3) -> Self {
         Self { origin, t_min: 0.0, direction: target - origin, t_max: 1.0 }
     }
 
     /// The point at `t`.
+    #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
     }
@@ -59,6 +62,7 @@ impl Hit {
     pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, prim_id: Self::NO_PRIM };
 
     /// Whether something was hit.
+    #[inline]
     pub fn is_hit(&self) -> bool {
         self.prim_id != Self::NO_PRIM
     }
