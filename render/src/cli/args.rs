@@ -109,7 +109,8 @@ pub(super) struct InfoArguments {
 impl Command {
     /// What the program does without arguments.
     pub(super) fn cornell() -> Self {
-        let arguments = Arguments::parse_from(["halfdome", "render", CORNELL]);
+        // A few seconds on two cores.
+        let arguments = Arguments::parse_from(["halfdome", "render", CORNELL, "--spp", "32"]);
         arguments.command.expect("`render` is a command")
     }
 }
