@@ -1,5 +1,7 @@
 //! The tree in memory: plain arrays of numbers, traced as they lie.
 
+use core::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 
 use crate::geometry::{Aabb, Hit, Triangle};
@@ -64,6 +66,19 @@ impl Child {
             Self::Node(index) => index,
             Self::Leaf { first, count } => Self::LEAF | (count - 1) << 26 | first,
         }
+    }
+
+    /// Whether packed bits stand for a node.
+    #[inline(always)]
+    pub(crate) fn is_node(bits: u32) -> bool {
+        bits & Self::LEAF == 0
+    }
+
+    /// The blocks of a packed leaf; of nothing, blocks that no tree has.
+    #[inline(always)]
+    pub(crate) fn leaf_blocks(bits: u32) -> Range<usize> {
+        let first = (bits & (Self::MAX_INDEX - 1)) as usize;
+        first..first + (bits >> 26 & (Self::MAX_BLOCKS - 1)) as usize + 1
     }
 
     /// The inverse of [`pack`](Self::pack).

@@ -6,16 +6,15 @@
 //! the same point whichever triangle it belongs to, and the sign of an edge function is exact (an exact zero is decided
 //! in `f64`, where the products are exact), so no ray slips through between triangles that share an edge or a vertex.
 //!
-//! Two deviations. The paper divides once and scales; here each barycentric weight is divided by the determinant, so
-//! that `t` stays a convex combination of the vertices' depths however thin the triangle. And `t` is clamped to the
-//! interval in which the ray is inside the triangle's own box, widened by a bound of the shear's rounding: every box
-//! of a tree that encloses the triangle then contains `t` in *its* interval too, since every rounded operation is
-//! monotonic. So culling by boxes never loses a hit, ties included, and a tree gives exactly what a loop over all
-//! triangles gives.
+//! Two deviations. Barycentric weights are found before `t`, so that `t` stays a convex combination of the vertices'
+//! depths however thin the triangle. And `t` is clamped to the interval in which the ray is inside the triangle's own
+//! box, widened by a bound of the shear's rounding: every box of a tree that encloses the triangle then contains `t` in
+//! *its* interval too, since every rounded operation is monotonic. So culling by boxes never loses a hit, ties included,
+//! and a tree gives exactly what a loop over all triangles gives.
 //!
 //! # Error bounds
 //! With `u = 2⁻²⁴` and `A` a vertex relative to the origin, the sheared `A.x - (d.x / d.z) A.z` is off by at most
-//! `u |A.x| + 3 u |A.z|`, and the distance to a plane of the box by `3 u` of itself. [`setup::OWN_PAD`] covers both for
+//! `u |A.x| + 4 u |A.z|`, and the distance to a plane of the box by `3 u` of itself. [`setup::OWN_PAD`] covers both for
 //! the triangle's own box. [`setup::NODE_PAD`] covers them twice over for the nodes, plus the rounding of the shifted
 //! origin, so that a node's interval always contains that of each triangle in it, even if a backend fuses multiply
 //! and add in the nodes' test.

@@ -28,7 +28,8 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
 
     // Vertices relative to the origin, then sheared.
     let [a, b, c] = [a, b, c].map(|p| p - ray.origin);
-    let (sx, sy) = (d[kx] / d[kz], d[ky] / d[kz]);
+    let sz = 1.0 / d[kz];
+    let (sx, sy) = (d[kx] * sz, d[ky] * sz);
     let shear = |p: Vec3| (p[kx] - sx * p[kz], p[ky] - sy * p[kz]);
     let ((ax, ay), (bx, by), (cx, cy)) = (shear(a), shear(b), shear(c));
 
@@ -50,9 +51,10 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
         }
         ((u / determinant) as f32, (v / determinant) as f32, (w / determinant) as f32)
     } else {
-        (u / determinant, v / determinant, w / determinant)
+        let inverse = 1.0 / determinant;
+        (u * inverse, v * inverse, w * inverse)
     };
-    let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * (1.0 / d[kz]);
+    let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * sz;
 
     // The ray's interval in the triangle's widened box.
     let reach = |k: usize| a[k].abs().max(b[k].abs()).max(c[k].abs());

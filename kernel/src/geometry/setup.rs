@@ -56,7 +56,7 @@ pub(crate) struct RaySetup {
     pub origin: [f32; 3],
     /// Reciprocals of the direction, with small components raised to [`LEAST_COMPONENT`].
     pub inverse: [f32; 3],
-    /// `d[0] / d[2]` and `d[1] / d[2]`.
+    /// `d[0] / d[2]` and `d[1] / d[2]`, by way of the reciprocal.
     pub shear: [f32; 2],
     /// The distance to a near plane of a node is `plane * inverse - near_shift`, to a far one likewise: the shifts are
     /// `inverse` times the origin, moved so that near planes come nearer, and far planes farther, by the nodes' pad.
@@ -116,7 +116,7 @@ impl RaySetup {
             course: Course { axes, negative, octant: (0..3).map(|k| usize::from(negative[k]) << axes[k]).sum() },
             origin,
             inverse,
-            shear: [direction[0] / direction[2], direction[1] / direction[2]],
+            shear: [direction[0] * inverse[2], direction[1] * inverse[2]],
             near_shift: core::array::from_fn(|k| (origin[k] + pad[k]) * inverse[k]),
             far_shift: core::array::from_fn(|k| (origin[k] - pad[k]) * inverse[k]),
         })

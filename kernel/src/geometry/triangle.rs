@@ -35,7 +35,8 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
     }
     let sum = u + v + w;
     let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
-    let mut weights = [u / sum, v / sum, w / sum];
+    let inverse = L::splat(1.0) / sum;
+    let mut weights = [u * inverse, v * inverse, w * inverse];
     let doubtful = bits & doubtful.bits();
     if doubtful != 0 {
         bits = decide_in_f64([ax, ay, bx, by, cx, cy], bits, doubtful, &mut weights);

@@ -17,18 +17,19 @@ impl Simd for Avx2 {
     type F8 = F32x8;
 
     #[inline(always)]
-    fn prefetch<T>(slice: &[T], index: usize) {
-        prefetch(slice, index);
+    fn prefetch<const BYTES: usize>(start: *const u8) {
+        prefetch::<BYTES>(start);
     }
 }
 
-/// Fetches the cache lines of an element.
+/// Fetches the cache lines at an address.
 #[inline(always)]
-pub(super) fn prefetch<T>(slice: &[T], index: usize) {
-    let start = slice.as_ptr().wrapping_add(index).cast::<i8>();
-    for offset in (0..size_of::<T>()).step_by(64) {
+pub(super) fn prefetch<const BYTES: usize>(start: *const u8) {
+    let mut offset = 0;
+    while offset < BYTES {
         // SAFETY: SSE is part of x86-64, and a prefetch is a hint that may name any address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset).cast()) };
+        offset += 64;
     }
 }
 

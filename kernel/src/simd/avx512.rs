@@ -18,8 +18,8 @@ impl Simd for Avx512 {
     type F8 = F32x8;
 
     #[inline(always)]
-    fn prefetch<T>(slice: &[T], index: usize) {
-        avx2::prefetch(slice, index);
+    fn prefetch<const BYTES: usize>(start: *const u8) {
+        avx2::prefetch::<BYTES>(start);
     }
 }
 

@@ -32,8 +32,8 @@ pub(crate) trait Simd: Copy {
     /// Eight lanes.
     type F8: Lanes<8> + Children;
 
-    /// Fetches `slice[index]` into the first-level cache, if there is such an element and such an instruction.
-    fn prefetch<T>(slice: &[T], index: usize);
+    /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
+    fn prefetch<const BYTES: usize>(start: *const u8);
 }
 
 /// `N` numbers that are computed with together.

@@ -11,11 +11,11 @@ impl Simd for Portable {
     type F8 = wide::f32x8;
 
     #[inline(always)]
-    fn prefetch<T>(slice: &[T], index: usize) {
+    fn prefetch<const BYTES: usize>(start: *const u8) {
         #[cfg(target_arch = "x86_64")]
-        super::avx2::prefetch(slice, index);
+        super::avx2::prefetch::<BYTES>(start);
         #[cfg(not(target_arch = "x86_64"))]
-        let _ = (slice, index);
+        let _ = start;
     }
 }
 

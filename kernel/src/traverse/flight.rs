@@ -6,6 +6,8 @@
 //! database people call asynchronous memory access chaining (Kocberber, Falsafi and Grot 2015). Children are not
 //! sorted by distance but taken in an order that the tree keeps for each octant of directions, which needs no branch.
 
+use core::hint::select_unpredictable;
+
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Course, RayLanes, RaySetup};
 use crate::geometry::triangle;
@@ -66,21 +68,17 @@ impl Flight {
                 break self.children[top];
             }
         };
-        match Child::unpack(child) {
-            Child::Empty => {}
-            Child::Node(index) => {
-                if let Some(node) = tree.nodes().get(index as usize) {
-                    self.enter::<S>(node);
-                }
+        // Nothing is never on the stack: its box is inside out.
+        if Child::is_node(child) {
+            if let Some(node) = tree.nodes().get(child as usize) {
+                self.enter::<S>(node);
             }
-            Child::Leaf { first, count } => {
-                let range = first as usize..first as usize + count as usize;
-                for block in tree.blocks().get(range).unwrap_or(&[]) {
-                    self.hit::<S>(block);
-                    if ANY && self.best.is_hit() {
-                        self.height = 0;
-                        return false;
-                    }
+        } else {
+            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
+                self.hit::<S>(block);
+                if ANY && self.best.is_hit() {
+                    self.height = 0;
+                    return false;
                 }
             }
         }
@@ -116,11 +114,11 @@ impl Flight {
     #[inline(always)]
     fn prefetch<S: Simd>(&self, tree: &BvhView) {
         if let Some(top) = self.height.checked_sub(1) {
-            match Child::unpack(self.children[top]) {
-                Child::Empty => {}
-                Child::Node(index) => S::prefetch(tree.nodes(), index as usize),
-                Child::Leaf { first, .. } => S::prefetch(tree.blocks(), first as usize),
-            }
+            let child = self.children[top];
+            // Not a branch: whether a node or a leaf is next is as good as random.
+            let node = tree.nodes().as_ptr().wrapping_add(child as usize).cast();
+            let block = tree.blocks().as_ptr().wrapping_add(Child::leaf_blocks(child).start).cast();
+            S::prefetch::<{ size_of::<TriangleBlock>() }>(select_unpredictable(Child::is_node(child), node, block));
         }
     }
 }
