@@ -34,7 +34,7 @@ pub enum BuildOptions {
 pub struct BuildReport {
     /// Triangles in the tree.
     pub kept: usize,
-    /// Triangles without an area: points and lines, which no ray hits.
+    /// Triangles with two equal corners, which no ray hits.
     pub degenerate: usize,
     /// Triangles with a NaN or infinite coordinate, or one beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
@@ -165,10 +165,10 @@ fn in_range(triangle: &Triangle) -> bool {
     triangle.iter().all(|p| p.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all())
 }
 
-/// Whether the corners lie on a line; in `f64`, where the area of a small triangle does not underflow.
-fn is_degenerate(triangle: &Triangle) -> bool {
-    let [a, b, c] = triangle.map(|p| p.as_dvec3());
-    (b - a).cross(c - a) == glam::DVec3::ZERO
+/// Whether two corners are one point: then an edge function is zero, the other two cancel, and no ray can hit. Corners
+/// on a line are another matter, as rounding may give them an area, and meshes close cracks with such triangles.
+fn is_degenerate([a, b, c]: &Triangle) -> bool {
+    a == b || b == c || c == a
 }
 
 impl core::error::Error for BuildError {}

@@ -20,6 +20,6 @@ mod view;
 
 #[cfg(any(feature = "alloc", test))]
 pub use build::{BuildError, BuildOptions, BuildReport, Bvh, TreeStatistics};
-pub use node::{Child, Node, TriangleBlock, WIDTH};
+pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 pub use validate::InvalidTree;
-pub use view::{BvhView, MAX_STACK};
+pub use view::BvhView;

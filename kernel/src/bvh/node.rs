@@ -9,6 +9,9 @@ use crate::geometry::{Aabb, Hit, Triangle};
 /// Children a node, and triangles a block.
 pub const WIDTH: usize = 8;
 
+/// The greatest number of subtrees that a traversal keeps for later. A tree that could need more is refused.
+pub const MAX_STACK: usize = 192;
+
 /// Eight boxes and what is in them: four cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
@@ -60,7 +63,16 @@ impl Child {
 
     /// Bit 31: leaf; bits 26 to 30: its number of blocks, less one; bits 0 to 25: index of its first block. A node is
     /// its index; all bits set are nothing.
+    ///
+    /// # Panics
+    /// If an index is not less than [`MAX_INDEX`](Self::MAX_INDEX), or a count not 1 to [`MAX_BLOCKS`](Self::MAX_BLOCKS).
     pub fn pack(self) -> u32 {
+        let in_range = match self {
+            Self::Empty => true,
+            Self::Node(index) => index < Self::MAX_INDEX,
+            Self::Leaf { first, count } => first < Self::MAX_INDEX && (1..=Self::MAX_BLOCKS).contains(&count),
+        };
+        assert!(in_range, "{self:?} cannot be packed");
         match self {
             Self::Empty => Self::EMPTY,
             Self::Node(index) => index,
@@ -110,7 +122,7 @@ impl Node {
         order: [SLOTS_IN_ORDER; WIDTH],
     };
 
-    /// Puts `child` with its box into `slot`.
+    /// Puts `child` with its box into `slot`, which is less than [`WIDTH`]; panics like [`Child::pack`].
     pub fn set(&mut self, slot: usize, aabb: &Aabb, child: Child) {
         for axis in 0..3 {
             self.planes[2 * axis][slot] = aabb.min[axis];
@@ -135,12 +147,12 @@ impl Node {
     }
 
     /// Whether each of the orders names every slot once.
-    pub(super) fn is_sorted(&self) -> bool {
+    pub(super) fn orders_are_permutations(&self) -> bool {
         let slots = |order: u32| (0..WIDTH).fold(0u32, |slots, i| slots | 1 << (order >> (3 * i) & 7));
         self.order.iter().all(|&order| order >> 24 == 0 && slots(order) == 0xff)
     }
 
-    /// The box of `slot`.
+    /// The box of `slot`, which is less than [`WIDTH`].
     pub fn aabb(&self, slot: usize) -> Aabb {
         let corner = |side: usize| {
             let [x, y, z] = core::array::from_fn(|axis| self.planes[2 * axis + side][slot]);
@@ -159,7 +171,7 @@ impl TriangleBlock {
     /// A block without triangles.
     pub const EMPTY: Self = Self { corners: [[[f32::NAN; WIDTH]; 3]; 3], prim_id: [Hit::NO_PRIM; WIDTH] };
 
-    /// Puts a triangle into `lane`.
+    /// Puts a triangle into `lane`, which is less than [`WIDTH`].
     pub fn set(&mut self, lane: usize, triangle: &Triangle, prim_id: u32) {
         for (corner, position) in triangle.iter().enumerate() {
             for axis in 0..3 {
@@ -169,7 +181,7 @@ impl TriangleBlock {
         self.prim_id[lane] = prim_id;
     }
 
-    /// The triangle in `lane`.
+    /// The triangle in `lane`, which is less than [`WIDTH`].
     pub fn triangle(&self, lane: usize) -> Triangle {
         self.corners.map(|axes| glam::Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]))
     }

@@ -1,7 +1,7 @@
 //! Checks a tree once for all that traversal relies on.
 //!
-//! Nodes lie in the order in which a depth-first walk meets them, the inner children of a node side by side. The walk
-//! here expects just that, so it sees every node once, and a cycle, a shared or a forgotten node is found without
+//! Nodes and blocks lie in the order in which a depth-first walk meets them, the inner children of a node side by side.
+//! The walk here expects just that, so it sees each of them once, and a cycle, a shared or a forgotten node is found without
 //! any memory but the walk's stack. On the way it counts the stack that a traversal can need, whatever the order in
 //! which it visits children.
 
@@ -36,6 +36,11 @@ pub enum InvalidTree {
         /// Its index.
         node: u32,
     },
+    /// A block that no leaf refers to.
+    ForgottenBlock {
+        /// Its index.
+        block: u32,
+    },
     /// A box that does not enclose its contents, or is not finite.
     BadBox {
         /// The node that has it.
@@ -69,6 +74,7 @@ impl fmt::Display for InvalidTree {
             }
             Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
             Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
+            Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
             Self::BadBox { node, slot } => {
                 write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
             }
@@ -93,12 +99,12 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
     // Nodes to visit, each with the number of entries that a traversal may hold when it gets there.
     let mut stack = [(0u32, 0usize); MAX_STACK];
     let mut height = 1;
-    let mut next_node = 1;
+    let (mut next_node, mut next_block) = (1, 0);
     while height > 0 {
         height -= 1;
         let (index, held) = stack[height];
         let node = &nodes[index as usize];
-        if !node.is_sorted() {
+        if !node.orders_are_permutations() {
             return Err(InvalidTree::BadOrder { node: index });
         }
         let children = node.children.iter().filter(|&&child| Child::unpack(child) != Child::Empty).count();
@@ -118,10 +124,11 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
                     nodes[child as usize].bounds()
                 }
                 Child::Node(_) => return Err(bad_child),
-                Child::Leaf { first, count } => {
-                    let range = first as usize..first as usize + count as usize;
-                    leaf_bounds(blocks.get(range).ok_or(bad_child)?, first)?
+                Child::Leaf { first, count } if first == next_block => {
+                    next_block += count;
+                    leaf_bounds(blocks.get(first as usize..next_block as usize).ok_or(bad_child)?, first)?
                 }
+                Child::Leaf { .. } => return Err(bad_child),
             };
             let aabb = node.aabb(slot);
             let limit = glam::Vec3::splat(MAX_COORDINATE);
@@ -139,6 +146,9 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
     }
     if next_node as usize != nodes.len() {
         return Err(InvalidTree::ForgottenNode { node: next_node });
+    }
+    if next_block as usize != blocks.len() {
+        return Err(InvalidTree::ForgottenBlock { block: next_block });
     }
     Ok(())
 }

@@ -5,9 +5,6 @@ use super::{Node, TriangleBlock};
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 
-/// The greatest number of subtrees that a traversal keeps for later. A tree that could need more is refused.
-pub const MAX_STACK: usize = 192;
-
 /// A tree that lies in somebody's memory, checked once so that tracing need not.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhView<'a> {
@@ -21,8 +18,9 @@ impl<'a> BvhView<'a> {
     /// Borrows a tree whose root is the first node.
     ///
     /// # Errors
-    /// [`InvalidTree`] says what is wrong if a child does not lie behind its parent or out of range, if boxes do not
-    /// enclose what is in them, or if traversal would need more than [`MAX_STACK`] entries.
+    /// [`InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do not
+    /// enclose what is in them, orders of children that leave one out, coordinates out of limits, or a traversal that
+    /// would need more than [`MAX_STACK`] entries. `prim_id`s are the caller's, and are not looked at.
     pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, InvalidTree> {
         validate::validate(nodes, blocks)?;
         Ok(Self::trusted(nodes, blocks))

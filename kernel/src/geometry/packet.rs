@@ -33,8 +33,9 @@ pub struct HitPacket<const N: usize> {
 }
 
 impl<const N: usize> RayPacket<N> {
-    /// Packs up to `N` rays; lanes beyond them are inactive, as are further rays ignored.
+    /// Packs up to `N` rays, `N` at most 32; lanes beyond them are inactive, and further rays are ignored.
     pub fn from_rays(rays: &[Ray]) -> Self {
+        const { assert!(N <= 32, "a mask has 32 bits") };
         let ray = |i: usize| rays.get(i).copied().unwrap_or(bytemuck::Zeroable::zeroed());
         Self {
             origin: core::array::from_fn(|axis| core::array::from_fn(|i| ray(i).origin[axis])),
@@ -43,6 +44,11 @@ impl<const N: usize> RayPacket<N> {
             t_max: core::array::from_fn(|i| ray(i).t_max),
             active: (0..N.min(rays.len())).fold(0, |active, i| active | 1 << i),
         }
+    }
+
+    /// The lanes of the active rays.
+    pub(crate) fn active_lanes(&self) -> impl Iterator<Item = usize> + use<N> {
+        crate::simd::lanes_of(self.active & ((1u64 << N) - 1) as u32)
     }
 
     /// Ray `lane`; `lane < N`.

@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::setup::{LEAST_COMPONENT, OWN_PAD, raise};
-use super::triangle::LEAST_DETERMINANT;
+use super::setup::{LEAST_COMPONENT, LEAST_DETERMINANT, OWN_PAD, raise};
 use super::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, Triangle};
 
 /// Where `ray` meets `triangle`, from either side, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or

@@ -17,9 +17,14 @@ pub(crate) const OWN_PAD: f32 = 8.0 / (1u32 << 24) as f32;
 pub(crate) const NODE_PAD: f32 = 16.0 / (1u32 << 24) as f32;
 /// … and by this times the origin itself.
 pub(crate) const NODE_ORIGIN_PAD: f32 = 4.0 / (1u32 << 24) as f32;
+/// Distances to nodes are widened by this besides: it changes only numbers so small that the pads above are rounded away.
+pub(crate) const UNDERFLOW_PAD: f32 = 4.0 * f32::MIN_POSITIVE;
 /// Components of the direction smaller than this times the largest one count as this, which keeps reciprocals finite.
 /// Over the whole scene the ray strays from its course by less than the boxes are widened.
 pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
+
+/// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
+pub(crate) const LEAST_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
 
 /// The part of a ray's setup that selects code paths and memory: rays of one packet share it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +44,7 @@ impl Course {
     pub(crate) fn planes(&self) -> [(usize, usize); 3] {
         [self.planes_across(0), self.planes_across(1), self.planes_across(2)]
     }
-}
 
-impl Course {
     #[inline(always)]
     fn planes_across(&self, k: usize) -> (usize, usize) {
         let (min, negative) = (2 * self.axes[k], self.negative[k] as usize);
@@ -117,8 +120,8 @@ impl RaySetup {
             origin,
             inverse,
             shear: [direction[0] * inverse[2], direction[1] * inverse[2]],
-            near_shift: core::array::from_fn(|k| (origin[k] + pad[k]) * inverse[k]),
-            far_shift: core::array::from_fn(|k| (origin[k] - pad[k]) * inverse[k]),
+            near_shift: core::array::from_fn(|k| (origin[k] + pad[k]) * inverse[k] + UNDERFLOW_PAD),
+            far_shift: core::array::from_fn(|k| (origin[k] - pad[k]) * inverse[k] - UNDERFLOW_PAD),
         })
     }
 }

@@ -2,11 +2,8 @@
 //!
 //! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
 
-use super::setup::{OWN_PAD, RayLanes};
+use super::setup::{LEAST_DETERMINANT, OWN_PAD, RayLanes};
 use crate::simd::{Lanes, Mask, lanes_of};
-
-/// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
-pub(super) const LEAST_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
 
 /// Where lanes meet their triangles, whatever their `t` intervals: only lanes of `bits` mean anything.
 pub(crate) struct Crossing<L> {
@@ -36,15 +33,17 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
     let sum = u + v + w;
     let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
     let inverse = L::splat(1.0) / sum;
-    let mut weights = [u * inverse, v * inverse, w * inverse];
+    let (mut u, mut v, mut w) = (u * inverse, v * inverse, w * inverse);
     let doubtful = bits & doubtful.bits();
     if doubtful != 0 {
-        bits = decide_in_f64([ax, ay, bx, by, cx, cy], bits, doubtful, &mut weights);
+        let sheared = [ax.store(), ay.store(), bx.store(), by.store(), cx.store(), cy.store()];
+        let mut weights = [u.store(), v.store(), w.store()];
+        bits = decide_in_f64(&sheared, bits, doubtful, &mut weights);
         if bits == 0 {
             return None;
         }
+        (u, v, w) = (L::load(&weights[0]), L::load(&weights[1]), L::load(&weights[2]));
     }
-    let [u, v, w] = weights;
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2];
 
     // The interval in which the ray is inside the triangle's own box.
@@ -89,23 +88,20 @@ fn interval<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, axis: usize, [a, b, 
 /// are exact in `f64`, so the signs are. Takes and gives the mask of lanes inside.
 #[cold]
 #[inline(never)]
-fn decide_in_f64<const N: usize, L: Lanes<N>>(sheared: [L; 6], bits: u32, lanes: u32, weights: &mut [L; 3]) -> u32 {
-    let corners = sheared.map(L::store);
-    let mut stored = weights.map(L::store);
+fn decide_in_f64<const N: usize>(sheared: &[[f32; N]; 6], bits: u32, lanes: u32, weights: &mut [[f32; N]; 3]) -> u32 {
     let mut inside = bits;
     for i in lanes_of(lanes) {
-        let [ax, ay, bx, by, cx, cy] = corners.map(|x| x[i] as f64);
+        let [ax, ay, bx, by, cx, cy] = sheared.map(|x| x[i] as f64);
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         let sum = u + v + w;
         let same_sign = u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0;
         if same_sign && sum != 0.0 {
-            for (weight, area) in stored.iter_mut().zip([u, v, w]) {
+            for (weight, area) in weights.iter_mut().zip([u, v, w]) {
                 weight[i] = (area / sum) as f32;
             }
         } else {
             inside &= !(1 << i);
         }
     }
-    *weights = stored.map(|weight| L::load(&weight));
     inside
 }

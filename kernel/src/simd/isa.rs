@@ -13,9 +13,9 @@ pub enum Level {
     Scalar,
     /// What the target always has: SSE2 on x86-64, NEON on AArch64, simd128 on wasm if it is enabled.
     Portable,
-    /// AVX2, FMA and BMI.
+    /// AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
     Avx2,
-    /// AVX-512 F, VL, BW and DQ.
+    /// AVX-512 F, VL, BW and DQ besides.
     Avx512,
 }
 
@@ -105,7 +105,8 @@ impl Isa {
     /// The proof for `level` on the caller's word; for where nothing can be detected.
     ///
     /// # Safety
-    /// The processor, and the operating system's handling of its registers, must support `level`.
+    /// The processor, and the operating system's handling of its registers, must support every extension that
+    /// [`Level`] names for `level` and those below it.
     pub unsafe fn assume(level: Level) -> Self {
         Self(level)
     }

@@ -51,9 +51,9 @@ pub(crate) trait Lanes<const N: usize>:
     fn store(self) -> [f32; N];
     /// `self * factor - minuend`, fused or not: for box tests, which leave room for the difference.
     fn mul_sub(self, factor: Self, minuend: Self) -> Self;
-    /// The smaller of each pair; no NaN may be among them.
+    /// The smaller of each pair: of two NaN one of them, of a NaN and a number either.
     fn min(self, other: Self) -> Self;
-    /// The larger of each pair; no NaN may be among them.
+    /// The larger of each pair: of two NaN one of them, of a NaN and a number either.
     fn max(self, other: Self) -> Self;
     /// Absolute values.
     fn abs(self) -> Self;

@@ -46,7 +46,13 @@ impl BvhView<'_> {
     where
         Width<N>: PacketWidth<N>,
     {
-        Width::<N>::trace::<false>(self, rays, hits);
+        if self.isa().level() == Level::Scalar {
+            for lane in rays.active_lanes() {
+                hits.set(lane, reference::intersect(self, &rays.ray(lane)).unwrap_or(Hit::MISS));
+            }
+        } else {
+            Width::<N>::trace::<false>(self, rays, hits);
+        }
     }
 
     /// A bit mask of the active rays of a packet that hit anything.
@@ -55,7 +61,11 @@ impl BvhView<'_> {
         Width<N>: PacketWidth<N>,
     {
         let mut hits = HitPacket::MISS;
-        Width::<N>::trace::<true>(self, rays, &mut hits);
+        if self.isa().level() == Level::Scalar {
+            self.intersect_packet(rays, &mut hits);
+        } else {
+            Width::<N>::trace::<true>(self, rays, &mut hits);
+        }
         (0..N).filter(|&lane| hits.hit(lane).is_hit()).fold(0, |bits, lane| bits | 1 << lane)
     }
 
@@ -63,6 +73,7 @@ impl BvhView<'_> {
     ///
     /// The quickest way for many rays that do not run side by side: several are in flight at once.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = reference::intersect(self, ray).unwrap_or(Hit::MISS);
@@ -79,6 +90,7 @@ impl BvhView<'_> {
 
     /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
+        let rays = &rays[..rays.len().min(occluded.len())];
         if self.isa().level() == Level::Scalar {
             for (ray, occluded) in rays.iter().zip(occluded) {
                 *occluded = reference::occluded(self, ray);

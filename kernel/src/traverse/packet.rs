@@ -66,7 +66,7 @@ fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     // Rays that can hit nothing are done with at once.
     let mut setups = [None; N];
     let mut live = 0;
-    for lane in lanes_of(packet.active & ((1u64 << N) - 1) as u32) {
+    for lane in packet.active_lanes() {
         setups[lane] = RaySetup::new(&packet.ray(lane), &tree.bounds());
         live |= (setups[lane].is_some() as u32) << lane;
         hits.set(lane, Hit::MISS);

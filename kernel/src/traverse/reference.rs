@@ -55,7 +55,7 @@ fn nearer(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
     }
 }
 
-/// The slab test of Kay and Kajiya 1986 in `f64`, on a box widened by a 16th of a millionth of all that could have been
+/// The slab test of Kay and Kajiya 1986 in `f64`, on a box widened by a hundred-thousandth of all that could have been
 /// rounded. `false` only if no triangle in the box can have a hit.
 fn may_meet(aabb: &Aabb, ray: &Ray, scene: &Aabb) -> bool {
     if aabb.is_empty() {
