@@ -1,7 +1,7 @@
 //! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
 //!
-//! Samples are taken in waves over the whole picture: first one a pixel, then as many as there are already, so that a
-//! render which is stopped leaves a picture without holes. A pixel's samples are summed in their own order, whatever
+//! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
+//! are already, so that a render which is stopped leaves a picture without holes. A pixel's samples are summed in their own order, whatever
 //! the tiles, waves and threads.
 
 use std::time::{Duration, Instant};
@@ -38,7 +38,7 @@ pub struct Render {
     pub elapsed: Duration,
 }
 
-/// The most samples a pixel that one wave takes, and so the most that an interruption loses.
+/// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
 const MAX_WAVE: u32 = 16;
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
 const BATCH: usize = 2048;
@@ -58,7 +58,7 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
     let mut rays = 0;
     let mut done = 0;
-    while done < settings.spp && !watch.stop() {
+    while done < settings.spp && (done == 0 || !watch.stop()) {
         let wave = done.clamp(1, MAX_WAVE).min(settings.spp - done);
         rays += tiles
             .par_iter_mut()
@@ -106,7 +106,7 @@ impl Job<'_> {
     fn sample(&self, batch: &mut Batch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<(u32, u32)> = tile.pixels().collect();
         let mut traced = 0;
-        while tile.samples < target && !self.watch.stop() {
+        while tile.samples < target && (tile.samples == 0 || !self.watch.stop()) {
             let samples = (BATCH / pixels.len()).max(1) as u32;
             let end = target.min(tile.samples + samples);
             let rays = self.sample_batch(batch, tile, &pixels, end);

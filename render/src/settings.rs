@@ -105,7 +105,7 @@ impl Default for Settings {
             filter: Filter::default(),
             integrator: IntegratorKind::Path,
             spp: 64,
-            max_depth: 64,
+            max_depth: 1024,
             seed: 0,
             aov: false,
         }

@@ -8,9 +8,9 @@ use glam::{DVec3, Vec3};
 
 use super::Triangle;
 
-/// In units of the largest coordinate: 32 roundings. The hit point makes 3 and the test 12 along each of two axes; with 16
-/// needles still hit themselves.
-const ERROR: f32 = 32.0 / (1u32 << 24) as f32;
+/// In units of the largest coordinate: 16 roundings, where the hit point and the test together make fewer, unless the
+/// triangle is a needle: along it `t`, `u` and `v` are uncertain by its length over its width times a rounding.
+const ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 
 /// The unit normal of the side from which the corners of `triangle` run counter-clockwise; zero if it has no area. In
 /// `f64`, as the edges of a needle cancel.

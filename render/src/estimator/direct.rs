@@ -26,7 +26,7 @@ pub(crate) struct LightSample {
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if it sends nothing there.
 pub(crate) fn sample_light(world: &World, surface: &Surface, choice: f32, u: Vec2) -> Option<LightSample> {
-    let (source, probability, _) = world.lights.choose(choice)?;
+    let (source, probability) = world.lights.choose(choice)?;
     match source {
         Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
         Source::Punctual(light) => {
@@ -47,8 +47,10 @@ pub(crate) fn sample_light(world: &World, surface: &Surface, choice: f32, u: Vec
 /// The density per solid angle with which [`sample_light`] gives the point of `emitter` that a ray with the unit vector
 /// `direction` hits at distance `t`.
 pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
-    let cosine = emitter.normal.dot(direction).abs();
-    world.lights.area_density(emitter.prim_id) * (t * t / cosine)
+    match world.lights.area_density(emitter.prim_id) {
+        0.0 => 0.0,
+        area_density => area_density * t * t / emitter.normal.dot(direction).abs(),
+    }
 }
 
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {

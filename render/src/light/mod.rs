@@ -2,7 +2,9 @@
 //!
 //! The sky is not among them: a ray that leaves a diffuse surface by its cosine finds a constant sky as well as any.
 
-use glam::Vec3;
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable};
 use halfdome_kernel::{Aabb, Triangle};
 
@@ -12,7 +14,7 @@ use crate::scene::{Material, PunctualLight};
 #[derive(Debug)]
 pub(crate) struct Lights {
     sources: Vec<Source>,
-    /// `None` if nothing emits.
+    /// `None` if nothing emits: what else could be wrong with weights is excluded.
     table: Option<AliasTable<Vec<AliasEntry>>>,
     /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
     area_density: Vec<f32>,
@@ -28,8 +30,8 @@ pub(crate) enum Source {
 }
 
 /// Linear sRGB to luminance (Rec. 709).
-pub(crate) fn luminance(rgb: Vec3) -> f32 {
-    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+fn luminance(rgb: Vec3) -> f64 {
+    rgb.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
 impl Lights {
@@ -48,7 +50,7 @@ impl Lights {
             let area = area(triangle);
             if material.emission != Vec3::ZERO && area > 0.0 {
                 let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
-                powers.push(std::f32::consts::PI * area * sides * brightness(material.emission));
+                powers.push(PI * f64::from(area) * sides * brightness(material.emission));
                 sources.push(Source::Triangle(prim_id as u32));
                 areas.push(area);
             }
@@ -57,8 +59,10 @@ impl Lights {
             powers.push(power(&light, bounds));
             sources.push(Source::Punctual(light));
         }
-        let entries = vec![AliasEntry::default(); powers.len()];
-        let table = AliasTable::build(&powers, entries).ok();
+        // Relative to the greatest, so that none overflows.
+        let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
+        let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
         let mut area_density = Vec::new();
         if let Some(table) = &table
             && !areas.is_empty()
@@ -73,10 +77,10 @@ impl Lights {
         Self { sources, table, area_density }
     }
 
-    /// Chooses a light by a number in [0, 1): the light, its probability, and a number in [0, 1) made of the rest.
-    pub(crate) fn choose(&self, u: f32) -> Option<(&Source, f32, f32)> {
-        let (index, probability, rest) = self.table.as_ref()?.sample(u);
-        Some((&self.sources[index], probability, rest))
+    /// Chooses a light by a number in [0, 1): the light, and its probability.
+    pub(crate) fn choose(&self, u: f32) -> Option<(&Source, f32)> {
+        let (index, probability, _) = self.table.as_ref()?.sample(u);
+        Some((&self.sources[index], probability))
     }
 
     /// The density per area with which points of triangle `prim_id` are chosen.
@@ -92,20 +96,20 @@ fn area(triangle: &Triangle) -> f32 {
 }
 
 /// Luminance, but never zero for what is not black: each light must have a chance.
-fn brightness(rgb: Vec3) -> f32 {
-    luminance(rgb).max(rgb.max_element() * 0.05)
+fn brightness(rgb: Vec3) -> f64 {
+    luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
 }
 
 /// The power of a light without a surface; of a directional one, what it sends through the scene's sphere.
-fn power(light: &PunctualLight, bounds: Aabb) -> f32 {
-    use std::f32::consts::PI;
+fn power(light: &PunctualLight, bounds: Aabb) -> f64 {
     match light {
         PunctualLight::Point { intensity, .. } => 4.0 * PI * brightness(*intensity),
         PunctualLight::Spot { intensity, cos_inner, cos_outer, .. } => {
-            2.0 * PI * (1.0 - 0.5 * (cos_inner + cos_outer)) * brightness(*intensity)
+            2.0 * PI * (1.0 - 0.5 * f64::from(cos_inner + cos_outer)) * brightness(*intensity)
         }
         PunctualLight::Directional { irradiance, .. } => {
-            let radius = if bounds.is_empty() { 1.0 } else { 0.5 * (bounds.max - bounds.min).length() };
+            let diagonal = (bounds.max - bounds.min).as_dvec3().length();
+            let radius = if bounds.is_empty() { 1.0 } else { 0.5 * diagonal };
             PI * radius * radius * brightness(*irradiance)
         }
     }

@@ -1,7 +1,8 @@
 //! What a scene is, whatever file it came from: meshes in world space, materials, lights, camera, sky.
 //!
 //! Lengths are in the units of the file. Radiance is in W/(m² sr), one number per linear sRGB (Rec. 709) channel.
-//! Coordinates are right-handed. A front face is counter-clockwise.
+//! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
+//! which its corners run counter-clockwise.
 
 use glam::{Vec2, Vec3};
 
@@ -54,7 +55,7 @@ pub struct Material {
     pub gloss: Gloss,
 }
 
-/// Wavefront MTL's `Ks`, `Ns`, `Ni`, `d` and `illum`, with that format's defaults.
+/// Wavefront MTL's `Ks`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gloss {
     /// Specular reflectance (`Ks`).

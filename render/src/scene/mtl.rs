@@ -20,12 +20,14 @@ pub(super) fn read(
 ) -> Result<(), SceneError> {
     let known = materials.len();
     let mut maps = 0;
+    let mut has_diffuse = false;
     for statement in statements(path, bytes, "an MTL file") {
         let statement = statement?;
         let keyword = statement.keyword();
         if keyword == b"newmtl" {
-            // MTL's defaults apply to what a named material leaves out; they are those of the default material.
+            // What a material leaves out is ours to choose: matte grey, but black for one that emits.
             materials.push(Material { name: statement.name(), ..Material::default() });
+            has_diffuse = false;
             continue;
         }
         if is_map(keyword) {
@@ -44,9 +46,17 @@ pub(super) fn read(
         };
         let gloss = &mut material.gloss;
         match keyword {
-            b"Kd" => material.diffuse = reflectance(&statement, warnings)?,
+            b"Kd" => {
+                material.diffuse = reflectance(&statement, warnings)?;
+                has_diffuse = true;
+            }
             b"Ks" => gloss.specular = reflectance(&statement, warnings)?,
-            b"Ke" => material.emission = emission(&statement)?,
+            b"Ke" => {
+                material.emission = emission(&statement)?;
+                if !has_diffuse && material.emission != Vec3::ZERO {
+                    material.diffuse = Vec3::ZERO;
+                }
+            }
             b"Ns" => [gloss.exponent] = statement.numbers()?,
             b"Ni" => [gloss.ior] = statement.numbers()?,
             b"d" => gloss.opacity = opacity(&statement, warnings)?,
