@@ -26,15 +26,14 @@ impl Desk {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
-    fn put(&self, name: &str, contents: impl AsRef<[u8]>) {
-        fs::write(self.folder.path().join(name), contents).unwrap();
+    fn program(&self) -> Program<'_> {
+        Program { executable: env!("CARGO_BIN_EXE_halfdome-under-test"), folder: self.folder.path() }
     }
 
     /// Renders without a warning; gives the files written, EXR and PNG.
     fn render(&self, scene: &str, options: &str) -> [Vec<u8>; 2] {
-        let program = Program { executable: env!("CARGO_BIN_EXE_halfdome-under-test"), folder: self.folder.path() };
         let line = format!("render {scene} -o a.exr -o a.png --progress bar {options}");
-        let outcome = program.run_reproducibly(&line);
+        let outcome = self.program().run_reproducibly(&line);
         assert_eq!(outcome.code, Some(0), "{scene}: {}", outcome.stderr);
         assert!(!outcome.stderr.contains("warning"), "{scene}: {}", outcome.stderr);
         ["a.exr", "a.png"].map(|name| fs::read(self.folder.path().join(name)).unwrap())
@@ -193,17 +192,17 @@ fn gltf(scene: &Scene) -> String {
 #[test]
 fn obj_with_mtl_gives_the_built_in_picture() {
     let (scene, desk) = (cornell_box(), Desk::new());
-    desk.put("box.obj", obj(&scene));
-    desk.put("box.mtl", mtl(&scene));
-    desk.put("box.toml", toml(&scene, "box.obj"));
+    desk.program().put("box.obj", obj(&scene));
+    desk.program().put("box.mtl", mtl(&scene));
+    desk.program().put("box.toml", toml(&scene, "box.obj"));
     desk.gives_the_built_in_picture("box.toml");
 }
 
 #[test]
 fn gltf_gives_the_built_in_picture() {
     let (scene, desk) = (cornell_box(), Desk::new());
-    desk.put("box.gltf", gltf(&scene));
-    desk.put("box.toml", toml(&scene, "box.gltf"));
+    desk.program().put("box.gltf", gltf(&scene));
+    desk.program().put("box.toml", toml(&scene, "box.gltf"));
     desk.gives_the_built_in_picture("box.toml");
 }
 
@@ -211,8 +210,8 @@ fn gltf_gives_the_built_in_picture() {
 #[test]
 fn ply_gives_the_built_in_geometry() {
     let (scene, desk) = (cornell_box(), Desk::new());
-    desk.put("box.ply", ply(&scene));
-    desk.put("box.toml", toml(&scene, "box.ply"));
+    desk.program().put("box.ply", ply(&scene));
+    desk.program().put("box.toml", toml(&scene, "box.ply"));
     let options = "--size 40x32 --spp 8 --seed 5 --aov --integrator normals";
     let (picture, built_in) = (desk.picture("box.toml", options), desk.picture("cornell", options));
     assert_eq!((picture.channels.len(), picture.metadata.world_to_camera), (20, built_in.metadata.world_to_camera));
