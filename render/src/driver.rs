@@ -69,7 +69,7 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     let samples = tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
     let metadata = Metadata {
         samples_per_pixel: samples,
-        render_time_seconds: start.elapsed().as_secs_f32(),
+        render_time_seconds: Metadata::stored_seconds(start.elapsed()),
         world_to_camera: job.camera.world_to_camera(),
         seed: settings.seed,
         scene_hash: world.hash(),

@@ -25,6 +25,15 @@ pub struct Outcome {
     pub stderr: String,
 }
 
+impl Outcome {
+    /// Runs `command` to the end.
+    fn of(mut command: Command) -> Self {
+        let output = command.output().expect("the program starts");
+        let text = |bytes| String::from_utf8(bytes).expect("the program speaks UTF-8");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+}
+
 impl Program<'_> {
     /// A run that is yet to start, with its streams piped or closed.
     pub fn command<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Command {
@@ -36,14 +45,19 @@ impl Program<'_> {
 
     /// Runs to the end.
     pub fn run<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Outcome {
-        let output = self.command(arguments).output().expect("the program starts");
-        let text = |bytes| String::from_utf8(bytes).expect("the program speaks UTF-8");
-        Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+        Outcome::of(self.command(arguments))
     }
 
     /// Runs with arguments that are separated by spaces.
     pub fn run_line(&self, line: &str) -> Outcome {
         self.run(&line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// Like [`run_line`](Self::run_line), but files that the run writes do not tell the time that it took.
+    pub fn run_reproducibly(&self, line: &str) -> Outcome {
+        let mut command = self.command(&line.split_whitespace().collect::<Vec<_>>());
+        command.env("SOURCE_DATE_EPOCH", "0");
+        Outcome::of(command)
     }
 
     /// Puts a file into the folder; gives its path.

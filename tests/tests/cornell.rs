@@ -14,7 +14,9 @@ const SIDE: u32 = 16;
 const REGIONS: usize = 4;
 /// Independent pictures of either renderer.
 const BATCHES: u64 = 32;
-const SAMPLES: u32 = 256;
+/// Cells along a side of a pixel, in which the other renderer's samples are.
+const GRID: u32 = 16;
+const SAMPLES: u32 = GRID * GRID;
 
 /// A triangle with all that the tracer asks of it.
 struct Face {
@@ -130,8 +132,11 @@ impl Tracer {
     fn picture(&self, seed: u64) -> Vec<DVec3> {
         let mut random = Pcg::new(seed);
         let mut pixel = |x: u32, y: u32| {
-            let samples = (0..SAMPLES).map(|_| {
-                let (x, y) = (f64::from(x) + random.unit(), f64::from(y) + random.unit());
+            // One sample for each cell of a grid in the pixel: else the lamp's edges make most of the noise.
+            let samples = (0..SAMPLES).map(|i| {
+                let place = |cell: u32, random: &mut Pcg| (f64::from(cell) + random.unit()) / f64::from(GRID);
+                let x = f64::from(x) + place(i % GRID, &mut random);
+                let y = f64::from(y) + place(i / GRID, &mut random);
                 let direction = view(&self.camera, (SIDE, SIDE), x, y);
                 self.radiance(self.camera.eye.as_dvec3(), direction, &mut random)
             });
@@ -170,7 +175,7 @@ fn two_path_tracers_agree_on_the_cornell_box() {
         assert!(z.max_element() < 4.0, "region {region}: {ours:?}, not {theirs:?}; z {z}");
     }
     let (ours, theirs) = (ours[REGIONS * REGIONS], theirs[REGIONS * REGIONS]);
-    // Both are good enough for the comparison to mean something.
-    assert!((ours.error / ours.mean).max_element() < 0.005 && (theirs.error / theirs.mean).max_element() < 0.005);
-    assert!(((ours.mean - theirs.mean) / theirs.mean).abs().max_element() < 0.01, "{ours:?}, not {theirs:?}");
+    // Both are good enough for the comparison to mean something: half a per cent is three of their standard errors.
+    assert!((ours.error / ours.mean).max_element() < 0.001 && (theirs.error / theirs.mean).max_element() < 0.0015);
+    assert!(((ours.mean - theirs.mean) / theirs.mean).abs().max_element() < 0.005, "{ours:?}, not {theirs:?}");
 }

@@ -1,4 +1,12 @@
 //! A finished picture: named channels of 32-bit floats, and what produced them.
+//!
+//! The time that a render took is the only thing in a picture that its scene and options do not decide. Where files
+//! must be the same from one run to the next, the environment variable `SOURCE_DATE_EPOCH` leaves it out, whatever its
+//! value: it is then stored as 0.
+//!
+//! Source: "SOURCE_DATE_EPOCH specification", version 1.1, of reproducible-builds.org.
+
+use std::time::Duration;
 
 /// Channels of one size, row by row from the top left corner.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +35,7 @@ pub struct Channel {
 pub struct Metadata {
     /// Samples that every pixel got (the least of them if the render was interrupted).
     pub samples_per_pixel: u32,
-    /// Wall-clock seconds; the only part that differs between two equal renders.
+    /// Wall-clock seconds, the only part that differs between two equal renders; 0 if they are to be left out.
     pub render_time_seconds: f32,
     /// Rows of the matrix that takes world points to camera space (right, up, backwards).
     pub world_to_camera: [[f32; 4]; 4],
@@ -37,6 +45,14 @@ pub struct Metadata {
     pub scene_hash: u64,
     /// Name of the integrator.
     pub integrator: String,
+}
+
+impl Metadata {
+    /// What is stored of the time that a render took: seconds, or 0 under `SOURCE_DATE_EPOCH`.
+    pub(crate) fn stored_seconds(elapsed: Duration) -> f32 {
+        let reproducible = std::env::var_os("SOURCE_DATE_EPOCH").is_some();
+        if reproducible { 0.0 } else { elapsed.as_secs_f32() }
+    }
 }
 
 impl Picture {

@@ -3,8 +3,9 @@
 //! A picture is encoded in memory first and then put in its place in one step, so that a file on disk is always whole.
 //!
 //! An OpenEXR file also holds the metadata, by pbrt's and the standard's names: `samplesPerPixel` (int),
-//! `renderTimeSeconds` (float), `worldToCamera` (m44f for row vectors, left-handed, z into the picture), `integrator`
-//! and `software` (string), `seed` (decimal) and `sceneHash` (hexadecimal) as strings.
+//! `renderTimeSeconds` (float; 0 if the environment variable `SOURCE_DATE_EPOCH` is set, so that equal renders give
+//! equal bytes), `worldToCamera` (m44f for row vectors, left-handed, z into the picture), `integrator` and `software`
+//! (string), `seed` (decimal) and `sceneHash` (hexadecimal) as strings.
 
 mod error;
 mod exr;
