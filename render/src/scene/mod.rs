@@ -13,8 +13,8 @@ mod nearest;
 mod obj;
 mod overrides;
 mod ply;
+mod statement;
 mod value;
-mod wavefront;
 
 pub use builtin::cornell_box;
 pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
