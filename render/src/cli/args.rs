@@ -15,15 +15,14 @@ use crate::settings::{Invalid, MAX_SIDE};
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  bad input or usage
-  2  the system failed: reading, writing, memory
+  1  bad input or usage, found before the render
+  2  the system failed, for example while the picture was written
   3  interrupted (Ctrl-C, SIGTERM); the picture so far is written
-  4  stopped early by a limit (reserved)
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
 const EXAMPLES: &str = "\
 Examples:
-  halfdome                              the built-in Cornell box
+  halfdome                              the built-in Cornell box, with 32 samples per pixel
   halfdome render room.glb              a model, to room.exr and room.png
   halfdome render room.toml --spp 1024  a scene file, with more samples
   halfdome info room.glb --json         what is in a model";
@@ -41,7 +40,8 @@ its front and 20 above, from where all of it is in the picture.";
 
 /// Renders scenes with global illumination
 ///
-/// Without a command, the built-in Cornell box is rendered to cornell.exr and cornell.png in the current folder.
+/// Without a command, the built-in Cornell box is rendered with 32 samples per pixel, to cornell.exr and cornell.png in
+/// the current folder.
 #[derive(Parser, Debug)]
 #[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {

@@ -9,6 +9,7 @@ mod progress;
 mod render;
 mod summary;
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -21,9 +22,9 @@ use crate::scene::{self, Overrides, Place, Scene, SceneError};
 
 /// Done.
 const EXIT_DONE: u8 = 0;
-/// Bad input or usage.
+/// Bad input or usage, found before the render.
 const EXIT_INPUT: u8 = 1;
-/// The system failed: reading, writing, memory.
+/// The system failed, for example while a picture was written.
 const EXIT_SYSTEM: u8 = 2;
 /// Interrupted, with a valid partial picture.
 const EXIT_INTERRUPTED: u8 = 3;
@@ -56,10 +57,13 @@ fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
     if name == Path::new(CORNELL) {
         return Ok((scene::cornell_box(), Overrides::default()));
     }
-    if !name.exists() {
-        let remedy =
-            "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
-        return Err(SceneError::new(name, Place::File, "no such file", remedy));
+    match name.metadata() {
+        Ok(_) => scene::open(name),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let remedy =
+                "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+            Err(SceneError::new(name, Place::File, "no such file", remedy))
+        }
+        Err(error) => Err(SceneError::unreadable(name, &error)),
     }
-    scene::open(name)
 }

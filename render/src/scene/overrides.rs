@@ -24,11 +24,11 @@ pub struct Overrides {
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::point))]
     pub target: Option<Vec3>,
-    /// What points up in the picture [default: the model's, or 0,1,0]
+    /// What points up in the picture [default: 0,1,0 for a new camera, else the model's]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::direction))]
     pub up: Option<Vec3>,
-    /// Vertical field of view in degrees [default: the model's, or 40]
+    /// Vertical field of view in degrees [default: 40 for a new camera, else the model's]
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::vfov))]
     pub vfov: Option<f32>,
@@ -78,6 +78,9 @@ pub struct Overrides {
     #[arg(value_parser = argument(value::radiance))]
     pub sky: Option<Vec3>,
     /// Which sides of all emitters emit: front or both [default: as each material says]
+    ///
+    /// Models tell the front by the order of a triangle's corners, and many do not care about it: if a lamp lights the
+    /// wrong way, try both.
     #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
     pub emits_both_sides: Option<bool>,
 }
@@ -154,8 +157,7 @@ impl Overrides {
             None => {
                 if !new {
                     scene.warnings.push(
-                        "the model has no camera; what the options leave open of it is chosen to show all of the model"
-                            .to_owned(),
+                        "the model has no camera; one that shows all of it is used (set --eye and --target)".to_owned(),
                     );
                 }
                 let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
