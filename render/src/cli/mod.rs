@@ -19,6 +19,7 @@ use args::{Arguments, Command};
 use error::CliError;
 
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
+use crate::settings::Settings;
 
 /// Done.
 const EXIT_DONE: u8 = 0;
@@ -50,6 +51,14 @@ pub fn main() -> ExitCode {
         error.print();
         error.exit_code()
     }))
+}
+
+/// The scene called `name` with the options of its file, if it has one, below those of `arguments`.
+fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliError> {
+    let (mut scene, from_file) = open(name)?;
+    let settings = arguments.or(from_file.clone()).apply(&mut scene);
+    let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
+    Ok((scene, settings))
 }
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.

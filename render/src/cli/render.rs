@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::args::RenderArguments;
 use super::progress::Progress;
 use super::summary::Job;
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, open};
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare};
 use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
@@ -18,11 +18,9 @@ use crate::world::World;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let paths = arguments.outputs()?;
     for path in &paths {
-        output::Format::from_path(path).map_err(CliError::input)?;
-        output::check(path).map_err(CliError::system)?;
+        output::check(path).map_err(CliError::input)?;
     }
-    let (mut scene, file_overrides) = open(&arguments.scene)?;
-    let settings = arguments.overrides().or(file_overrides).apply(&mut scene)?;
+    let (mut scene, settings) = prepare(&arguments.scene, arguments.overrides())?;
     memory::check(&settings)?;
     if settings.integrator == IntegratorKind::Path && !has_light(&scene) {
         scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());

@@ -22,4 +22,4 @@ pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;
 pub use model::load;
-pub use overrides::Overrides;
+pub use overrides::{Conflict, Overrides};

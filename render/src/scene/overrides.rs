@@ -2,8 +2,10 @@
 //!
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
+use std::fmt;
+use std::path::{Path, PathBuf};
+
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;
 
@@ -41,8 +43,8 @@ pub struct Overrides {
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
-    /// Pixel filter [default: box]
-    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = PossibleValuesParser::new(Filter::NAMES))]
+    /// Pixel filter: box, tent, gaussian or mitchell; its width and sharpness start anew [default: box]
+    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::filter))]
     pub filter: Option<String>,
     /// The filter's full width in pixels [default: the filter's own]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
@@ -86,8 +88,12 @@ pub struct Overrides {
 }
 
 impl Overrides {
-    /// These options, and those of `fallback` where these are not set.
-    pub fn or(self, fallback: Self) -> Self {
+    /// These options, and those of `fallback` where these are not set. A filter's width and sharpness belong to it: if
+    /// a filter is set here, those of the fallback's do not count.
+    pub fn or(self, mut fallback: Self) -> Self {
+        if self.filter.is_some() {
+            (fallback.filter_width, fallback.sharpness) = (None, None);
+        }
         Self {
             eye: self.eye.or(fallback.eye),
             target: self.target.or(fallback.target),
@@ -110,10 +116,13 @@ impl Overrides {
 
     /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that
     /// was made up.
-    pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Invalid> {
+    ///
+    /// # Errors
+    /// If options do not go together, or with the scene.
+    pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Conflict> {
         let settings = self.settings()?;
         let aspect = f64::from(settings.width) / f64::from(settings.height);
-        scene.camera = Some(self.camera(scene, aspect)?);
+        scene.camera = Some(self.camera(scene, aspect).map_err(|error| Conflict::new(Group::Camera, error))?);
         if let Some(radiance) = self.sky {
             scene.sky.radiance = radiance;
         }
@@ -125,24 +134,33 @@ impl Overrides {
         Ok(settings)
     }
 
-    fn settings(&self) -> Result<Settings, Invalid> {
+    fn settings(&self) -> Result<Settings, Conflict> {
         let default = Settings::default();
         let settings = Settings {
             width: self.width.unwrap_or(default.width),
             height: self.height.unwrap_or(default.height),
-            filter: self.film_filter()?,
+            filter: self.film_filter().map_err(|error| Conflict::new(Group::Filter, error))?,
             integrator: self.integrator.unwrap_or(default.integrator),
             spp: self.spp.unwrap_or(default.spp),
             max_depth: self.max_depth.unwrap_or(default.max_depth),
             seed: self.seed.unwrap_or(default.seed),
             aov: self.aov.unwrap_or(default.aov),
         };
-        Settings::check_pixels(settings.width, settings.height)?;
+        Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;
         Ok(settings)
     }
 
+    /// Whether any option is set that a conflict in `group` may be about.
+    fn sets_any(&self, group: Group) -> bool {
+        match group {
+            Group::Camera => self.eye.is_some() || self.target.is_some() || self.up.is_some(),
+            Group::Size => self.width.is_some() || self.height.is_some(),
+            Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
+        }
+    }
+
     /// The pixel filter, `box` if none is named.
-    pub(super) fn film_filter(&self) -> Result<Filter, Invalid> {
+    fn film_filter(&self) -> Result<Filter, Invalid> {
         let name = self.filter.as_deref().unwrap_or("box");
         Filter::from_name(name, self.filter_width, self.sharpness)
             .map_err(|error| Invalid::new(error.problem, error.remedy))
@@ -176,6 +194,47 @@ impl Overrides {
     }
 }
 
+/// Options that do not go together, or with the scene.
+///
+/// Prints as [`Invalid`] does, after the scene file if that has a part in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Conflict {
+    group: Group,
+    error: Invalid,
+    file: Option<PathBuf>,
+}
+
+/// Options that can be in conflict with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    Camera,
+    Size,
+    Filter,
+}
+
+impl Conflict {
+    fn new(group: Group, error: Invalid) -> Self {
+        Self { group, error, file: None }
+    }
+
+    /// The conflict with the name of the scene at `path`, whose file sets `options`, if any of them are involved.
+    pub fn naming(self, path: &Path, options: &Overrides) -> Self {
+        let file = options.sets_any(self.group).then(|| path.to_owned());
+        Self { file, ..self }
+    }
+}
+
+impl fmt::Display for Conflict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}: ", file.display())?;
+        }
+        write!(f, "{}", self.error)
+    }
+}
+
+impl std::error::Error for Conflict {}
+
 /// Degrees; what a camera has whose vertical field of view is not given.
 const DEFAULT_VFOV: f32 = 40.0;
 
@@ -186,7 +245,7 @@ const MIN_SIN_UP: f64 = 1e-4;
 const MIN_VIEW_LENGTH: f64 = 1e-18;
 
 /// Refuses a pose from which no picture follows.
-pub(super) fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
+fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
     let CameraPose { eye, target, up, .. } = *pose;
     if eye.abs().max(target.abs()).max_element() > MAX_COORDINATE {
         return Err(Invalid::new(
