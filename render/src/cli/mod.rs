@@ -17,6 +17,7 @@ use clap::Parser;
 
 use args::{Arguments, Command};
 use error::CliError;
+use progress::Mode;
 
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
@@ -43,12 +44,12 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
         }
     };
-    let outcome = match arguments.command.unwrap_or_else(Command::cornell) {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Info(arguments) => info::run(&arguments),
+    let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
+        Command::Render(arguments) => (render::run(&arguments), arguments.progress),
+        Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
-        error.print();
+        error.print(mode);
         error.exit_code()
     }))
 }

@@ -21,5 +21,6 @@ pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, S
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;
+pub(crate) use model::count;
 pub use model::load;
 pub use overrides::{Conflict, Overrides};

@@ -152,14 +152,14 @@ fn scene_files() {
     scene_refused("[render]\nseed = -1\n", &["a.toml:4: render.seed is -1", "from 0"]);
     scene_refused("[render]\nintegrator = \"pth\"\n", &["a.toml:4: ", "did you mean `path`"]);
     scene_refused("[film]\nwidth = 0\n", &["a.toml:4: film.width is 0", "from 1 to 65536"]);
-    scene_refused("[film]\nwidth = 65536\nheight = 65536\n", &["a.toml:3: ", "65536x65536"]);
+    scene_refused("[film]\nwidth = 65536\nheight = 65536\n", &["a.toml: 65536x65536"]);
     scene_refused("[film]\naov = 1\n", &["a.toml:4: film.aov is 1", "true or false"]);
-    scene_refused("[film]\nfilter = \"bx\"\n", &["a.toml:3: ", "box"]);
+    scene_refused("[film]\nfilter = \"bx\"\n", &["a.toml:4: film.filter is \"bx\"", "did you mean `box`?"]);
     scene_refused("[camera]\neye = [1, 2]\n", &["a.toml:4: camera.eye is [1, 2]", "three finite numbers"]);
     scene_refused("[camera]\neye = [1, nan, 2]\n", &["a.toml:4: ", "three finite numbers"]);
     scene_refused("[camera]\nvfov = 180\n", &["a.toml:4: camera.vfov is 180", "less than 180"]);
     scene_refused("[camera]\nup = [0, 0, 0]\n", &["a.toml:4: ", "not all zero"]);
-    scene_refused("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\n", &["a.toml:3: ", "the same point"]);
+    scene_refused("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]\n", &["a.toml: the camera's eye", "the same point"]);
     scene_refused("[sky]\nradiance = -1\n", &["a.toml:4: ", "not negative"]);
     scene_refused("camera = 1\n", &["a.toml:3: unknown key \"camera\" in [scene]"]);
     scene_refused("[sky]\nradiance = 1\n[sky]\n", &["a.toml:5: "]);
@@ -223,7 +223,7 @@ fn a_picture_beyond_the_memory() {
     if kibibytes * 1024 < (20 * 4) << 28 {
         Desk::new().refuses(
             "render t.obj --size 16384x16384 --aov",
-            2,
+            1,
             &["16384x16384", "help: give a smaller --size"],
         );
     }
