@@ -29,8 +29,8 @@
 //! radiance = [0.3, 0.4, 0.6]
 //! ```
 //!
-//! All but `scene.file` may be left out. Each value is checked here; what only several options together can get wrong is
-//! left to [`Overrides::apply`], since the command line may still change it.
+//! All but `scene.file` may be left out. Each value is checked here; what only several options together can get wrong
+//! is left to [`Overrides::apply`], since the command line may still change it.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

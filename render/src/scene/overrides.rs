@@ -43,7 +43,8 @@ pub struct Overrides {
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
-    /// Pixel filter: box, tent, gaussian or mitchell; its width and sharpness start anew [default: box]
+    /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's with its width and sharpness
+    /// [default: box]
     #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::filter))]
     pub filter: Option<String>,
     /// The filter's full width in pixels [default: the filter's own]
