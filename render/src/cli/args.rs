@@ -15,15 +15,14 @@ use crate::settings::{Invalid, MAX_SIDE};
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  bad input or usage
-  2  the system failed: reading, writing, memory
+  1  bad input or usage, found before the render
+  2  the system failed, for example while the picture was written
   3  interrupted (Ctrl-C, SIGTERM); the picture so far is written
-  4  stopped early by a limit (reserved)
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
 const EXAMPLES: &str = "\
 Examples:
-  halfdome                              the built-in Cornell box
+  halfdome                              the built-in Cornell box, with 32 samples per pixel
   halfdome render room.glb              a model, to room.exr and room.png
   halfdome render room.toml --spp 1024  a scene file, with more samples
   halfdome info room.glb --json         what is in a model";
@@ -41,7 +40,8 @@ its front and 20 above, from where all of it is in the picture.";
 
 /// Renders scenes with global illumination
 ///
-/// Without a command, the built-in Cornell box is rendered to cornell.exr and cornell.png in the current folder.
+/// Without a command, the built-in Cornell box is rendered with 32 samples per pixel, to cornell.exr and cornell.png in
+/// the current folder.
 #[derive(Parser, Debug)]
 #[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {
@@ -131,8 +131,9 @@ impl RenderArguments {
             let stem = self.scene.file_stem().unwrap_or(OsStr::new("picture"));
             return Ok(["exr", "png"].map(|extension| with_extension(stem, extension)).to_vec());
         }
+        let places: Vec<_> = self.outputs.iter().map(|path| place(path)).collect();
         for (i, path) in self.outputs.iter().enumerate() {
-            if self.outputs[..i].contains(path) {
+            if places[..i].contains(&places[i]) {
                 return Err(Invalid::new(
                     format!("{} would be written twice", path.display()),
                     "give each picture a name of its own",
@@ -146,6 +147,13 @@ impl RenderArguments {
     pub(super) fn tone_mapping(&self) -> ToneMapping {
         ToneMapping { exposure: self.exposure, curve: self.tone }
     }
+}
+
+/// `path` with its folder as the system calls it, if there is such a folder: the same for all spellings of a path.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    folder.join(path.file_name().unwrap_or_default())
 }
 
 /// `stem.extension`, even if the stem has dots.
@@ -248,5 +256,7 @@ mod tests {
         assert_eq!(names(&["a/b.v2.toml"]).unwrap(), [Path::new("b.v2.exr"), Path::new("b.v2.png")]);
         assert_eq!(names(&["s.glb", "-o", "x.png", "-o", "y.exr"]).unwrap(), [Path::new("x.png"), Path::new("y.exr")]);
         assert!(names(&["s.glb", "-o", "x.png", "-o", "x.png"]).is_err());
+        assert!(names(&["s.glb", "-o", "x.png", "-o", "./x.png"]).is_err());
+        assert!(names(&["s.glb", "-o", "no/x.png", "-o", "./x.png"]).is_ok());
     }
 }

@@ -3,6 +3,9 @@
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 
+use serde_json::json;
+
+use super::progress::{Mode, print_line};
 use super::{EXIT_INPUT, EXIT_SYSTEM};
 use crate::scene::SceneError;
 use crate::settings::Invalid;
@@ -34,8 +37,11 @@ impl CliError {
         }
     }
 
-    /// Prints the error to stderr.
-    pub(super) fn print(&self) {
+    /// Prints the error to stderr, as a line of JSON if `mode` asks for lines of JSON.
+    pub(super) fn print(&self, mode: Mode) {
+        if mode == Mode::Json {
+            return print_line(&json!({ "event": "error", "message": self.to_string() }));
+        }
         let error = painted("error:", "1;31");
         // If stderr is closed, there is nobody to tell.
         let _ = writeln!(std::io::stderr(), "{error} {self}");

@@ -9,8 +9,8 @@ use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
 use super::args::InfoArguments;
-use super::{CliError, EXIT_DONE, memory, open};
-use crate::scene::{PunctualLight, Scene};
+use super::{CliError, EXIT_DONE, memory, prepare};
+use crate::scene::{Overrides, PunctualLight, Scene};
 use crate::world::World;
 
 /// All that is told of a scene; lengths in the model's units.
@@ -69,8 +69,7 @@ struct Tree {
 
 /// Prints the table or JSON to stdout.
 pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
-    let (mut scene, overrides) = open(&arguments.scene)?;
-    overrides.apply(&mut scene)?;
+    let (scene, _) = prepare(&arguments.scene, Overrides::default())?;
     let info = Info::of(arguments.scene.display().to_string(), scene)?;
     let text = if arguments.json {
         let json = serde_json::to_string_pretty(&info).map_err(CliError::system)?;

@@ -6,7 +6,7 @@ use crate::settings::Settings;
 /// An error if the picture needs more than the machine's memory. Where that is not known, every picture passes.
 pub(super) fn check(settings: &Settings) -> Result<(), CliError> {
     match machine_bytes() {
-        Some(bytes) if settings.picture_bytes() > bytes => Err(CliError::System(format!(
+        Some(bytes) if settings.picture_bytes() > bytes => Err(CliError::Input(format!(
             "a picture of {}x{} needs about {}, and this machine has {}\n  help: give a smaller --size",
             settings.width,
             settings.height,

@@ -9,6 +9,7 @@ mod progress;
 mod render;
 mod summary;
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -16,14 +17,16 @@ use clap::Parser;
 
 use args::{Arguments, Command};
 use error::CliError;
+use progress::Mode;
 
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
+use crate::settings::Settings;
 
 /// Done.
 const EXIT_DONE: u8 = 0;
-/// Bad input or usage.
+/// Bad input or usage, found before the render.
 const EXIT_INPUT: u8 = 1;
-/// The system failed: reading, writing, memory.
+/// The system failed, for example while a picture was written.
 const EXIT_SYSTEM: u8 = 2;
 /// Interrupted, with a valid partial picture.
 const EXIT_INTERRUPTED: u8 = 3;
@@ -41,14 +44,22 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
         }
     };
-    let outcome = match arguments.command.unwrap_or_else(Command::cornell) {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Info(arguments) => info::run(&arguments),
+    let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
+        Command::Render(arguments) => (render::run(&arguments), arguments.progress),
+        Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
-        error.print();
+        error.print(mode);
         error.exit_code()
     }))
+}
+
+/// The scene called `name` with the options of its file, if it has one, below those of `arguments`.
+fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliError> {
+    let (mut scene, from_file) = open(name)?;
+    let settings = arguments.or(from_file.clone()).apply(&mut scene);
+    let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
+    Ok((scene, settings))
 }
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
@@ -56,10 +67,13 @@ fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
     if name == Path::new(CORNELL) {
         return Ok((scene::cornell_box(), Overrides::default()));
     }
-    if !name.exists() {
-        let remedy =
-            "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
-        return Err(SceneError::new(name, Place::File, "no such file", remedy));
+    match name.metadata() {
+        Ok(_) => scene::open(name),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let remedy =
+                "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+            Err(SceneError::new(name, Place::File, "no such file", remedy))
+        }
+        Err(error) => Err(SceneError::unreadable(name, &error)),
     }
-    scene::open(name)
 }

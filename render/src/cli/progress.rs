@@ -22,9 +22,9 @@ pub(super) enum Mode {
     Auto,
     /// A bar (drawn on a terminal only) and a summary
     Bar,
-    /// Lines of JSON: start, progress (twice a second at most), warning, end
+    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end
     Json,
-    /// Nothing
+    /// Warnings and errors alone
     None,
 }
 

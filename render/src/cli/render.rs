@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use super::args::RenderArguments;
 use super::progress::Progress;
 use super::summary::Job;
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, open};
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare};
 use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
-use crate::scene::Scene;
+use crate::scene::{Scene, count};
 use crate::settings::{IntegratorKind, Settings};
 use crate::world::World;
 
@@ -18,13 +18,12 @@ use crate::world::World;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let paths = arguments.outputs()?;
     for path in &paths {
-        output::Format::from_path(path).map_err(CliError::input)?;
-        output::check(path).map_err(CliError::system)?;
+        output::check(path).map_err(CliError::input)?;
     }
-    let (mut scene, file_overrides) = open(&arguments.scene)?;
-    let settings = arguments.overrides().or(file_overrides).apply(&mut scene)?;
+    let (mut scene, settings) = prepare(&arguments.scene, arguments.overrides())?;
     memory::check(&settings)?;
-    if settings.integrator == IntegratorKind::Path && !has_light(&scene) {
+    let lit = has_light(&scene);
+    if settings.integrator == IntegratorKind::Path && !lit {
         scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
     }
 
@@ -35,24 +34,30 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
     let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
-    match world.build_report().degenerate {
-        0 => {}
-        1 => warnings.push("1 triangle without an area is dropped".to_owned()),
-        several => warnings.push(format!("{several} triangles without an area are dropped")),
+    let degenerate = world.build_report().degenerate;
+    if degenerate > 0 {
+        let dropped = count(degenerate, "triangle without an area is", "triangles without an area are");
+        warnings.push(format!("{dropped} dropped"));
     }
-    let job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
+    let mut job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
     job.print_start(style);
 
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
     let result = pool.install(|| driver::render(&world, &settings, &progress));
     drop(progress);
+    if settings.integrator == IntegratorKind::Path && lit && result.finished && is_black(&result.picture) {
+        let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";
+        job.warn(style, warning.to_owned());
+    }
 
-    let (written, failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
-    job.print_end(style, &result, &written);
+    let (written, mut failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
     if !failures.is_empty() {
+        // An end that names files would look like success.
+        failures.extend(written.iter().map(|path| format!("{}: written all the same", path.display())));
         return Err(CliError::System(failures.join("\n")));
     }
+    job.print_end(style, &result, &written);
     Ok(if result.finished { EXIT_DONE } else { EXIT_INTERRUPTED })
 }
 
@@ -67,6 +72,14 @@ fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<P
         }
     }
     (written, failures)
+}
+
+/// Whether no pixel has any light.
+fn is_black(picture: &Picture) -> bool {
+    ["R", "G", "B"]
+        .iter()
+        .filter_map(|name| picture.channel(name))
+        .all(|channel| channel.values.iter().all(|&v| v == 0.0))
 }
 
 /// Camera samples of the whole picture.

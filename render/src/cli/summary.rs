@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::error::painted;
 use super::progress::{Style, per_second, print_line};
 use crate::driver::Render;
+use crate::scene::count;
 use crate::settings::Settings;
 
 /// What is rendered.
@@ -24,20 +25,18 @@ impl Job<'_> {
     pub(super) fn print_start(&self, style: Style) {
         match style {
             Style::Silent => {}
-            Style::Json => {
-                print_line(&self.start_event());
-                for warning in &self.warnings {
-                    print_line(&json!({ "event": "warning", "message": warning }));
-                }
-            }
+            Style::Json => print_line(&self.start_event()),
             Style::Bar => {
-                let mut text = format!("{}\n", self.title());
-                for warning in &self.warnings {
-                    text += &format!("{} {warning}\n", painted("warning:", "1;33"));
-                }
-                let _ = std::io::stderr().write_all(text.as_bytes());
+                let _ = writeln!(std::io::stderr(), "{}", self.title());
             }
         }
+        self.warnings.iter().for_each(|warning| print_warning(style, warning));
+    }
+
+    /// Adds a warning after the start.
+    pub(super) fn warn(&mut self, style: Style, warning: String) {
+        print_warning(style, &warning);
+        self.warnings.push(warning);
     }
 
     /// Says how it went and what was written.
@@ -53,7 +52,7 @@ impl Job<'_> {
 
     fn title(&self) -> String {
         let Settings { width, height, spp, integrator, .. } = self.settings;
-        let threads = if self.threads == 1 { "1 thread".to_owned() } else { format!("{} threads", self.threads) };
+        let threads = count(self.threads, "thread", "threads");
         format!("{}: {width}x{height}, {spp} spp, {}, {threads}", self.scene, integrator.name())
     }
 
@@ -65,10 +64,8 @@ impl Job<'_> {
         for file in files {
             text += &format!("wrote {}\n", file.display());
         }
-        match self.warnings.len() {
-            0 => {}
-            1 => text += "1 warning, above\n",
-            several => text += &format!("{several} warnings, above\n"),
+        if !self.warnings.is_empty() {
+            text += &format!("{}, above\n", count(self.warnings.len(), "warning", "warnings"));
         }
         text
     }
@@ -100,6 +97,16 @@ impl Job<'_> {
             "files": files,
             "warnings": self.warnings,
         })
+    }
+}
+
+/// Warnings matter even to those who want to see no progress.
+fn print_warning(style: Style, warning: &str) {
+    match style {
+        Style::Json => print_line(&json!({ "event": "warning", "message": warning })),
+        Style::Bar | Style::Silent => {
+            let _ = writeln!(std::io::stderr(), "{} {warning}", painted("warning:", "1;33"));
+        }
     }
 }
 

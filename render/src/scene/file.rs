@@ -29,20 +29,18 @@
 //! radiance = [0.3, 0.4, 0.6]
 //! ```
 //!
-//! All but `scene.file` may be left out.
+//! All but `scene.file` may be left out. Each value is checked here; what only several options together can get wrong
+//! is left to [`Overrides::apply`], since the command line may still change it.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
 use toml::de::{DeTable, DeValue};
 
 use super::load;
 use super::nearest::suggestion;
-use super::overrides::check_pose;
 use super::value::{self, Expected, Value};
-use super::{CameraPose, Overrides, Place, Scene, SceneError};
-use crate::settings::{Invalid, Settings};
+use super::{Overrides, Place, Scene, SceneError};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +135,6 @@ impl Parser<'_> {
                     return Err(self.error(entry.at.start, problem, suggestion(entry.name, keys)));
                 }
             }
-            let together = check_together(section.name, &overrides);
-            together.map_err(|error| self.error(section.at.start, error.problem, error.remedy))?;
         }
         let remedy = "name one: [scene] on a line, then file = \"model.glb\"";
         let model = model.ok_or_else(|| SceneError::new(self.path, Place::File, "no model is named", remedy))?;
@@ -155,7 +151,7 @@ impl Parser<'_> {
             "vfov" => to.vfov = Some(self.read(value::vfov, section, entry)?),
             "width" => to.width = Some(self.read(value::side, section, entry)?),
             "height" => to.height = Some(self.read(value::side, section, entry)?),
-            "filter" => to.filter = Some(self.read(value::text, section, entry)?),
+            "filter" => to.filter = Some(self.read(value::filter, section, entry)?),
             "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
             "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
             "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
@@ -195,25 +191,6 @@ impl Parser<'_> {
 
     fn error(&self, offset: usize, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
         SceneError::new(self.path, Place::Line(line_of(self.text.as_bytes(), offset)), problem, remedy)
-    }
-}
-
-/// Checks what only the keys of a section together can get wrong.
-fn check_together(section: &str, overrides: &Overrides) -> Result<(), Invalid> {
-    match (section, overrides) {
-        ("camera", &Overrides { eye: Some(eye), target: Some(target), up, .. }) => {
-            check_pose(&CameraPose { eye, target, up: up.unwrap_or(Vec3::Y), vfov: 40.0 })
-        }
-        ("film", overrides) => {
-            if overrides.filter.is_some() {
-                overrides.film_filter()?;
-            }
-            let default = Settings::default();
-            let (width, height) =
-                (overrides.width.unwrap_or(default.width), overrides.height.unwrap_or(default.height));
-            Settings::check_pixels(width, height)
-        }
-        _ => Ok(()),
     }
 }
 

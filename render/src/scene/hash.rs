@@ -5,7 +5,8 @@ use glam::{Vec2, Vec3};
 use super::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
 
 impl Scene {
-    /// Equal for scenes that give equal pictures: names and warnings do not count.
+    /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
+    /// with different hashes may give equal pictures, too: an unused material counts.
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
         let Self { meshes, materials, lights, camera, sky: Sky { radiance }, warnings: _ } = self;

@@ -13,13 +13,14 @@ mod nearest;
 mod obj;
 mod overrides;
 mod ply;
+mod statement;
 mod value;
-mod wavefront;
 
 pub use builtin::cornell_box;
 pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;
+pub(crate) use model::count;
 pub use model::load;
-pub use overrides::Overrides;
+pub use overrides::{Conflict, Overrides};

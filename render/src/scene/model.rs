@@ -156,7 +156,7 @@ pub(super) fn unit(vector: Vec3) -> Option<Vec3> {
 }
 
 /// "1 face", "2 faces".
-pub(super) fn count(number: usize, one: &str, many: &str) -> String {
+pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 

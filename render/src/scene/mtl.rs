@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::model::count;
-use super::wavefront::{Statement, statements};
+use super::statement::{Statement, statements};
 use super::{Material, SceneError};
 
 /// Appends the materials in `bytes` to `materials`, and what was skipped or changed to `warnings`.
@@ -77,6 +77,14 @@ fn is_map(keyword: &[u8]) -> bool {
 
 /// Three numbers, or one that stands for all three.
 fn colour(statement: &Statement) -> Result<Vec3, SceneError> {
+    let other_space = match statement.words().next() {
+        Some(b"spectral") => Some("spectral colours are not read"),
+        Some(b"xyz") => Some("CIE XYZ colours are not read"),
+        _ => None,
+    };
+    if let Some(problem) = other_space {
+        return Err(statement.error(problem, "write three numbers, for red, green and blue"));
+    }
     if statement.words().count() == 1 {
         return Ok(Vec3::splat(statement.numbers::<1>()?[0]));
     }

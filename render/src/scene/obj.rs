@@ -17,7 +17,7 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::model::{count, unit};
-use super::wavefront::{Statement, shown, statements};
+use super::statement::{Statement, shown, statements};
 use super::{Material, Mesh, Scene, SceneError, mtl};
 
 /// Stands for an index that a corner leaves out. The file is too short for it to be a real one.

@@ -2,8 +2,10 @@
 //!
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
+use std::fmt;
+use std::path::{Path, PathBuf};
+
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;
 
@@ -24,11 +26,11 @@ pub struct Overrides {
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::point))]
     pub target: Option<Vec3>,
-    /// What points up in the picture [default: the model's, or 0,1,0]
+    /// What points up in the picture [default: 0,1,0 for a new camera, else the model's]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::direction))]
     pub up: Option<Vec3>,
-    /// Vertical field of view in degrees [default: the model's, or 40]
+    /// Vertical field of view in degrees [default: 40 for a new camera, else the model's]
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::vfov))]
     pub vfov: Option<f32>,
@@ -41,8 +43,9 @@ pub struct Overrides {
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
-    /// Pixel filter [default: box]
-    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = PossibleValuesParser::new(Filter::NAMES))]
+    /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's with its width and sharpness
+    /// [default: box]
+    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::filter))]
     pub filter: Option<String>,
     /// The filter's full width in pixels [default: the filter's own]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
@@ -78,13 +81,20 @@ pub struct Overrides {
     #[arg(value_parser = argument(value::radiance))]
     pub sky: Option<Vec3>,
     /// Which sides of all emitters emit: front or both [default: as each material says]
+    ///
+    /// Models tell the front by the order of a triangle's corners, and many do not care about it: if a lamp lights the
+    /// wrong way, try both.
     #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
     pub emits_both_sides: Option<bool>,
 }
 
 impl Overrides {
-    /// These options, and those of `fallback` where these are not set.
-    pub fn or(self, fallback: Self) -> Self {
+    /// These options, and those of `fallback` where these are not set. A filter's width and sharpness belong to it: if
+    /// a filter is set here, those of the fallback's do not count.
+    pub fn or(self, mut fallback: Self) -> Self {
+        if self.filter.is_some() {
+            (fallback.filter_width, fallback.sharpness) = (None, None);
+        }
         Self {
             eye: self.eye.or(fallback.eye),
             target: self.target.or(fallback.target),
@@ -107,10 +117,13 @@ impl Overrides {
 
     /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that
     /// was made up.
-    pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Invalid> {
+    ///
+    /// # Errors
+    /// If options do not go together, or with the scene.
+    pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Conflict> {
         let settings = self.settings()?;
         let aspect = f64::from(settings.width) / f64::from(settings.height);
-        scene.camera = Some(self.camera(scene, aspect)?);
+        scene.camera = Some(self.camera(scene, aspect).map_err(|error| Conflict::new(Group::Camera, error))?);
         if let Some(radiance) = self.sky {
             scene.sky.radiance = radiance;
         }
@@ -122,24 +135,33 @@ impl Overrides {
         Ok(settings)
     }
 
-    fn settings(&self) -> Result<Settings, Invalid> {
+    fn settings(&self) -> Result<Settings, Conflict> {
         let default = Settings::default();
         let settings = Settings {
             width: self.width.unwrap_or(default.width),
             height: self.height.unwrap_or(default.height),
-            filter: self.film_filter()?,
+            filter: self.film_filter().map_err(|error| Conflict::new(Group::Filter, error))?,
             integrator: self.integrator.unwrap_or(default.integrator),
             spp: self.spp.unwrap_or(default.spp),
             max_depth: self.max_depth.unwrap_or(default.max_depth),
             seed: self.seed.unwrap_or(default.seed),
             aov: self.aov.unwrap_or(default.aov),
         };
-        Settings::check_pixels(settings.width, settings.height)?;
+        Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;
         Ok(settings)
     }
 
+    /// Whether any option is set that a conflict in `group` may be about.
+    fn sets_any(&self, group: Group) -> bool {
+        match group {
+            Group::Camera => self.eye.is_some() || self.target.is_some() || self.up.is_some(),
+            Group::Size => self.width.is_some() || self.height.is_some(),
+            Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
+        }
+    }
+
     /// The pixel filter, `box` if none is named.
-    pub(super) fn film_filter(&self) -> Result<Filter, Invalid> {
+    fn film_filter(&self) -> Result<Filter, Invalid> {
         let name = self.filter.as_deref().unwrap_or("box");
         Filter::from_name(name, self.filter_width, self.sharpness)
             .map_err(|error| Invalid::new(error.problem, error.remedy))
@@ -154,8 +176,7 @@ impl Overrides {
             None => {
                 if !new {
                     scene.warnings.push(
-                        "the model has no camera; what the options leave open of it is chosen to show all of the model"
-                            .to_owned(),
+                        "the model has no camera; one that shows all of it is used (set --eye and --target)".to_owned(),
                     );
                 }
                 let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
@@ -174,6 +195,47 @@ impl Overrides {
     }
 }
 
+/// Options that do not go together, or with the scene.
+///
+/// Prints as [`Invalid`] does, after the scene file if that has a part in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Conflict {
+    group: Group,
+    error: Invalid,
+    file: Option<PathBuf>,
+}
+
+/// Options that can be in conflict with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    Camera,
+    Size,
+    Filter,
+}
+
+impl Conflict {
+    fn new(group: Group, error: Invalid) -> Self {
+        Self { group, error, file: None }
+    }
+
+    /// The conflict with the name of the scene at `path`, whose file sets `options`, if any of them are involved.
+    pub fn naming(self, path: &Path, options: &Overrides) -> Self {
+        let file = options.sets_any(self.group).then(|| path.to_owned());
+        Self { file, ..self }
+    }
+}
+
+impl fmt::Display for Conflict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}: ", file.display())?;
+        }
+        write!(f, "{}", self.error)
+    }
+}
+
+impl std::error::Error for Conflict {}
+
 /// Degrees; what a camera has whose vertical field of view is not given.
 const DEFAULT_VFOV: f32 = 40.0;
 
@@ -184,7 +246,7 @@ const MIN_SIN_UP: f64 = 1e-4;
 const MIN_VIEW_LENGTH: f64 = 1e-18;
 
 /// Refuses a pose from which no picture follows.
-pub(super) fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
+fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
     let CameraPose { eye, target, up, .. } = *pose;
     if eye.abs().max(target.abs()).max_element() > MAX_COORDINATE {
         return Err(Invalid::new(

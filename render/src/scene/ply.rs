@@ -248,7 +248,7 @@ impl<'a> File<'a> {
     /// The text of a line, cut if it is long.
     fn line(&self, line: usize) -> String {
         let text = self.bytes.split(|&byte| byte == b'\n').nth(line.saturating_sub(1)).unwrap_or_default();
-        super::wavefront::shown(text.trim_ascii())
+        super::statement::shown(text.trim_ascii())
     }
 
     fn check_vertices(&self, vertices: &[Vertex]) -> Result<(), SceneError> {

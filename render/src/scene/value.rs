@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use super::nearest::nearest;
+use crate::film::Filter;
 use crate::settings::{IntegratorKind, MAX_SIDE};
 
 /// A value whose meaning is not known yet.
@@ -147,11 +148,16 @@ pub(super) fn seed(value: &Value) -> Reading<u64> {
     value.integer().map_or_else(|| expected(format!("a whole number from 0 to {}", u64::MAX)), Ok)
 }
 
+/// A pixel filter's name.
+pub(super) fn filter(value: &Value) -> Reading<String> {
+    value.one_of(&Filter::NAMES.map(|name| (name, name))).map(str::to_owned)
+}
+
 /// A filter's full width in pixels.
 pub(super) fn filter_width(value: &Value) -> Reading<f32> {
     match value.finite() {
-        Some(width) if width > 0.0 => Ok(width),
-        _ => expected("a number of pixels, more than 0"),
+        Some(width) if width > 0.0 && width <= Filter::MAX_WIDTH => Ok(width),
+        _ => expected(format!("a number of pixels, more than 0 and at most {}", Filter::MAX_WIDTH)),
     }
 }
 
@@ -209,6 +215,8 @@ mod tests {
         assert!(argument(seed)("18446744073709551616").is_err());
         assert!(argument(seed)("-1").is_err());
         assert!(argument(filter_width)("0").is_err());
+        assert_eq!(argument(filter_width)("64"), Ok(64.0));
+        assert!(argument(filter_width)("64.1").is_err());
         assert!(argument(filter_width)("1e39").is_err(), "infinite as a 32-bit float");
         assert!(argument(sharpness)("1.01").is_err());
         assert!(argument(radiance)("1,-1,1").is_err());
@@ -225,6 +233,8 @@ mod tests {
     fn misspelt_names_get_the_nearest() {
         let error = argument(integrator)("pth").unwrap_err();
         assert_eq!(error.to_string(), "expected one of path, normals, albedo; did you mean `path`?");
+        let error = argument(filter)("bx").unwrap_err();
+        assert_eq!(error.to_string(), "expected one of box, tent, gaussian, mitchell; did you mean `box`?");
         assert_eq!(argument(emission)("back").unwrap_err().to_string(), "expected one of front, both");
     }
 }

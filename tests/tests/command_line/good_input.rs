@@ -31,6 +31,27 @@ fn a_scene_without_light_is_black_and_gives_a_warning() {
     assert!(normals.code == Some(0) && !normals.stderr.contains("no light"), "{}", normals.stderr);
 }
 
+/// A lamp seen from behind: nothing is lit.
+#[test]
+fn a_black_picture_in_spite_of_a_light_gives_a_warning() {
+    let desk = Desk::new();
+    desk.program().put("lamp.mtl", "newmtl lamp\nKe 1 1 1\n");
+    desk.program().put("lamp.obj", format!("mtllib lamp.mtl\nusemtl lamp\n{TRIANGLE}"));
+    let render = |eye: &str, options: &str| {
+        let camera = format!("--eye {eye} --target 0.2,0.2,0 --vfov 5");
+        let outcome = desk.run(&format!("render lamp.obj --size 4x4 --spp 1 -o a.exr {camera} {options}"));
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        (values(&desk, "a.exr", "G"), outcome.stderr.contains("the picture is black although the scene has lights"))
+    };
+    let (front, behind) = ("0.2,0.2,1", "0.2,0.2,-1");
+    for mode in ["json", "bar", "none"] {
+        assert_eq!(render(behind, &format!("--progress {mode}")), (vec![0.0; 16], true));
+    }
+    assert_eq!(render(front, ""), (vec![1.0; 16], false));
+    assert_eq!(render(behind, "--emission both"), (vec![1.0; 16], false));
+    assert!(!render(behind, "--integrator albedo").1);
+}
+
 #[test]
 fn degenerate_triangles_are_dropped_and_counted() {
     let desk = Desk::new();

@@ -12,21 +12,22 @@ fn places_that_cannot_be_written_are_found_before_the_render() {
     desk.program().put("file", "not a folder");
     fs::create_dir(desk.folder.path().join("folder.exr")).unwrap();
     // A render would announce itself before the error.
-    let refuses = |output: &str, code, parts: &[&str]| {
+    let refuses = |output: &str, parts: &[&str]| {
         let parts = [&["\n  help: "], parts].concat();
-        desk.refuses(&format!("render t.obj --size 16x16 --spp 4 -o {output}"), code, &parts);
+        desk.refuses(&format!("render t.obj --size 16x16 --spp 4 -o {output}"), 1, &parts);
         // One bad output among good ones is enough.
-        desk.refuses(&format!("render t.obj --size 16x16 --spp 4 -o good.exr -o {output} -o good.png"), code, &parts);
+        desk.refuses(&format!("render t.obj --size 16x16 --spp 4 -o good.exr -o {output} -o good.png"), 1, &parts);
     };
-    refuses("no/where.exr", 2, &["no/where.exr", "the folder no does not exist"]);
-    refuses("file/a.exr", 2, &["file/a.exr", "file is not a folder"]);
-    refuses("folder.exr", 2, &["folder.exr", "is a folder"]);
-    refuses("a.jpg", 1, &["a.jpg", ".exr", ".png"]);
-    refuses("a", 1, &["a: has no extension"]);
-    refuses("same.png -o same.png", 1, &["same.png would be written twice"]);
-    refuses(&format!("{}.exr", "x".repeat(300)), 2, &["cannot be written"]);
+    refuses("no/where.exr", &["no/where.exr", "the folder no does not exist"]);
+    refuses("file/a.exr", &["file/a.exr", "file is not a folder"]);
+    refuses("folder.exr", &["folder.exr", "is a folder"]);
+    refuses("a.jpg", &["a.jpg", ".exr", ".png"]);
+    refuses("a", &["a: has no extension"]);
+    refuses("same.png -o same.png", &["same.png would be written twice"]);
+    refuses("same.png -o ./same.png", &["./same.png would be written twice"]);
+    refuses(&format!("{}.exr", "x".repeat(300)), &["cannot be written"]);
     #[cfg(target_os = "linux")]
-    refuses("/proc/a.exr", 2, &["/proc/a.exr", "cannot be written"]);
+    refuses("/proc/a.exr", &["/proc/a.exr", "cannot be written"]);
 }
 
 #[cfg(unix)]
@@ -36,7 +37,7 @@ fn write_protected_files_are_left_alone() {
     let desk = Desk::new();
     let path = desk.program().put("old.exr", "old");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
-    desk.refuses("render t.obj -o old.exr", 2, &["old.exr", "write-protected", "help: "]);
+    desk.refuses("render t.obj -o old.exr", 1, &["old.exr", "write-protected", "help: "]);
 }
 
 /// The disk is "full" from the first block on: a limit that the shell sets, with the signal of it ignored.
@@ -52,12 +53,18 @@ fn a_failed_write_leaves_the_old_file_and_no_trace() {
     let script = format!("trap '' XFSZ; ulimit -f 0; exec {:?} \"$@\"", program.executable);
     let run = std::process::Command::new("sh")
         .args(["-c", &script, "sh", "render", "cornell", "--size", "40x40", "--spp", "1", "-o", "a.exr", "-o", "a.png"])
+        .args(["--progress", "json"])
         .current_dir(program.folder)
         .output()
         .unwrap();
     let stderr = String::from_utf8(run.stderr).unwrap();
     assert_eq!(run.status.code(), Some(2), "{stderr}");
-    assert!(stderr.contains("a.exr: cannot be written") && stderr.contains("a.png: cannot be written"), "{stderr}");
+    let events = crate::good_input::events(&stderr);
+    assert!(events.iter().all(|event| event["event"] != "end"), "{stderr}");
+    let error = events.last().unwrap();
+    assert_eq!(error["event"], "error");
+    let message = error["message"].as_str().unwrap();
+    assert!(message.contains("a.exr: cannot be written") && message.contains("a.png: cannot be written"), "{stderr}");
     assert!(program.files() == before, "the folder has changed");
 }
 
@@ -66,7 +73,7 @@ fn old_pictures_are_replaced_and_nothing_else_is_left() {
     let desk = Desk::new();
     desk.program().put("t.exr", "old");
     let outcome = desk.run(&format!("render t.obj {OPTIONS}"));
-    assert_eq!((outcome.code, outcome.stdout.as_str(), outcome.stderr.as_str()), (Some(0), "", ""));
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(0), ""), "{}", outcome.stderr);
     let names: Vec<_> = desk.program().files().into_keys().collect();
     assert_eq!(names, ["t.exr", "t.obj", "t.png"]);
     let picture = halfdome::output::read_exr(&desk.folder.path().join("t.exr")).unwrap();

@@ -57,12 +57,27 @@ fn progress_as_json_is_one_object_a_line_on_stderr() {
 #[test]
 fn silence_is_kept_and_a_summary_told_when_asked_for() {
     let desk = Desk::new();
-    let silent = desk.run("render t.obj --size 8x8 --spp 4 -o a.exr --progress none");
+    let silent = desk.run("render cornell --size 8x8 --spp 4 -o a.exr --progress none");
     assert_eq!((silent.code, silent.stdout.as_str(), silent.stderr.as_str()), (Some(0), "", ""));
+    let warned = desk.run("render t.obj --size 8x8 --spp 4 -o a.exr --progress none");
+    assert_eq!((warned.code, warned.stdout.as_str()), (Some(0), ""));
+    let warnings: Vec<_> = warned.stderr.lines().collect();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].starts_with("warning: the model has no camera"), "{warnings:?}");
+    assert!(warnings[1].starts_with("warning: the scene has no light"), "{warnings:?}");
     let told = desk.run("render cornell --size 8x8 --spp 4 -o a.exr --progress bar");
     assert_eq!((told.code, told.stdout.as_str()), (Some(0), ""));
     assert!(told.stderr.contains("cornell: 8x8, 4 spp") && told.stderr.contains("wrote a.exr"), "{}", told.stderr);
     assert!(!told.stderr.contains('\x1b'), "no colours where there is no terminal: {}", told.stderr);
+}
+
+#[test]
+fn an_error_is_a_line_of_json_where_lines_of_json_are_asked_for() {
+    let outcome = Desk::new().run("render nothing.obj --progress json");
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(1), ""));
+    let [error] = &events(&outcome.stderr)[..] else { panic!("{}", outcome.stderr) };
+    assert_eq!(error["event"], "error");
+    assert!(error["message"].as_str().unwrap().starts_with("nothing.obj: no such file\n  help: "), "{error}");
 }
 
 #[test]

@@ -1,6 +1,9 @@
+use glam::Vec3;
+
 use super::*;
 use crate::film::Filter;
-use crate::settings::IntegratorKind;
+use crate::scene::CameraPose;
+use crate::settings::{IntegratorKind, Settings};
 
 /// Parses `text` as the scene file `room.toml` beside a model `room.obj`.
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
@@ -121,19 +124,34 @@ fn wrong_values_are_errors_with_their_line() {
         (4, "[sky]\nradiance = [1, 1, -1]"),
         (4, "[sky]\nradiance = [1, 1]"),
         (4, "[sky]\nradiance = 2026-01-01"),
-        // Checked together, reported at the section.
-        (3, "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]"),
-        (3, "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 0]"),
-        (3, "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 5]\nup = [0, -1, 1]"),
-        (3, "[film]\nwidth = 65536\nheight = 65536"),
-        (3, "[film]\nfilter = \"lens\""),
+        (4, "[film]\nfilter_width = 65"),
+        (4, "[film]\nfilter = \"lens\""),
     ] {
         let (found, problem, remedy) = error(text);
         assert_eq!(found, line, "{text}: {problem}");
         assert!(!remedy.is_empty());
     }
+    let bx = error("[film]\nfilter = \"bx\"");
+    assert_eq!((bx.0, bx.1.as_str()), (4, "film.filter is \"bx\""));
+    assert_eq!(bx.2, "expected one of box, tent, gaussian, mitchell; did you mean `box`?");
     assert_eq!(error("[camera]\nvfov = 200").1, "camera.vfov is 200");
     assert_eq!(error("[camera]\nvfov = 200").2, "expected degrees, more than 0 and less than 180");
+}
+
+/// The command line may still change one of them.
+#[test]
+fn options_that_do_not_go_together_are_read() {
+    for text in [
+        "[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]",
+        "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 0]",
+        "[film]\nwidth = 65536\nheight = 65536",
+        "[film]\nfilter = \"box\"\nsharpness = 0.5",
+    ] {
+        assert!(overrides(text).apply(&mut Scene::default()).is_err(), "{text}");
+    }
+    let file = overrides("[film]\nwidth = 65536\nheight = 65536");
+    let arguments = Overrides { height: Some(4), ..Default::default() };
+    assert_eq!(arguments.or(file).apply(&mut Scene::default()).unwrap().height, 4);
 }
 
 #[test]

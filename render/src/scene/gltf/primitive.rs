@@ -108,9 +108,11 @@ fn check_counts(
     normals: Option<usize>,
     texcoords: Option<usize>,
 ) -> Result<(), SceneError> {
-    for (name, found) in [("NORMAL", normals), ("TEXCOORD_0", texcoords)] {
+    for (one, many, found) in [("normal", "normals", normals), ("texture coordinate", "texture coordinates", texcoords)]
+    {
         if let Some(found) = found.filter(|&found| found != positions) {
-            let problem = format!("it has {positions} of POSITION, but {found} of {name}");
+            let positions = count(positions, "position", "positions");
+            let problem = format!("it has {positions} but {}", count(found, one, many));
             return Err(document.error(place, problem, "give every vertex all attributes"));
         }
     }

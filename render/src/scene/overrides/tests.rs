@@ -2,7 +2,7 @@ use super::*;
 use crate::scene::Mesh;
 
 /// A scene of one triangle with `camera` after `overrides` are applied, and the settings.
-fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Invalid> {
+fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Conflict> {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
     let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Default::default() };
     let mut scene = Scene { meshes: vec![mesh], materials: vec![Default::default()], camera, ..Scene::default() };
@@ -45,6 +45,43 @@ fn combinations_that_cannot_be_rendered_are_refused() {
         assert!(applied(&wrong, model).is_err(), "{wrong:?}");
     }
     assert!(applied(&Overrides { width: Some(65_536), height: Some(4_096), ..Default::default() }, model).is_ok());
+}
+
+#[test]
+fn a_conflict_names_the_scene_file_that_has_a_part_in_it() {
+    let shown = |arguments: Overrides, file: Overrides| {
+        let error = applied(&arguments.or(file.clone()), None).unwrap_err();
+        error.naming(Path::new("s.toml"), &file).to_string()
+    };
+    let eye = Overrides { eye: Some(Vec3::ONE), ..Default::default() };
+    let target = Overrides { target: Some(Vec3::ONE), ..Default::default() };
+    assert!(shown(eye.clone(), target.clone()).starts_with("s.toml: the camera's eye"));
+    let wide = Overrides { width: Some(65_536), ..Default::default() };
+    let high = Overrides { height: Some(65_536), ..Default::default() };
+    assert!(shown(wide.clone(), high).starts_with("s.toml: 65536x65536 are"));
+    let sharp = Overrides { sharpness: Some(0.5), ..Default::default() };
+    assert!(
+        shown(Overrides::default(), sharp.clone()).starts_with("s.toml: the box filter has no sharpness\n  help: ")
+    );
+    // What the file sets has nothing to do with these.
+    let both = Overrides { height: Some(65_536), ..wide.clone() };
+    assert!(shown(both, eye.clone()).starts_with("65536x65536 are"));
+    assert!(shown(Overrides { target: eye.eye, ..eye }, wide).starts_with("the camera's eye"));
+    assert!(shown(sharp, target).starts_with("the box filter"));
+}
+
+#[test]
+fn a_filter_comes_without_the_width_and_sharpness_of_the_one_it_replaces() {
+    let file = Overrides {
+        filter: Some("mitchell".into()),
+        filter_width: Some(3.0),
+        sharpness: Some(0.5),
+        ..Default::default()
+    };
+    let filter = |arguments: Overrides| applied(&arguments.or(file.clone()), None).unwrap().1.filter;
+    assert_eq!(filter(Overrides { filter: Some("box".into()), ..Default::default() }), Filter::Box { width: 1.0 });
+    let wider = Overrides { filter_width: Some(6.0), ..Default::default() };
+    assert_eq!(filter(wider), Filter::Mitchell { width: 6.0, sharpness: 0.5 });
 }
 
 #[test]

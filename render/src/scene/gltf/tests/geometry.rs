@@ -149,7 +149,7 @@ fn accessors_out_of_range() {
         ("/accessors/1/componentType", json!(5122), "accessor 1: it is VEC3 of short, and serves as NORMAL"),
         ("/accessors/2/componentType", json!(5125), "accessor 2: it is VEC2 of unsigned int, and serves as TEXCOORD_0"),
         ("/accessors/2/componentType", json!(1), "accessor 2: it is VEC2 of unknown, and serves as TEXCOORD_0"),
-        ("/accessors/1/count", json!(2), "mesh 0, primitive 0: it has 3 of POSITION, but 2 of NORMAL"),
+        ("/accessors/1/count", json!(2), "mesh 0, primitive 0: it has 3 positions but 2 normals"),
         (
             "/meshes/0/primitives/0/attributes/POSITION",
             json!(8),
