@@ -63,7 +63,7 @@ pub struct Overrides {
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub spp: Option<u32>,
-    /// Most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 64]
+    /// Most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 1024]
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub max_depth: Option<u32>,
