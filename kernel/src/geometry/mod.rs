@@ -6,8 +6,9 @@
 //! the same point whichever triangle it belongs to, and the sign of an edge function is exact (an exact zero is decided
 //! in `f64`, where the products are exact), so no ray slips through between triangles that share an edge or a vertex.
 //!
-//! Two deviations. Barycentric weights are found before `t`, so that `t` stays a convex combination of the vertices'
-//! depths however thin the triangle. And `t` is clamped to the interval in which the ray is inside the triangle's own
+//! Three deviations. Barycentric weights are found before `t`, so that `t` is a combination of the vertices' depths
+//! however thin the triangle. The weights are then refined: the sheared corners' mean by them should be the origin, and
+//! is moved there along the longest edge, which takes most of the error out of `t`, `u` and `v`. And `t` is clamped to the interval in which the ray is inside the triangle's own
 //! box, widened by a bound of the shear's rounding: every box of a tree that encloses the triangle then contains `t` in
 //! *its* interval too, since every rounded operation is monotonic. So culling by boxes never loses a hit, ties included,
 //! and a tree gives exactly what a loop over all triangles gives.

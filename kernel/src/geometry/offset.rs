@@ -8,8 +8,7 @@ use glam::{DVec3, Vec3};
 
 use super::Triangle;
 
-/// In units of the largest coordinate: 16 roundings, where the hit point and the test together make fewer, unless the
-/// triangle is a needle: along it `t`, `u` and `v` are uncertain by its length over its width times a rounding.
+/// In units of the largest coordinate: 16 roundings, where the hit point and the test together make fewer.
 const ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 
 /// The unit normal of the side from which the corners of `triangle` run counter-clockwise; zero if it has no area. In

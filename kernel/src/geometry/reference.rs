@@ -53,6 +53,7 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
         let inverse = 1.0 / determinant;
         (u * inverse, v * inverse, w * inverse)
     };
+    let (u, v, w) = refine([(ax, ay), (bx, by), (cx, cy)], [u, v, w]);
     let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * sz;
 
     // The ray's interval in the triangle's widened box.
@@ -75,4 +76,29 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
         t = far + 0.0;
     }
     (near <= far && ray.t_min <= t && t <= ray.t_max).then_some(Hit { t, u: v, v: w, prim_id: 0 })
+}
+
+/// Weights with which the mean of the 2D `corners` is nearer to the origin: it is moved along the longest edge.
+fn refine(corners: [(f32, f32); 3], weights: [f32; 3]) -> (f32, f32, f32) {
+    let [(ax, ay), (bx, by), (cx, cy)] = corners;
+    let [u, v, w] = weights;
+    let (x, y) = (u * ax + v * bx + w * cx, u * ay + v * by + w * cy);
+    let edge = |(px, py): (f32, f32), (qx, qy): (f32, f32)| (qx - px, qy - py);
+    let edges = [edge((ax, ay), (bx, by)), edge((bx, by), (cx, cy)), edge((cx, cy), (ax, ay))];
+    let length = edges.map(|(ex, ey)| ex * ex + ey * ey);
+    let longest = if length[1] <= length[0] && length[2] <= length[0] {
+        0
+    } else if length[2] <= length[1] {
+        1
+    } else {
+        2
+    };
+    let (ex, ey) = edges[longest];
+    let shift = if length[longest] < LEAST_DETERMINANT { 0.0 } else { (x * ex + y * ey) / length[longest] };
+    let mut refined = [u, v, w];
+    refined[longest] += shift;
+    refined[(longest + 1) % 3] -= shift;
+    // Never a negative zero.
+    let [u, v, w] = refined.map(|weight| weight.clamp(0.0, 1.0) + 0.0);
+    (u, v, w)
 }

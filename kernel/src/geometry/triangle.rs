@@ -44,6 +44,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
         }
         (u, v, w) = (L::load(&weights[0]), L::load(&weights[1]), L::load(&weights[2]));
     }
+    let (u, v, w) = refine([ax, ay], [bx, by], [cx, cy], [u, v, w]);
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2];
 
     // The interval in which the ray is inside the triangle's own box.
@@ -72,6 +73,39 @@ fn shear<const N: usize, L: Lanes<N>>(p: [L; 3], shear: [L; 2]) -> [L; 2] {
 #[inline(always)]
 fn reach<const N: usize, L: Lanes<N>>(a: L, b: L, c: L) -> L {
     a.abs().max(b.abs()).max(c.abs())
+}
+
+/// Weights with which the corners' mean is nearer to the ray. The areas of a needle are small differences, and along it
+/// the mean strays by a rounding times length over width: it is moved back along the longest edge.
+#[inline(always)]
+fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w]: [L; 3]) -> (L, L, L) {
+    let stray = [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1]];
+    let (ab, bc, ca) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]], [a[0] - c[0], a[1] - c[1]]);
+    let (ab2, bc2, ca2) = (dot(ab, ab), dot(bc, bc), dot(ca, ca));
+    let zero = L::splat(0.0);
+    let ab_longest = bc2.le(ab2) & ca2.le(ab2);
+    let bc_longest = ca2.le(bc2);
+    let along = L::select(ab_longest, dot(stray, ab), L::select(bc_longest, dot(stray, bc), dot(stray, ca)));
+    let length = ab2.max(bc2).max(ca2);
+    let shift = L::select(L::splat(LEAST_DETERMINANT).le(length), along / length, zero);
+    // From the edge's end to its beginning: `shift` of the weight.
+    let to_u = L::select(ab_longest, shift, L::select(bc_longest, zero, zero - shift));
+    let to_v = L::select(ab_longest, zero - shift, L::select(bc_longest, shift, zero));
+    let to_w = L::select(ab_longest, zero, L::select(bc_longest, zero - shift, shift));
+    (unit(u + to_u), unit(v + to_v), unit(w + to_w))
+}
+
+#[inline(always)]
+fn dot<const N: usize, L: Lanes<N>>(p: [L; 2], q: [L; 2]) -> L {
+    p[0] * q[0] + p[1] * q[1]
+}
+
+/// A weight in 0..=1, never a negative zero.
+#[inline(always)]
+fn unit<const N: usize, L: Lanes<N>>(x: L) -> L {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let x = L::select(x.lt(zero), zero, x);
+    L::select(one.lt(x), one, x) + zero
 }
 
 /// Where the ray enters and leaves the slab of one axis around three corners, widened by their error.

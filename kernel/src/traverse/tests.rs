@@ -349,7 +349,11 @@ fn a_ray_that_leaves_a_triangle_does_not_hit_it() {
     for i in 0..200_000 {
         let shift = random.vector() * [0.0, 1.0, 1e3, 1e6][i % 4];
         let scale = [1.0, 1e-3, 1e4, 1e-2, 7.0][i % 5];
-        let triangle = [(); 3].map(|()| random.vector() * scale + shift);
+        let mut triangle = [(); 3].map(|()| random.vector() * scale + shift);
+        if i % 7 == 0 {
+            // A needle.
+            triangle[2] = triangle[0].lerp(triangle[1], random.unit()) + random.vector() * (scale * 1e-5);
+        }
         let (mut u, mut v) = (random.unit(), random.unit());
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);

@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
     let degenerate = world.build_report().degenerate;
     if degenerate > 0 {
-        let dropped = count(degenerate, "triangle without an area is", "triangles without an area are");
+        let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
         warnings.push(format!("{dropped} dropped"));
     }
     let mut job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };

@@ -55,14 +55,14 @@ fn a_black_picture_in_spite_of_a_light_gives_a_warning() {
 #[test]
 fn degenerate_triangles_are_dropped_and_counted() {
     let desk = Desk::new();
-    desk.program().put("thin.obj", format!("{TRIANGLE}v 2 0 0\nf 1 1 2\nf 1 2 4\n"));
+    desk.program().put("thin.obj", format!("{TRIANGLE}v 2 0 0\nf 1 1 2\nf 2 4 4\n"));
     let info = desk.run("info thin.obj");
     assert!(info.stdout.contains("3 (2 degenerate, dropped)"), "{}", info.stdout);
     let json: Value = serde_json::from_str(&desk.run("info thin.obj --json").stdout).unwrap();
     assert_eq!((&json["triangles"], &json["tree"]["degenerate_triangles"]), (&3.into(), &2.into()));
     for mode in ["json", "bar"] {
         let render = desk.run(&format!("render thin.obj --size 4x4 --spp 1 --progress {mode} -o a.exr"));
-        let expected = "2 triangles without an area are dropped";
+        let expected = "2 triangles with two equal corners are dropped";
         assert!(render.code == Some(0) && render.stderr.contains(expected), "{}", render.stderr);
     }
 }
