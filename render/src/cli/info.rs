@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 
 use glam::{DVec3, Vec3};
+use halfdome_kernel::Isa;
 use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
@@ -24,6 +25,8 @@ struct Info {
     camera: Camera,
     bounds: Option<Bounds>,
     tree: Tree,
+    /// What rays are traced with.
+    instruction_set: &'static str,
     warnings: Vec<String>,
 }
 
@@ -96,6 +99,7 @@ impl Info {
             lights: Lights::of(&scene),
             camera: Camera { eye: pose.eye, target: pose.target, up: pose.up, vfov: pose.vfov },
             bounds: scene.bounds().map(|(lower, upper)| Bounds { lower, upper }),
+            instruction_set: Isa::detect().level().name(),
             warnings: std::mem::take(&mut scene.warnings),
             tree: Tree::of(&World::new(scene).map_err(CliError::input)?),
         };
@@ -133,6 +137,7 @@ impl Info {
         row("tree memory", memory::size(tree.bytes as u64));
         row("tree quality", format!("SAH cost {:.2}", tree.sah_cost));
         row("tree shape", format!("depth {}, {} nodes, {} leaf blocks", tree.depth, tree.nodes, tree.leaf_blocks));
+        row("instruction set", self.instruction_set.to_owned());
         for warning in &self.warnings {
             row("warning", warning.clone());
         }

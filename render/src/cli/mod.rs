@@ -13,6 +13,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
+use halfdome_kernel::{Isa, Level};
+
 use clap::Parser;
 
 use args::{Arguments, Command};
@@ -44,6 +46,10 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
         }
     };
+    if let Err(error) = check_isa() {
+        error.print(Mode::Auto);
+        return ExitCode::from(error.exit_code());
+    }
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
         Command::Render(arguments) => (render::run(&arguments), arguments.progress),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
@@ -52,6 +58,20 @@ pub fn main() -> ExitCode {
         error.print(mode);
         error.exit_code()
     }))
+}
+
+/// Refuses a `HALFDOME_ISA` that this machine does not have: the kernel would pass over it in silence.
+fn check_isa() -> Result<(), CliError> {
+    let Some(wanted) = std::env::var_os("HALFDOME_ISA") else { return Ok(()) };
+    let level = wanted.to_str().and_then(|name| name.parse::<Level>().ok());
+    if level.and_then(Isa::new).is_some() {
+        return Ok(());
+    }
+    let known: Vec<_> = Level::ALL.into_iter().filter(|&level| Isa::new(level).is_some()).map(Level::name).collect();
+    Err(CliError::Input(format!(
+        "HALFDOME_ISA is {wanted:?}, which this machine does not have\n  help: unset it, or choose one of {}",
+        known.join(", ")
+    )))
 }
 
 /// The scene called `name` with the options of its file, if it has one, below those of `arguments`.

@@ -81,6 +81,29 @@ fn an_error_is_a_line_of_json_where_lines_of_json_are_asked_for() {
 }
 
 #[test]
+fn the_instruction_set_can_be_forced_and_is_told() {
+    let desk = Desk::new();
+    let run = |isa: &str, line: &str| {
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        let output = desk.program().command(&arguments).env("HALFDOME_ISA", isa).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (code, table, _) = run("scalar", "info cornell");
+    assert!(code == Some(0) && table.contains("instruction set     scalar"), "{table}");
+    let (code, _, error) = run("mmx", "render cornell");
+    assert!(code == Some(1) && error.contains("HALFDOME_ISA is \"mmx\"") && error.contains("scalar, "), "{error}");
+    assert!(!desk.program().files().contains_key(std::ffi::OsStr::new("cornell.exr")));
+    // The same picture with each of them.
+    for isa in ["scalar", "portable"] {
+        let (code, ..) = run(isa, &format!("render cornell --size 16x16 --spp 2 --progress none -o {isa}.png"));
+        assert_eq!(code, Some(0));
+    }
+    let files = desk.program().files();
+    assert_eq!(files[std::ffi::OsStr::new("scalar.png")], files[std::ffi::OsStr::new("portable.png")]);
+}
+
+#[test]
 fn a_reader_that_has_enough_is_no_error() {
     let desk = Desk::new();
     let mut child = desk.program().command(&["info", "cornell", "--json"]).spawn().unwrap();

@@ -155,13 +155,15 @@ fn boxes_of_empty_slots() {
 fn children_that_are_elsewhere() {
     let (refused, traced) = fuzz(3000, |nodes, blocks, random| {
         let child = match random.below(4) {
-            0 => Child::Node(random.below(nodes.len()) as u32),
-            1 => Child::Leaf { first: random.below(blocks.len() + 2) as u32, count: 1 + random.below(32) as u32 },
-            2 => Child::Empty,
-            _ => Child::unpack(random.bits()),
+            0 => Child::Node(random.below(nodes.len()) as u32).pack(),
+            1 => {
+                Child::Leaf { first: random.below(blocks.len() + 2) as u32, count: 1 + random.below(32) as u32 }.pack()
+            }
+            2 => Child::Empty.pack(),
+            _ => random.bits(),
         };
         let node = random.below(nodes.len());
-        nodes[node].children[random.below(WIDTH)] = child.pack();
+        nodes[node].children[random.below(WIDTH)] = child;
     });
     assert!(refused > 2000 && refused + traced == 3000, "{refused} {traced}");
 }
@@ -205,14 +207,16 @@ fn cycles_are_refused() {
                 let mut node = Node::EMPTY;
                 node.set(3, &aabb, Child::Node(next));
                 // Siblings fill the stack.
-                (4..8).for_each(|slot| node.set(slot, &aabb, Child::Leaf { first: 0, count: 1 }));
+                let leaf = |slot: usize| Child::Leaf { first: 4 * (next - 1) + slot as u32 - 4, count: 1 };
+                (4..8).for_each(|slot| node.set(slot, &aabb, leaf(slot)));
                 node
             })
             .collect();
         chain.push(Node::EMPTY);
         let mut block = TriangleBlock::EMPTY;
         block.set(0, &[Vec3::ZERO, Vec3::X, Vec3::Y], 9);
-        match BvhView::new(&chain, &[block]) {
+        let blocks = vec![block; 4 * (chain.len() - 1)];
+        match BvhView::new(&chain, &blocks) {
             Ok(tree) => {
                 assert!(sound);
                 check_accepted(&tree, &[Ray::new(Vec3::new(0.2, 0.2, 2.0), Vec3::NEG_Z), Ray::new(Vec3::ONE, Vec3::X)]);
