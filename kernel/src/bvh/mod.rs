@@ -1,7 +1,7 @@
 //! The bounding-volume hierarchy: eight boxes a node, triangles in blocks of eight.
 //!
 //! Building runs in three stages. A binary tree with one triangle a leaf comes from obvhs (`std`) or from median splits
-//! (`alloc`); [`collapse`] then picks the eight-wide tree of least cost that can be made of it, and lays it out;
+//! (`alloc`); `collapse` then picks the eight-wide tree of least cost that can be made of it, and lays it out;
 //! [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the result, from wherever it lies.
 
 #[cfg(any(feature = "alloc", test))]

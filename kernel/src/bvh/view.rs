@@ -20,7 +20,7 @@ impl<'a> BvhView<'a> {
     /// # Errors
     /// [`InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do not
     /// enclose what is in them, orders of children that leave one out, coordinates out of limits, or a traversal that
-    /// would need more than [`MAX_STACK`] entries. `prim_id`s are the caller's, and are not looked at.
+    /// would need more than [`MAX_STACK`](super::MAX_STACK) entries. `prim_id`s are the caller's, and are not looked at.
     pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, InvalidTree> {
         validate::validate(nodes, blocks)?;
         Ok(Self::trusted(nodes, blocks))

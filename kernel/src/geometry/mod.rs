@@ -17,8 +17,8 @@
 //! For extents above 1e-30 (smaller ones are subject to underflow, and may leak).
 //!
 //! With `u = 2⁻²⁴` and `A` a vertex relative to the origin, the sheared `A.x - (d.x / d.z) A.z` is off by at most
-//! `u |A.x| + 4 u |A.z|`, and the distance to a plane of the box by `3 u` of itself. [`setup::OWN_PAD`] covers both for
-//! the triangle's own box. [`setup::NODE_PAD`] covers them twice over for the nodes, plus the rounding of the shifted
+//! `u |A.x| + 4 u |A.z|`, and the distance to a plane of the box by `3 u` of itself. `setup::OWN_PAD` covers both for
+//! the triangle's own box. `setup::NODE_PAD` covers them twice over for the nodes, plus the rounding of the shifted
 //! origin, so that a node's interval always contains that of each triangle in it, even if a backend fuses multiply
 //! and add in the nodes' test.
 
