@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::Parser;
 use halfdome_benches::measure::{self, Timing};
 use halfdome_benches::rays::{self, RayCounts, RaySet};
-use halfdome_benches::scenes::{self, Scene, SceneError};
+use halfdome_benches::scenes::{self, Scene};
 use halfdome_benches::tracer::Entry;
 use halfdome_kernel::{BuildOptions, Bvh, BvhView};
 
@@ -36,21 +36,7 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let test = options.test || !options.bench;
-    for name in &options.scenes {
-        let result = match scenes::by_name(name) {
-            Ok(scene) => bench(&scene, if test { 0 } else { options.rounds }),
-            Err(error @ SceneError::Unavailable { .. }) => {
-                println!("skipped: {error}\n");
-                Ok(())
-            }
-            Err(error) => Err(error.into()),
-        };
-        if let Err(error) = result {
-            eprintln!("error: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    scenes::for_each(&options.scenes, |scene| bench(scene, if test { 0 } else { options.rounds }))
 }
 
 /// Traces a scene's rays in `rounds` rounds, a few rays if that is none, and prints a line for each kind.

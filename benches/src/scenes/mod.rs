@@ -6,7 +6,9 @@
 mod kitchen;
 mod made;
 
+use std::error::Error;
 use std::fmt;
+use std::process::ExitCode;
 
 use glam::Vec3;
 use halfdome::scene;
@@ -142,6 +144,25 @@ impl fmt::Display for SceneError {
             Self::Unavailable { name, reason } => write!(f, "the scene `{name}` is not here: {reason}"),
         }
     }
+}
+
+/// Runs `work` on each scene, skips those that are not to be had, and stops at the first error; both are told on stderr.
+pub fn for_each(names: &[String], mut work: impl FnMut(&Scene) -> Result<(), Box<dyn Error>>) -> ExitCode {
+    for name in names {
+        let result = match by_name(name) {
+            Ok(scene) => work(&scene),
+            Err(error @ SceneError::Unavailable { .. }) => {
+                eprintln!("skipped: {error}");
+                Ok(())
+            }
+            Err(error) => Err(error.into()),
+        };
+        if let Err(error) = result {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Builds a binary tree by halving: sort by centroid along the longest axis, split in the middle.
 //!
 //! Needs no `std` and always gives the least possible depth, `ceil(log2 n)`, which is why it is also the way out when a
-//! better tree would be too deep. Its trees trace 1.3 to 2 times as slowly as obvhs's.
+//! better tree would be too deep. Its trees are slower to trace than obvhs's.
 
 use alloc::vec;
 use alloc::vec::Vec;

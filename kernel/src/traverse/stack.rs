@@ -15,18 +15,21 @@ impl<T: Copy> Stack<T> {
         Self { entries: [blank; MAX_STACK], height: 0 }
     }
 
-    /// Puts `entry` below those of the topmost `since` entries that `after` says come first.
+    /// Puts `entry` below those entries above the first `since` that `comes_first` says come first. A full stack stays as
+    /// it is: validation excludes it, and tracing does not panic.
     #[inline(always)]
     pub(super) fn insert(&mut self, entry: T, since: usize, comes_first: impl Fn(&T) -> bool) {
+        debug_assert!(self.height < MAX_STACK, "the tree was validated");
+        if self.height == MAX_STACK {
+            return;
+        }
         let mut place = self.height;
         while place > since && comes_first(&self.entries[place - 1]) {
             self.entries[place] = self.entries[place - 1];
             place -= 1;
         }
-        if let Some(slot) = self.entries.get_mut(place) {
-            *slot = entry;
-            self.height += 1;
-        }
+        self.entries[place] = entry;
+        self.height += 1;
     }
 
     /// The number of entries.

@@ -21,7 +21,7 @@ use std::time::Instant;
 use clap::Parser;
 use halfdome_benches::measure;
 use halfdome_benches::rays::{self, RayCounts, RayKind, RaySet};
-use halfdome_benches::scenes::{self, Scene, SceneError};
+use halfdome_benches::scenes::{self, Scene};
 use halfdome_benches::tracer::{Entry, Tracer};
 use halfdome_kernel::{BuildOptions, Bvh, BvhView};
 
@@ -53,21 +53,7 @@ fn main() -> ExitCode {
     if let Some(missing) = trees::missing() {
         eprintln!("{missing}");
     }
-    for name in &options.scenes {
-        let result = match scenes::by_name(name) {
-            Ok(scene) => compare(&scene, embree.as_ref(), &options),
-            Err(error @ SceneError::Unavailable { .. }) => {
-                eprintln!("skipped: {error}");
-                Ok(())
-            }
-            Err(error) => Err(error.into()),
-        };
-        if let Err(error) = result {
-            eprintln!("error: {error}");
-            return ExitCode::FAILURE;
-        }
-    }
-    ExitCode::SUCCESS
+    scenes::for_each(&options.scenes, |scene| compare(scene, embree.as_ref(), &options))
 }
 
 /// Builds all trees over a scene, traces its rays, and prints what came out.
