@@ -5,8 +5,8 @@
 //!
 //! Every function is plain additions, multiplications, divisions and square roots (all correctly rounded by IEEE 754),
 //! or a soft-float routine of `libm`. Nothing is fused and nothing asks the platform's mathematics library, so results
-//! are equal bit for bit on every target with IEEE single precision, and in batches ([`fill2`], [`warp::Warp::map_many`],
-//! [`Frame::from_normals`]), which run in lanes, as one by one.
+//! are equal bit for bit on every target with IEEE single precision, and as well one by one as in batches, which run in
+//! lanes ([`fill2`], [`fill4`], [`warp::Warp::map_many`], [`Frame::from_normals`]).
 //!
 //! ```
 //! use glam::Vec3;
@@ -52,9 +52,9 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 /// The correctly rounded square root. Where the standard library is, it is one that loops can be vectorised with.
 #[inline(always)]
 fn sqrt(x: f32) -> f32 {
-    #[cfg(any(feature = "std", test))]
+    #[cfg(feature = "std")]
     return x.sqrt();
-    #[cfg(not(any(feature = "std", test)))]
+    #[cfg(not(feature = "std"))]
     return libm::sqrtf(x);
 }
 

@@ -48,8 +48,8 @@ impl Warp for UniformHemisphere {
     }
 }
 
-/// Directions with density cos θ / π, directly by inverting its distribution. It keeps rings of elevation and sectors of azimuth, so strata
-/// of u are strata of the hemisphere.
+/// Directions with density cos θ / π, directly by inverting its distribution. It keeps rings of elevation and sectors
+/// of azimuth, so strata of u are strata of the hemisphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CosineHemisphere;
 
