@@ -25,7 +25,7 @@ pub(crate) struct LightSample {
 }
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if it sends nothing there.
-pub(crate) fn sample_light(world: &World, surface: &Surface, choice: f32, u: Vec2) -> Option<LightSample> {
+pub(crate) fn sample_light(world: &World, surface: &Surface, choice: f64, u: Vec2) -> Option<LightSample> {
     let (source, probability) = world.lights.choose(choice)?;
     match source {
         Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),

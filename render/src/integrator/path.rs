@@ -8,9 +8,9 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Sampler, power};
+use halfdome_kernel::sampling::{Sampler, power, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
 use super::{CameraRays, FIRST_SET};
@@ -104,7 +104,10 @@ impl Wavefront {
             let albedo = surface.material.diffuse;
             let set = FIRST_SET + (depth - 1) * SETS_PER_BOUNCE;
             let sampler = &samplers[index];
-            let Vec2 { x: choice, y: survival } = sampler.uniform2(set);
+            // The choice takes its last bits from the survival: as neither enters the other's term of the sum, that makes
+            // no bias.
+            let first = sampler.uniform2(set);
+            let (choice, survival) = (unit_double(first), first.y);
             if let Some(light) = sample_light(world, &surface, choice, sampler.uniform2(set + 1)) {
                 let bounce_density = surface.shading_normal.dot(light.shadow.direction.normalize()).max(0.0) / PI;
                 let radiance = throughput * light.reflected(albedo) * power(light.density, bounce_density);

@@ -77,8 +77,8 @@ impl Lights {
         Self { sources, table, area_density }
     }
 
-    /// Chooses a light by a number in [0, 1): the light, and its probability.
-    pub(crate) fn choose(&self, u: f32) -> Option<(&Source, f32)> {
+    /// Chooses a light by a number in [0, 1), of double precision as there may be millions: the light, and its probability.
+    pub(crate) fn choose(&self, u: f64) -> Option<(&Source, f32)> {
         let (index, probability, _) = self.table.as_ref()?.sample(u);
         Some((&self.sources[index], probability))
     }
