@@ -40,7 +40,7 @@ fn is_that_of_the_triangles(rings: usize, sectors: usize, tolerance: f64) {
     let found = layout.hessian(&directions, &radiance, &distance).unwrap();
 
     let vertex = |cell: usize| (directions[cell].as_dvec3() * f64::from(distance[cell]), f64::from(radiance[cell].x));
-    let first_ring = || (0..sectors).map(|sector| vertex(sector));
+    let first_ring = || (0..sectors).map(&vertex);
     let count = sectors as f64;
     let inverse = first_ring().map(|(place, _)| 1.0 / place.length()).sum::<f64>() / count;
     let zenith = (DVec3::Z / inverse, first_ring().map(|(_, luminance)| luminance).sum::<f64>() / count);
