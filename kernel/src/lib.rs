@@ -3,7 +3,8 @@
 //!
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) stands beside.
+//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
+//! hemisphere of rays says of a point and of those around it) stand beside.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -39,6 +40,7 @@ extern crate alloc;
 
 pub mod bvh;
 pub mod geometry;
+pub mod irradiance;
 pub mod sampling;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;
