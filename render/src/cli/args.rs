@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
 use super::progress::Mode;
+use crate::driver::MAX_BLOCK;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
@@ -85,6 +86,12 @@ pub(super) struct RenderArguments {
     /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
     #[arg(long, value_name = "MODE", default_value = "auto")]
     pub(super) progress: Mode,
+
+    /// Write the pictures early: when a ray for each block of SIDE pixels is traced, then for blocks of half the side,
+    /// and so on; the pictures in the end do not depend on it [default: off; 32 without a SIDE]
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
+    #[arg(value_parser = block)]
+    pub(super) progressive: Option<u32>,
 
     /// Exposure of PNG pictures in stops: each doubles the brightness
     #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
@@ -172,6 +179,11 @@ fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected two whole numbers from 1 to {MAX_SIDE}, for example 1280x720"))
 }
 
+fn block(text: &str) -> Result<u32, String> {
+    let side = text.parse().ok().filter(|side: &u32| (2..=MAX_BLOCK).contains(side) && side.is_power_of_two());
+    side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_BLOCK}"))
+}
+
 fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
     PossibleValuesParser::new(ToneCurve::NAMES)
         .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
@@ -185,8 +197,11 @@ fn exposure(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use halfdome_kernel::sampling::Pattern;
 
     use super::*;
+    use crate::scene::IntegratorOverrides;
+    use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Stop, Survival};
 
     fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["halfdome", "render"].iter().chain(arguments);
@@ -206,7 +221,10 @@ mod tests {
     #[test]
     fn every_override_can_be_given() {
         let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
-                         --filter-width 2 --sharpness .5 --integrator normals --spp 7 --max-depth 3 \
+                         --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
+                         --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 \
+                         --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
+                         --ao-distance 3 \
                          --seed 18446744073709551615 --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
@@ -219,9 +237,23 @@ mod tests {
             filter: Some("tent".into()),
             filter_width: Some(2.0),
             sharpness: Some(0.5),
-            integrator: Some(crate::settings::IntegratorKind::Normals),
+            integrator: IntegratorOverrides {
+                integrator: Integrator::named("direct"),
+                max_depth: Some(3),
+                lights: Some(LightSampling::Direct),
+                stop: Stop::named("depth"),
+                cutoff: Some(0.5),
+                add_back: Some(true),
+                roulette_after: Some(0),
+                survival: Some(Survival::default()),
+                bounces: Some(0),
+                rays: Some(1),
+                sampling: Some(HemisphereSampling::Cosine),
+                ao_weighting: Some(AoWeighting::Misses),
+                ao_distance: Some(3.0),
+            },
             spp: Some(7),
-            max_depth: Some(3),
+            sampler: Some(Pattern::Random),
             seed: Some(u64::MAX),
             aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),
@@ -239,6 +271,17 @@ mod tests {
             assert!(render(&["s.glb", &format!("--size={wrong}")]).is_err(), "{wrong}");
         }
         assert!(render(&["s.glb", "--size", "1x1", "--width", "3"]).is_err());
+    }
+
+    #[test]
+    fn blocks_are_powers_of_two() {
+        let side = |arguments: &[&str]| render(arguments).map(|arguments| arguments.progressive);
+        assert_eq!(side(&["s.glb"]).unwrap(), None);
+        assert_eq!(side(&["--progressive", "s.glb"]).unwrap(), Some(32));
+        assert_eq!(side(&["s.glb", "--progressive=8"]).unwrap(), Some(8));
+        for wrong in ["1", "12", "512", "x"] {
+            assert!(side(&["s.glb", &format!("--progressive={wrong}")]).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -17,10 +17,10 @@ mod statement;
 mod value;
 
 pub use builtin::cornell_box;
-pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
+pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;
 pub(crate) use model::count;
 pub use model::load;
-pub use overrides::{Conflict, Overrides};
+pub use overrides::{Conflict, IntegratorOverrides, Overrides};
