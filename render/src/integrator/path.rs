@@ -9,18 +9,15 @@
 //! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 
-use glam::Vec3;
-use halfdome_kernel::sampling::{Sampler, unit_double};
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::unit_double;
 use halfdome_kernel::{Hit, Ray};
 
 use super::wavefront::{Connections, Path};
-use super::{CameraRays, FIRST_SET, Wavefront};
+use super::{CameraRays, Wavefront};
 use crate::estimator::{connect, emitted_density, sky_density};
 use crate::settings::{LightSampling, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
-
-/// Sets of random numbers that a bounce uses: which light and whether to go on, where on the light, the next direction.
-const SETS_PER_BOUNCE: u32 = 3;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 ///
@@ -38,8 +35,8 @@ pub(super) fn radiance(
     let mut traced = 0;
     for depth in 1..=options.max_depth {
         let bounce = Step { world, options, depth };
-        wave.advance(|path, ray, hit, connections| {
-            bounce.take(path, ray, hit, &camera.samplers[path.index], connections, &mut radiance[path.index])
+        wave.advance(world, camera, depth, |path, ray, hit, numbers, connections| {
+            bounce.take(path, ray, hit, numbers, connections, &mut radiance[path.index])
         });
         watch(wave);
         traced += wave.connect(world, radiance);
@@ -66,7 +63,7 @@ impl Step<'_> {
         path: Path,
         ray: &Ray,
         hit: &Hit,
-        sampler: &Sampler,
+        [first, on_light, onwards]: [Vec2; 3],
         connections: &mut Connections,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
@@ -82,10 +79,8 @@ impl Step<'_> {
         }
 
         let surface = surface.facing(ray.direction);
-        let set = FIRST_SET + (depth - 1) * SETS_PER_BOUNCE;
         // The choice takes its last bits from the chance of going on: as neither enters the other's term of the sum, that
         // makes no bias.
-        let first = sampler.uniform2(set);
         let (choice, chance) = (unit_double(first), first.y);
         let reflected = path.throughput * surface.material.reflectance();
         if let Stop::Threshold { cutoff, add_back } = self.options.stop
@@ -96,14 +91,14 @@ impl Step<'_> {
             }
             return None;
         }
-        if let Some(connection) = connect(world, &surface, *lights, choice, sampler.uniform2(set + 1)) {
+        if let Some(connection) = connect(world, &surface, *lights, choice, on_light) {
             connections.push(path.index, path.throughput, connection);
         }
         let survival = self.survival(reflected);
         if chance >= survival {
             return None;
         }
-        let bounce = surface.sample(ray.direction, sampler.uniform2(set + 2))?;
+        let bounce = surface.sample(ray.direction, onwards)?;
         let next = Path {
             index: path.index,
             throughput: path.throughput * bounce.weight / survival,
