@@ -11,4 +11,5 @@ mod light;
 pub mod output;
 pub mod scene;
 pub mod settings;
+mod validate;
 pub mod world;

@@ -1,0 +1,236 @@
+//! Closed rooms that glow: all surfaces emit `L_e` and reflect `ρ`, so radiance is `L_e / (1 - ρ)` everywhere, whatever the
+//! room's shape (the test that Driscoll took from "Physically Based Rendering").
+
+use glam::Vec3;
+
+use super::plot::{Axis, Figure, Point, Series, span};
+use super::scenes::{Corners, cube, grey, moved, scene, sphere, tetrahedron, turned, view};
+use super::statistics::Sample;
+use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
+use crate::scene::{Scene, Sky};
+use crate::settings::{
+    HemisphereSampling, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings, Stop, Survival,
+};
+use halfdome_kernel::sampling::Pattern;
+
+pub(super) const FAMILY: Family = Family {
+    name: "furnace",
+    about: "Closed rooms that glow: the rendering equation's simplest solution",
+    experiments: &[
+        Experiment {
+            name: "furnace-sphere",
+            about: "Radiance in a glowing sphere by path tracing",
+            run: |lab| closed(lab, &sphere(3, 1.0)),
+        },
+        Experiment {
+            name: "furnace-tetrahedron",
+            about: "Radiance in a glowing tetrahedron by path tracing",
+            run: |lab| closed(lab, &tetrahedron()),
+        },
+        Experiment {
+            name: "furnace-box",
+            about: "Radiance in a glowing box by path tracing",
+            run: |lab| closed(lab, &cube()),
+        },
+        Experiment {
+            name: "furnace-bounces",
+            about: "What 0 to 16 bounces leave out, by montecarlo and by paths of fixed length, in all three rooms",
+            run: bounces,
+        },
+        Experiment {
+            name: "furnace-survival",
+            about: "Means of 1000 paths against the probability of survival in Russian roulette",
+            run: survival,
+        },
+        Experiment {
+            name: "furnace-variance",
+            about: "Variance of paths against the probability of survival, relative to its closed form",
+            run: variance,
+        },
+        Experiment {
+            name: "furnace-escapes",
+            about: "Rays that escape from closed spheres of any size, at any place, after many grazing bounces",
+            run: escapes,
+        },
+    ],
+};
+
+/// Driscoll's values, for which radiance is 2.
+const EMISSION: f32 = 1.0;
+const REFLECTANCE: f32 = 0.5;
+/// Sums of 32-bit numbers, and their ratios.
+const ROUNDING: f64 = 1e-6;
+
+fn radiance() -> f64 {
+    exact::furnace(EMISSION.into(), REFLECTANCE.into())
+}
+
+/// The room from the inside.
+fn room(solid: &[Corners]) -> Scene {
+    let camera = view(Vec3::new(0.05, -0.1, 0.02), Vec3::new(0.4, 0.3, -0.5));
+    scene([(turned(solid).as_slice(), grey(REFLECTANCE, EMISSION))], camera)
+}
+
+/// Paths that find light by bouncing alone, so that their variance has a closed form.
+fn naive(max_depth: u32, stop: Stop) -> Integrator {
+    Integrator::Path(PathOptions { max_depth, lights: LightSampling::Naive, stop })
+}
+
+fn closed(lab: &Lab, solid: &[Corners]) -> Result<Outcome, Interrupted> {
+    let runs =
+        lab.render(room(solid), Settings { width: 64, height: 64, spp: lab.share(64), ..Settings::default() })?;
+    Ok(Outcome::mean("radiance", &Sample::of(&runs.values), radiance(), ROUNDING))
+}
+
+/// Driscoll's graph: the error in per cent after some bounces, of all the light.
+fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let gathered = |sampling| move |bounces| Integrator::MonteCarlo(MonteCarloOptions { bounces, rays: 1, sampling });
+    let fixed = |bounces| naive(bounces + 1, Stop::Depth);
+    let (cosine, uniform) = (gathered(HemisphereSampling::Cosine), gathered(HemisphereSampling::Uniform));
+    let estimators: [(&str, Vec<Corners>, &dyn Fn(u32) -> Integrator); 4] = [
+        ("montecarlo, cosine, sphere", sphere(3, 1.0), &cosine),
+        ("montecarlo, uniform, tetrahedron", tetrahedron(), &uniform),
+        ("montecarlo, cosine, box", cube(), &cosine),
+        ("path of fixed length, sphere", sphere(3, 1.0), &fixed),
+    ];
+    let mut z = Vec::new();
+    let residual = |bounces: f64| 100.0 * exact::furnace_residual(REFLECTANCE.into(), bounces as u32);
+    let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, 16.0, 17), residual)];
+    for (label, solid, integrator) in estimators {
+        let mut points = Vec::new();
+        for bounces in 0..=16 {
+            let settings = Settings {
+                width: 64,
+                height: 64,
+                spp: lab.share(64),
+                integrator: integrator(bounces),
+                ..Settings::default()
+            };
+            let sample = Sample::of(&lab.render(room(&solid), settings)?.values);
+            z.push(sample.z(exact::furnace_after(EMISSION.into(), REFLECTANCE.into(), bounces), ROUNDING));
+            let missing = 100.0 * (1.0 - sample.mean / radiance()).abs();
+            points.push(Point { x: bounces.into(), y: missing, error: 100.0 * sample.standard_error() / radiance() });
+        }
+        series.push(Series::measured(label, points));
+    }
+    let figure = Figure {
+        name: "furnace-bounces",
+        title: "Error after k bounces in a closed room that glows, ρ = 0.5".to_owned(),
+        x: Axis::linear("bounces k", -0.5, 16.5),
+        y: Axis::logarithmic("error of the mean (% of the exact radiance)", 1e-4, 100.0),
+        series,
+    };
+    Ok(Outcome::worst_z(z).with(figure))
+}
+
+/// The probabilities of survival: twentieths.
+fn survivals() -> impl Iterator<Item = f64> {
+    (1..20).map(|twentieths| f64::from(twentieths) / 20.0)
+}
+
+/// Single paths with independent random numbers and one probability of survival, `side`² of them or 1000.
+fn roulette(lab: &Lab, survival: f64, size: (u32, u32)) -> Result<Sample, Interrupted> {
+    let stop = Stop::Roulette { after: 0, survival: Survival::Constant(survival as f32) };
+    let settings = Settings {
+        width: size.0,
+        height: size.1,
+        spp: 1,
+        sampler: Pattern::Random,
+        integrator: naive(1024, stop),
+        ..Settings::default()
+    };
+    Ok(Sample::of(&lab.render(room(&sphere(3, 1.0)), settings)?.values))
+}
+
+fn exact_variance(survival: f64) -> f64 {
+    exact::roulette_variance(EMISSION.into(), REFLECTANCE.into(), survival)
+}
+
+/// Driscoll's other graph: the error of 1000 runs. Where variance is infinite, below ρ², the means of any number of runs
+/// are too small but for a few that are far too great: there is nothing to hold them to.
+fn survival(lab: &Lab) -> Result<Outcome, Interrupted> {
+    const RUNS: (u32, u32) = (40, 25);
+    let runs = f64::from(RUNS.0 * RUNS.1);
+    let error = |survival: f64| 100.0 * (exact_variance(survival) / runs).sqrt() / radiance();
+    let (mut z, mut points) = (Vec::new(), Vec::new());
+    for survival in survivals() {
+        let sample = roulette(lab, survival, RUNS)?;
+        let off = 100.0 * (sample.mean / radiance() - 1.0);
+        points.push(Point { x: survival, y: off, error: 100.0 * sample.standard_error() / radiance() });
+        if exact_variance(survival).is_finite() {
+            z.push(off / error(survival));
+        }
+    }
+    let curve = || span(0.255, 0.999, 200);
+    let figure = Figure {
+        name: "furnace-survival",
+        title: "Means of 1000 paths against survival, ρ = 0.5".to_owned(),
+        x: Axis::linear("probability of survival p", 0.0, 1.0),
+        y: Axis::linear("error of the mean (% of the exact radiance)", -60.0, 60.0),
+        series: vec![
+            Series::measured("measured, ± standard error", points),
+            Series::exact("exact standard error; none up to p = ρ²", curve(), error),
+            Series::exact("exact standard error; none up to p = ρ²", curve(), |p| -error(p)),
+        ],
+    };
+    Ok(Outcome::worst_z(z).with(figure))
+}
+
+/// The largest distance of the variance from its closed form where paths' fourth moment, by which a measured variance
+/// scatters, is moderate.
+fn variance(lab: &Lab) -> Result<Outcome, Interrupted> {
+    const MODERATE: f64 = 0.5;
+    let side = lab.share(512).max(256);
+    let (mut off, mut points) = (Vec::new(), Vec::new());
+    for survival in survivals() {
+        let sample = roulette(lab, survival, (side, side))?;
+        points.push(Point { x: survival, y: sample.variance, error: sample.variance_error });
+        if survival >= MODERATE {
+            off.push((sample.variance / exact_variance(survival) - 1.0).abs());
+        }
+    }
+    let figure = Figure {
+        name: "furnace-variance",
+        title: "Variance of a path against survival, ρ = 0.5".to_owned(),
+        x: Axis::linear("probability of survival p", 0.0, 1.0),
+        y: Axis::logarithmic("variance (in units of Le²)", 0.01, 1e5),
+        series: vec![
+            Series::exact("exact; infinite up to p = ρ²", span(0.2501, 0.999, 800), exact_variance),
+            Series::measured(&format!("measured, {} paths each", side * side), points),
+        ],
+    };
+    let quantity = format!("worst relative difference for p ≥ {MODERATE}");
+    Ok(Outcome { quantity, measured: super::worst(off), expected: 0.0, tolerance: 0.05, figure: Some(figure) })
+}
+
+/// Driscoll's rays escaped from his sphere near the horizon. Here the sky outside has radiance one and the walls send on
+/// all that they get, so a pixel is black unless one of its rays has come out.
+fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let paths = naive(32, Stop::Depth);
+    let grazing =
+        Integrator::MonteCarlo(MonteCarloOptions { bounces: 8, rays: 1, sampling: HemisphereSampling::Uniform });
+    let (mut escaped, mut rays) = (0, 0);
+    for (level, scale, shift) in
+        [(2, 1e-6, 0.0), (4, 1e-3, 0.0), (5, 1.0, 0.0), (4, 1e3, 0.0), (3, 1e6, 0.0), (4, 1.0, 1e3), (3, 1e3, -1e6)]
+    {
+        for integrator in [&paths, &grazing] {
+            let centre = Vec3::new(shift, -0.5 * shift, 0.25 * shift);
+            let walls = turned(&moved(&sphere(level, scale), centre));
+            let camera = view(centre + scale * Vec3::new(0.1, 0.2, 0.3), centre + scale * Vec3::X);
+            let mut scene = scene([(walls.as_slice(), grey(1.0, 0.0))], camera);
+            scene.sky = Sky { radiance: Vec3::ONE };
+            let settings = Settings {
+                width: 128,
+                height: 128,
+                spp: lab.share(4),
+                integrator: integrator.clone(),
+                ..Settings::default()
+            };
+            let runs = lab.render(scene, settings)?;
+            escaped += runs.values.iter().filter(|value| **value != 0.0).count();
+            rays += runs.rays;
+        }
+    }
+    let quantity = format!("pixels with an escape, of {:.1} million rays", rays as f64 / 1e6);
+    Ok(Outcome { quantity, measured: escaped as f64, expected: 0.0, tolerance: 0.0, figure: None })
+}
