@@ -11,6 +11,11 @@ trap 'rm -rf "$work"' EXIT
 (cd "$work" && "$halfdome" --version && "$halfdome")
 cp "$work/cornell.png" docs/cornell.png
 
+"$halfdome" validate --plots "$work/figures" furnace convergence
+for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata; do
+    cp "$work/figures/$figure.svg" "docs/validate-${figure#furnace-}.svg"
+done
+
 assets=$(cargo metadata --format-version 1 | python3 -c '
 import json, os, sys
 packages = json.load(sys.stdin)["packages"]

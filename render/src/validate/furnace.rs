@@ -9,7 +9,8 @@ use super::statistics::Sample;
 use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
 use crate::scene::{Scene, Sky};
 use crate::settings::{
-    HemisphereSampling, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings, Stop, Survival,
+    AoOptions, AoWeighting, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings,
+    Stop, Survival,
 };
 use halfdome_kernel::sampling::Pattern;
 
@@ -82,30 +83,34 @@ fn closed(lab: &Lab, solid: &[Corners]) -> Result<Outcome, Interrupted> {
     Ok(Outcome::mean("radiance", &Sample::of(&runs.values), radiance(), ROUNDING))
 }
 
-/// Driscoll's graph: the error in per cent after some bounces, of all the light.
+/// Driscoll's graph: the error in per cent when light has bounced `k` times, direct light being the first.
 fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
-    let gathered = |sampling| move |bounces| Integrator::MonteCarlo(MonteCarloOptions { bounces, rays: 1, sampling });
-    let fixed = |bounces| naive(bounces + 1, Stop::Depth);
-    let (cosine, uniform) = (gathered(HemisphereSampling::Cosine), gathered(HemisphereSampling::Uniform));
-    let estimators: [(&str, Vec<Corners>, &dyn Fn(u32) -> Integrator); 4] = [
-        ("montecarlo, cosine, sphere", sphere(3, 1.0), &cosine),
-        ("montecarlo, uniform, tetrahedron", tetrahedron(), &uniform),
-        ("montecarlo, cosine, box", cube(), &cosine),
-        ("path of fixed length, sphere", sphere(3, 1.0), &fixed),
+    const MOST: u32 = 16;
+    // Without any bounce, emitters alone are seen, which `montecarlo` does not offer.
+    let gathered = |sampling| {
+        move |bounces: u32| {
+            let bounces = bounces.checked_sub(1)?;
+            Some(Integrator::MonteCarlo(MonteCarloOptions { bounces, rays: 1, sampling, ..Default::default() }))
+        }
+    };
+    let cosine = gathered(HemisphereSampling::Cosine);
+    let uniform = gathered(HemisphereSampling::Uniform);
+    let paths = |bounces| Some(naive(bounces + 1, Stop::Depth));
+    let estimators: [(&str, Vec<Corners>, &dyn Fn(u32) -> Option<Integrator>); 5] = [
+        ("montecarlo, sphere", sphere(3, 1.0), &cosine),
+        ("montecarlo, tetrahedron", tetrahedron(), &cosine),
+        ("montecarlo, box", cube(), &cosine),
+        ("montecarlo, uniform, sphere", sphere(3, 1.0), &uniform),
+        ("path of fixed length, box", cube(), &paths),
     ];
-    let mut z = Vec::new();
     let residual = |bounces: f64| 100.0 * exact::furnace_residual(REFLECTANCE.into(), bounces as u32);
-    let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, 16.0, 17), residual)];
+    let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, MOST.into(), MOST + 1), residual)];
+    let mut z = Vec::new();
     for (label, solid, integrator) in estimators {
         let mut points = Vec::new();
-        for bounces in 0..=16 {
-            let settings = Settings {
-                width: 64,
-                height: 64,
-                spp: lab.share(64),
-                integrator: integrator(bounces),
-                ..Settings::default()
-            };
+        for bounces in 0..=MOST {
+            let Some(integrator) = integrator(bounces) else { continue };
+            let settings = Settings { width: 64, height: 64, spp: lab.share(64), integrator, ..Settings::default() };
             let sample = Sample::of(&lab.render(room(&solid), settings)?.values);
             z.push(sample.z(exact::furnace_after(EMISSION.into(), REFLECTANCE.into(), bounces), ROUNDING));
             let missing = 100.0 * (1.0 - sample.mean / radiance()).abs();
@@ -115,8 +120,8 @@ fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
     }
     let figure = Figure {
         name: "furnace-bounces",
-        title: "Error after k bounces in a closed room that glows, ρ = 0.5".to_owned(),
-        x: Axis::linear("bounces k", -0.5, 16.5),
+        title: "What k bounces leave out in closed rooms that glow, ρ = 0.5".to_owned(),
+        x: Axis::linear("bounces k", -0.5, f64::from(MOST) + 0.5),
         y: Axis::logarithmic("error of the mean (% of the exact radiance)", 1e-4, 100.0),
         series,
     };
@@ -204,28 +209,29 @@ fn variance(lab: &Lab) -> Result<Outcome, Interrupted> {
 }
 
 /// Driscoll's rays escaped from his sphere near the horizon. Here the sky outside has radiance one and the walls send on
-/// all that they get, so a pixel is black unless one of its rays has come out.
+/// all that they get, so a pixel is black unless one of its rays has come out: of a path, of its shadow rays towards the sky, or
+/// of ambient occlusion, which sends more of its uniform rays along the surface.
 fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
-    let paths = naive(32, Stop::Depth);
-    let grazing =
-        Integrator::MonteCarlo(MonteCarloOptions { bounces: 8, rays: 1, sampling: HemisphereSampling::Uniform });
+    let paths = |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth });
+    let occlusion = AoOptions {
+        weighting: AoWeighting::Misses,
+        max_distance: None,
+        rays: 64,
+        sampling: HemisphereSampling::Uniform,
+    };
+    let integrators = [paths(LightSampling::Naive), paths(LightSampling::Direct), Integrator::Ao(occlusion)];
     let (mut escaped, mut rays) = (0, 0);
-    for (level, scale, shift) in
+    for (level, radius, shift) in
         [(2, 1e-6, 0.0), (4, 1e-3, 0.0), (5, 1.0, 0.0), (4, 1e3, 0.0), (3, 1e6, 0.0), (4, 1.0, 1e3), (3, 1e3, -1e6)]
     {
-        for integrator in [&paths, &grazing] {
-            let centre = Vec3::new(shift, -0.5 * shift, 0.25 * shift);
-            let walls = turned(&moved(&sphere(level, scale), centre));
-            let camera = view(centre + scale * Vec3::new(0.1, 0.2, 0.3), centre + scale * Vec3::X);
+        let centre = Vec3::new(shift, -0.5 * shift, 0.25 * shift);
+        let walls = turned(&moved(&sphere(level, radius), centre));
+        for integrator in &integrators {
+            let camera = view(centre + radius * Vec3::new(0.1, 0.2, 0.3), centre + radius * Vec3::X);
             let mut scene = scene([(walls.as_slice(), grey(1.0, 0.0))], camera);
             scene.sky = Sky { radiance: Vec3::ONE };
-            let settings = Settings {
-                width: 128,
-                height: 128,
-                spp: lab.share(4),
-                integrator: integrator.clone(),
-                ..Settings::default()
-            };
+            let integrator = integrator.clone();
+            let settings = Settings { width: 128, height: 128, spp: lab.share(8), integrator, ..Settings::default() };
             let runs = lab.render(scene, settings)?;
             escaped += runs.values.iter().filter(|value| **value != 0.0).count();
             rays += runs.rays;

@@ -246,7 +246,8 @@ impl Profile {
     }
 }
 
-/// Irradiance from one sphere at places of the other that have equal shares of its surface: their mean is the form factor.
+/// The form factor is π times less than the mean of the irradiance from one sphere over the other, by the midpoint rule in `s`
+/// with `cos = 1 - 2 s²`, of which `2 s ds` is the share of the surface: so places are close where much arrives.
 fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
     const PLACES: u32 = 32;
     /// Facets, and as few places.
@@ -256,24 +257,25 @@ fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
     let normals: Vec<Vec3> = from.concat().into_iter().map(Vec3::normalize).collect();
     let (mut z, mut points) = (Vec::new(), Vec::new());
     for distance in [2.1, 2.5, 3.0, 4.0, 6.0] {
-        let to = moved(&from, Vec3::Y * distance);
+        let to = moved(&from, Vec3::Y * distance as f32);
         let (mut form_factor, mut variance) = (0.0, 0.0);
-        for cos in span(-1.0, 1.0, 2 * PLACES + 1).skip(1).step_by(2) {
-            // About a skew meridian, where no edge of the sphere runs.
+        for s in span(0.0, 1.0, 2 * PLACES + 1).skip(1).step_by(2) {
+            let cos = 1.0 - 2.0 * s * s;
             let sin = (1.0 - cos * cos).sqrt();
+            // About a skew meridian, where no edge of the sphere runs.
             let normal = dvec3(sin * 0.8, cos, sin * 0.6).as_vec3();
             let mut scene = scene([(to.as_slice(), grey(0.0, 1.0))], meter(normal, normal));
             scene.meshes.push(crate::scene::Mesh { normals: normals.clone(), ..mesh(&from, 1) });
             scene.materials.push(grey(REFLECTANCE, 0.0));
             let settings = Settings { width: 16, height: 16, spp: lab.share(64), ..Settings::default() };
             let sample = Sample::of(&lab.render(scene, settings)?.values);
-            let share = TO_IRRADIANCE / PI / f64::from(PLACES);
+            let share = 2.0 * s / f64::from(PLACES) * TO_IRRADIANCE / PI;
             form_factor += share * sample.mean;
             variance += (share * sample.standard_error()).powi(2);
         }
-        let exact = exact::sphere_form_factor(1.0, 1.0, distance.into());
+        let exact = exact::sphere_form_factor(1.0, 1.0, distance);
         z.push((form_factor - exact) / variance.sqrt().hypot(ALLOWANCE * exact));
-        points.push(Point { x: distance.into(), y: form_factor, error: variance.sqrt() });
+        points.push(Point { x: distance, y: form_factor, error: variance.sqrt() });
     }
     let figure = Figure {
         name: "lights-two-spheres",

@@ -14,7 +14,8 @@ pub(crate) struct Row {
 impl Row {
     /// For a table of these experiments.
     pub(crate) fn for_table(experiments: &[&Experiment]) -> Self {
-        Self { name_width: experiments.iter().map(|experiment| experiment.name.len()).max().unwrap_or(0) }
+        let names = experiments.iter().map(|experiment| experiment.name.len());
+        Self { name_width: names.fold("experiment".len(), usize::max) }
     }
 
     /// The table's head.
@@ -110,7 +111,7 @@ mod tests {
     fn rows_stand_below_each_other() {
         let rows = Row::for_table(&[&EXPERIMENT]);
         let (head, row) = (rows.head(), rows.outcome(&EXPERIMENT, &outcome(2.0001)));
-        assert_eq!(row, "pass  furnace-x       2.0001          2       ±0.25  radiance\n");
+        assert_eq!(row, "pass  furnace-x        2.0001          2       ±0.25  radiance\n");
         assert_eq!(head.find("of"), row.replace('±', "+").find("radiance"));
         assert!(rows.outcome(&EXPERIMENT, &outcome(3.0)).starts_with("FAIL"));
     }

@@ -99,7 +99,7 @@ mod tests {
     fn uncertainties_are_those_of_repeated_experiments() {
         let samples: Vec<Sample> = (0..400)
             .map(|i| {
-                let values: Vec<f64> = (0..100).map(|j| f64::from(Stream::new(5, i, j).uniform1(0))).collect();
+                let values: Vec<f64> = (0..100).map(|j| f64::from(Stream::new(5, i, j).uniform2(0).x)).collect();
                 Sample::of(&values)
             })
             .collect();

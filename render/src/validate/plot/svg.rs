@@ -157,7 +157,7 @@ fn legend(out: &mut String, figure: &Figure, colours: &[usize]) {
     }
     // Letters of Helvetica are half as wide as they are high, more or less.
     let letters = entries.iter().map(|(label, ..)| label.chars().count()).max().unwrap_or(0);
-    let (width, height) = (52.0 + 6.9 * letters as f64, 10.0 + LINE * entries.len() as f64);
+    let (width, height) = (54.0 + 7.1 * letters as f64, 10.0 + LINE * entries.len() as f64);
     let corners = [right - width - 10.0, left + 10.0]
         .into_iter()
         .flat_map(|x| [top + 10.0, bottom - height - 10.0].map(|y| [x, y]));
