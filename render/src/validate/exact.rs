@@ -73,6 +73,21 @@ pub(crate) fn sky_beside_wall(a: f64, h: f64) -> f64 {
     FRAC_PI_2 * (1.0 + a / a.hypot(h))
 }
 
+/// Variance of the openness beside that wall by one ray: with a density in proportion to the cosine it is a coin with the
+/// openness `V = E/π`, of `V (1 - V)`.
+pub(crate) fn openness_variance(a: f64, h: f64) -> f64 {
+    let open = sky_beside_wall(a, h) / PI;
+    open * (1.0 - open)
+}
+
+/// The same by one uniform ray, which counts `2 cos θ`: `⟨4 cos² θ⟩ = 8/3π (φ/2 + π/4 + sin 2φ/4)` over the open directions,
+/// which end at the angle `φ = atan(a/h)` from the normal.
+pub(crate) fn uniform_openness_variance(a: f64, h: f64) -> f64 {
+    let angle = (a / h).atan();
+    let square = 8.0 / (3.0 * PI) * (angle / 2.0 + PI / 4.0 + (2.0 * angle).sin() / 4.0);
+    square - (sky_beside_wall(a, h) / PI).powi(2)
+}
+
 /// The form factor from a sphere of radius `r1` to one of radius `r2` with its centre at distance `d > r1 + r2`: the mean of
 /// [`sphere_irradiance`] over the first, by Simpson's rule in the cosine to the axis.
 pub(crate) fn sphere_form_factor(r1: f64, r2: f64, d: f64) -> f64 {
@@ -206,7 +221,13 @@ mod tests {
     fn walls_hide_what_they_cover() {
         for (a, h) in [(0.1, 1.0), (1.0, 1.0), (3.0, 0.5)] {
             let open = |direction: DVec3| direction.x <= 0.0 || direction.z / direction.x > h / a;
-            near(sky_beside_wall(a, h), quadrature(|direction| f64::from(u8::from(open(direction)))), 1e-3);
+            let seen = |direction: DVec3| f64::from(u8::from(open(direction)));
+            near(sky_beside_wall(a, h), quadrature(seen), 1e-3);
+            // A ray of density d counts cos θ/(π d): cosine-weighted means of its square over d.
+            let mean = quadrature(seen) / PI;
+            near(openness_variance(a, h), mean - mean * mean, 2e-3);
+            let square = quadrature(|direction| 2.0 * direction.z * seen(direction)) / PI;
+            near(uniform_openness_variance(a, h), square - mean * mean, 2e-3);
         }
     }
 

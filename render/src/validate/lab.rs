@@ -4,7 +4,6 @@ use std::cell::Cell;
 
 use crate::driver::{self, Watch};
 use crate::film::Filter;
-use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::world::World;
 
@@ -60,12 +59,11 @@ impl<'a> Lab<'a> {
         }
     }
 
-    /// Renders a grey scene, each time with random numbers of its own, under a box filter of one pixel.
-    pub(super) fn render(&self, scene: Scene, settings: Settings) -> Result<Runs, Interrupted> {
-        let world = World::new(scene).expect("the experiment's scene has a camera and few triangles");
+    /// Renders a grey world, each time with random numbers of its own, under a box filter of one pixel.
+    pub(super) fn render(&self, world: &World, settings: Settings) -> Result<Runs, Interrupted> {
         let seed = self.seed.wrapping_add(self.renders.replace(self.renders.get() + 1));
         let settings = Settings { seed, filter: Filter::Box { width: 1.0 }, ..settings };
-        let render = driver::render(&world, &settings, self.watch);
+        let render = driver::render(world, &settings, self.watch);
         if !render.finished {
             return Err(Interrupted);
         }

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3, dvec3, vec3};
 
 use super::plot::{Axis, Figure, Point, Series, span};
-use super::scenes::{Corners, grey, ground, mesh, meter, moved, quad, scene, sphere, turned, view};
+use super::scenes::{Corners, grey, ground, mesh, meter, moved, quad, scene, sphere, turned, view, world};
 use super::statistics::Sample;
 use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
-use crate::scene::{PunctualLight, Scene, Sky};
+use crate::scene::{CameraPose, Mesh, PunctualLight, Scene, Sky};
 use crate::settings::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, PathOptions, Settings,
 };
@@ -78,7 +78,7 @@ fn ambient_occlusion(sampling: HemisphereSampling) -> Integrator {
     Integrator::Ao(AoOptions { weighting: AoWeighting::Misses, max_distance: None, rays: 16, sampling })
 }
 
-/// A light meter that moves away from a light.
+/// A light meter that moves along the ground, in direction x.
 struct Profile {
     figure: &'static str,
     title: &'static str,
@@ -86,7 +86,7 @@ struct Profile {
     x: (&'static str, f64, f64),
     /// The vertical axis' label and its end.
     y: (&'static str, f64),
-    scene: fn(f32) -> Scene,
+    scene: fn() -> Scene,
     /// What radiance is multiplied by.
     factor: f64,
     estimators: &'static [Estimator],
@@ -109,11 +109,11 @@ const POINT: Profile = Profile {
     title: "Point light 1.5 above the ground",
     x: ("distance along the ground", 0.0, 5.0),
     y: ("irradiance (W/m²)", 5.0),
-    scene: |x| {
+    scene: || {
         let position = POINT_POSITION.as_vec3();
         Scene {
             lights: vec![PunctualLight::Point { position, intensity: Vec3::splat(10.0) }],
-            ..scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0))], on_ground(x))
+            ..scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0))], on_ground(0.0))
         }
     },
     factor: TO_IRRADIANCE,
@@ -129,7 +129,7 @@ const SPHERE: Profile = Profile {
     title: "Glowing sphere of radius 0.5, its centre 1 above the ground",
     x: ("distance along the ground", 0.0, 4.0),
     y: ("irradiance (W/m²)", 1.0),
-    scene: |x| above_ground(&moved(&sphere(LEVEL, 0.5), Vec3::Y), x),
+    scene: || above_ground(&moved(&sphere(LEVEL, 0.5), Vec3::Y)),
     factor: TO_IRRADIANCE,
     estimators: &[MIS, LIGHTS, NAIVE, DIRECT],
     exact: |x| exact::sphere_irradiance(dvec3(-x, 1.0, 0.0), DVec3::Y, 0.5),
@@ -142,7 +142,7 @@ const HORIZON: Profile = Profile {
     title: "Glowing sphere of radius 0.5, its centre 0.2 above the ground",
     x: ("distance along the ground", 0.6, 3.6),
     y: ("irradiance (W/m²)", 1.2),
-    scene: |x| above_ground(&moved(&sphere(LEVEL, 0.5), Vec3::Y * 0.2), x),
+    scene: || above_ground(&moved(&sphere(LEVEL, 0.5), Vec3::Y * 0.2)),
     factor: TO_IRRADIANCE,
     estimators: &[MIS, LIGHTS, NAIVE, DIRECT],
     exact: |x| exact::sphere_irradiance(dvec3(-x, 0.2, 0.0), DVec3::Y, 0.5),
@@ -155,7 +155,7 @@ const POLYGON: Profile = Profile {
     title: "Glowing square of side 1, 1 above the ground",
     x: ("distance along the ground", 0.0, 4.0),
     y: ("irradiance (W/m²)", 0.9),
-    scene: |x| above_ground(&quad(SQUARE.map(|corner| corner.as_vec3())), x),
+    scene: || above_ground(&quad(SQUARE.map(|corner| corner.as_vec3()))),
     factor: TO_IRRADIANCE,
     estimators: &[MIS, LIGHTS, NAIVE, DIRECT],
     exact: |x| exact::polygon_irradiance(DVec3::X * x, DVec3::Y, &SQUARE).abs(),
@@ -191,22 +191,22 @@ const OPENNESS: Profile = Profile {
     allowance: ROUNDING,
 };
 
-fn on_ground(x: f32) -> crate::scene::CameraPose {
+pub(super) fn on_ground(x: f32) -> CameraPose {
     meter(vec3(x, 0.0, 0.0), Vec3::Y)
 }
 
 /// A black light over the ground.
-fn above_ground(light: &[Corners], x: f32) -> Scene {
-    scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0)), (light, grey(0.0, 1.0))], on_ground(x))
+fn above_ground(light: &[Corners]) -> Scene {
+    scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0)), (light, grey(0.0, 1.0))], on_ground(0.0))
 }
 
-/// Ground under a sky of radiance one at distance `a` from a wall of height 1, as good as endless.
-pub(super) fn beside_wall(a: f32) -> Scene {
+/// Ground under a sky of radiance one beside a wall of height 1 at x = 0, as good as endless.
+pub(super) fn beside_wall() -> Scene {
     const END: f32 = 1e3;
     let corners = [[0.0, END], [0.0, -END], [1.0, -END], [1.0, END]];
     let wall = quad(corners.map(|[y, z]| vec3(0.0, y, z)));
     let mut scene =
-        scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0)), (wall.as_slice(), grey(0.0, 0.0))], on_ground(a));
+        scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0)), (wall.as_slice(), grey(0.0, 0.0))], on_ground(0.0));
     scene.sky = Sky { radiance: Vec3::ONE };
     scene
 }
@@ -215,6 +215,7 @@ impl Profile {
     fn run(&self, lab: &Lab) -> Result<Outcome, Interrupted> {
         const PLACES: u32 = 9;
         let (x_label, from, to) = self.x;
+        let mut world = world((self.scene)());
         let mut z = Vec::new();
         let mut series = vec![Series::exact("exact", span(from, to, 200), self.exact)];
         for (label, integrator) in self.estimators {
@@ -227,7 +228,8 @@ impl Profile {
                     integrator: integrator(),
                     ..Settings::default()
                 };
-                let runs = lab.render((self.scene)(x as f32), settings)?;
+                world.camera = on_ground(x as f32);
+                let runs = lab.render(&world, settings)?;
                 let sample = Sample::of(&runs.values.iter().map(|value| value * self.factor).collect::<Vec<_>>());
                 z.push(sample.z((self.exact)(x), self.allowance));
                 points.push(Point { x, y: sample.mean, error: sample.standard_error() });
@@ -258,17 +260,19 @@ fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
     let (mut z, mut points) = (Vec::new(), Vec::new());
     for distance in [2.1, 2.5, 3.0, 4.0, 6.0] {
         let to = moved(&from, Vec3::Y * distance as f32);
+        let mut scene = scene([(to.as_slice(), grey(0.0, 1.0))], on_ground(0.0));
+        scene.meshes.push(Mesh { normals: normals.clone(), ..mesh(&from, 1) });
+        scene.materials.push(grey(REFLECTANCE, 0.0));
+        let mut world = world(scene);
         let (mut form_factor, mut variance) = (0.0, 0.0);
         for s in span(0.0, 1.0, 2 * PLACES + 1).skip(1).step_by(2) {
             let cos = 1.0 - 2.0 * s * s;
             let sin = (1.0 - cos * cos).sqrt();
             // About a skew meridian, where no edge of the sphere runs.
             let normal = dvec3(sin * 0.8, cos, sin * 0.6).as_vec3();
-            let mut scene = scene([(to.as_slice(), grey(0.0, 1.0))], meter(normal, normal));
-            scene.meshes.push(crate::scene::Mesh { normals: normals.clone(), ..mesh(&from, 1) });
-            scene.materials.push(grey(REFLECTANCE, 0.0));
+            world.camera = meter(normal, normal);
             let settings = Settings { width: 16, height: 16, spp: lab.share(64), ..Settings::default() };
-            let sample = Sample::of(&lab.render(scene, settings)?.values);
+            let sample = Sample::of(&lab.render(&world, settings)?.values);
             let share = 2.0 * s / f64::from(PLACES) * TO_IRRADIANCE / PI;
             form_factor += share * sample.mean;
             variance += (share * sample.standard_error()).powi(2);
@@ -304,7 +308,7 @@ fn concentric_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
         let material = |i: usize| grey(REFLECTED[i] as f32, EMISSION[i] as f32);
         let scene = scene([(inner.as_slice(), material(0)), (outer.as_slice(), material(1))], camera);
         let settings = Settings { width: 48, height: 48, spp: lab.share(128), ..Settings::default() };
-        z.push(Sample::of(&lab.render(scene, settings)?.values).z(exact, 2.0 * FACETS));
+        z.push(Sample::of(&lab.render(&world(scene), settings)?.values).z(exact, 2.0 * FACETS));
     }
     Ok(Outcome::worst_z(z))
 }

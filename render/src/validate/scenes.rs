@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::scene::{CameraPose, Material, Mesh, Scene};
+use crate::world::World;
 
 /// A triangle, with its front on the side from which its corners run counter-clockwise.
 pub(super) type Corners = [Vec3; 3];
@@ -108,6 +109,11 @@ pub(super) fn scene<'a>(parts: impl IntoIterator<Item = (&'a [Corners], Material
         scene.materials.push(material);
     }
     scene
+}
+
+/// The scene, ready for tracing. Its camera may be moved.
+pub(super) fn world(scene: Scene) -> World {
+    World::new(scene).expect("the experiments' scenes have cameras and few triangles")
 }
 
 /// A camera at `eye` that sees a quarter turn.

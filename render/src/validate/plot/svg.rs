@@ -189,3 +189,67 @@ fn legend(out: &mut String, figure: &Figure, colours: &[usize]) {
         text(out, [x + 44.0, y + 4.5], "", label);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::validate::plot::{Axis, csv};
+
+    fn figure() -> Figure {
+        let point = |x, y, error| Point { x, y, error };
+        Figure {
+            name: "test",
+            title: "a < b & c".to_owned(),
+            x: Axis::linear("x", 0.0, 10.0),
+            y: Axis::logarithmic("y (W)", 0.01, 100.0),
+            series: vec![
+                Series::exact("line", [0.0, 5.0, 10.0], |x| if x < 7.0 { 1.0 } else { f64::INFINITY }),
+                Series::measured("line", vec![point(5.0, 1.0, 0.9), point(5.0, 0.0, 1.0), point(11.0, 1.0, 1.0)]),
+                Series::measured("other", vec![point(10.0, 100.0, 0.0)]),
+            ],
+        }
+    }
+
+    #[test]
+    fn points_lie_where_the_axes_say() {
+        let svg = svg(&figure());
+        let [left, top, right, bottom] = FRAME;
+        let (x, y) = ((left + right) / 2.0, (top + bottom) / 2.0);
+        // Half way on both axes; the point at 0 has no place on a logarithmic axis, that at 11 is beyond the other.
+        assert_eq!(svg.matches("<circle").count(), 2, "the point and its mark in the legend: {svg}");
+        assert!(svg.contains(&format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{}\"", COLOURS[0])));
+        // Its bar ends a decade below and at 1.9; a corner of the other mark is 3.2 from the corner of the frame.
+        let high = bottom - (bottom - top) * (190f64.log10() / 4.0);
+        assert!(svg.contains(&format!("M{x:.1} {:.1}V{high:.1}", bottom - (bottom - top) * 0.25)), "{svg}");
+        assert!(svg.contains(&format!("M{:.1} {:.1}h6.4", right - 3.2, top - 3.2)));
+        // The curve has no infinite part.
+        assert!(svg.contains(&format!("<path d=\"M{left:.1} {y:.1}L{x:.1} {y:.1}\" fill=\"none\"")));
+    }
+
+    #[test]
+    fn text_is_escaped_and_names_are_in_the_legend_once() {
+        let svg = svg(&figure());
+        assert!(svg.contains(">a &lt; b &amp; c</text>") && svg.contains(">y (W)</text>"));
+        assert_eq!((svg.matches(">line<").count(), svg.matches(">other<").count()), (1, 1));
+        assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
+    }
+
+    #[test]
+    fn points_are_written_in_full() {
+        let expected = "series,x,y,standard_error\n\"line (curve)\",0,1,0\n\"line (curve)\",5,1,0\n\"line\",5,1,0.9\n\
+                        \"line\",5,0,1\n\"line\",11,1,1\n\"other\",10,100,0\n";
+        assert_eq!(csv(&figure()), expected);
+    }
+
+    #[test]
+    fn figures_of_one_name_become_one() {
+        let mut both = figure();
+        let mut second = figure();
+        second.series[2].label = "third".to_owned();
+        both.extend(second);
+        let labels: Vec<_> = both.series.iter().map(|series| (series.label.as_str(), series.style)).collect();
+        let expected =
+            [("line", Style::Dashed), ("line", Style::Marks), ("other", Style::Marks), ("third", Style::Marks)];
+        assert_eq!(labels, expected);
+    }
+}
