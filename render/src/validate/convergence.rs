@@ -105,7 +105,7 @@ fn ambient_occlusion(
     settings: impl Fn(u32) -> Settings,
 ) -> Result<Outcome, Interrupted> {
     let errors = errors(lab, &wall(PLACE), openness(), settings)?;
-    let figure = figure("convergence-ao", "Ambient occlusion beside a wall: error against rays", "rays n", (3e-4, 1.0));
+    let figure = figure("convergence-ao", "Ambient occlusion beside a wall: error against rays", "rays n", (1e-3, 0.3));
     Ok(slope(label, expected, tolerance, &errors, figure))
 }
 
@@ -121,7 +121,7 @@ fn direct(lab: &Lab, label: &str, expected: f64, tolerance: f64, sampler: Patter
     let radiance = 0.5 / PI * exact::polygon_irradiance(dvec3(0.3, 0.0, 0.2), DVec3::Y, &LAMP).abs();
     let errors = errors(lab, &lit, radiance, settings)?;
     let figure =
-        figure("convergence-direct", "Direct light of a triangle: error against samples", "samples n", (1e-6, 1.0));
+        figure("convergence-direct", "Direct light of a triangle: error against samples", "samples n", (1e-5, 0.1));
     Ok(slope(label, expected, tolerance, &errors, figure))
 }
 

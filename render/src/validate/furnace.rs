@@ -182,7 +182,7 @@ fn survival(lab: &Lab) -> Result<Outcome, Interrupted> {
         name: "furnace-survival",
         title: "Means of 1000 paths against survival, ρ = 0.5".to_owned(),
         x: Axis::linear("probability of survival p", 0.0, 1.0),
-        y: Axis::linear("error of the mean (% of the exact radiance)", -60.0, 60.0),
+        y: Axis::linear("error of the mean (% of the exact radiance)", -40.0, 40.0),
         series: vec![
             Series::measured("measured, ± standard error", points),
             Series::exact("exact standard error; none up to p = ρ²", curve(), error),

@@ -93,9 +93,9 @@ impl Axis {
     }
 }
 
-/// 0.01, 0.1, 1, 10 and 100 in full, others as a power.
+/// 0.001 to 1000 in full, others as a power.
 fn power_of_ten(exponent: i32) -> String {
-    if (-2..=2).contains(&exponent) {
+    if (-3..=3).contains(&exponent) {
         return format!("{}", 10f64.powi(exponent));
     }
     let superscript = |digit| match digit {
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn logarithmic_axes_have_powers_of_ten() {
         let axis = Axis::logarithmic("", 1e-4, 10.0);
-        assert_eq!(labels(&axis), ["10⁻⁴", "10⁻³", "0.01", "0.1", "1", "10"]);
+        assert_eq!(labels(&axis), ["10⁻⁴", "0.001", "0.01", "0.1", "1", "10"]);
         assert_eq!(axis.ticks().len(), 5 * 9 + 1);
         assert_eq!(labels(&Axis::logarithmic("", 1e-12, 1e12)).len(), 7);
         assert_eq!(power_of_ten(-13), "10⁻¹³");
