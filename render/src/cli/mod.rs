@@ -5,6 +5,7 @@ mod error;
 mod info;
 mod interrupt;
 mod memory;
+mod preview;
 mod progress;
 mod render;
 mod summary;

@@ -3,17 +3,22 @@
 //! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
 //! what it needs further in batches.
 
-mod normals;
+mod ao;
+mod direct;
+mod flat;
+mod heat;
+mod montecarlo;
 mod path;
+mod wavefront;
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use crate::settings::{Integrator, Settings};
+use crate::settings::Integrator;
 use crate::world::World;
 
-pub(crate) use path::Wavefront;
+use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
 pub(crate) struct CameraRays<'a> {
@@ -23,20 +28,34 @@ pub(crate) struct CameraRays<'a> {
     pub samplers: &'a [Sampler],
 }
 
+/// What an integrator keeps from one batch to the next: memory alone.
+#[derive(Default)]
+pub(crate) struct Memory {
+    wave: Wavefront,
+    generations: [montecarlo::Generation; 2],
+    feelers: ao::Feelers,
+}
+
 /// The camera uses the sets of random numbers before this one.
 pub(crate) const FIRST_SET: u32 = 1;
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
 pub(crate) fn radiance(
     world: &World,
-    settings: &Settings,
+    integrator: &Integrator,
     camera: &CameraRays,
-    wavefront: &mut Wavefront,
+    memory: &mut Memory,
     radiance: &mut [Vec3],
 ) -> u64 {
-    match &settings.integrator {
-        Integrator::Path(options) => path::radiance(world, options.max_depth, camera, wavefront, radiance),
-        Integrator::Normals => normals::normals(world, camera, radiance),
-        _ => normals::albedo(world, camera, radiance),
+    let Memory { wave, generations, feelers } = memory;
+    match integrator {
+        Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, |_| ()),
+        Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, camera, generations, radiance),
+        Integrator::Direct(options) => direct::radiance(world, options, camera, wave, radiance),
+        Integrator::Ao(options) => ao::openness(world, options, camera, feelers, radiance),
+        Integrator::Flat => flat::colors(world, camera, radiance),
+        Integrator::Heat(options) => heat::visits(world, options, camera, wave, radiance),
+        Integrator::Normals => flat::normals(world, camera, radiance),
+        Integrator::Albedo => flat::albedo(world, camera, radiance),
     }
 }

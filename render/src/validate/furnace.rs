@@ -106,7 +106,8 @@ fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
     // all but flat: so `montecarlo`, which samples lights, is held to a fine sphere.
     let round = room(&sphere(5, 1.0));
     let (corners, square) = (room(&tetrahedron()), room(&cube()));
-    let estimators: [(&str, &World, &dyn Fn(u32) -> Option<Integrator>); 5] = [
+    type Bouncing<'a> = &'a dyn Fn(u32) -> Option<Integrator>;
+    let estimators: [(&str, &World, Bouncing); 5] = [
         ("montecarlo, cosine, sphere", &round, &cosine),
         ("montecarlo, uniform, sphere", &round, &uniform),
         ("path of fixed length, sphere", &round, &paths),
@@ -227,8 +228,8 @@ fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
     let bounces = |cutoff: f64| (0..).find(|&k| exact::furnace_residual(reflectance, k) < cutoff).unwrap_or(u32::MAX);
     let left_out = |cutoff: f64| exact::furnace_after(EMISSION.into(), reflectance, bounces(cutoff));
     let cutoffs = [1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.2, 0.4, 0.8];
-    let rules: [(&str, bool, &dyn Fn(f64) -> f64); 2] =
-        [("added back", true, &|_| radiance()), ("left out", false, &left_out)];
+    type Exact<'a> = &'a dyn Fn(f64) -> f64;
+    let rules: [(&str, bool, Exact); 2] = [("added back", true, &|_| radiance()), ("left out", false, &left_out)];
     let room = room(&cube());
     let (mut z, mut series) = (Vec::new(), Vec::new());
     for (label, add_back, exact) in rules {

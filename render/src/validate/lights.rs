@@ -140,8 +140,8 @@ const SPHERE: Profile = Profile {
 const HORIZON: Profile = Profile {
     figure: "lights-horizon",
     title: "Glowing sphere of radius 0.5, its centre 0.2 above the ground",
-    x: ("distance along the ground", 0.6, 3.6),
-    y: ("irradiance (W/m²)", 1.2),
+    x: ("distance along the ground", 0.8, 3.2),
+    y: ("irradiance (W/m²)", 0.5),
     scene: || above_ground(&moved(&sphere(LEVEL, 0.5), Vec3::Y * 0.2)),
     factor: TO_IRRADIANCE,
     estimators: &[MIS, LIGHTS, NAIVE, DIRECT],
@@ -224,7 +224,7 @@ impl Profile {
                 let settings = Settings {
                     width: 32,
                     height: 32,
-                    spp: lab.share(64),
+                    spp: lab.share(64).max(16),
                     integrator: integrator(),
                     ..Settings::default()
                 };
