@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures, in some three minutes on two cores. The kitchen is the model that ships inside the source of the
+# Makes the README's pictures, in some four minutes on two cores. The kitchen is the model that ships inside the source of the
 # crate obvhs, with a lamp put under its ceiling; needs python3 and zstd to unpack it.
 set -euo pipefail
 cd "$(dirname "$0")/.."

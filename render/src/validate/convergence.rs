@@ -1,10 +1,11 @@
 //! How fast errors fall with the number of samples: the exponent `e` of `error ∝ n^e`.
 //!
-//! Independent samples have -1/2. Where the integrand is one inside of a smooth border and zero outside, as for occlusion, `n`
-//! strata in two dimensions leave errors in the `√n` of them that the border crosses: -3/4, for jittered strata as for a
-//! scrambled net. Smooth integrands give scrambled nets -3/2 (Owen, "Scrambled Net Variance for Integrals of Smooth
-//! Functions", 1997). The map from the square to a triangle has a crease (Heitz 2019): in the `√n` strata that it crosses, the
-//! integrand bends, and their errors, each of `n^{-3/2}`, add up to -5/4. A lattice in two dimensions has -1, but for logarithms.
+//! Independent samples have -1/2. Where the integrand is one inside of a smooth border and zero outside, as for
+//! occlusion, `n` strata in two dimensions leave errors in the `√n` of them that the border crosses: -3/4, for jittered
+//! strata as for a scrambled net. Smooth integrands give scrambled nets -3/2 (Owen, "Scrambled Net Variance for
+//! Integrals of Smooth Functions", 1997). The map from the square to a triangle has a crease (Heitz 2019): in the `√n`
+//! strata that it crosses, the integrand bends, and their errors, each of `n^{-3/2}`, add up to -5/4. A lattice in two
+//! dimensions has -1, but for logarithms.
 
 use std::f64::consts::PI;
 
@@ -174,8 +175,8 @@ fn one_ray(lab: &Lab, sampling: HemisphereSampling, exact: f64) -> Result<Outcom
     Ok(Outcome { quantity, measured: sample.variance / exact, expected: 1.0, tolerance: 0.05, figure: None })
 }
 
-/// Driscoll's two pictures of 256 rays: random uniform, and stratified. Against the distance from the wall; the curves are
-/// exact.
+/// Driscoll's two pictures of 256 rays: random uniform, and stratified. Against the distance from the wall; the curves
+/// are exact.
 fn strata(lab: &Lab) -> Result<Outcome, Interrupted> {
     const RAYS: u32 = 256;
     let side = lab.share(64).max(24);

@@ -35,7 +35,8 @@ pub(crate) fn roulette_variance(emission: f64, reflectance: f64, p: f64) -> f64 
     emission * emission * ((1.0 + rho) / ((1.0 - rho) * squares) - 1.0 / ((1.0 - rho) * (1.0 - rho)))
 }
 
-/// Irradiance from a point light of unit intensity that a surface sees in direction `to_light` (not normalised): `cos θ/d²`.
+/// Irradiance from a point light of unit intensity that a surface sees in direction `to_light` (not normalised): `cos
+/// θ/d²`.
 pub(crate) fn point_irradiance(to_light: DVec3, normal: DVec3) -> f64 {
     normal.dot(to_light).max(0.0) / to_light.length().powi(3)
 }
@@ -58,8 +59,8 @@ pub(crate) fn sphere_irradiance(to_centre: DVec3, normal: DVec3, radius: f64) ->
     (cos * y.acos() - x * chord) * sin_squared + (chord / x).atan()
 }
 
-/// Irradiance from a polygon wholly above the horizon: half the sum over edges of the angle that the edge subtends, times
-/// the cosine between the normal and that of the edge's triangle with the point (Lambert, "Photometria", 1760).
+/// Irradiance from a polygon wholly above the horizon: half the sum over edges of the angle that the edge subtends,
+/// times the cosine between the normal and that of the edge's triangle with the point (Lambert, "Photometria", 1760).
 /// Positive if the corners run counter-clockwise as the point sees them.
 pub(crate) fn polygon_irradiance(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     let next = polygon.iter().cycle().skip(1);
@@ -73,23 +74,23 @@ pub(crate) fn sky_beside_wall(a: f64, h: f64) -> f64 {
     FRAC_PI_2 * (1.0 + a / a.hypot(h))
 }
 
-/// Variance of the openness beside that wall by one ray: with a density in proportion to the cosine it is a coin with the
-/// openness `V = E/π`, of `V (1 - V)`.
+/// Variance of the openness beside that wall by one ray: with a density in proportion to the cosine it is a coin with
+/// the openness `V = E/π`, of `V (1 - V)`.
 pub(crate) fn openness_variance(a: f64, h: f64) -> f64 {
     let open = sky_beside_wall(a, h) / PI;
     open * (1.0 - open)
 }
 
-/// The same by one uniform ray, which counts `2 cos θ`: `⟨4 cos² θ⟩ = 8/3π (φ/2 + π/4 + sin 2φ/4)` over the open directions,
-/// which end at the angle `φ = atan(a/h)` from the normal.
+/// The same by one uniform ray, which counts `2 cos θ`: `⟨4 cos² θ⟩ = 8/3π (φ/2 + π/4 + sin 2φ/4)` over the open
+/// directions, which end at the angle `φ = atan(a/h)` from the normal.
 pub(crate) fn uniform_openness_variance(a: f64, h: f64) -> f64 {
     let angle = (a / h).atan();
     let square = 8.0 / (3.0 * PI) * (angle / 2.0 + PI / 4.0 + (2.0 * angle).sin() / 4.0);
     square - (sky_beside_wall(a, h) / PI).powi(2)
 }
 
-/// The form factor from a sphere of radius `r1` to one of radius `r2` with its centre at distance `d > r1 + r2`: the mean of
-/// [`sphere_irradiance`] over the first, by Simpson's rule in the cosine to the axis.
+/// The form factor from a sphere of radius `r1` to one of radius `r2` with its centre at distance `d > r1 + r2`: the
+/// mean of [`sphere_irradiance`] over the first, by Simpson's rule in the cosine to the axis.
 pub(crate) fn sphere_form_factor(r1: f64, r2: f64, d: f64) -> f64 {
     const STEPS: u32 = 4096;
     let at = |cos: f64| {
@@ -105,8 +106,8 @@ pub(crate) fn sphere_form_factor(r1: f64, r2: f64, d: f64) -> f64 {
     sum * (2.0 / f64::from(STEPS)) / 3.0 / (2.0 * PI)
 }
 
-/// Radiance of the inner and the outer of two concentric spheres that face each other, of the inner's `area` relative to the
-/// outer's: the solution of `B₁ = e₁ + ρ₁ B₂`, `B₂ = e₂ + ρ₂ (F B₁ + (1 - F) B₂)` with `F` that area.
+/// Radiance of the inner and the outer of two concentric spheres that face each other, of the inner's `area` relative
+/// to the outer's: the solution of `B₁ = e₁ + ρ₁ B₂`, `B₂ = e₂ + ρ₂ (F B₁ + (1 - F) B₂)` with `F` that area.
 pub(crate) fn concentric_spheres(area: f64, emission: [f64; 2], reflectance: [f64; 2]) -> [f64; 2] {
     let ([e1, e2], [rho1, rho2]) = (emission, reflectance);
     let outer = (e2 + rho2 * area * e1) / (1.0 - rho2 * (1.0 - area) - rho2 * area * rho1);

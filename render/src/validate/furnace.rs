@@ -1,5 +1,5 @@
-//! Closed rooms that glow: all surfaces emit `L_e` and reflect `ρ`, so radiance is `L_e / (1 - ρ)` everywhere, whatever the
-//! room's shape (the test that Driscoll took from "Physically Based Rendering").
+//! Closed rooms that glow: all surfaces emit `L_e` and reflect `ρ`, so radiance is `L_e / (1 - ρ)` everywhere, whatever
+//! the room's shape (the test that Driscoll took from "Physically Based Rendering").
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Pattern;
@@ -102,26 +102,27 @@ fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
     let cosine = gathered(HemisphereSampling::Cosine);
     let uniform = gathered(HemisphereSampling::Uniform);
     let paths = |bounces| Some(naive(bounces + 1, Stop::Depth));
-    // Light samples on a wall that meets one's own have a variance without bounds at the edge, and little of it where the edge is
-    // all but flat: so `montecarlo`, which samples lights, is held to a fine sphere.
+    // Light samples on a wall that meets one's own have a variance without bounds at the edge, and little of it where
+    // the edge is all but flat: so `montecarlo`, which samples lights, is held to a fine sphere.
     let round = room(&sphere(5, 1.0));
     let (corners, square) = (room(&tetrahedron()), room(&cube()));
     type Bouncing<'a> = &'a dyn Fn(u32) -> Option<Integrator>;
-    let estimators: [(&str, &World, Bouncing); 5] = [
-        ("montecarlo, cosine, sphere", &round, &cosine),
-        ("montecarlo, uniform, sphere", &round, &uniform),
-        ("path of fixed length, sphere", &round, &paths),
-        ("path of fixed length, tetrahedron", &corners, &paths),
-        ("path of fixed length, box", &square, &paths),
+    // The paths have no variance at all.
+    let estimators: [(&str, &World, u32, Bouncing); 5] = [
+        ("montecarlo, cosine, sphere", &round, 16, &cosine),
+        ("montecarlo, uniform, sphere", &round, 16, &uniform),
+        ("path of fixed length, sphere", &round, 1, &paths),
+        ("path of fixed length, tetrahedron", &corners, 1, &paths),
+        ("path of fixed length, box", &square, 1, &paths),
     ];
     let residual = |bounces: f64| 100.0 * exact::furnace_residual(REFLECTANCE.into(), bounces as u32);
     let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, MOST.into(), MOST + 1), residual)];
     let mut z = Vec::new();
-    for (label, room, integrator) in estimators {
+    for (label, room, spp, integrator) in estimators {
         let mut points = Vec::new();
         for bounces in 0..=MOST {
             let Some(integrator) = integrator(bounces) else { continue };
-            let settings = Settings { width: 64, height: 64, spp: lab.share(16), integrator, ..Settings::default() };
+            let settings = Settings { width: 64, height: 64, spp: lab.share(spp), integrator, ..Settings::default() };
             let sample = Sample::of(&lab.render(room, settings)?.values);
             z.push(sample.z(exact::furnace_after(EMISSION.into(), REFLECTANCE.into(), bounces), ROUNDING));
             let missing = 100.0 * (1.0 - sample.mean / radiance()).abs();
@@ -162,8 +163,8 @@ fn exact_variance(survival: f64) -> f64 {
     exact::roulette_variance(EMISSION.into(), REFLECTANCE.into(), survival)
 }
 
-/// Driscoll's other graph: the error of 1000 runs. Where variance is infinite, below ρ², the means of any number of runs
-/// are too small but for a few that are far too great: there is nothing to hold them to.
+/// Driscoll's other graph: the error of 1000 runs. Where variance is infinite, below ρ², the means of any number of
+/// runs are too small but for a few that are far too great: there is nothing to hold them to.
 fn survival(lab: &Lab) -> Result<Outcome, Interrupted> {
     const RUNS: (u32, u32) = (40, 25);
     let room = room(&sphere(3, 1.0));
@@ -221,8 +222,8 @@ fn variance(lab: &Lab) -> Result<Outcome, Interrupted> {
     Ok(Outcome { quantity, measured: super::worst(off), expected: 0.0, tolerance: 0.05, figure: Some(figure) })
 }
 
-/// A path ends at the first surface behind which less than the cutoff would be left of its light, so after `k` bounces with
-/// `ρ^{k+1}` below it. What it leaves out is known here, as the mean radiance is that of every place.
+/// A path ends at the first surface behind which less than the cutoff would be left of its light, so after `k` bounces
+/// with `ρ^{k+1}` below it. What it leaves out is known here, as the mean radiance is that of every place.
 fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
     let reflectance = f64::from(REFLECTANCE);
     let bounces = |cutoff: f64| (0..).find(|&k| exact::furnace_residual(reflectance, k) < cutoff).unwrap_or(u32::MAX);
@@ -254,9 +255,9 @@ fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
     Ok(Outcome::worst_z(z).with(figure))
 }
 
-/// Driscoll's rays escaped from his sphere near the horizon. Here the sky outside has radiance one and the walls send on
-/// all that they get, so a pixel is black unless one of its rays has come out: of a path, of its shadow rays towards the sky, or
-/// of ambient occlusion, which sends more of its uniform rays along the surface.
+/// Driscoll's rays escaped from his sphere near the horizon. Here the sky outside has radiance one and the walls send
+/// on all that they get, so a pixel is black unless one of its rays has come out: of a path, of its shadow rays towards
+/// the sky, or of ambient occlusion, which sends more of its uniform rays along the surface.
 fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
     let paths = |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth });
     let occlusion = AoOptions {

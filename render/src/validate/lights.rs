@@ -248,8 +248,8 @@ impl Profile {
     }
 }
 
-/// The form factor is π times less than the mean of the irradiance from one sphere over the other, by the midpoint rule in `s`
-/// with `cos = 1 - 2 s²`, of which `2 s ds` is the share of the surface: so places are close where much arrives.
+/// The form factor is π times less than the mean of the irradiance from one sphere over the other, by the midpoint rule
+/// in `s` with `cos = 1 - 2 s²`, of which `2 s ds` is the share of the surface: so places are close where much arrives.
 fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
     const PLACES: u32 = 32;
     /// Facets, and as few places.
@@ -311,4 +311,27 @@ fn concentric_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
         z.push(Sample::of(&lab.render(&world(scene), settings)?.values).z(exact, 2.0 * FACETS));
     }
     Ok(Outcome::worst_z(z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the facets that a place sees are worth, by Lambert's formula, against the sphere that they stand for.
+    #[test]
+    fn facets_are_worth_as_much_as_their_sphere() {
+        let triangles = moved(&sphere(LEVEL, 0.5), Vec3::Y);
+        let (_, from, to) = SPHERE.x;
+        for x in span(from, to, 9) {
+            let point = DVec3::X * x;
+            let facets: f64 = triangles
+                .iter()
+                .map(|corners| corners.map(|corner| corner.as_dvec3()))
+                .filter(|[a, b, c]| (b - a).cross(c - a).dot(point - a) > 0.0)
+                .map(|corners| exact::polygon_irradiance(point, DVec3::Y, &corners).abs())
+                .sum();
+            let off = (facets / (SPHERE.exact)(x) - 1.0).abs();
+            assert!(off < FACETS, "at {x}: {off}");
+        }
+    }
 }

@@ -58,8 +58,8 @@ fn glass(ior: f32) -> Material {
     specular(0.0, Specular::Glass { ior, transmittance: Vec3::ONE })
 }
 
-/// The mean over pictures by each way to find light. No path is ended by chance: facets of glass hold some light for hundreds of
-/// reflections, and roulette with a survival of less than one has a variance without bounds there.
+/// The mean over pictures by each way to find light. No path is ended by chance: facets of glass hold some light for
+/// hundreds of reflections, and roulette with a survival of less than one has a variance without bounds there.
 fn furnace(lab: &Lab, solid: &[Corners], material: &Material) -> Result<Outcome, Interrupted> {
     let mut furnace = scene([(solid, material.clone())], view(vec3(0.9, 1.6, 1.2), Vec3::ZERO));
     furnace.sky = Sky { radiance: Vec3::ONE };

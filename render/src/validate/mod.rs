@@ -1,8 +1,8 @@
 //! Validation: scenes whose answer is known exactly, rendered as experiments.
 //!
-//! An experiment measures one number through the public library, scene to picture, and compares it with a closed form. Where
-//! it measures many, as in a series over bounces, the number is the largest distance from the exact values in standard
-//! errors. Results depend on the seed and the effort alone.
+//! An experiment measures one number through the public library, scene to picture, and compares it with a closed form.
+//! Where it measures many, as in a series over bounces, the number is the largest distance from the exact values in
+//! standard errors. Results depend on the seed and the effort alone.
 
 mod convergence;
 mod exact;

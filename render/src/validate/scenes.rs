@@ -8,8 +8,8 @@ use crate::world::World;
 /// A triangle, with its front on the side from which its corners run counter-clockwise.
 pub(super) type Corners = [Vec3; 3];
 
-/// The sphere about the origin of `20 · 4^level` triangles, fronts outside, with the surface of a sphere of this radius:
-/// by Cauchy's theorem it then hides as much as that sphere does, on average over directions.
+/// The sphere about the origin of `20 · 4^level` triangles, fronts outside, with the surface of a sphere of this
+/// radius: by Cauchy's theorem it then hides as much as that sphere does, on average over directions.
 pub(super) fn sphere(level: u32, radius: f32) -> Vec<Corners> {
     let mut triangles = icosahedron();
     for _ in 0..level {

@@ -40,8 +40,8 @@ impl Sample {
         (self.variance / self.count).sqrt()
     }
 
-    /// How far the mean is from `exact`, in standard errors. What the values have in common, such as 32-bit rounding or the
-    /// facets of a sphere, is an uncertainty of `exact`: `allowance`, more than zero, relative to it.
+    /// How far the mean is from `exact`, in standard errors. What the values have in common, such as 32-bit rounding or
+    /// the facets of a sphere, is an uncertainty of `exact`: `allowance`, more than zero, relative to it.
     pub(crate) fn z(&self, exact: f64, allowance: f64) -> f64 {
         (self.mean - exact) / self.standard_error().hypot(allowance * exact)
     }

@@ -17,7 +17,8 @@ pub(crate) struct Figure {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// Drawn in this order, in a colour each; a series called as the one before shares its colour and its line of the legend.
+    /// Drawn in this order, in a colour each; a series called as the one before shares its colour and its line of the
+    /// legend.
     pub series: Vec<Series>,
 }
 

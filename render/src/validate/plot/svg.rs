@@ -16,7 +16,8 @@ const LINE: f64 = 19.0;
 pub(crate) fn svg(figure: &Figure) -> String {
     let [left, top, right, bottom] = FRAME;
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+         width=\"{WIDTH}\" height=\"{HEIGHT}\" \
          font-family=\"Helvetica, Arial, 'Liberation Sans', sans-serif\" font-size=\"13\" fill=\"#222\">\n\
          <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"white\"/>\n"
     );
@@ -125,7 +126,8 @@ fn marks(out: &mut String, figure: &Figure, series: &Series, colour: usize) {
                 [-1.0, 1.0].map(|sign| bottom - (bottom - top) * figure.y.clamped(point.y + sign * point.error));
             let _ = writeln!(
                 out,
-                "<path d=\"M{x:.1} {low:.1}V{high:.1}M{0:.1} {low:.1}h6M{0:.1} {high:.1}h6\" stroke=\"{1}\" fill=\"none\"/>",
+                "<path d=\"M{x:.1} {low:.1}V{high:.1}M{0:.1} {low:.1}h6M{0:.1} {high:.1}h6\" \
+                 stroke=\"{1}\" fill=\"none\"/>",
                 x - 3.0,
                 COLOURS[colour]
             );
@@ -170,8 +172,8 @@ fn legend(out: &mut String, figure: &Figure, colours: &[usize]) {
     let [x, y] = corners.min_by_key(hidden).unwrap_or([left, top]);
     let _ = writeln!(
         out,
-        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"white\" fill-opacity=\"0.9\" \
-         stroke=\"#bbb\"/>"
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"white\" \
+         fill-opacity=\"0.9\" stroke=\"#bbb\"/>"
     );
     for (row, (label, colour, styles)) in entries.iter().enumerate() {
         let y = y + 5.0 + LINE * (row as f64 + 0.5);
