@@ -12,4 +12,5 @@ mod light;
 pub mod output;
 pub mod scene;
 pub mod settings;
+mod validate;
 pub mod world;

@@ -9,6 +9,7 @@ mod preview;
 mod progress;
 mod render;
 mod summary;
+mod validate;
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -33,6 +34,8 @@ const EXIT_INPUT: u8 = 1;
 const EXIT_SYSTEM: u8 = 2;
 /// Interrupted, with a valid partial picture.
 const EXIT_INTERRUPTED: u8 = 3;
+/// An experiment failed.
+const EXIT_FAILED: u8 = 5;
 
 /// The built-in scene's name in place of a path.
 const CORNELL: &str = "cornell";
@@ -54,6 +57,7 @@ pub fn main() -> ExitCode {
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
         Command::Render(arguments) => (render::run(&arguments), arguments.progress),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
+        Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
         error.print(mode);
