@@ -2,6 +2,10 @@
 
 use crate::film::Filter;
 
+mod cached;
+
+pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
+
 /// The settings of one picture; defaults as `Settings::default()` has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
