@@ -39,6 +39,7 @@ extern crate alloc;
 
 pub mod bvh;
 pub mod geometry;
+pub mod irradiance;
 pub mod sampling;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;

@@ -1,0 +1,124 @@
+//! Irradiance of a point from the radiance and the distances that rays over its hemisphere found, with its gradients
+//! and its Hessian.
+//!
+//! A record is made at x_i with the unit normal n_i. A [`Layout`] cuts the hemisphere above it into cells and gives a
+//! direction for each: [`Stratified`] in rings and sectors, [`Hemicube`] in the texels of half a cube. One traces a ray
+//! along each and says what came along it: its radiance L and the distance r to what it hit, +∞ where it missed.
+//! Then, per colour channel,
+//!
+//! ```text
+//! E    = Σ cells   L ∫ cos θ dω                                       irradiance
+//! ∇_r  = Σ cells   L ∫ n × ω dω                                       rotational gradient
+//! ∇_t  = Σ walls   (L_B - L_A) m (∫ cos θ ds) / r_AB                  translational gradient
+//! 1/R  = 1/π Σ cells (1/r) ∫ cos θ dω                                 harmonic mean distance
+//! ```
+//!
+//! (Ward and Heckbert, "Irradiance gradients", 1992; Castaño, "Irradiance caching", 2011, for the hemicube.) A wall is
+//! the arc between neighbouring cells A and B, and m the part in the tangent plane of the sphere's unit tangent across
+//! it, from A to B. All of it depends on the layout alone save L and r, so a table has it, computed once.
+//!
+//! # Signs and frames
+//! The one convention of signs, for world vectors:
+//!
+//! E(x, n) = E_i + (n_i × n)·∇_r + (x - x_i)·∇_t
+//!
+//! Accumulated gradients are local: z is n_i, and x and y are where the layout's azimuth says. Take them to the world
+//! with [`Gather::to_world`] and the frame that took the directions there.
+//!
+//! # Deviations
+//! - Where the depth is continuous, r_max/r_min < 1.5, 1/r_AB is the mean of the two reciprocals, elsewhere that of the
+//!   nearer: the nearer alone, as published, over-estimates gradients beside smooth walls by a quarter.
+//! - The hemicube's walls are arcs of great circles, and its cells' integrals are exact for their spherical polygons.
+//!   The published form, of cosines and azimuths of texel centres, is biased and gives a furnace a gradient.
+//!
+//! Distances less than [`LEAST_DISTANCE`], zero and NaN count as it. Every sum has a fixed order, so that results are
+//! equal bit for bit on every instruction set. Nothing here allocates.
+
+mod accumulate;
+mod gather;
+mod hemicube;
+pub mod reference;
+mod stratified;
+#[cfg(test)]
+mod tests;
+
+pub use accumulate::LEAST_DISTANCE;
+pub use gather::Gather;
+pub use hemicube::Hemicube;
+pub use stratified::Stratified;
+
+use core::fmt;
+
+use glam::{Vec2, Vec3};
+
+/// A hemisphere cut into cells.
+pub trait Layout {
+    /// The number of cells, and so of rays.
+    fn cells(&self) -> usize;
+
+    /// Writes a unit direction for each cell, z up, to `out`, in the order of the cells. `jitter(cell)`, in [0, 1)²,
+    /// says where in the cell it is; a layout of fixed directions does not ask.
+    ///
+    /// # Errors
+    ///
+    /// [`LayoutError::Length`] if `out` has not [`cells`](Self::cells) elements; nothing is written then.
+    fn directions(&self, jitter: &mut dyn FnMut(usize) -> Vec2, out: &mut [Vec3]) -> Result<(), LayoutError>;
+
+    /// Irradiance, its gradients and the distances from what each cell's ray found: `radiance` in W/(m² sr), finite;
+    /// `distance` in world units, +∞ for a miss, whose radiance (the sky's) counts all the same.
+    ///
+    /// # Errors
+    ///
+    /// [`LayoutError::Length`] if either slice has not [`cells`](Self::cells) elements.
+    fn accumulate(&self, radiance: &[Vec3], distance: &[f32]) -> Result<Gather, LayoutError>;
+}
+
+/// Why a layout, or a slice for it, was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayoutError {
+    /// A hemicube's size is odd or out of range.
+    Size {
+        /// The size asked for, in texels.
+        size: u32,
+    },
+    /// The memory for the table is too short.
+    Table {
+        /// The number of floats that the table needs.
+        needed: usize,
+        /// The length of the memory given.
+        given: usize,
+    },
+    /// A slice has not one element for each cell.
+    Length {
+        /// The number of cells.
+        cells: usize,
+        /// The slice's length.
+        slice: usize,
+    },
+}
+
+impl fmt::Display for LayoutError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Size { size } => {
+                write!(f, "hemicube of {size} texels a side: must be even, from 2 to {}", hemicube::MAX_SIZE)
+            }
+            Self::Table { needed, given } => {
+                write!(f, "the layout's table needs memory for {needed} floats, there is some for {given}")
+            }
+            Self::Length { cells, slice } => {
+                write!(f, "{cells} cells need as many elements, the slice has {slice}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for LayoutError {}
+
+/// Checks that slices have an element for each cell.
+fn check_lengths<const N: usize>(cells: usize, slices: [usize; N]) -> Result<(), LayoutError> {
+    match slices.into_iter().find(|&slice| slice != cells) {
+        Some(slice) => Err(LayoutError::Length { cells, slice }),
+        None => Ok(()),
+    }
+}
