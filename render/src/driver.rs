@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
@@ -125,7 +125,8 @@ impl Job<'_> {
         rays.clear();
         for sample in tile.samples..end {
             for (number, &(x, y)) in pixels.iter().enumerate() {
-                let sampler = Sampler::new(Pattern::Sobol, self.settings.seed, y * self.settings.width + x, sample);
+                let sampler =
+                    Sampler::new(self.settings.sampler, self.settings.seed, y * self.settings.width + x, sample);
                 let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
                 rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
                 places.push((number, filter));

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 use halfdome::scene::{CameraPose, Scene};
-use halfdome::settings::Settings;
+use halfdome::settings::{Integrator, PathOptions, Settings};
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
 
 const EMISSION: Vec3 = Vec3::new(1.0, 2.0, 0.5);
@@ -69,7 +69,8 @@ fn radiance(reflectance: Vec3, depth: u32) -> DVec3 {
 }
 
 fn check(name: &str, scene: &Scene, reflectance: Vec3, max_depth: u32, spp: u32, closeness: f64) {
-    let settings = Settings { width: 24, height: 24, spp, max_depth, ..Settings::default() };
+    let integrator = Integrator::Path(PathOptions { max_depth, ..PathOptions::default() });
+    let settings = Settings { width: 24, height: 24, spp, integrator, ..Settings::default() };
     let pixels = pixels(&render(scene, &settings));
     let expected = radiance(reflectance, max_depth);
     let estimate = Estimate::of(&pixels);
@@ -99,7 +100,8 @@ fn paths_of_few_surfaces_see_as_many_terms() {
     for depth in [2, 3, 4, 5, 8] {
         check("box", &scene, REFLECTANCE, depth, 128, 0.01);
     }
-    let settings = Settings { width: 8, height: 8, spp: 4, max_depth: 1, ..Settings::default() };
+    let integrator = Integrator::Path(PathOptions { max_depth: 1, ..PathOptions::default() });
+    let settings = Settings { width: 8, height: 8, spp: 4, integrator, ..Settings::default() };
     for pixel in pixels(&render(&scene, &settings)) {
         assert_eq!(pixel, EMISSION.as_dvec3(), "emitters alone");
     }

@@ -185,8 +185,11 @@ fn exposure(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use halfdome_kernel::sampling::Pattern;
 
     use super::*;
+    use crate::scene::IntegratorOverrides;
+    use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Stop, Survival};
 
     fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["halfdome", "render"].iter().chain(arguments);
@@ -206,7 +209,10 @@ mod tests {
     #[test]
     fn every_override_can_be_given() {
         let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
-                         --filter-width 2 --sharpness .5 --integrator normals --spp 7 --max-depth 3 \
+                         --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
+                         --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 \
+                         --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
+                         --ao-distance 3 \
                          --seed 18446744073709551615 --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
@@ -219,9 +225,23 @@ mod tests {
             filter: Some("tent".into()),
             filter_width: Some(2.0),
             sharpness: Some(0.5),
-            integrator: Some(crate::settings::IntegratorKind::Normals),
+            integrator: IntegratorOverrides {
+                integrator: Integrator::named("direct"),
+                max_depth: Some(3),
+                lights: Some(LightSampling::Direct),
+                stop: Stop::named("depth"),
+                cutoff: Some(0.5),
+                add_back: Some(true),
+                roulette_after: Some(0),
+                survival: Some(Survival::default()),
+                bounces: Some(0),
+                rays: Some(1),
+                sampling: Some(HemisphereSampling::Cosine),
+                ao_weighting: Some(AoWeighting::Misses),
+                ao_distance: Some(3.0),
+            },
             spp: Some(7),
-            max_depth: Some(3),
+            sampler: Some(Pattern::Random),
             seed: Some(u64::MAX),
             aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),

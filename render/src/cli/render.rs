@@ -11,7 +11,7 @@ use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
 use crate::scene::{Scene, count};
-use crate::settings::{IntegratorKind, Settings};
+use crate::settings::Settings;
 use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let (mut scene, settings) = prepare(&arguments.scene, arguments.overrides())?;
     memory::check(&settings)?;
     let lit = has_light(&scene);
-    if settings.integrator == IntegratorKind::Path && !lit {
+    if settings.integrator.needs_light() && !lit {
         scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
     }
 
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let progress = Progress::start(style, samples(&settings));
     let result = pool.install(|| driver::render(&world, &settings, &progress));
     drop(progress);
-    if settings.integrator == IntegratorKind::Path && lit && result.finished && is_black(&result.picture) {
+    if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";
         job.warn(style, warning.to_owned());
     }

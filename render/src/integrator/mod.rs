@@ -10,7 +10,7 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use crate::settings::{IntegratorKind, Settings};
+use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
 pub(crate) use path::Wavefront;
@@ -34,9 +34,9 @@ pub(crate) fn radiance(
     wavefront: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    match settings.integrator {
-        IntegratorKind::Path => path::radiance(world, settings.max_depth, camera, wavefront, radiance),
-        IntegratorKind::Normals => normals::normals(world, camera, radiance),
-        IntegratorKind::Albedo => normals::albedo(world, camera, radiance),
+    match &settings.integrator {
+        Integrator::Path(options) => path::radiance(world, options.max_depth, camera, wavefront, radiance),
+        Integrator::Normals => normals::normals(world, camera, radiance),
+        _ => normals::albedo(world, camera, radiance),
     }
 }

@@ -20,10 +20,12 @@
 //! aov = false
 //!
 //! [render]
-//! integrator = "path"
 //! spp = 256
-//! max_depth = 16
+//! sampler = "sobol"
 //! seed = 1
+//! integrator = "path"    # and its options, which are called as on the command line
+//! max_depth = 16
+//! roulette_after = 4
 //!
 //! [sky]
 //! radiance = [0.3, 0.4, 0.6]
@@ -40,7 +42,7 @@ use toml::de::{DeTable, DeValue};
 use super::load;
 use super::nearest::suggestion;
 use super::value::{self, Expected, Value};
-use super::{Overrides, Place, Scene, SceneError};
+use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +58,27 @@ const SECTIONS: [(&str, &[&str]); 5] = [
     ("scene", &["file", "emission"]),
     ("camera", &["eye", "target", "up", "vfov"]),
     ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
-    ("render", &["integrator", "spp", "max_depth", "seed"]),
+    (
+        "render",
+        &[
+            "spp",
+            "sampler",
+            "seed",
+            "integrator",
+            "max_depth",
+            "lights",
+            "stop",
+            "cutoff",
+            "add_back",
+            "roulette_after",
+            "survival",
+            "bounces",
+            "rays",
+            "sampling",
+            "ao_weighting",
+            "ao_distance",
+        ],
+    ),
     ("sky", &["radiance"]),
 ];
 
@@ -155,11 +177,31 @@ impl Parser<'_> {
             "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
             "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
             "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
-            "integrator" => to.integrator = Some(self.read(value::integrator, section, entry)?),
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
-            "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
+            "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
             "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
+            _ => self.set_integrator(&mut to.integrator, section, entry)?,
+        }
+        Ok(())
+    }
+
+    /// Sets an option that belongs to an integrator.
+    fn set_integrator(&self, to: &mut IntegratorOverrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
+        match entry.name {
+            "integrator" => to.integrator = Some(self.read(value::integrator, section, entry)?),
+            "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
+            "lights" => to.lights = Some(self.read(value::lights, section, entry)?),
+            "stop" => to.stop = Some(self.read(value::stop, section, entry)?),
+            "cutoff" => to.cutoff = Some(self.read(value::fraction, section, entry)?),
+            "add_back" => to.add_back = Some(self.read(value::flag, section, entry)?),
+            "roulette_after" => to.roulette_after = Some(self.read(value::number, section, entry)?),
+            "survival" => to.survival = Some(self.read(value::survival, section, entry)?),
+            "bounces" => to.bounces = Some(self.read(value::number, section, entry)?),
+            "rays" => to.rays = Some(self.read(value::count, section, entry)?),
+            "sampling" => to.sampling = Some(self.read(value::hemisphere_sampling, section, entry)?),
+            "ao_weighting" => to.ao_weighting = Some(self.read(value::ao_weighting, section, entry)?),
+            "ao_distance" => to.ao_distance = Some(self.read(value::distance, section, entry)?),
             name => unreachable!("[{section}] {name} is listed, but sets nothing"),
         }
         Ok(())

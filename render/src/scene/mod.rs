@@ -23,4 +23,4 @@ pub use file::{SceneFile, open};
 pub use framing::frame;
 pub(crate) use model::count;
 pub use model::load;
-pub use overrides::{Conflict, Overrides};
+pub use overrides::{Conflict, IntegratorOverrides, Overrides};

@@ -2,18 +2,23 @@
 //!
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
+mod integrator;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;
+use halfdome_kernel::sampling::Pattern;
 
 use super::framing::frame;
 use super::value::{self, argument};
 use super::{CameraPose, Scene};
 use crate::film::Filter;
-use crate::settings::{IntegratorKind, Invalid, Settings};
+use crate::settings::{Invalid, Settings};
+
+pub use integrator::IntegratorOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -56,17 +61,16 @@ pub struct Overrides {
     #[arg(value_parser = argument(value::sharpness), allow_negative_numbers = true)]
     pub sharpness: Option<f32>,
 
-    /// What is computed: path (global illumination), normals or albedo [default: path]
-    #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::integrator))]
-    pub integrator: Option<IntegratorKind>,
+    /// The integrator and its options.
+    #[command(flatten)]
+    pub integrator: IntegratorOverrides,
     /// Samples per pixel [default: 64]
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub spp: Option<u32>,
-    /// Most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 1024]
-    #[arg(long, value_name = "N", help_heading = "Render")]
-    #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
-    pub max_depth: Option<u32>,
+    /// Where random numbers come from: random, sobol or r2 [default: sobol]
+    #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::sampler))]
+    pub sampler: Option<Pattern>,
     /// Selects the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::seed), allow_negative_numbers = true)]
@@ -107,7 +111,7 @@ impl Overrides {
             sharpness: self.sharpness.or(fallback.sharpness),
             integrator: self.integrator.or(fallback.integrator),
             spp: self.spp.or(fallback.spp),
-            max_depth: self.max_depth.or(fallback.max_depth),
+            sampler: self.sampler.or(fallback.sampler),
             seed: self.seed.or(fallback.seed),
             aov: self.aov.or(fallback.aov),
             sky: self.sky.or(fallback.sky),
@@ -141,9 +145,9 @@ impl Overrides {
             width: self.width.unwrap_or(default.width),
             height: self.height.unwrap_or(default.height),
             filter: self.film_filter().map_err(|error| Conflict::new(Group::Filter, error))?,
-            integrator: self.integrator.unwrap_or(default.integrator),
+            integrator: self.integrator.integrator().map_err(|error| Conflict::new(Group::Integrator, error))?,
             spp: self.spp.unwrap_or(default.spp),
-            max_depth: self.max_depth.unwrap_or(default.max_depth),
+            sampler: self.sampler.unwrap_or(default.sampler),
             seed: self.seed.unwrap_or(default.seed),
             aov: self.aov.unwrap_or(default.aov),
         };
@@ -157,6 +161,7 @@ impl Overrides {
             Group::Camera => self.eye.is_some() || self.target.is_some() || self.up.is_some(),
             Group::Size => self.width.is_some() || self.height.is_some(),
             Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
+            Group::Integrator => self.integrator.sets_any(),
         }
     }
 
@@ -211,6 +216,7 @@ enum Group {
     Camera,
     Size,
     Filter,
+    Integrator,
 }
 
 impl Conflict {

@@ -3,10 +3,11 @@
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
 use glam::Vec3;
+use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
 use crate::film::Filter;
-use crate::settings::{IntegratorKind, MAX_SIDE};
+use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, MAX_SIDE, Stop, Survival};
 
 /// A value whose meaning is not known yet.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +60,12 @@ impl Value {
     fn integer<T: TryFrom<i128>>(&self) -> Option<T> {
         let Self::Integer(value) = self else { return None };
         T::try_from(*value).ok()
+    }
+
+    /// What `named` makes of one of the names.
+    fn named<T>(&self, names: &[&str], named: fn(&str) -> Option<T>) -> Reading<T> {
+        let known: Vec<_> = names.iter().map(|&name| (name, name)).collect();
+        self.one_of(&known).map(|name| named(name).expect("every listed name has a value"))
     }
 
     fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Reading<T> {
@@ -143,6 +150,11 @@ pub(super) fn count(value: &Value) -> Reading<u32> {
     }
 }
 
+/// Something of which there may be none.
+pub(super) fn number(value: &Value) -> Reading<u32> {
+    value.integer().map_or_else(|| expected(format!("a whole number from 0 to {}", u32::MAX)), Ok)
+}
+
 /// A seed.
 pub(super) fn seed(value: &Value) -> Reading<u64> {
     value.integer().map_or_else(|| expected(format!("a whole number from 0 to {}", u64::MAX)), Ok)
@@ -178,8 +190,64 @@ pub(super) fn flag(value: &Value) -> Reading<bool> {
 }
 
 /// An integrator's name.
-pub(super) fn integrator(value: &Value) -> Reading<IntegratorKind> {
-    value.one_of(&IntegratorKind::ALL.map(|kind| (kind.name(), kind)))
+pub(super) fn integrator(value: &Value) -> Reading<Integrator> {
+    value.named(&Integrator::NAMES, Integrator::named)
+}
+
+/// How light is found.
+pub(super) fn lights(value: &Value) -> Reading<LightSampling> {
+    value.one_of(&[("naive", LightSampling::Naive), ("direct", LightSampling::Direct), ("mis", LightSampling::Mis)])
+}
+
+/// A stopping rule's name.
+pub(super) fn stop(value: &Value) -> Reading<Stop> {
+    value.named(&Stop::NAMES, Stop::named)
+}
+
+/// A part of a whole.
+pub(super) fn fraction(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(fraction @ 0.0..=1.0) => Ok(fraction),
+        _ => expected("a number from 0 to 1"),
+    }
+}
+
+/// The probability that a path goes on, or the word for one that follows its throughput.
+pub(super) fn survival(value: &Value) -> Reading<Survival> {
+    match value {
+        Value::Text(text) if text == "throughput" => Ok(Survival::default()),
+        _ => match value.finite() {
+            Some(probability) if probability > 0.0 && probability <= 1.0 => Ok(Survival::Constant(probability)),
+            _ => expected("`throughput`, or a probability, more than 0 and at most 1"),
+        },
+    }
+}
+
+/// How directions are chosen.
+pub(super) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> {
+    value.one_of(&[
+        ("uniform", HemisphereSampling::Uniform),
+        ("cosine", HemisphereSampling::Cosine),
+        ("stratified", HemisphereSampling::Stratified),
+    ])
+}
+
+/// What occlusion rays count.
+pub(super) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
+    value.one_of(&[("misses", AoWeighting::Misses), ("hit-length", AoWeighting::HitLength)])
+}
+
+/// A distance in the scene's units.
+pub(super) fn distance(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(distance) if distance > 0.0 => Ok(distance),
+        _ => expected("a number more than 0, in the scene's units"),
+    }
+}
+
+/// Where random numbers come from.
+pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
+    value.one_of(&[("random", Pattern::Random), ("sobol", Pattern::Sobol), ("r2", Pattern::R2)])
 }
 
 /// Which sides emit: whether both do.
@@ -232,7 +300,10 @@ mod tests {
     #[test]
     fn misspelt_names_get_the_nearest() {
         let error = argument(integrator)("pth").unwrap_err();
-        assert_eq!(error.to_string(), "expected one of path, normals, albedo; did you mean `path`?");
+        assert_eq!(
+            error.to_string(),
+            "expected one of path, montecarlo, direct, ao, flat, heat, normals, albedo; did you mean `path`?"
+        );
         let error = argument(filter)("bx").unwrap_err();
         assert_eq!(error.to_string(), "expected one of box, tent, gaussian, mitchell; did you mean `box`?");
         assert_eq!(argument(emission)("back").unwrap_err().to_string(), "expected one of front, both");

@@ -1,9 +1,10 @@
 use glam::Vec3;
+use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::film::Filter;
 use crate::scene::CameraPose;
-use crate::settings::{IntegratorKind, Settings};
+use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Settings, Stop, Survival};
 
 /// Parses `text` as the scene file `room.toml` beside a model `room.obj`.
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
@@ -45,9 +46,21 @@ fn every_key_sets_its_option() {
         filter_width = 3
         sharpness = 0.5
         [render]
-        integrator = "albedo"
         spp = 9
+        sampler = "r2"
+        integrator = "heat"
         max_depth = 3
+        lights = "naive"
+        stop = "threshold"
+        cutoff = 0.25
+        add_back = true
+        roulette_after = 0
+        survival = 0.8
+        bounces = 2
+        rays = 5
+        sampling = "uniform"
+        ao_weighting = "hit-length"
+        ao_distance = 1.5
         seed = 18446744073709551615
         [sky]
         radiance = [0.1, 0.2, 0.3]
@@ -65,9 +78,23 @@ fn every_key_sets_its_option() {
         filter: Some("mitchell".into()),
         filter_width: Some(3.0),
         sharpness: Some(0.5),
-        integrator: Some(IntegratorKind::Albedo),
+        integrator: IntegratorOverrides {
+            integrator: Integrator::named("heat"),
+            max_depth: Some(3),
+            lights: Some(LightSampling::Naive),
+            stop: Stop::named("threshold"),
+            cutoff: Some(0.25),
+            add_back: Some(true),
+            roulette_after: Some(0),
+            survival: Some(Survival::Constant(0.8)),
+            bounces: Some(2),
+            rays: Some(5),
+            sampling: Some(HemisphereSampling::Uniform),
+            ao_weighting: Some(AoWeighting::HitLength),
+            ao_distance: Some(1.5),
+        },
         spp: Some(9),
-        max_depth: Some(3),
+        sampler: Some(Pattern::R2),
         seed: Some(u64::MAX),
         aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
@@ -120,6 +147,12 @@ fn wrong_values_are_errors_with_their_line() {
         (4, "[render]\nmax_depth = 0"),
         (4, "[render]\nseed = -1"),
         (4, "[render]\nspp = true"),
+        (4, "[render]\nlights = \"all\""),
+        (4, "[render]\ncutoff = 1.5"),
+        (4, "[render]\nsurvival = 0"),
+        (4, "[render]\nsurvival = \"half\""),
+        (4, "[render]\nrays = 0"),
+        (4, "[render]\nao_distance = 0"),
         (4, "[sky]\nradiance = -0.1"),
         (4, "[sky]\nradiance = [1, 1, -1]"),
         (4, "[sky]\nradiance = [1, 1]"),
@@ -146,6 +179,8 @@ fn options_that_do_not_go_together_are_read() {
         "[camera]\neye = [0, 5, 0]\ntarget = [0, 0, 0]",
         "[film]\nwidth = 65536\nheight = 65536",
         "[film]\nfilter = \"box\"\nsharpness = 0.5",
+        "[render]\nintegrator = \"ao\"\nbounces = 2",
+        "[render]\nintegrator = \"montecarlo\"\nbounces = 4\nrays = 256",
     ] {
         assert!(overrides(text).apply(&mut Scene::default()).is_err(), "{text}");
     }

@@ -1,10 +1,17 @@
 //! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
 
+mod cached;
+mod integrator;
+
+use halfdome_kernel::sampling::Pattern;
+
 use crate::film::Filter;
 
-mod cached;
-
 pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
+pub use integrator::{
+    AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
+    PathOptions, Stop, Survival,
+};
 
 /// The settings of one picture; defaults as `Settings::default()` has them.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,11 +23,11 @@ pub struct Settings {
     /// The pixel filter.
     pub filter: Filter,
     /// What is computed.
-    pub integrator: IntegratorKind,
+    pub integrator: Integrator,
     /// Samples per pixel, at least 1.
     pub spp: u32,
-    /// The greatest number of surface hits on a path, camera's included: 1 shows emitters alone, 2 adds direct light.
-    pub max_depth: u32,
+    /// Where the random numbers come from.
+    pub sampler: Pattern,
     /// Selects the random numbers.
     pub seed: u64,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
@@ -39,17 +46,6 @@ pub const BYTES_PER_PIXEL: u64 = 7 * 8 + 3 * 4 * 2;
 /// What a pixel takes on top of that with AOVs.
 pub const AOV_BYTES_PER_PIXEL: u64 = 14 * 8 + 17 * 4 * 2;
 
-/// The integrators by their names on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IntegratorKind {
-    /// Global illumination by path tracing.
-    Path,
-    /// Shading normals as colours.
-    Normals,
-    /// Diffuse reflectance.
-    Albedo,
-}
-
 /// Settings that do not go together, or a camera that sees nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}\n  help: {remedy}")]
@@ -64,20 +60,6 @@ impl Invalid {
     /// What is wrong, and what would be right.
     pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { problem: problem.into(), remedy: remedy.into() }
-    }
-}
-
-impl IntegratorKind {
-    /// Every integrator.
-    pub const ALL: [Self; 3] = [Self::Path, Self::Normals, Self::Albedo];
-
-    /// The name in scene files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Path => "path",
-            Self::Normals => "normals",
-            Self::Albedo => "albedo",
-        }
     }
 }
 
@@ -107,9 +89,9 @@ impl Default for Settings {
             width: 512,
             height: 512,
             filter: Filter::default(),
-            integrator: IntegratorKind::Path,
+            integrator: Integrator::Path(PathOptions::default()),
             spp: 64,
-            max_depth: 1024,
+            sampler: Pattern::Sobol,
             seed: 0,
             aov: false,
         }

@@ -1,0 +1,299 @@
+//! Which integrator runs, and with what options.
+
+use super::Invalid;
+
+/// What is computed for each camera ray, with its options; [`named`](Self::named) gives each with its defaults.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Integrator {
+    /// Global illumination by path tracing.
+    Path(PathOptions),
+    /// Direct light and some bounces of indirect light, each gathered by many rays: their number grows exponentially.
+    MonteCarlo(MonteCarloOptions),
+    /// Light that comes straight from its source, or by mirrors and glass alone.
+    Direct(DirectOptions),
+    /// Ambient occlusion: how open a point is to the outside.
+    Ao(AoOptions),
+    /// The surfaces' colours, without any shading.
+    Flat,
+    /// What path tracing with these options costs in each pixel: nodes and blocks of the tree visited by a sample's
+    /// rays, on average.
+    Heat(PathOptions),
+    /// Shading normals as colours.
+    Normals,
+    /// Diffuse reflectance.
+    Albedo,
+}
+
+/// How paths are traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathOptions {
+    /// The greatest number of surface hits on a path, camera's included, at least 1: 1 shows emitters alone, 2 adds
+    /// direct light.
+    pub max_depth: u32,
+    /// How the light that a surface receives is found.
+    pub lights: LightSampling,
+    /// What ends a path before [`max_depth`](Self::max_depth).
+    pub stop: Stop,
+}
+
+/// How light is found that more than one technique could find. Lights without a surface are always sampled, mirror
+/// images of lights are always found by bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSampling {
+    /// By bounces that happen to hit it: Shirley's first program.
+    Naive,
+    /// By sampling the lights at each surface.
+    Direct,
+    /// Both ways, weighted by the power heuristic (Veach 1997).
+    Mis,
+}
+
+/// What ends a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// Its length alone.
+    Depth,
+    /// Attenuation: the path ends where less than `cutoff` of its light would be reflected, in every channel.
+    Threshold {
+        /// Throughput in 0..=1.
+        cutoff: f32,
+        /// Whether what is left out is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
+        add_back: bool,
+    },
+    /// Chance, without bias: those that go on weigh more.
+    Roulette {
+        /// Surfaces from which paths always go on.
+        after: u32,
+        /// The probability of going on afterwards.
+        survival: Survival,
+    },
+}
+
+/// The probability that a path goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Survival {
+    /// Always the same, more than 0 and at most 1.
+    Constant(f32),
+    /// The largest channel of what is left of the path's light.
+    Throughput {
+        /// The greatest probability, more than 0 and at most 1.
+        max: f32,
+    },
+}
+
+/// How the exponential estimator gathers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonteCarloOptions {
+    /// Bounces of indirect light; 0 is direct light alone.
+    pub bounces: u32,
+    /// Rays that each surface on the way gathers with, at least 1.
+    pub rays: u32,
+    /// How their directions are chosen.
+    pub sampling: HemisphereSampling,
+}
+
+/// How directions of a hemisphere are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HemisphereSampling {
+    /// With equal density.
+    Uniform,
+    /// With a density in proportion to the cosine.
+    Cosine,
+    /// In proportion to the cosine, one from each cell of a grid. The grid may have fewer cells than there are rays to
+    /// be, for it is about three times as long around as it is high.
+    Stratified,
+}
+
+/// Options of direct light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectOptions {
+    /// The greatest number of surfaces on a path that mirrors and glass prolong, at least 1.
+    pub max_depth: u32,
+}
+
+/// Options of ambient occlusion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AoOptions {
+    /// What a ray counts that hits something.
+    pub weighting: AoWeighting,
+    /// The distance from which on hits do not occlude, in the scene's units; `None` for the diagonal of its bounds.
+    pub max_distance: Option<f32>,
+    /// Rays for each camera ray, at least 1.
+    pub rays: u32,
+    /// How their directions are chosen.
+    pub sampling: HemisphereSampling,
+}
+
+/// What an occlusion ray counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AoWeighting {
+    /// 1 if it hits nothing, else 0.
+    Misses,
+    /// Its length as a part of the greatest distance: 1 if it hits nothing before.
+    HitLength,
+}
+
+impl Integrator {
+    /// The names of all integrators.
+    pub const NAMES: [&str; 8] = ["path", "montecarlo", "direct", "ao", "flat", "heat", "normals", "albedo"];
+
+    /// The integrator of this name with its default options.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "path" => Self::Path(PathOptions::default()),
+            "montecarlo" => Self::MonteCarlo(MonteCarloOptions::default()),
+            "direct" => Self::Direct(DirectOptions::default()),
+            "ao" => Self::Ao(AoOptions::default()),
+            "flat" => Self::Flat,
+            "heat" => Self::Heat(PathOptions::default()),
+            "normals" => Self::Normals,
+            "albedo" => Self::Albedo,
+            _ => return None,
+        })
+    }
+
+    /// The name in scene files and on the command line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Path(_) => "path",
+            Self::MonteCarlo(_) => "montecarlo",
+            Self::Direct(_) => "direct",
+            Self::Ao(_) => "ao",
+            Self::Flat => "flat",
+            Self::Heat(_) => "heat",
+            Self::Normals => "normals",
+            Self::Albedo => "albedo",
+        }
+    }
+
+    /// Whether the picture shows light, so that it is black without any.
+    pub fn needs_light(&self) -> bool {
+        matches!(self, Self::Path(_) | Self::MonteCarlo(_) | Self::Direct(_))
+    }
+
+    /// Refuses options with which a render would never end.
+    pub fn check(&self) -> Result<(), Invalid> {
+        match self {
+            Self::MonteCarlo(options) => options.check(),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl MonteCarloOptions {
+    /// The most gathering rays for one camera ray.
+    pub const MAX_RAYS: u64 = 1 << 24;
+
+    /// The gathering rays for one camera ray, at most: `rays + rays² + ...`, once for each bounce.
+    pub fn rays_per_sample(&self) -> u64 {
+        let rays = u64::from(self.rays);
+        match rays {
+            // One ray a surface is a path, of which any length will do.
+            1 => u64::from(self.bounces),
+            // 2^64 rays and more are as good as infinitely many.
+            _ => (0..self.bounces.min(64)).fold(0, |sum: u64, _| sum.saturating_add(1).saturating_mul(rays)),
+        }
+    }
+
+    fn check(&self) -> Result<(), Invalid> {
+        if self.rays_per_sample() <= Self::MAX_RAYS {
+            return Ok(());
+        }
+        let Self { bounces, rays, .. } = self;
+        Err(Invalid::new(
+            format!("{bounces} bounces of {rays} rays each are more than {} rays for each sample", Self::MAX_RAYS),
+            "give fewer bounces or rays: each bounce takes `rays` times as many rays as the one before",
+        ))
+    }
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default() }
+    }
+}
+
+impl Stop {
+    /// The names of all rules.
+    pub const NAMES: [&str; 3] = ["depth", "threshold", "roulette"];
+
+    /// The rule of this name with its defaults.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "depth" => Self::Depth,
+            "threshold" => Self::Threshold { cutoff: 0.01, add_back: false },
+            "roulette" => Self::default(),
+            _ => return None,
+        })
+    }
+
+    /// The name in scene files and on the command line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Threshold { .. } => "threshold",
+            Self::Roulette { .. } => "roulette",
+        }
+    }
+}
+
+impl Default for Stop {
+    fn default() -> Self {
+        Self::Roulette { after: 3, survival: Survival::default() }
+    }
+}
+
+impl Default for Survival {
+    fn default() -> Self {
+        Self::Throughput { max: 0.95 }
+    }
+}
+
+impl Default for MonteCarloOptions {
+    fn default() -> Self {
+        Self { bounces: 1, rays: 16, sampling: HemisphereSampling::Stratified }
+    }
+}
+
+impl Default for DirectOptions {
+    fn default() -> Self {
+        Self { max_depth: 32 }
+    }
+}
+
+impl Default for AoOptions {
+    fn default() -> Self {
+        Self { weighting: AoWeighting::Misses, max_distance: None, rays: 16, sampling: HemisphereSampling::Stratified }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_that_of_its_integrator() {
+        for name in Integrator::NAMES {
+            assert_eq!(Integrator::named(name).unwrap().name(), name);
+        }
+        assert_eq!(Integrator::named("Path"), None);
+        for name in Stop::NAMES {
+            assert_eq!(Stop::named(name).unwrap().name(), name);
+        }
+    }
+
+    #[test]
+    fn gathering_rays_are_a_geometric_series_and_limited() {
+        let options = |bounces, rays| MonteCarloOptions { bounces, rays, ..Default::default() };
+        assert_eq!(options(0, 256).rays_per_sample(), 0);
+        assert_eq!(options(3, 10).rays_per_sample(), 1110);
+        assert_eq!(options(1_000_000, 1).rays_per_sample(), 1_000_000);
+        assert_eq!(options(u32::MAX, 2).rays_per_sample(), u64::MAX);
+        let check = |bounces, rays| Integrator::MonteCarlo(options(bounces, rays)).check();
+        assert!(check(1, 1 << 24).is_ok() && check(1, (1 << 24) + 1).is_err());
+        // Driscoll's example: over four billion rays.
+        assert!(check(2, 256).is_ok());
+        let error = check(4, 256).unwrap_err();
+        assert_eq!(error.problem, "4 bounces of 256 rays each are more than 16777216 rays for each sample");
+    }
+}
