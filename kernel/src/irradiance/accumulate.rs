@@ -234,15 +234,9 @@ impl<L: Lanes<8>> Sums<L> {
 
     #[inline(always)]
     fn total(&self) -> Gather {
-        let mut irradiance = [0.0; 3];
-        let mut gradients = [[[0.0; 2]; 3]; 2];
-        for channel in 0..3 {
-            irradiance[channel] = sum(self.irradiance[channel]);
-            for axis in 0..2 {
-                gradients[0][channel][axis] = sum(self.rotational[channel][axis]);
-                gradients[1][channel][axis] = sum(self.translational[channel][axis]);
-            }
-        }
+        let [red, green, blue] = &self.irradiance;
+        let irradiance = [sum(*red), sum(*green), sum(*blue)];
+        let gradients = [vectors(&self.rotational), vectors(&self.translational)];
         let minimum = self.minimum_distance.store().into_iter().fold(f32::INFINITY, f32::min);
         Gather::from_sums(irradiance, gradients, sum(self.inverse_distance), minimum)
     }
@@ -253,6 +247,16 @@ impl<L: Lanes<8>> Sums<L> {
 pub(super) fn sum<L: Lanes<8>>(lanes: L) -> f32 {
     let [a, b, c, d, e, f, g, h] = lanes.store();
     ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// The sums of the lanes of a vector for each channel.
+#[inline(always)]
+fn vectors<L: Lanes<8>>(sums: &[[L; 2]; 3]) -> [[f32; 2]; 3] {
+    let mut vectors = [[0.0; 2]; 3];
+    for (vector, [x, y]) in vectors.iter_mut().zip(sums) {
+        *vector = [sum(*x), sum(*y)];
+    }
+    vectors
 }
 
 /// The gather of grids that make up a layout.

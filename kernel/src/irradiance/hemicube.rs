@@ -16,7 +16,8 @@
 use glam::{DVec3, Vec2, Vec3, dvec3};
 
 use super::accumulate::{Above, CELL, Grid, Samples, accumulate, fill_table, table_len};
-use super::{Gather, Layout, LayoutError, check_lengths};
+use super::mesh::{Patch, hessian};
+use super::{Gather, Hessian, Layout, LayoutError, check_lengths};
 use crate::simd::Isa;
 
 /// The most texels a side.
@@ -158,5 +159,13 @@ impl<T: AsRef<[f32]>> Layout for Hemicube<T> {
         let top = Grid { first: 0, rows: n, columns: n, above: Above::Zenith, table: top };
         let sides = Grid { first: n * n, rows: n / 2, columns: 4 * n, above: Above::Rim(n), table: sides };
         Ok(accumulate(self.isa, [top, sides], Samples { radiance, distance }))
+    }
+
+    fn hessian(&self, directions: &[Vec3], radiance: &[Vec3], distance: &[f32]) -> Result<Hessian, LayoutError> {
+        check_lengths(self.cells(), [directions.len(), radiance.len(), distance.len()])?;
+        let n = self.size as usize;
+        let top = Patch { first: 0, rows: n, columns: n, band: false, above: Above::Zenith };
+        let sides = Patch { first: n * n, rows: n / 2, columns: 4 * n, band: true, above: Above::Rim(n) };
+        Ok(hessian(self.isa, [top, sides], directions, Samples { radiance, distance }))
     }
 }

@@ -37,6 +37,8 @@
 mod accumulate;
 mod gather;
 mod hemicube;
+mod hessian;
+mod mesh;
 pub mod reference;
 mod stratified;
 #[cfg(test)]
@@ -45,6 +47,7 @@ mod tests;
 pub use accumulate::LEAST_DISTANCE;
 pub use gather::Gather;
 pub use hemicube::Hemicube;
+pub use hessian::{Ellipse, Hessian};
 pub use stratified::Stratified;
 
 use core::fmt;
@@ -71,6 +74,14 @@ pub trait Layout {
     ///
     /// [`LayoutError::Length`] if either slice has not [`cells`](Self::cells) elements.
     fn accumulate(&self, radiance: &[Vec3], distance: &[f32]) -> Result<Gather, LayoutError>;
+
+    /// The second derivatives of irradiance along the tangent plane, of the mesh of neighbouring hit points. What the
+    /// slices hold is as in [`accumulate`](Self::accumulate), and `directions` those that were traced, unit and local.
+    ///
+    /// # Errors
+    ///
+    /// [`LayoutError::Length`] if a slice has not [`cells`](Self::cells) elements.
+    fn hessian(&self, directions: &[Vec3], radiance: &[Vec3], distance: &[f32]) -> Result<Hessian, LayoutError>;
 }
 
 /// Why a layout, or a slice for it, was refused.

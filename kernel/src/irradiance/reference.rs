@@ -146,9 +146,9 @@ impl Sums {
             return;
         }
         let inverse = if far / near < 1.5 { 0.5 * (1.0 / near + 1.0 / far) } else { 1.0 / near };
+        let rise = radiance[1].as_dvec3() - radiance[0].as_dvec3();
         for channel in 0..3 {
-            let rise = f64::from(radiance[1][channel]) - f64::from(radiance[0][channel]);
-            self.translational[channel] += across * (rise * inverse);
+            self.translational[channel] += across * (rise[channel] * inverse);
         }
     }
 

@@ -19,7 +19,8 @@ use core::f64::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::accumulate::{Above, Grid, Samples, accumulate, fill_table, table_len};
-use super::{Gather, Layout, LayoutError, check_lengths};
+use super::mesh::{Patch, hessian};
+use super::{Gather, Hessian, Layout, LayoutError, check_lengths};
 use crate::sampling::Strata;
 use crate::simd::Isa;
 
@@ -104,5 +105,12 @@ impl<T: AsRef<[f32]>> Layout for Stratified<T> {
             table: self.table.as_ref(),
         };
         Ok(accumulate(self.isa, [grid], Samples { radiance, distance }))
+    }
+
+    fn hessian(&self, directions: &[Vec3], radiance: &[Vec3], distance: &[f32]) -> Result<Hessian, LayoutError> {
+        check_lengths(self.cells(), [directions.len(), radiance.len(), distance.len()])?;
+        let (rows, columns) = (self.strata.rings() as usize, self.strata.sectors() as usize);
+        let patch = Patch { first: 0, rows, columns, band: true, above: Above::Zenith };
+        Ok(hessian(self.isa, [patch], directions, Samples { radiance, distance }))
     }
 }
