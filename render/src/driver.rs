@@ -11,9 +11,13 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
+use crate::cache::Cache;
 use crate::camera::Camera;
 use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
-use crate::integrator::{self, CameraRays, Wavefront};
+use crate::integrator::{self, CameraRays, Memory, Prepared};
+
+pub use crate::integrator::CacheUse;
+
 use crate::settings::Settings;
 use crate::world::World;
 
@@ -36,6 +40,8 @@ pub struct Render {
     pub rays: u64,
     /// Wall-clock time.
     pub elapsed: Duration,
+    /// How the irradiance cache was used, if there was one.
+    pub cache: Option<CacheUse>,
 }
 
 /// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
@@ -47,16 +53,23 @@ const FILM_SET: u32 = 0;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
+    render_with(world, settings, None, watch)
+}
+
+/// Like [`render`], but the `cached` integrator adds to `cache`, which must be of this world and of its options.
+pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> Render {
     let start = Instant::now();
+    let (prepared, overture) = integrator::prepare(world, settings, cache, watch);
     let job = Job {
         world,
         settings,
+        prepared: &prepared,
         watch,
         camera: Camera::new(&world.camera, settings.width, settings.height),
         filter: FilterSampler::new(&settings.filter),
     };
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
-    let mut rays = 0;
+    let mut rays = overture;
     let mut done = 0;
     while done < settings.spp && (done == 0 || !watch.stop()) {
         let wave = done.clamp(1, MAX_WAVE).min(settings.spp - done);
@@ -76,8 +89,17 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
         integrator: settings.integrator.name().to_owned(),
     };
     let channels = channels(&tiles, settings.width, settings.height);
+    let cache = match &prepared {
+        Prepared::Cache(frozen) => Some(frozen.usage()),
+        Prepared::Nothing => None,
+    };
     let picture = Picture { width: settings.width, height: settings.height, channels, metadata };
-    Render { picture, finished: samples == settings.spp, rays, elapsed: start.elapsed() }
+    Render { picture, finished: samples == settings.spp, rays, elapsed: start.elapsed(), cache }
+}
+
+/// `cache` with the records that a picture with these settings needs. It must be of this world.
+pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> Cache {
+    integrator::fill_for_camera(world, settings, cache, watch).0.cache
 }
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
@@ -89,13 +111,14 @@ struct Batch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    wavefront: Wavefront,
+    memory: Memory,
 }
 
 /// What all tiles share.
 struct Job<'a> {
     world: &'a World,
     settings: &'a Settings,
+    prepared: &'a Prepared,
     watch: &'a dyn Watch,
     camera: Camera,
     filter: FilterSampler,
@@ -119,7 +142,7 @@ impl Job<'_> {
 
     /// Adds the samples from the tile's number up to `end` to all its pixels.
     fn sample_batch(&self, batch: &mut Batch, tile: &mut Tile, pixels: &[(u32, u32)], end: u32) -> u64 {
-        let Batch { places, samplers, rays, hits, radiance, wavefront } = batch;
+        let Batch { places, samplers, rays, hits, radiance, memory } = batch;
         places.clear();
         samplers.clear();
         rays.clear();
@@ -136,8 +159,8 @@ impl Job<'_> {
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         self.world.tree().intersect_many(rays, hits);
-        let camera = CameraRays { rays, hits, samplers };
-        let traced = integrator::radiance(self.world, self.settings, &camera, wavefront, radiance);
+        let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
+        let traced = integrator::radiance(self.world, self.settings, self.prepared, &camera, memory, radiance);
         for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {

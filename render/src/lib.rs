@@ -8,6 +8,7 @@ pub mod driver;
 mod estimator;
 pub mod film;
 mod integrator;
+pub mod irradiance;
 mod light;
 pub mod output;
 pub mod scene;

@@ -24,9 +24,9 @@ use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
-pub(crate) use weight::sector;
 
 pub use file::CacheFileError;
+pub(crate) use file::named;
 pub use record::{Record, SECTORS};
 
 /// By how much farther records are used than they keep other records away.

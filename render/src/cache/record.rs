@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-/// Sectors of azimuth for which a record knows the nearest obstacle.
-pub const SECTORS: usize = 16;
+pub use crate::estimator::SECTORS;
 
 /// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,10 +17,11 @@
 //! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
 //! each sector of azimuth).
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use halfdome_kernel::sampling::Frame;
 
-use super::record::{Record, SECTORS};
+use super::record::Record;
+use crate::estimator::sector;
 use crate::settings::Metric;
 
 /// How records are weighted.
@@ -83,21 +84,11 @@ fn sees(record: &Record, step: Vec3) -> bool {
     distance_squared <= obstacle * obstacle
 }
 
-/// The sector of azimuth, of [`SECTORS`] equal ones, that a vector in the tangent plane points to.
-#[inline]
-pub(crate) fn sector(local: Vec2) -> usize {
-    const TAN: [f32; 3] = [0.414_213_57, 1.0, 2.414_213_7];
-    let (x, y) = (local.x.abs(), local.y.abs());
-    let within_quadrant = TAN.iter().filter(|&&tan| y >= tan * x).count();
-    let quadrant = usize::from(local.x < 0.0) + 2 * usize::from(local.y < 0.0);
-    const { assert!(SECTORS == 16) };
-    4 * quadrant + within_quadrant
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::vec3;
+    use crate::estimator::SECTORS;
+    use glam::{Vec2, vec3};
 
     fn record() -> Record {
         Record {
@@ -142,7 +133,7 @@ mod tests {
         near(at(Metric::SplitSphere, 1.0, Vec3::ZERO, tilted(20.0)), 0.5 / (2f32.sqrt() * half_angle(20.0)) - 1.0);
         assert_eq!(at(Metric::Bounded, 1.0, Vec3::ZERO, tilted(11.0)), 0.0);
         assert!(at(Metric::Bounded, 2.0, Vec3::ZERO, tilted(11.0)) > 0.0);
-        for &metric in Metric::ALL {
+        for metric in Metric::ALL {
             assert_eq!(at(metric, 1.0, vec3(0.51, 0.0, 0.0), Vec3::Z), 0.0);
             assert_eq!(at(metric, 2.0, vec3(0.0, 2.01, 0.0), Vec3::Z), 0.0);
             assert_eq!(at(metric, 1.0, Vec3::ZERO, Vec3::NEG_Z), 0.0);
@@ -182,15 +173,5 @@ mod tests {
                 (vec3(angle.sin(), 0.0, angle.cos() - 1.0) * 2.0, vec3(angle.sin(), 0.0, angle.cos()) * side);
             assert!(weighting(Metric::Bounded, 1.0).weight(&record, record.position + step, normal) > 0.0);
         }
-    }
-
-    #[test]
-    fn sectors_are_equal_and_all_there() {
-        let mut counts = [0; SECTORS];
-        for i in 0..1600 {
-            let angle = std::f32::consts::TAU * (i as f32 + 0.5) / 1600.0;
-            counts[sector(Vec2::from_angle(angle))] += 1;
-        }
-        assert_eq!(counts, [100; SECTORS]);
     }
 }

@@ -7,6 +7,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
+use super::cache::CacheCommand;
+use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
@@ -58,6 +60,12 @@ pub(super) enum Command {
     /// Say what is in a scene, without rendering it
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
+    /// Find the irradiance at given points
+    #[command(after_help = EXIT_CODES)]
+    Irradiance(Box<IrradianceArguments>),
+    /// Build, inspect, merge and draw irradiance caches
+    #[command(subcommand, after_help = EXIT_CODES)]
+    Cache(CacheCommand),
 }
 
 #[derive(Args, Clone, Debug)]
@@ -78,13 +86,13 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     overrides: Overrides,
 
-    /// Threads; the picture does not depend on them [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(super) threads: Option<u16>,
+    /// How it runs.
+    #[command(flatten)]
+    pub(super) common: CommonArguments,
 
-    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
-    #[arg(long, value_name = "MODE", default_value = "auto")]
-    pub(super) progress: Mode,
+    /// cached: use the records of this cache, which `halfdome cache build` made with the same options; it is not changed
+    #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
+    pub(super) cache: Option<PathBuf>,
 
     /// Exposure of PNG pictures in stops: each doubles the brightness
     #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
@@ -94,6 +102,18 @@ pub(super) struct RenderArguments {
     /// Tone curve of PNG pictures
     #[arg(long, value_name = "CURVE", default_value = "linear", help_heading = "PNG", value_parser = tone_curve())]
     tone: ToneCurve,
+}
+
+/// How a command runs, whatever it does.
+#[derive(Args, Clone, Debug)]
+pub(super) struct CommonArguments {
+    /// Threads; results do not depend on them [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
+    #[arg(long, value_name = "MODE", default_value = "auto")]
+    pub(super) progress: Mode,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -164,7 +184,7 @@ fn with_extension(stem: &OsStr, extension: &str) -> PathBuf {
     Path::new(&name).to_owned()
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once(['x', 'X', '×']);
     sides

@@ -101,7 +101,7 @@ impl Job<'_> {
 }
 
 /// Warnings matter even to those who want to see no progress.
-fn print_warning(style: Style, warning: &str) {
+pub(super) fn print_warning(style: Style, warning: &str) {
     match style {
         Style::Json => print_line(&json!({ "event": "warning", "message": warning })),
         Style::Bar | Style::Silent => {
@@ -119,7 +119,7 @@ mod tests {
 
     fn render(finished: bool) -> Render {
         let picture = Picture { width: 512, height: 512, channels: Vec::new(), metadata: Metadata::default() };
-        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500) }
+        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500), cache: None }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
 //! what it needs further in batches.
 
+mod cached;
 mod normals;
 mod path;
 
@@ -10,33 +11,72 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
+use crate::cache::Cache;
+use crate::driver::Watch;
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
-pub(crate) use path::Wavefront;
+pub use cached::CacheUse;
+pub(crate) use cached::{Frozen, fill_for_camera, fill_for_surfaces, indirect};
+pub(crate) use path::{MAX_DEPTH, Wavefront as PathWavefront};
 
 /// Camera rays that are traced together, with unit directions, and their hits.
 pub(crate) struct CameraRays<'a> {
     pub rays: &'a [Ray],
     pub hits: &'a [Hit],
-    /// The numbers of each ray's sample; sets from [`FIRST_SET`] on are the integrator's.
+    /// The numbers of each ray's sample; sets from [`first_set`](Self::first_set) on are the integrator's.
     pub samplers: &'a [Sampler],
+    pub first_set: u32,
+    /// The density per solid angle with which the rays' directions were chosen: infinite for the camera's, which no
+    /// light sample competes with; 0 for rays whose own light counts elsewhere.
+    pub density: f32,
 }
 
 /// The camera uses the sets of random numbers before this one.
 pub(crate) const FIRST_SET: u32 = 1;
 
+/// What an integrator makes once, before the first sample.
+pub(crate) enum Prepared {
+    /// Nothing.
+    Nothing,
+    /// A frozen irradiance cache.
+    Cache(Frozen),
+}
+
+/// Memory that one batch leaves to the next.
+#[derive(Default)]
+pub(crate) struct Memory {
+    path: path::Wavefront,
+    cached: cached::Wavefront,
+}
+
+/// Makes what the integrator needs before the first sample; a cache from before goes into it. Gives the rays traced.
+pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> (Prepared, u64) {
+    match &settings.integrator {
+        Integrator::Cached(options) => {
+            let cache = cache.unwrap_or_else(|| Cache::new(*options, world.surroundings_hash()));
+            let (frozen, rays) = fill_for_camera(world, settings, cache, watch);
+            (Prepared::Cache(frozen), rays)
+        }
+        _ => (Prepared::Nothing, 0),
+    }
+}
+
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
 pub(crate) fn radiance(
     world: &World,
     settings: &Settings,
+    prepared: &Prepared,
     camera: &CameraRays,
-    wavefront: &mut Wavefront,
+    memory: &mut Memory,
     radiance: &mut [Vec3],
 ) -> u64 {
-    match &settings.integrator {
-        Integrator::Path(options) => path::radiance(world, options.max_depth, camera, wavefront, radiance),
-        Integrator::Normals => normals::normals(world, camera, radiance),
+    match (&settings.integrator, prepared) {
+        (Integrator::Path(options), _) => path::radiance(world, options.max_depth, camera, &mut memory.path, radiance),
+        (Integrator::Cached(_), Prepared::Cache(frozen)) => {
+            cached::radiance(world, frozen, camera, &mut memory.cached, &mut memory.path, radiance)
+        }
+        (Integrator::Normals, _) => normals::normals(world, camera, radiance),
         _ => normals::albedo(world, camera, radiance),
     }
 }

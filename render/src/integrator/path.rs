@@ -9,11 +9,11 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::power;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Sampler, power};
 use halfdome_kernel::{Hit, Ray};
 
-use super::{CameraRays, FIRST_SET};
+use super::CameraRays;
 use crate::estimator::{emitted_density, sample_light};
 use crate::world::{Surface, World};
 
@@ -21,6 +21,8 @@ use crate::world::{Surface, World};
 const SETS_PER_BOUNCE: u32 = 3;
 /// Surfaces on a path before roulette begins.
 const SURE_DEPTH: u32 = 3;
+/// The most surfaces on a path that only chance ends.
+pub(crate) const MAX_DEPTH: u32 = 1024;
 /// The greatest probability of going on.
 const MAX_SURVIVAL: f32 = 0.95;
 
@@ -62,7 +64,7 @@ pub(super) fn radiance(
     wave.start(camera);
     let mut traced = 0;
     for depth in 1..=max_depth {
-        wave.shade(world, camera.samplers, depth, max_depth, radiance);
+        wave.shade(world, camera, depth, max_depth, radiance);
         traced += wave.connect(world, radiance);
         if wave.paths.is_empty() {
             break;
@@ -75,7 +77,7 @@ pub(super) fn radiance(
 impl Wavefront {
     /// Starts a path with each camera ray, in the memory of the paths before.
     fn start(&mut self, camera: &CameraRays) {
-        let path = |index| Path { index, throughput: Vec3::ONE, density: f32::INFINITY };
+        let path = |index| Path { index, throughput: Vec3::ONE, density: camera.density };
         self.paths.clear();
         self.paths.extend((0..camera.rays.len()).map(path));
         self.rays.clear();
@@ -85,7 +87,7 @@ impl Wavefront {
     }
 
     /// Collects light at the paths' hits, samples lights there, and turns the paths to their next direction.
-    fn shade(&mut self, world: &World, samplers: &[Sampler], depth: u32, max_depth: u32, radiance: &mut [Vec3]) {
+    fn shade(&mut self, world: &World, camera: &CameraRays, depth: u32, max_depth: u32, radiance: &mut [Vec3]) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let (ray, hit, Path { index, throughput, density }) = (self.rays[i], self.hits[i], &self.paths[i]);
@@ -102,8 +104,8 @@ impl Wavefront {
 
             let surface = surface.facing(ray.direction);
             let albedo = surface.material.diffuse;
-            let set = FIRST_SET + (depth - 1) * SETS_PER_BOUNCE;
-            let sampler = &samplers[index];
+            let set = camera.first_set + (depth - 1) * SETS_PER_BOUNCE;
+            let sampler = &camera.samplers[index];
             let Vec2 { x: choice, y: survival } = sampler.uniform2(set);
             if let Some(light) = sample_light(world, &surface, choice, sampler.uniform2(set + 1)) {
                 let bounce_density = surface.shading_normal.dot(light.shadow.direction.normalize()).max(0.0) / PI;

@@ -81,7 +81,7 @@ macro_rules! named {
     ($type:ident: $($variant:ident = $name:literal),+) => {
         impl $type {
             /// Every value.
-            pub const ALL: &[Self] = &[$(Self::$variant),+];
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
             /// The name in scene files and on the command line.
             pub fn name(self) -> &'static str {

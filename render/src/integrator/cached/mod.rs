@@ -1,0 +1,110 @@
+//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: an *overture* fills the cache, and
+//! then it is frozen and the picture taken from it,
+//!
+//! `L = L_e + ρ/π (E_direct + E_indirect)`,
+//!
+//! with one sample of direct light at every point and indirect light from the records around. Mirrors and glass are
+//! followed to the first surface that scatters light.
+//!
+//! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
+//! back on a path, which is as right and only noisier. How often that happens is counted.
+
+mod level;
+mod lookup;
+mod overture;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::Vec3;
+
+use super::{CameraRays, path};
+use crate::cache::Cache;
+use crate::world::{Surface, World};
+
+pub(crate) use level::{Level, Source};
+pub(crate) use lookup::Wavefront;
+pub(crate) use overture::{fill_for_camera, fill_for_surfaces};
+
+/// A cache that grows no more, and what happened while it was read.
+#[derive(Debug)]
+pub(crate) struct Frozen {
+    pub(crate) cache: Cache,
+    misses: AtomicU64,
+    negative: AtomicU64,
+}
+
+/// What happened while a cache was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CacheUse {
+    /// Records in the cache.
+    pub records: u64,
+    /// Points without a valid record, for each of which a path was traced.
+    pub misses: u64,
+    /// Records whose extrapolation had a negative channel, which counted as 0.
+    pub negative: u64,
+}
+
+impl Frozen {
+    /// The frozen cache, not read yet.
+    pub(crate) fn new(cache: Cache) -> Self {
+        Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
+    }
+
+    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
+    pub(crate) fn irradiance(&self, surface: &Surface) -> Option<Vec3> {
+        let found = self.cache.interpolate(surface.position, surface.shading_normal);
+        // Sums of whole numbers do not depend on the order of threads.
+        match &found {
+            None => _ = self.misses.fetch_add(1, Ordering::Relaxed),
+            Some(found) if found.negative > 0 => {
+                self.negative.fetch_add(found.negative.into(), Ordering::Relaxed);
+            }
+            Some(_) => {}
+        }
+        found.map(|found| found.irradiance)
+    }
+
+    /// What happened so far.
+    pub(crate) fn usage(&self) -> CacheUse {
+        CacheUse {
+            records: self.cache.records().len() as u64,
+            misses: self.misses.load(Ordering::Relaxed),
+            negative: self.negative.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// Writes what surfaces reflect along each ray, and the sky, found by paths of at most `max_depth` surfaces: all that is
+/// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
+pub(crate) fn indirect(
+    world: &World,
+    max_depth: u32,
+    rays: &CameraRays,
+    paths: &mut path::Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    let traced = path::radiance(world, max_depth, rays, paths, radiance);
+    for (hit, radiance) in rays.hits.iter().zip(radiance) {
+        if !hit.is_hit() {
+            *radiance = world.sky.radiance;
+        }
+    }
+    traced
+}
+
+/// Writes the radiance along each camera ray; gives the number of further rays.
+pub(super) fn radiance(
+    world: &World,
+    frozen: &Frozen,
+    camera: &CameraRays,
+    wave: &mut Wavefront,
+    fallback: &mut path::Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    let bounces = frozen.cache.options().bounces;
+    let mut traced = wave.radiance(world, frozen, camera, radiance);
+    // A path that goes on from a miss is reflected `bounces` times more and then meets a last surface.
+    let max_depth = bounces.map_or(path::MAX_DEPTH, |bounces| bounces + 1);
+    traced += wave.follow_misses(world, camera, max_depth, fallback, radiance);
+    traced
+}
