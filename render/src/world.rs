@@ -50,6 +50,8 @@ pub(crate) struct Surface<'w> {
     pub uv: Vec2,
     pub material: &'w Material,
     pub prim_id: u32,
+    /// Whether the normals were turned: it is seen from behind, or from within.
+    pub is_back: bool,
     triangle: Triangle,
     barycentric: [f32; 2],
 }
@@ -85,8 +87,8 @@ impl World {
             .map(|((mesh, index), triangle)| Face { mesh, index, normal: triangle_normal(triangle) })
             .collect();
         let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default())?;
-        let emission = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
-        let lights = Lights::new(&triangles, emission, lights, bvh.view().bounds());
+        let material = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
+        let lights = Lights::new(&triangles, material, lights, sky, bvh.view().bounds());
         Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash, surroundings_hash })
     }
 
@@ -135,6 +137,7 @@ impl World {
             uv: Vec2::ZERO,
             material: &WHITE,
             prim_id: Hit::NO_PRIM,
+            is_back: false,
             triangle: [position, b, c],
             barycentric: [0.0; 2],
         }
@@ -169,6 +172,7 @@ impl World {
             uv,
             material: &self.materials[mesh.material],
             prim_id,
+            is_back: false,
             triangle,
             barycentric: [u, v],
         }
@@ -189,7 +193,7 @@ impl Surface<'_> {
     /// The same surface with its normals on the side from which a ray in `direction` comes.
     pub(crate) fn facing(self, direction: Vec3) -> Self {
         if self.normal.dot(direction) > 0.0 {
-            Self { normal: -self.normal, shading_normal: -self.shading_normal, ..self }
+            Self { normal: -self.normal, shading_normal: -self.shading_normal, is_back: !self.is_back, ..self }
         } else {
             self
         }

@@ -37,6 +37,12 @@ fn any_number_of_threads_gives_the_same_bytes() {
         "--size 97x1 --spp 33 --seed 7",
         "--size 1x1 --spp 100",
         "--size 64x64 --spp 3 --aov --integrator normals --filter mitchell",
+        "--size 70x33 --spp 3 --integrator montecarlo --bounces 2 --rays 5 --survival 0.5",
+        "--size 70x33 --spp 3 --integrator direct --sampler r2",
+        "--size 70x33 --spp 3 --integrator ao --ao-weighting hit-length --sampler random",
+        "--size 70x33 --spp 3 --integrator flat",
+        "--size 70x33 --spp 3 --integrator heat --lights naive --stop threshold --add-back",
+        "--size 70x33 --spp 3 --lights direct --stop roulette --survival 0.5 --progressive=16",
     ] {
         let one = render(folder.path(), &format!("{options} --threads 1"));
         let channels = &one.picture.channels;

@@ -14,8 +14,10 @@ pub mod reference;
 mod stack;
 #[cfg(test)]
 mod tests;
+mod visits;
 
 pub use packet::{PacketWidth, Width};
+pub use visits::Visits;
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};

@@ -16,7 +16,7 @@ pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
             Child::Node(index) => {
                 let node = &tree.nodes()[index as usize];
                 for slot in 0..WIDTH {
-                    if may_meet(&node.aabb(slot), ray, &tree.bounds()) {
+                    if entry(&node.aabb(slot), ray, &tree.bounds()).is_some() {
                         stack[height] = node.children[slot];
                         height += 1;
                     }
@@ -48,7 +48,7 @@ pub fn intersect_all(triangles: &[Triangle], ray: &Ray) -> Option<Hit> {
 }
 
 /// The hit with the smaller `t`; of equal ones that with the smaller `prim_id`.
-fn nearer(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
+pub(super) fn nearer(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
     match (a, b) {
         (Some(a), Some(b)) if (b.t, b.prim_id) < (a.t, a.prim_id) => Some(b),
         (a, b) => a.or(b),
@@ -56,10 +56,10 @@ fn nearer(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
 }
 
 /// The slab test of Kay and Kajiya 1986 in `f64`, on a box widened by a hundred-thousandth of all that could have been
-/// rounded. `false` only if no triangle in the box can have a hit.
-fn may_meet(aabb: &Aabb, ray: &Ray, scene: &Aabb) -> bool {
+/// rounded: where the ray enters it. `None` only if no triangle in the box can have a hit.
+pub(super) fn entry(aabb: &Aabb, ray: &Ray, scene: &Aabb) -> Option<f64> {
     if aabb.is_empty() {
-        return false;
+        return None;
     }
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     let reach = (scene.min - ray.origin)
@@ -74,7 +74,7 @@ fn may_meet(aabb: &Aabb, ray: &Ray, scene: &Aabb) -> bool {
         let upper = aabb.max[axis] as f64 + pad - origin;
         if direction == 0.0 {
             if lower > 0.0 || upper < 0.0 {
-                return false;
+                return None;
             }
             continue;
         }
@@ -82,5 +82,5 @@ fn may_meet(aabb: &Aabb, ray: &Ray, scene: &Aabb) -> bool {
         near = near.max(a.min(b));
         far = far.min(a.max(b));
     }
-    near <= far && near <= ray.t_max as f64 && far >= ray.t_min as f64
+    (near <= far && near <= ray.t_max as f64 && far >= ray.t_min as f64).then_some(near)
 }

@@ -10,6 +10,7 @@ use super::CORNELL;
 use super::cache::CacheCommand;
 use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
+use crate::driver::MAX_BLOCK;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
@@ -93,6 +94,12 @@ pub(super) struct RenderArguments {
     /// cached: use the records of this cache, which `halfdome cache build` made with the same options; it is not changed
     #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
     pub(super) cache: Option<PathBuf>,
+
+    /// Write the pictures early: when a ray for each block of SIDE pixels is traced, then for blocks of half the side,
+    /// and so on; the pictures in the end do not depend on it [default: off; 32 without a SIDE]
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
+    #[arg(value_parser = block)]
+    pub(super) progressive: Option<u32>,
 
     /// Exposure of PNG pictures in stops: each doubles the brightness
     #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
@@ -192,6 +199,11 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected two whole numbers from 1 to {MAX_SIDE}, for example 1280x720"))
 }
 
+fn block(text: &str) -> Result<u32, String> {
+    let side = text.parse().ok().filter(|side: &u32| (2..=MAX_BLOCK).contains(side) && side.is_power_of_two());
+    side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_BLOCK}"))
+}
+
 fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
     PossibleValuesParser::new(ToneCurve::NAMES)
         .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
@@ -279,6 +291,17 @@ mod tests {
             assert!(render(&["s.glb", &format!("--size={wrong}")]).is_err(), "{wrong}");
         }
         assert!(render(&["s.glb", "--size", "1x1", "--width", "3"]).is_err());
+    }
+
+    #[test]
+    fn blocks_are_powers_of_two() {
+        let side = |arguments: &[&str]| render(arguments).map(|arguments| arguments.progressive);
+        assert_eq!(side(&["s.glb"]).unwrap(), None);
+        assert_eq!(side(&["--progressive", "s.glb"]).unwrap(), Some(32));
+        assert_eq!(side(&["s.glb", "--progressive=8"]).unwrap(), Some(8));
+        for wrong in ["1", "12", "512", "x"] {
+            assert!(side(&["s.glb", &format!("--progressive={wrong}")]).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod info;
 mod interrupt;
 mod irradiance;
 mod memory;
+mod preview;
 mod progress;
 mod render;
 mod summary;

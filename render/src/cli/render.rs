@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::args::RenderArguments;
 use super::cache::{cached_options, read_cache};
+use super::preview::Preview;
 use super::progress::Progress;
 use super::summary::Job;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
@@ -47,14 +48,16 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
 
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
-    let result = pool.install(|| driver::render_with(&world, &settings, cache, &progress));
+    let tone = arguments.tone_mapping();
+    let preview = Preview { progress: &progress, coarsest: arguments.progressive, paths: &paths, tone: &tone, style };
+    let result = pool.install(|| driver::render_with(&world, &settings, cache, &preview));
     drop(progress);
     if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";
         job.warn(style, warning.to_owned());
     }
 
-    let (written, mut failures) = write_all(&paths, &result.picture, &arguments.tone_mapping());
+    let (written, mut failures) = write_all(&paths, &result.picture, &tone);
     if !failures.is_empty() {
         // An end that names files would look like success.
         failures.extend(written.iter().map(|path| format!("{}: written all the same", path.display())));

@@ -1,50 +1,65 @@
 //! Direct light by sampling one light (next-event estimation).
 //!
-//! `L_direct = ∫ ρ/π L_e cos θ dω` is estimated by one point `y` of one light, chosen with probability `P` and then with
-//! density `1/A` on a triangle: `ρ/π L_e cos θ cos θ_y A / (P |y - x|²)`. The density per solid angle, which multiple
-//! importance sampling compares with that of the bounce, is `P |y - x|² / (A cos θ_y)`.
+//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` and then, on a
+//! triangle, by a point `y` of density `1/A`: `f L_e cos θ cos θ_y A / (P |y - x|²)`. The density per solid angle, which
+//! multiple importance sampling compares with that of the bounce, is `P |y - x|² / (A cos θ_y)`. The sky is as bright
+//! everywhere, so that its directions follow the cosine, with the density `P cos θ / π`.
 
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
-use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
 
 use crate::light::Source;
 use crate::scene::PunctualLight;
+use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
-/// Light that a point receives if `shadow` is free.
-pub(crate) struct LightSample {
-    /// From the point to the light.
+/// Light that a surface reflects if `shadow` is free.
+pub(crate) struct Connection {
+    /// From the surface to the light.
     pub shadow: Ray,
-    /// Irradiance per unit of the choice's probability: `L_e cos θ / density`, or its like for a light without surface.
-    pub irradiance: Vec3,
+    /// Radiance reflected, over the density of the sample and with the weight of its technique.
+    pub radiance: Vec3,
+}
+
+/// Light that arrives from a light if nothing is in between.
+struct LightSample {
+    shadow: Ray,
+    /// Unit vector to the light.
+    direction: Vec3,
+    /// Radiance over density; of a light without a surface, irradiance at right angles to it over probability.
+    radiance: Vec3,
     /// Density per solid angle of this direction; infinite for a light that no bounce can hit.
-    pub density: f32,
+    density: f32,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if it sends nothing there.
-pub(crate) fn sample_light(world: &World, surface: &Surface, choice: f32, u: Vec2) -> Option<LightSample> {
+/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected.
+pub(crate) fn connect(
+    world: &World,
+    surface: &Surface,
+    lights: LightSampling,
+    choice: f32,
+    u: Vec2,
+) -> Option<Connection> {
     let (source, probability) = world.lights.choose(choice)?;
-    match source {
-        Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
-        Source::Punctual(light) => {
-            let (to_light, received) = receive(light, surface.position);
-            let cosine = reflected_cosine(surface, to_light.normalize_or_zero())?;
-            let shadow = match light {
-                PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
-                PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
-                    Ray::between(surface.origin_towards(to_light), *position)
-                }
-            };
-            let irradiance = received * (cosine / probability);
-            irradiance.cmpgt(Vec3::ZERO).any().then_some(LightSample { shadow, irradiance, density: f32::INFINITY })
-        }
-    }
+    let light = sample_light(world, surface, source, probability, u)?;
+    let (reflected, bounce_density) = surface.evaluate(light.direction);
+    let radiance = reflected * light.radiance * lights.of_light(light.density, bounce_density);
+    radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// The density per solid angle with which [`sample_light`] gives the point of `emitter` that a ray with the unit vector
+/// Samples a light other than the sky, where bounces find none of them: its samples count in full.
+pub(crate) fn connect_lamp(world: &World, surface: &Surface, choice: f32, u: Vec2) -> Option<Connection> {
+    let (source, probability, rarer) = world.lights.choose_lamp(choice)?;
+    let light = sample_light(world, surface, source, probability, u)?;
+    let (reflected, _) = surface.evaluate(light.direction);
+    let radiance = reflected * light.radiance * rarer;
+    radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
+}
+
+/// The density per solid angle with which [`connect`] gives the point of `emitter` that a ray with the unit vector
 /// `direction` hits at distance `t`.
 pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
     match world.lights.area_density(emitter.prim_id) {
@@ -53,27 +68,51 @@ pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3,
     }
 }
 
+/// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
+pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
+    world.lights.sky_probability() * surface.shading_normal.dot(direction).max(0.0) / PI
+}
+
+/// Light from `source`, chosen with this probability.
+fn sample_light(world: &World, surface: &Surface, source: &Source, probability: f32, u: Vec2) -> Option<LightSample> {
+    match source {
+        Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
+        Source::Punctual(light) => {
+            let (to_light, received) = receive(light, surface.position);
+            let shadow = match light {
+                PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
+                PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
+                    Ray::between(surface.origin_towards(to_light), *position)
+                }
+            };
+            let direction = to_light.normalize_or_zero();
+            Some(LightSample { shadow, direction, radiance: received / probability, density: f32::INFINITY })
+        }
+        Source::Sky => {
+            let direction = surface.frame().to_world(CosineHemisphere.map(u));
+            let density = sky_density(world, surface, direction);
+            let shadow = Ray::new(surface.origin_towards(direction), direction);
+            (density > 0.0).then(|| LightSample { shadow, direction, radiance: world.sky.radiance / density, density })
+        }
+    }
+}
+
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
     let point = TriangleWarp.map(u);
     let light = world.surface(prim_id, point.x, point.y);
     let to_light = light.position - surface.position;
-    let distance_squared = to_light.length_squared();
     let direction = to_light.normalize_or_zero();
-    let cosine = reflected_cosine(surface, direction)?;
+    if surface.normal.dot(direction) <= 0.0 {
+        return None;
+    }
     let emitted = light.emitted(direction);
     let cosine_at_light = light.normal.dot(direction).abs();
     if emitted == Vec3::ZERO || cosine_at_light == 0.0 {
         return None;
     }
-    let density = world.lights.area_density(prim_id) * distance_squared / cosine_at_light;
+    let density = world.lights.area_density(prim_id) * to_light.length_squared() / cosine_at_light;
     let shadow = Ray::between(surface.origin_towards(direction), light.origin_towards(-direction));
-    Some(LightSample { shadow, irradiance: emitted * (cosine / density), density })
-}
-
-/// The cosine by which light from the unit vector `direction` is reflected; `None` if it comes from behind.
-fn reflected_cosine(surface: &Surface, direction: Vec3) -> Option<f32> {
-    let cosine = surface.shading_normal.dot(direction);
-    (cosine > 0.0 && surface.normal.dot(direction) > 0.0).then_some(cosine)
+    Some(LightSample { shadow, direction, radiance: emitted / density, density })
 }
 
 /// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.
@@ -91,12 +130,5 @@ fn receive(light: &PunctualLight, point: Vec3) -> (Vec3, Vec3) {
             (to_light, intensity * (ramp * ramp / to_light.length_squared()))
         }
         PunctualLight::Directional { direction, irradiance } => (-direction, irradiance),
-    }
-}
-
-impl LightSample {
-    /// Radiance reflected by a diffuse surface.
-    pub(crate) fn reflected(&self, albedo: Vec3) -> Vec3 {
-        albedo * self.irradiance * (1.0 / PI)
     }
 }

@@ -3,9 +3,14 @@
 //! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
 //! what it needs further in batches.
 
+mod ao;
 mod cached;
-mod normals;
+mod direct;
+mod flat;
+mod heat;
+mod montecarlo;
 mod path;
+mod wavefront;
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
@@ -18,7 +23,7 @@ use crate::world::World;
 
 pub use cached::CacheUse;
 pub(crate) use cached::{Frozen, fill_for_camera, fill_for_surfaces, indirect};
-pub(crate) use path::{MAX_DEPTH, Wavefront as PathWavefront};
+pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
 pub(crate) struct CameraRays<'a> {
@@ -32,8 +37,14 @@ pub(crate) struct CameraRays<'a> {
     pub density: f32,
 }
 
-/// The camera uses the sets of random numbers before this one.
-pub(crate) const FIRST_SET: u32 = 1;
+/// What an integrator keeps from one batch to the next: memory alone.
+#[derive(Default)]
+pub(crate) struct Memory {
+    wave: Wavefront,
+    generations: [montecarlo::Generation; 2],
+    feelers: ao::Feelers,
+    misses: cached::Misses,
+}
 
 /// What an integrator makes once, before the first sample.
 pub(crate) enum Prepared {
@@ -43,12 +54,8 @@ pub(crate) enum Prepared {
     Cache(Frozen),
 }
 
-/// Memory that one batch leaves to the next.
-#[derive(Default)]
-pub(crate) struct Memory {
-    path: path::Wavefront,
-    cached: cached::Wavefront,
-}
+/// The camera uses the sets of random numbers before this one.
+pub(crate) const FIRST_SET: u32 = 1;
 
 /// Makes what the integrator needs before the first sample; a cache from before goes into it. Gives the rays traced.
 pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> (Prepared, u64) {
@@ -71,12 +78,19 @@ pub(crate) fn radiance(
     memory: &mut Memory,
     radiance: &mut [Vec3],
 ) -> u64 {
-    match (&settings.integrator, prepared) {
-        (Integrator::Path(options), _) => path::radiance(world, options.max_depth, camera, &mut memory.path, radiance),
-        (Integrator::Cached(_), Prepared::Cache(frozen)) => {
-            cached::radiance(world, frozen, camera, &mut memory.cached, &mut memory.path, radiance)
-        }
-        (Integrator::Normals, _) => normals::normals(world, camera, radiance),
-        _ => normals::albedo(world, camera, radiance),
+    let Memory { wave, generations, feelers, misses } = memory;
+    if let Prepared::Cache(frozen) = prepared {
+        return cached::radiance(world, frozen, camera, wave, misses, radiance);
+    }
+    match &settings.integrator {
+        Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, |_| ()),
+        Integrator::Cached(_) => unreachable!("its cache is prepared"),
+        Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, camera, generations, radiance),
+        Integrator::Direct(options) => direct::radiance(world, options, camera, wave, radiance),
+        Integrator::Ao(options) => ao::openness(world, options, camera, feelers, radiance),
+        Integrator::Flat => flat::colors(world, camera, radiance),
+        Integrator::Heat(options) => heat::visits(world, options, camera, wave, radiance),
+        Integrator::Normals => flat::normals(world, camera, radiance),
+        Integrator::Albedo => flat::albedo(world, camera, radiance),
     }
 }

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
-use crate::estimator::sample_light;
-use crate::integrator::{CameraRays, MAX_DEPTH, PathWavefront, fill_for_surfaces, indirect};
+use crate::estimator::connect_lamp;
+use crate::integrator::{CameraRays, Wavefront, fill_for_surfaces, indirect};
 use crate::world::{Surface, World};
 
 pub use points::{PointsError, Sensor, read_points};
@@ -124,7 +124,7 @@ struct Batch {
     hits: Vec<Hit>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
-    wave: PathWavefront,
+    wave: Wavefront,
 }
 
 impl Batch {
@@ -133,9 +133,9 @@ impl Batch {
         self.rays.clear();
         self.values.clear();
         for sampler in &self.samplers {
-            if let Some(light) = sample_light(world, surface, sampler.uniform1(0), sampler.uniform2(1)) {
+            if let Some(light) = connect_lamp(world, surface, sampler.uniform1(0), sampler.uniform2(1)) {
                 self.rays.push(light.shadow);
-                self.values.push(light.irradiance);
+                self.values.push(light.radiance * PI);
             }
         }
         self.occluded.resize(self.rays.len(), false);
@@ -159,7 +159,7 @@ impl Batch {
         world.tree().intersect_many(&self.rays, &mut self.hits);
         let rays =
             CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set: SETS, density: 0.0 };
-        let further = indirect(world, MAX_DEPTH, &rays, &mut self.wave, &mut self.values);
+        let further = indirect(world, None, &rays, &mut self.wave, &mut self.values);
         *sum += self.values.iter().map(|radiance| (*radiance * PI).as_dvec3()).sum::<DVec3>();
         self.rays.len() as u64 + further
     }

@@ -1,6 +1,7 @@
-//! All that emits and can be aimed at: emissive triangles and lights without a surface, chosen in proportion to power.
-//!
-//! The sky is not among them: a ray that leaves a diffuse surface by its cosine finds a constant sky as well as any.
+//! All that emits and can be aimed at: emissive triangles, lights without a surface and the sky, chosen in proportion to
+//! power.
+
+mod ambient;
 
 use std::f64::consts::PI;
 
@@ -8,7 +9,7 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable};
 use halfdome_kernel::{Aabb, Triangle};
 
-use crate::scene::{Material, PunctualLight};
+use crate::scene::{Material, PunctualLight, Sky};
 
 /// The lights of a world.
 #[derive(Debug)]
@@ -16,8 +17,14 @@ pub(crate) struct Lights {
     sources: Vec<Source>,
     /// `None` if nothing emits: what else could be wrong with weights is excluded.
     table: Option<AliasTable<Vec<AliasEntry>>>,
+    /// The same without the sky, if there is a sky.
+    lamps: Option<AliasTable<Vec<AliasEntry>>>,
     /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
     area_density: Vec<f32>,
+    /// The probability with which it gives the sky.
+    sky_probability: f32,
+    /// An estimate of the mean radiance that surfaces receive and send.
+    mean_radiance: Vec3,
 }
 
 /// One light.
@@ -27,6 +34,8 @@ pub(crate) enum Source {
     Triangle(u32),
     /// A light without a surface.
     Punctual(PunctualLight),
+    /// The sky.
+    Sky,
 }
 
 /// Linear sRGB to luminance (Rec. 709).
@@ -35,13 +44,15 @@ fn luminance(rgb: Vec3) -> f64 {
 }
 
 impl Lights {
-    /// The lights among `triangles`, whose materials `material` gives, and `punctual`; `bounds` are the scene's.
+    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
         punctual: Vec<PunctualLight>,
+        sky: Sky,
         bounds: Aabb,
     ) -> Self {
+        let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky, bounds);
         let mut sources = Vec::new();
         let mut powers = Vec::new();
         let mut areas = Vec::new();
@@ -59,10 +70,20 @@ impl Lights {
             powers.push(power(&light, bounds));
             sources.push(Source::Punctual(light));
         }
+        if sky.radiance != Vec3::ZERO {
+            powers.push(sky_power(sky, bounds));
+            sources.push(Source::Sky);
+        }
         // Relative to the greatest, so that none overflows.
         let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
         let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
+        let lamps = match sources.split_last() {
+            Some((Source::Sky, lamps)) => {
+                AliasTable::build(&weights[..lamps.len()], vec![AliasEntry::default(); lamps.len()]).ok()
+            }
+            _ => None,
+        };
         let mut area_density = Vec::new();
         if let Some(table) = &table
             && !areas.is_empty()
@@ -74,7 +95,11 @@ impl Lights {
                 }
             }
         }
-        Self { sources, table, area_density }
+        let sky_probability = match (&table, sources.last()) {
+            (Some(table), Some(Source::Sky)) => table.mass(sources.len() - 1),
+            _ => 0.0,
+        };
+        Self { sources, table, lamps, area_density, sky_probability, mean_radiance }
     }
 
     /// Chooses a light by a number in [0, 1): the light, and its probability.
@@ -83,9 +108,30 @@ impl Lights {
         Some((&self.sources[index], probability))
     }
 
+    /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which [`choose`](Self::choose)
+    /// gives it, and by how much less often that is than here.
+    pub(crate) fn choose_lamp(&self, u: f32) -> Option<(&Source, f32, f32)> {
+        if self.sky_probability == 0.0 {
+            return self.choose(u).map(|(source, probability)| (source, probability, 1.0));
+        }
+        let (index, probability, _) = self.lamps.as_ref()?.sample(u);
+        let among_all = self.table.as_ref()?.mass(index);
+        Some((&self.sources[index], among_all, among_all / probability))
+    }
+
     /// The density per area with which points of triangle `prim_id` are chosen.
     pub(crate) fn area_density(&self, prim_id: u32) -> f32 {
         self.area_density.get(prim_id as usize).copied().unwrap_or(0.0)
+    }
+
+    /// The probability with which the sky is chosen.
+    pub(crate) fn sky_probability(&self) -> f32 {
+        self.sky_probability
+    }
+
+    /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.
+    pub(crate) fn mean_radiance(&self) -> Vec3 {
+        self.mean_radiance
     }
 }
 
@@ -100,17 +146,30 @@ fn brightness(rgb: Vec3) -> f64 {
     luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
 }
 
-/// The power of a light without a surface; of a directional one, what it sends through the scene's sphere.
+/// The luminous power of a light without a surface; of a directional one, what it sends through the scene's sphere.
 fn power(light: &PunctualLight, bounds: Aabb) -> f64 {
+    let (color, extent) = flux(light, bounds);
+    brightness(color) * extent
+}
+
+/// The same of the sky.
+fn sky_power(sky: Sky, bounds: Aabb) -> f64 {
+    PI * brightness(sky.radiance) * 4.0 * PI * radius(bounds).powi(2)
+}
+
+/// A light's colour, and what it is multiplied by to give the light's power.
+fn flux(light: &PunctualLight, bounds: Aabb) -> (Vec3, f64) {
     match light {
-        PunctualLight::Point { intensity, .. } => 4.0 * PI * brightness(*intensity),
+        PunctualLight::Point { intensity, .. } => (*intensity, 4.0 * PI),
         PunctualLight::Spot { intensity, cos_inner, cos_outer, .. } => {
-            2.0 * PI * (1.0 - 0.5 * f64::from(cos_inner + cos_outer)) * brightness(*intensity)
+            (*intensity, 2.0 * PI * (1.0 - 0.5 * f64::from(cos_inner + cos_outer)))
         }
-        PunctualLight::Directional { irradiance, .. } => {
-            let diagonal = (bounds.max - bounds.min).as_dvec3().length();
-            let radius = if bounds.is_empty() { 1.0 } else { 0.5 * diagonal };
-            PI * radius * radius * brightness(*irradiance)
-        }
+        PunctualLight::Directional { irradiance, .. } => (*irradiance, PI * radius(bounds).powi(2)),
     }
+}
+
+/// The radius of the scene's sphere.
+fn radius(bounds: Aabb) -> f64 {
+    let diagonal = (bounds.max - bounds.min).as_dvec3().length();
+    if bounds.is_empty() { 1.0 } else { 0.5 * diagonal }
 }

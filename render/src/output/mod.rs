@@ -9,6 +9,7 @@
 
 mod error;
 mod exr;
+mod false_color;
 mod file;
 mod png;
 mod tone;
@@ -26,7 +27,7 @@ use crate::film::Picture;
 pub enum Format {
     /// OpenEXR: all channels in full precision, and the metadata.
     Exr,
-    /// PNG: the colours alone, through a [`ToneMapping`].
+    /// PNG: the colours alone, through a [`ToneMapping`]; counts of the integrator `heat` in false colours with a legend.
     Png,
 }
 

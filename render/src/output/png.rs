@@ -4,7 +4,7 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 
-use super::{OutputError, ToneMapping};
+use super::{OutputError, ToneMapping, false_color};
 use crate::film::Picture;
 
 /// The bytes of a PNG of the channels `R`, `G` and `B`; `path` is for messages.
@@ -17,8 +17,12 @@ pub(super) fn encode(path: &Path, picture: &Picture, tone_mapping: &ToneMapping)
         }
     };
     let pixels = red.iter().zip(green).zip(blue);
-    let codes: Vec<u8> = pixels.flat_map(|((&r, &g), &b)| tone_mapping.to_srgb8([r, g, b])).collect();
-    compress(picture.width, picture.height, &codes).map_err(|error| {
+    let (height, codes) = if picture.metadata.integrator == "heat" {
+        false_color::encode(red, picture.width)
+    } else {
+        (picture.height, pixels.flat_map(|((&r, &g), &b)| tone_mapping.to_srgb8([r, g, b])).collect())
+    };
+    compress(picture.width, height, &codes).map_err(|error| {
         OutputError::new(path, format!("PNG cannot hold the picture: {error}"), "write it to an .exr file")
     })
 }

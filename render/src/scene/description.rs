@@ -51,15 +51,40 @@ pub struct Material {
     pub emission: Vec3,
     /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
     pub emits_both_sides: bool,
-    /// What the file says beyond diffuse reflection; kept for the integrators that will use it.
+    /// What the surface reflects like a mirror, or lets through, on top of that.
+    pub specular: Specular,
+    /// What the file says of reflection, as it says it; integrators do not look at it.
     pub gloss: Gloss,
 }
 
-/// Wavefront MTL's `Ks`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
+/// Perfectly smooth reflection and refraction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Specular {
+    /// None.
+    #[default]
+    None,
+    /// A mirror.
+    Mirror {
+        /// Reflectance per channel. With [`Material::diffuse`] it should add up to no more than 1.
+        reflectance: Vec3,
+    },
+    /// The border between air, in front, and glass, behind: reflects by Fresnel's equations and refracts the rest. It
+    /// leaves nothing for diffuse reflection: [`Material::diffuse`] should be black.
+    Glass {
+        /// Index of refraction, more than 0; about 1.5 for glass, 1.33 for water.
+        ior: f32,
+        /// What part of the refracted light gets through, in 0..=1 per channel; twice through a pane or a ball.
+        transmittance: Vec3,
+    },
+}
+
+/// Wavefront MTL's `Ks`, `Tf`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gloss {
     /// Specular reflectance (`Ks`).
     pub specular: Vec3,
+    /// Transmission filter (`Tf`).
+    pub transmittance: Vec3,
     /// Phong exponent (`Ns`).
     pub exponent: f32,
     /// Index of refraction (`Ni`).
@@ -130,6 +155,7 @@ impl Default for Material {
             diffuse: Vec3::splat(0.5),
             emission: Vec3::ZERO,
             emits_both_sides: false,
+            specular: Specular::None,
             gloss: Gloss::default(),
         }
     }
@@ -137,7 +163,7 @@ impl Default for Material {
 
 impl Default for Gloss {
     fn default() -> Self {
-        Self { specular: Vec3::ZERO, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
+        Self { specular: Vec3::ZERO, transmittance: Vec3::ONE, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky};
+use super::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
 
 impl Scene {
     /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
@@ -23,12 +23,13 @@ impl Scene {
             hash.count(*material);
         }
         hash.count(materials.len());
-        for Material { name: _, diffuse, emission, emits_both_sides, gloss } in materials {
-            let Gloss { specular, exponent, ior, opacity, model } = gloss;
-            [*diffuse, *emission, *specular].into_iter().for_each(|v| hash.vector(v));
+        for Material { name: _, diffuse, emission, emits_both_sides, specular, gloss } in materials {
+            let Gloss { specular: highlight, transmittance, exponent, ior, opacity, model } = gloss;
+            [*diffuse, *emission, *highlight, *transmittance].into_iter().for_each(|v| hash.vector(v));
             hash.floats(&[*exponent, *ior, *opacity]);
             hash.word(*model);
             hash.word((*emits_both_sides).into());
+            hash.specular(specular);
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
@@ -63,6 +64,21 @@ impl Fnv {
         self.floats(&v.to_array());
     }
 
+    fn specular(&mut self, specular: &Specular) {
+        match specular {
+            Specular::None => self.word(0),
+            Specular::Mirror { reflectance } => {
+                self.word(1);
+                self.vector(*reflectance);
+            }
+            Specular::Glass { ior, transmittance } => {
+                self.word(2);
+                self.floats(&[*ior]);
+                self.vector(*transmittance);
+            }
+        }
+    }
+
     fn light(&mut self, light: &PunctualLight) {
         match light {
             PunctualLight::Point { position, intensity } => {
@@ -84,6 +100,7 @@ impl Fnv {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::scene::cornell_box;
 
     #[test]
@@ -99,7 +116,9 @@ mod tests {
         darker.materials[0].diffuse *= 0.5;
         let mut lit = scene.clone();
         lit.sky.radiance.z = 1.0;
-        let hashes = [&scene, &moved, &darker, &lit].map(|scene| scene.hash());
-        assert!((0..4).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        let mut mirror = scene.clone();
+        mirror.materials[0].specular = Specular::Mirror { reflectance: Vec3::ONE };
+        let hashes = [&scene, &moved, &darker, &lit, &mirror].map(|scene| scene.hash());
+        assert!((0..5).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
     }
 }

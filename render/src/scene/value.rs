@@ -232,6 +232,7 @@ pub(super) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> 
         ("uniform", HemisphereSampling::Uniform),
         ("cosine", HemisphereSampling::Cosine),
         ("stratified", HemisphereSampling::Stratified),
+        ("stratified-uniform", HemisphereSampling::StratifiedUniform),
     ])
 }
 

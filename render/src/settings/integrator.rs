@@ -92,6 +92,9 @@ pub struct MonteCarloOptions {
     pub rays: u32,
     /// How their directions are chosen.
     pub sampling: HemisphereSampling,
+    /// What follows the last of the bounces: nothing, or one ray a surface as long as roulette with this survival lets
+    /// it go on, which leaves nothing out.
+    pub tail: Option<Survival>,
 }
 
 /// How directions of a hemisphere are chosen.
@@ -104,6 +107,8 @@ pub enum HemisphereSampling {
     /// In proportion to the cosine, one from each cell of a grid. The grid may have fewer cells than there are rays to
     /// be, for it is about three times as long around as it is high.
     Stratified,
+    /// With equal density, one from each cell of such a grid.
+    StratifiedUniform,
 }
 
 /// Options of direct light.
@@ -185,8 +190,8 @@ impl Integrator {
 }
 
 impl MonteCarloOptions {
-    /// The most gathering rays for one camera ray.
-    pub const MAX_RAYS: u64 = 1 << 24;
+    /// The most gathering rays for one camera ray: all of the last bounce are in memory at once.
+    pub const MAX_RAYS: u64 = 1 << 20;
 
     /// The gathering rays for one camera ray, at most: `rays + rays² + ...`, once for each bounce.
     pub fn rays_per_sample(&self) -> u64 {
@@ -255,7 +260,7 @@ impl Default for Survival {
 
 impl Default for MonteCarloOptions {
     fn default() -> Self {
-        Self { bounces: 1, rays: 16, sampling: HemisphereSampling::Stratified }
+        Self { bounces: 1, rays: 16, sampling: HemisphereSampling::Stratified, tail: None }
     }
 }
 
@@ -294,10 +299,10 @@ mod tests {
         assert_eq!(options(1_000_000, 1).rays_per_sample(), 1_000_000);
         assert_eq!(options(u32::MAX, 2).rays_per_sample(), u64::MAX);
         let check = |bounces, rays| Integrator::MonteCarlo(options(bounces, rays)).check();
-        assert!(check(1, 1 << 24).is_ok() && check(1, (1 << 24) + 1).is_err());
+        assert!(check(1, 1 << 20).is_ok() && check(1, (1 << 20) + 1).is_err());
         // Driscoll's example: over four billion rays.
         assert!(check(2, 256).is_ok());
         let error = check(4, 256).unwrap_err();
-        assert_eq!(error.problem, "4 bounces of 256 rays each are more than 16777216 rays for each sample");
+        assert_eq!(error.problem, "4 bounces of 256 rays each are more than 1048576 rays for each sample");
     }
 }

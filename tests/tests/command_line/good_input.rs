@@ -112,3 +112,33 @@ fn paths_that_are_not_utf_8_work() {
     let outcome = desk.program().run(&[OsStr::new("render"), name(b"\xff.obj")]);
     assert!(outcome.code == Some(1) && outcome.stderr.contains(".obj:1: vertex 1"), "{}", outcome.stderr);
 }
+
+/// Each level is written, and what is written in the end is what would have been written anyway.
+#[test]
+fn a_progressive_render_writes_its_levels_on_the_way() {
+    let desk = Desk::new();
+    let plain = desk.run("render cornell --size 40x24 --spp 2 -o plain.exr --progress none");
+    let outcome = desk.run("render cornell --size 40x24 --spp 2 -o a.exr -o a.png --progress json --progressive=8");
+    assert_eq!((plain.code, outcome.code), (Some(0), Some(0)), "{}", outcome.stderr);
+    let levels: Vec<Value> = events(&outcome.stderr).into_iter().filter(|event| event["event"] == "level").collect();
+    let sides: Vec<_> = levels.iter().map(|level| level["side"].as_u64().unwrap()).collect();
+    assert_eq!(sides, [8, 4, 2, 1]);
+    assert!(levels.iter().all(|level| level["files"] == serde_json::json!(["a.exr", "a.png"])), "{levels:?}");
+    for channel in ["R", "G", "B"] {
+        assert_eq!(values(&desk, "a.exr", channel), values(&desk, "plain.exr", channel));
+    }
+}
+
+/// Options that the integrator would not look at are refused, unless they are the scene file's for another one.
+#[test]
+fn options_belong_to_their_integrator() {
+    let desk = Desk::new();
+    desk.program().put("deep.toml", "[scene]\nfile = \"t.obj\"\n[render]\nspp = 1\nmax_depth = 3\n");
+    let refused = desk.run("render t.obj --size 4x4 -o a.exr --integrator ao --bounces 2");
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.stderr.contains("the integrator `ao` does not use `bounces`"), "{}", refused.stderr);
+    for good in ["--integrator ao --ao-distance 0.5", "--max-depth 2", "--integrator montecarlo --rays 3"] {
+        let outcome = desk.run(&format!("render deep.toml --size 4x4 -o a.exr {good}"));
+        assert_eq!(outcome.code, Some(0), "{good}: {}", outcome.stderr);
+    }
+}

@@ -6,25 +6,25 @@ use halfdome_kernel::{Hit, Ray};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Frozen, Wavefront, indirect};
+use super::{Frozen, Misses, indirect};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
 use crate::driver::Watch;
 use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
-use crate::integrator::{CameraRays, path};
+use crate::integrator::{CameraRays, Wavefront};
 use crate::settings::CachedOptions;
 use crate::world::World;
 
 /// Where light beyond the first surface comes from.
 #[derive(Clone, Copy)]
-pub(crate) enum Source<'a> {
-    /// Paths of at most this many surfaces.
-    Paths(u32),
+pub(super) enum Source<'a> {
+    /// Paths, of at most this many surfaces or as many as chance lets them have.
+    Paths(Option<u32>),
     /// A cache of light with one reflection less.
     Cache(&'a Frozen),
 }
 
 /// A cache that is being filled.
-pub(crate) struct Level<'a> {
+pub(super) struct Level<'a> {
     pub(crate) world: &'a World,
     pub(crate) options: &'a CachedOptions,
     pub(crate) source: Source<'a>,
@@ -34,7 +34,7 @@ pub(crate) struct Level<'a> {
 
 /// A point that may get a record.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate<'w> {
+pub(super) struct Candidate<'w> {
     pub(crate) point: GatherPoint<'w>,
     pub(crate) place: Place,
     pub(crate) bounds: Bounds,
@@ -107,16 +107,16 @@ impl Level<'_> {
 struct Follower<'a> {
     world: &'a World,
     source: Source<'a>,
-    memory: (Wavefront, path::Wavefront),
+    memory: (Wavefront, Misses),
 }
 
 impl Follow for Follower<'_> {
     fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
         let camera = CameraRays { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
-        let (wave, paths) = &mut self.memory;
+        let (wave, misses) = &mut self.memory;
         match self.source {
-            Source::Paths(max_depth) => indirect(self.world, max_depth, &camera, paths, radiance),
-            Source::Cache(frozen) => super::radiance(self.world, frozen, &camera, wave, paths, radiance),
+            Source::Paths(max_depth) => indirect(self.world, max_depth, &camera, wave, radiance),
+            Source::Cache(frozen) => super::radiance(self.world, frozen, &camera, wave, misses, radiance),
         }
     }
 }

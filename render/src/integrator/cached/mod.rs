@@ -17,13 +17,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::Vec3;
 
-use super::{CameraRays, path};
+use super::{CameraRays, Wavefront, path};
 use crate::cache::Cache;
+use crate::settings::{PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-pub(crate) use level::{Level, Source};
-pub(crate) use lookup::Wavefront;
+use level::{Level, Source};
+pub(crate) use lookup::Misses;
 pub(crate) use overture::{fill_for_camera, fill_for_surfaces};
+
+/// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
+const SURE_DEPTH: u32 = 1;
 
 /// A cache that grows no more, and what happened while it was read.
 #[derive(Debug)]
@@ -78,12 +82,15 @@ impl Frozen {
 /// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
 pub(crate) fn indirect(
     world: &World,
-    max_depth: u32,
+    max_depth: Option<u32>,
     rays: &CameraRays,
-    paths: &mut path::Wavefront,
+    wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    let traced = path::radiance(world, max_depth, rays, paths, radiance);
+    let defaults = PathOptions::default();
+    let stop = Stop::Roulette { after: SURE_DEPTH, survival: Survival::default() };
+    let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
+    let traced = path::radiance(world, &options, rays, wave, radiance, |_| ());
     for (hit, radiance) in rays.hits.iter().zip(radiance) {
         if !hit.is_hit() {
             *radiance = world.sky.radiance;
@@ -98,13 +105,11 @@ pub(super) fn radiance(
     frozen: &Frozen,
     camera: &CameraRays,
     wave: &mut Wavefront,
-    fallback: &mut path::Wavefront,
+    misses: &mut Misses,
     radiance: &mut [Vec3],
 ) -> u64 {
-    let bounces = frozen.cache.options().bounces;
-    let mut traced = wave.radiance(world, frozen, camera, radiance);
-    // A path that goes on from a miss is reflected `bounces` times more and then meets a last surface.
-    let max_depth = bounces.map_or(path::MAX_DEPTH, |bounces| bounces + 1);
-    traced += wave.follow_misses(world, camera, max_depth, fallback, radiance);
-    traced
+    // A path that goes on from a miss is reflected as often as light on its way to a record, and then meets its source.
+    let max_depth = frozen.cache.options().bounces.map(|bounces| bounces + 1);
+    let traced = lookup::radiance(world, frozen, camera, wave, misses, radiance);
+    traced + misses.follow(world, camera, max_depth, wave, radiance)
 }

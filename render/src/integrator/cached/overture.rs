@@ -16,7 +16,6 @@ use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
 use crate::driver::Watch;
 use crate::estimator::{GatherPoint, Gatherer};
-use crate::integrator::path;
 use crate::settings::{CachedOptions, Metric, Settings};
 use crate::world::{Surface, World};
 
@@ -32,6 +31,10 @@ const UNITS: [f32; 2] = [3.0, 160.0];
 const SCOUTS: u32 = 8;
 /// The most candidates that send scouts.
 const MAX_SCOUTING: usize = 8192;
+/// The most surfaces that a camera's ray may meet.
+const MAX_SURFACES: u32 = 16;
+/// Keys of what is seen in mirrors begin with the number of mirrors.
+const DEPTH_SHIFT: u32 = 48;
 /// Keys of deeper caches begin with the number of reflections.
 const LEVEL_SHIFT: u32 = 56;
 
@@ -72,7 +75,7 @@ fn fill(
         traced += level.fill(cache, candidates, passes);
     };
     let Some(bounces) = options.bounces else {
-        fill(&mut cache, Source::Paths(path::MAX_DEPTH), candidates, passes);
+        fill(&mut cache, Source::Paths(None), candidates, passes);
         return (Frozen::new(cache), traced);
     };
     // Candidates from the surface down; the first that are needed are found last.
@@ -85,11 +88,11 @@ fn fill(
     let mut below: Option<Frozen> = None;
     for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
         let mut cache = Cache::new(CachedOptions { bounces: Some(reflections), ..options }, world.surroundings_hash());
-        let source = below.as_ref().map_or(Source::Paths(2), Source::Cache);
+        let source = below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache);
         fill(&mut cache, source, candidates, &loose_passes(candidates.len()));
         below = Some(Frozen::new(cache));
     }
-    fill(&mut cache, below.as_ref().map_or(Source::Paths(2), Source::Cache), candidates, passes);
+    fill(&mut cache, below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache), candidates, passes);
     (Frozen::new(cache), traced)
 }
 
@@ -108,37 +111,71 @@ fn camera_candidates<'w>(
             (0..settings.width).step_by(step as usize).filter(move |&x| is_new(x, y)).map(move |x| (x, y))
         });
         let pixels: Vec<(u32, u32)> = grid.collect();
-        let found: Vec<Vec<Candidate>> = pixels
-            .par_chunks(1024)
-            .map(|pixels| {
-                let rays: Vec<Ray> = pixels.iter().map(|&(x, y)| camera.ray(x as f32 + 0.5, y as f32 + 0.5)).collect();
-                let mut hits = vec![Hit::MISS; rays.len()];
-                world.tree().intersect_many(&rays, &mut hits);
-                let seen = pixels.iter().zip(&rays).zip(&hits).filter(|(_, hit)| hit.is_hit());
-                let candidate = |((&(x, y), ray), hit): ((&(u32, u32), &Ray), &Hit)| {
-                    let surface = world.surface_at(hit).facing(ray.direction);
-                    let key = u64::from(y) * u64::from(settings.width) + u64::from(x);
-                    camera_candidate(camera, surface, ray, hit.t, key)
-                };
-                seen.map(candidate).filter(scatters).collect()
-            })
-            .collect();
-        traced += pixels.len() as u64;
-        candidates.extend(found.into_iter().flatten());
+        let found: Vec<(Vec<Candidate>, u64)> =
+            pixels.par_chunks(1024).map(|pixels| seen_candidates(world, settings, camera, pixels)).collect();
+        traced += found.iter().map(|(_, rays)| rays).sum::<u64>();
+        candidates.extend(found.into_iter().flat_map(|(candidates, _)| candidates));
         let places = candidates.len();
         passes.extend([1.4, 0.95].map(|part| Pass { places, separation: part * step as f32 }));
     }
     (candidates, passes, traced)
 }
 
-/// Whether light that arrives there is scattered.
-fn scatters(candidate: &Candidate) -> bool {
-    candidate.point.surface.material.diffuse != Vec3::ZERO
+/// A ray from the camera, or what mirrors and glass made of it.
+struct View {
+    pixel: u64,
+    ray: Ray,
+    /// The way from the camera to where the ray begins.
+    distance: f32,
 }
 
-/// The candidate that a camera ray found at a distance.
+/// The candidates that the camera sees in the middles of pixels, and the number of rays: all surfaces that scatter light
+/// up to the first that shows no other.
+fn seen_candidates<'w>(
+    world: &'w World,
+    settings: &Settings,
+    camera: &Camera,
+    pixels: &[(u32, u32)],
+) -> (Vec<Candidate<'w>>, u64) {
+    let view = |&(x, y): &(u32, u32)| View {
+        pixel: u64::from(y) * u64::from(settings.width) + u64::from(x),
+        ray: camera.ray(x as f32 + 0.5, y as f32 + 0.5),
+        distance: 0.0,
+    };
+    let mut views: Vec<View> = pixels.iter().map(view).collect();
+    let (mut candidates, mut traced) = (Vec::new(), 0);
+    for depth in 0..MAX_SURFACES {
+        let rays: Vec<Ray> = views.iter().map(|view| view.ray).collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        world.tree().intersect_many(&rays, &mut hits);
+        traced += rays.len() as u64;
+        let mut next = Vec::new();
+        for (View { pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+            let surface = world.surface_at(hit).facing(ray.direction);
+            let distance = distance + hit.t;
+            if surface.material.diffuse != Vec3::ZERO {
+                let key = u64::from(depth) << DEPTH_SHIFT | pixel;
+                candidates.push(camera_candidate(camera, surface, ray, distance, key));
+            }
+            let sampler = Sampler::new(Pattern::Sobol, !settings.seed, *pixel as u32, depth);
+            let bounce = surface.sample(ray.direction, sampler.uniform2(0));
+            if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
+                let ray = Ray::new(surface.origin_towards(bounce.direction), bounce.direction);
+                next.push(View { pixel: *pixel, ray, distance });
+            }
+        }
+        if next.is_empty() {
+            break;
+        }
+        views = next;
+    }
+    (candidates, traced)
+}
+
+/// The candidate that is seen at this distance from the camera.
 fn camera_candidate<'w>(camera: &Camera, surface: Surface<'w>, ray: &Ray, distance: f32, key: u64) -> Candidate<'w> {
-    // The root of the area that a pixel covers; at most that of a surface seen under 6 degrees.
+    // The root of the area that a pixel covers; at most that of a surface seen under 6 degrees. What is seen in a mirror
+    // counts as if it stood as far behind the mirror: a curved one would make of a pixel anything from nothing to all.
     let cosine = surface.normal.dot(ray.direction).abs().max(0.1);
     let spacing = distance * camera.pixel_angle() / cosine.sqrt();
     Candidate {

@@ -1,10 +1,14 @@
-//! Materials: the factors of base colour and emission.
+//! Materials: the factors of base colour and emission; mirrors, which are metals without roughness; glass
+//! (`KHR_materials_transmission`, `KHR_materials_ior`).
+//!
+//! Deviations: glass bounds a solid, with `KHR_materials_volume` or without, and is smooth. What lets through half of
+//! the light or more is glass, what lets through less is not. All other metals are matte.
 
 use glam::Vec3;
 
 use super::Document;
 use crate::scene::model::count;
-use crate::scene::{Material, SceneError};
+use crate::scene::{Material, SceneError, Specular};
 
 /// The file's materials in its order.
 pub(super) fn read(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Material>, SceneError> {
@@ -42,9 +46,15 @@ pub(super) fn read(document: &Document, warnings: &mut Vec<String>) -> Result<Ve
                 "write numbers that are 0 or more",
             ));
         }
+        let specular = specular(material, diffuse);
+        if matches!(specular, Specular::Glass { .. }) && base.roughness_factor.0 > 0.0 {
+            warnings.push(format!("{}: {place}: rough glass is shown as smooth glass", document.path.display()));
+        }
         materials.push(Material {
             name: material.name.clone().unwrap_or_default(),
-            diffuse,
+            // Mirrors and glass leave nothing for it.
+            diffuse: if specular == Specular::None { diffuse } else { Vec3::ZERO },
+            specular,
             emission,
             emits_both_sides: material.double_sided,
             ..Material::default()
@@ -55,4 +65,23 @@ pub(super) fn read(document: &Document, warnings: &mut Vec<String>) -> Result<Ve
         warnings.push(format!("{}: {textures} ignored", document.path.display()));
     }
     Ok(materials)
+}
+
+/// The mirror or the glass that a material of this base colour is.
+fn specular(material: &::gltf::json::Material, color: Vec3) -> Specular {
+    let base = &material.pbr_metallic_roughness;
+    let extensions = material.extensions.as_ref();
+    let transmission = extensions.and_then(|all| all.transmission.as_ref()).map_or(0.0, |it| it.transmission_factor.0);
+    if base.metallic_factor.0 == 1.0 && base.roughness_factor.0 == 0.0 && base.metallic_roughness_texture.is_none() {
+        return Specular::Mirror { reflectance: color };
+    }
+    if transmission < 0.5 || base.metallic_factor.0 == 1.0 {
+        return Specular::None;
+    }
+    let ior = extensions.and_then(|all| all.ior.as_ref()).map_or(1.5, |it| it.ior.0);
+    // An index of 0 stands for an infinite one, which reflects everything.
+    match ior > 0.0 {
+        true => Specular::Glass { ior, transmittance: color * transmission.min(1.0) },
+        false => Specular::Mirror { reflectance: Vec3::ONE },
+    }
 }

@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3};
 
 use super::*;
-use crate::scene::{Gloss, Place};
+use crate::scene::{Gloss, Place, Specular};
 
 fn parse(text: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
     read(Path::new("model.obj"), text.as_ref())
@@ -164,7 +164,7 @@ fn with_libraries(text: &str, libraries: &[(&str, &str)]) -> Result<Scene, Scene
 
 #[test]
 fn materials() {
-    let library = "newmtl lamp\nKd 0.1 0.2 0.3 # dark\nKe 5 6 7\nKs 0.5\nNs 96\nNi 1.45\nd 0.25\nillum 2\n\
+    let library = "newmtl lamp\nKd 0.1 0.2 0.3 # dark\nKe 5 6 7\nKs 0.5\nNs 96\nNi 1.45\nTf 0.7 0.8 0.9\nd 0.25\nillum 2\n\
                    newmtl glass pane\nTr 0.75\n";
     let scene = with_libraries("mtllib a.mtl\nusemtl lamp", &[("a.mtl", library)]).unwrap();
     assert!(scene.warnings.is_empty());
@@ -176,7 +176,15 @@ fn materials() {
                 diffuse: Vec3::new(0.1, 0.2, 0.3),
                 emission: Vec3::new(5.0, 6.0, 7.0),
                 emits_both_sides: false,
-                gloss: Gloss { specular: Vec3::splat(0.5), exponent: 96.0, ior: 1.45, opacity: 0.25, model: 2 },
+                specular: Specular::None,
+                gloss: Gloss {
+                    specular: Vec3::splat(0.5),
+                    transmittance: Vec3::new(0.7, 0.8, 0.9),
+                    exponent: 96.0,
+                    ior: 1.45,
+                    opacity: 0.25,
+                    model: 2,
+                },
             },
             Material {
                 name: "glass pane".to_owned(),
@@ -188,6 +196,35 @@ fn materials() {
     assert_eq!(scene.meshes[0].material, 0);
     let scene = with_libraries("usemtl glass pane\nmtllib a.mtl", &[("a.mtl", library)]).unwrap();
     assert_eq!(scene.meshes[0].material, 1);
+}
+
+#[test]
+fn mirrors_and_glass_by_illumination_model() {
+    let library = "newmtl mirror\nillum 3\nKd 0.5 0.5 0.5\nKs 0.9 0.4 0.4\nnewmtl dull\nillum 5\nKd 0.5 0.5 0.5\n\
+                   newmtl glass\nKd 1 1 1\nNi 1.33\nTf 0.9\nillum 7\nnewmtl pane\nillum 4\n\
+                   newmtl void\nillum 6\nNi 0\n";
+    let scene = with_libraries("mtllib a.mtl\nusemtl dull", &[("a.mtl", library)]).unwrap();
+    let surfaces: Vec<_> = scene.materials.iter().map(|material| (material.specular, material.diffuse)).collect();
+    let glass = |ior, transmittance| Specular::Glass { ior, transmittance: Vec3::splat(transmittance) };
+    let rest = Vec3::new(1.0 - 0.9, 0.5, 0.5);
+    assert_eq!(
+        surfaces,
+        [
+            (Specular::Mirror { reflectance: Vec3::new(0.9, 0.4, 0.4) }, rest),
+            (Specular::None, Vec3::splat(0.5)),
+            (glass(1.33, 0.9), Vec3::ZERO),
+            (glass(1.5, 1.0), Vec3::ZERO),
+            (glass(1.5, 1.0), Vec3::ZERO),
+        ]
+    );
+    let warnings: Vec<_> = scene.warnings.iter().map(|warning| warning.rsplit("a.mtl: ").next().unwrap()).collect();
+    assert_eq!(
+        warnings,
+        [
+            "material \"mirror\": `Kd` and `Ks` add up to more than 1; `Kd` is reduced",
+            "material \"void\": an index of refraction of 0 is no glass's; 1.5 is used",
+        ]
+    );
 }
 
 #[test]
@@ -241,7 +278,7 @@ fn wrong_materials() {
         ("newmtl a\0b\n", 1, "this is not an MTL file: the line holds binary data"),
     ];
     for (library, line, problem) in cases {
-        let error = with_libraries("mtllib a.mtl", &[("a.mtl", library)]).unwrap_err();
+        let error = with_libraries("mtllib a.mtl\nusemtl dull", &[("a.mtl", library)]).unwrap_err();
         assert_eq!((error.place, error.problem.as_str()), (Place::Line(line), problem));
         assert_eq!(error.file.file_name().unwrap(), "a.mtl");
     }

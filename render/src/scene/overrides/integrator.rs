@@ -40,7 +40,7 @@ pub struct IntegratorOverrides {
     #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
     pub roulette_after: Option<u32>,
     /// --stop roulette: probability of going on, or throughput (what is left of the light, at most 0.95) [default:
-    /// throughput]
+    /// throughput]; montecarlo: go on so after the bounces, with one ray a surface [default: do not]
     #[arg(long, value_name = "P", value_parser = argument(value::survival), allow_negative_numbers = true)]
     pub survival: Option<Survival>,
     /// montecarlo: bounces of indirect light [default: 1]
@@ -49,7 +49,8 @@ pub struct IntegratorOverrides {
     /// montecarlo, ao: rays for each surface [default: 16]
     #[arg(long, value_name = "N", value_parser = argument(value::count), allow_negative_numbers = true)]
     pub rays: Option<u32>,
-    /// montecarlo, ao: how rays are spread: uniform, cosine or stratified [default: stratified]
+    /// montecarlo, ao: how rays are spread: uniform, cosine, stratified (by the cosine) or stratified-uniform
+    /// [default: stratified]
     #[arg(long, value_name = "HOW", value_parser = argument(value::hemisphere_sampling))]
     pub sampling: Option<HemisphereSampling>,
     /// ao: what rays count: misses (1 if nothing is hit) or hit-length (the longer, the more) [default: misses]
@@ -102,6 +103,7 @@ impl IntegratorOverrides {
                 replace(&mut options.bounces, self.bounces);
                 replace(&mut options.rays, self.rays);
                 replace(&mut options.sampling, self.sampling);
+                options.tail = self.survival.or(options.tail);
             }
             Integrator::Direct(options) => replace(&mut options.max_depth, self.max_depth),
             Integrator::Ao(options) => {
@@ -147,7 +149,7 @@ impl IntegratorOverrides {
     fn refuse_unused(&self, integrator: &Integrator) -> Result<(), Invalid> {
         let used: &[&str] = match integrator {
             Integrator::Path(_) | Integrator::Heat(_) => &PATH,
-            Integrator::MonteCarlo(_) => &["bounces", "rays", "sampling"],
+            Integrator::MonteCarlo(_) => &["bounces", "rays", "sampling", "survival"],
             Integrator::Direct(_) => &["max_depth"],
             Integrator::Ao(_) => &["rays", "sampling", "ao_weighting", "ao_distance"],
             Integrator::Cached(_) => &CachedOverrides::NAMES,
@@ -239,7 +241,7 @@ mod tests {
         );
         assert_eq!(
             problem(IntegratorOverrides { cutoff: Some(0.1), ..named("montecarlo") }),
-            "the integrator `montecarlo` does not use `cutoff`\n  help: leave it out; used are bounces, rays, sampling"
+            "the integrator `montecarlo` does not use `cutoff`\n  help: leave it out; used are bounces, rays, sampling, survival"
         );
         let threshold = Stop::named("threshold");
         assert!(IntegratorOverrides { stop: threshold, ..cutoff }.integrator().is_ok());

@@ -6,7 +6,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 
 use super::*;
-use crate::scene::{CameraPose, PunctualLight};
+use crate::scene::{CameraPose, PunctualLight, Specular};
 
 #[test]
 fn materials() {
@@ -36,6 +36,38 @@ fn materials() {
     assert_eq!(scene.warnings, ["model.gltf: material 0: `baseColorFactor` is outside 0 to 1 and is clamped"]);
     document["materials"][1]["emissiveFactor"] = json!([0, -1, 0]);
     assert_eq!(problem(document), "material 1: its emission is negative or not finite");
+}
+
+#[test]
+fn mirrors_and_glass() {
+    let mut document = with("/meshes/0/primitives/0/material", json!(0));
+    let glass = |factor: f32, roughness: f32, extensions: Value| {
+        let mut extensions = extensions;
+        extensions["KHR_materials_transmission"] = json!({"transmissionFactor": factor});
+        let base = json!({"baseColorFactor": [1, 0.5, 0.25, 1], "metallicFactor": 0, "roughnessFactor": roughness});
+        json!({"pbrMetallicRoughness": base, "extensions": extensions})
+    };
+    document["materials"] = json!([
+        {"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": 0}},
+        {"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": 0, "metallicFactor": 0}},
+        glass(1.0, 0.0, json!({"KHR_materials_ior": {"ior": 1.25}})),
+        glass(0.5, 0.25, json!({})),
+        glass(0.25, 0.0, json!({})),
+    ]);
+    let scene = parse(document).unwrap();
+    let color = Vec3::new(1.0, 0.5, 0.25);
+    let surfaces: Vec<_> = scene.materials.iter().map(|material| (material.specular, material.diffuse)).collect();
+    assert_eq!(
+        surfaces,
+        [
+            (Specular::Mirror { reflectance: color }, Vec3::ZERO),
+            (Specular::None, color),
+            (Specular::Glass { ior: 1.25, transmittance: color }, Vec3::ZERO),
+            (Specular::Glass { ior: 1.5, transmittance: color * 0.5 }, Vec3::ZERO),
+            (Specular::None, color),
+        ]
+    );
+    assert_eq!(scene.warnings, ["model.gltf: material 3: rough glass is shown as smooth glass"]);
 }
 
 /// The triangle with lights, one per node; nodes turn by a quarter about y, which takes -z to -x.

@@ -1,9 +1,12 @@
 //! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
 //!
 //! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
-//! are already, so that a render which is stopped leaves a picture without holes. A pixel's samples are summed in their own order, whatever
-//! the tiles, waves and threads.
+//! are already, so that a render which is stopped leaves a picture without holes. The first wave can be watched from
+//! coarse to fine. A pixel's samples are summed in their own order, whatever the tiles, waves and threads.
 
+mod levels;
+
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
@@ -15,11 +18,11 @@ use crate::cache::Cache;
 use crate::camera::Camera;
 use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
 use crate::integrator::{self, CameraRays, Memory, Prepared};
-
-pub use crate::integrator::CacheUse;
-
 use crate::settings::Settings;
 use crate::world::World;
+
+pub use crate::integrator::CacheUse;
+pub use levels::MAX_BLOCK;
 
 /// Watches a render and may stop it. Called from all threads.
 pub trait Watch: Sync {
@@ -27,6 +30,16 @@ pub trait Watch: Sync {
     fn advance(&self, samples: u64, rays: u64);
     /// Whether to stop; asked often. The samples so far still make a picture.
     fn stop(&self) -> bool;
+
+    /// The side in pixels of the blocks with which the picture begins, a power of two up to [`MAX_BLOCK`]; 1 for single
+    /// pixels. The picture that [`render`] gives does not depend on it.
+    fn coarsest(&self) -> u32 {
+        1
+    }
+
+    /// Sees the picture of each level from [`coarsest`](Self::coarsest) on down to 1, if it is more than 1: one sample for
+    /// each block of `side` pixels. Called from the thread that renders, which waits.
+    fn level(&self, _side: u32, _picture: &Picture) {}
 }
 
 /// What a render gives.
@@ -69,32 +82,23 @@ pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, wat
         filter: FilterSampler::new(&settings.filter),
     };
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
-    let mut rays = overture;
-    let mut done = 0;
-    while done < settings.spp && (done == 0 || !watch.stop()) {
-        let wave = done.clamp(1, MAX_WAVE).min(settings.spp - done);
+    let mut rays = overture + job.first_wave(&mut tiles, start);
+    let mut done = 1;
+    while done < settings.spp && !watch.stop() {
+        let wave = done.min(MAX_WAVE).min(settings.spp - done);
         rays += tiles
             .par_iter_mut()
             .map_init(Batch::default, |batch, tile| job.sample(batch, tile, done + wave))
             .sum::<u64>();
         done += wave;
     }
-    let samples = tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
-    let metadata = Metadata {
-        samples_per_pixel: samples,
-        render_time_seconds: Metadata::stored_seconds(start.elapsed()),
-        world_to_camera: job.camera.world_to_camera(),
-        seed: settings.seed,
-        scene_hash: world.hash(),
-        integrator: settings.integrator.name().to_owned(),
-    };
-    let channels = channels(&tiles, settings.width, settings.height);
+    let picture = job.picture(&tiles, start);
+    let finished = picture.metadata.samples_per_pixel == settings.spp;
     let cache = match &prepared {
         Prepared::Cache(frozen) => Some(frozen.usage()),
         Prepared::Nothing => None,
     };
-    let picture = Picture { width: settings.width, height: settings.height, channels, metadata };
-    Render { picture, finished: samples == settings.spp, rays, elapsed: start.elapsed(), cache }
+    Render { picture, finished, rays, elapsed: start.elapsed(), cache }
 }
 
 /// `cache` with the records that a picture with these settings needs. It must be of this world.
@@ -125,14 +129,51 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// Takes the first sample of every pixel, which cannot be stopped, level by level; gives the rays traced.
+    fn first_wave(&self, tiles: &mut [Tile], start: Instant) -> u64 {
+        let coarsest = levels::sides(self.watch.coarsest()).next().unwrap_or(1);
+        let mut rays = 0;
+        for side in levels::sides(coarsest) {
+            let sample = |batch: &mut Batch, tile: &mut Tile| {
+                let pixels = tile.pixels().enumerate().filter(|&(_, (x, y))| levels::is_new(x, y, side, coarsest));
+                let pixels: Vec<_> = pixels.collect();
+                let rays = self.sample_batch(batch, tile, &pixels, 0..1);
+                self.watch.advance(pixels.len() as u64, rays);
+                tile.samples = u32::from(side == 1);
+                rays
+            };
+            rays += tiles.par_iter_mut().map_init(Batch::default, sample).sum::<u64>();
+            if coarsest > 1 {
+                let mut picture = self.picture(tiles, start);
+                levels::fill_blocks(&mut picture, side);
+                self.watch.level(side, &picture);
+            }
+        }
+        rays
+    }
+
+    /// The picture of the samples so far.
+    fn picture(&self, tiles: &[Tile], start: Instant) -> Picture {
+        let Settings { width, height, seed, ref integrator, .. } = *self.settings;
+        let metadata = Metadata {
+            samples_per_pixel: tiles.iter().map(|tile| tile.samples).min().unwrap_or(0),
+            render_time_seconds: Metadata::stored_seconds(start.elapsed()),
+            world_to_camera: self.camera.world_to_camera(),
+            seed,
+            scene_hash: self.world.hash(),
+            integrator: integrator.name().to_owned(),
+        };
+        Picture { width, height, channels: channels(tiles, width, height), metadata }
+    }
+
     /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.
     fn sample(&self, batch: &mut Batch, tile: &mut Tile, target: u32) -> u64 {
-        let pixels: Vec<(u32, u32)> = tile.pixels().collect();
+        let pixels: Vec<_> = tile.pixels().enumerate().collect();
         let mut traced = 0;
-        while tile.samples < target && (tile.samples == 0 || !self.watch.stop()) {
+        while tile.samples < target && !self.watch.stop() {
             let samples = (BATCH / pixels.len()).max(1) as u32;
             let end = target.min(tile.samples + samples);
-            let rays = self.sample_batch(batch, tile, &pixels, end);
+            let rays = self.sample_batch(batch, tile, &pixels, tile.samples..end);
             self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
             tile.samples = end;
             traced += rays;
@@ -140,14 +181,20 @@ impl Job<'_> {
         traced
     }
 
-    /// Adds the samples from the tile's number up to `end` to all its pixels.
-    fn sample_batch(&self, batch: &mut Batch, tile: &mut Tile, pixels: &[(u32, u32)], end: u32) -> u64 {
+    /// Adds samples to pixels of the tile, which come with their numbers.
+    fn sample_batch(
+        &self,
+        batch: &mut Batch,
+        tile: &mut Tile,
+        pixels: &[(usize, (u32, u32))],
+        samples: Range<u32>,
+    ) -> u64 {
         let Batch { places, samplers, rays, hits, radiance, memory } = batch;
         places.clear();
         samplers.clear();
         rays.clear();
-        for sample in tile.samples..end {
-            for (number, &(x, y)) in pixels.iter().enumerate() {
+        for sample in samples {
+            for &(number, (x, y)) in pixels {
                 let sampler =
                     Sampler::new(self.settings.sampler, self.settings.seed, y * self.settings.width + x, sample);
                 let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());

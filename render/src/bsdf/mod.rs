@@ -1,0 +1,142 @@
+//! What surfaces do with light: diffuse reflection, mirrors, glass.
+//!
+//! An integrator asks two questions only. [`Surface::sample`]: where does a path go on, with what weight, and how
+//! densely are such directions sampled? [`Surface::evaluate`]: how much light from a given direction is reflected, and
+//! how densely would `sample` have gone there?
+//!
+//! # Mirrors without a special case
+//!
+//! Shirley, who wrote his path tracer on the blackboard in 1998, found one line in it "amazingly ugly": emission counts
+//! at depth 0 only, as later surfaces get it by sampling the lights, unless the ray comes from a mirror. "Pete hopes
+//! there's a clean way to do this. A mirror is direct lighting with a delta function involved". There is one, and it is
+//! just that sentence taken at its word. A delta function's density *is* infinite where it is not zero:
+//!
+//! - `sample` gives a mirror's direction with the density `∞`;
+//! - `evaluate` gives what the delta function is anywhere else: no light, density 0;
+//! - whoever can find light in two ways weights each by its density (`LightSampling`), and `∞` beats every light.
+//!
+//! So light that a mirror shows counts in full, and light that was sampled at the mirror not at all, by the same
+//! arithmetic as for any other surface; and depth 0 is no exception either, for the camera's ray came from a pinhole,
+//! which is one more delta function. No integrator here asks whether a surface is a mirror.
+//!
+//! # Deviations
+//!
+//! What paths carry is basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which
+//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are the same in
+//! air, so the scale need not be lost to rounding and found again; a camera inside of glass shows `L/n²`.
+//!
+//! Where a shading normal would send a mirror's light through the surface, or glass's back, the triangle's own normal
+//! is used instead: no light is lost.
+
+mod dielectric;
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+
+use crate::scene::{Material, Specular};
+use crate::world::Surface;
+
+/// How a path goes on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounce {
+    /// Unit vector.
+    pub direction: Vec3,
+    /// What the path's throughput is multiplied by: `f cos θ / density`.
+    pub weight: Vec3,
+    /// Density per solid angle of this direction; infinite for mirrors and glass.
+    pub density: f32,
+}
+
+impl Material {
+    /// The part of all light that is reflected or let through, at most.
+    pub(crate) fn reflectance(&self) -> Vec3 {
+        match self.specular {
+            Specular::None => self.diffuse,
+            Specular::Mirror { reflectance } => self.diffuse + reflectance,
+            Specular::Glass { .. } => Vec3::ONE,
+        }
+    }
+
+    /// The probability with which a path takes the mirror's or the glass's way.
+    fn specular_probability(&self) -> f32 {
+        let specular = match self.specular {
+            Specular::None => return 0.0,
+            Specular::Mirror { reflectance } => reflectance.max_element(),
+            Specular::Glass { .. } => 1.0,
+        };
+        specular / (specular + self.diffuse.max_element()).max(f32::MIN_POSITIVE)
+    }
+}
+
+/// Of a surface whose normals face the side that light is reflected to.
+impl Surface<'_> {
+    /// Where a path along the unit vector `incoming` goes on; `None` if it is absorbed.
+    pub(crate) fn sample(&self, incoming: Vec3, mut u: Vec2) -> Option<Bounce> {
+        let specular = self.material.specular_probability();
+        if u.x < specular {
+            u.x = (u.x / specular).min(ONE_MINUS_EPSILON);
+            let (direction, weight) = match self.material.specular {
+                Specular::None => return None,
+                Specular::Mirror { reflectance } => (self.mirrored(incoming), reflectance),
+                Specular::Glass { ior, transmittance } => self.refracted(incoming, ior, transmittance, u.x),
+            };
+            return Some(Bounce { direction, weight: weight / specular, density: f32::INFINITY });
+        }
+        u.x = ((u.x - specular) / (1.0 - specular)).min(ONE_MINUS_EPSILON);
+        let local = CosineHemisphere.map(u);
+        let direction = self.frame().to_world(local);
+        let weight = self.material.diffuse / (1.0 - specular);
+        // A shading normal may send light through the surface: none comes from there.
+        let reflects = self.normal.dot(direction) > 0.0 && weight != Vec3::ZERO;
+        reflects.then_some(Bounce { direction, weight, density: (1.0 - specular) * local.z / PI })
+    }
+
+    /// `f cos θ` for light from the unit vector `direction`, and the density with which [`sample`](Self::sample) gives
+    /// it: nothing and zero for mirrors and glass.
+    pub(crate) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
+        let cosine = self.shading_normal.dot(direction);
+        if cosine <= 0.0 || self.normal.dot(direction) <= 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let lambert = cosine / PI;
+        (self.material.diffuse * lambert, (1.0 - self.material.specular_probability()) * lambert)
+    }
+
+    /// The mirror's direction.
+    fn mirrored(&self, incoming: Vec3) -> Vec3 {
+        let direction = reflect(incoming, self.shading_normal);
+        if self.normal.dot(direction) > 0.0 { direction } else { reflect(incoming, self.normal) }
+    }
+
+    /// Glass's reflection, chosen with the probability of what is reflected, or refraction.
+    fn refracted(&self, incoming: Vec3, ior: f32, transmittance: Vec3, choice: f32) -> (Vec3, Vec3) {
+        // Of the medium that light comes from to the one beyond.
+        let ratio = if self.is_back { ior } else { 1.0 / ior };
+        let way = |normal: Vec3| {
+            let cosine = -normal.dot(incoming);
+            let (reflected, cosine_beyond) = dielectric::fresnel(cosine, ratio);
+            if choice < reflected {
+                (reflect(incoming, normal), Vec3::ONE, self.normal)
+            } else {
+                let direction = ratio * incoming + (ratio * cosine - cosine_beyond) * normal;
+                (direction.normalize(), transmittance, -self.normal)
+            }
+        };
+        let (direction, weight, side) = way(self.shading_normal);
+        if side.dot(direction) > 0.0 && self.shading_normal.dot(incoming) < 0.0 {
+            return (direction, weight);
+        }
+        let (direction, weight, _) = way(self.normal);
+        (direction, weight)
+    }
+}
+
+fn reflect(incoming: Vec3, normal: Vec3) -> Vec3 {
+    incoming - 2.0 * incoming.dot(normal) * normal
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,54 @@
+//! Light that two techniques can find counts once: the part of it that each may keep, by their densities.
+
+use halfdome_kernel::sampling::power;
+
+use crate::settings::LightSampling;
+
+/// Weights of light that a bounce could find with the density `bounce` and a light sample with the density `light`, both
+/// per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function, which the other
+/// technique cannot meet: a mirror or the camera's pinhole for bounces, a light without a surface for light samples.
+impl LightSampling {
+    /// Of light that a bounce found.
+    pub(crate) fn of_bounce(self, bounce: f32, light: f32) -> f32 {
+        match self {
+            Self::Naive => 1.0,
+            Self::Direct if bounce == f32::INFINITY || light == 0.0 => 1.0,
+            Self::Direct => 0.0,
+            Self::Mis => power(bounce, light),
+        }
+    }
+
+    /// Of light that was sampled.
+    pub(crate) fn of_light(self, light: f32, bounce: f32) -> f32 {
+        match self {
+            Self::Naive if light == f32::INFINITY => 1.0,
+            Self::Naive => 0.0,
+            Self::Direct => 1.0,
+            Self::Mis => power(light, bounce),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_both_can_find_counts_once() {
+        for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
+            for (bounce, light) in [(0.3, 2.0), (5.0, 0.01), (1.0, 1.0)] {
+                let sum = lights.of_bounce(bounce, light) + lights.of_light(light, bounce);
+                assert!((sum - 1.0).abs() < 1e-6, "{lights:?}, {bounce}, {light}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn deltas_win() {
+        for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
+            assert_eq!(lights.of_bounce(f32::INFINITY, 3.0), 1.0, "an area light in a mirror, {lights:?}");
+            assert_eq!(lights.of_light(f32::INFINITY, 3.0), 1.0, "a point light, {lights:?}");
+            assert_eq!(lights.of_bounce(3.0, 0.0), 1.0, "what is never sampled, {lights:?}");
+        }
+    }
+}

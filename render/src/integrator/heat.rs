@@ -1,0 +1,32 @@
+//! What a picture costs, pixel by pixel: the nodes and blocks of the tree that a sample's rays visit. A count, not a
+//! time: it is the same on every machine.
+
+use glam::Vec3;
+
+use super::{CameraRays, Wavefront, path};
+use crate::settings::PathOptions;
+use crate::world::World;
+
+/// Writes the visits of each camera ray and all rays that follow from it to all channels; gives the number of the latter.
+pub(super) fn visits(
+    world: &World,
+    options: &PathOptions,
+    camera: &CameraRays,
+    wave: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    let tree = world.tree();
+    let mut visits: Vec<u64> = camera.rays.iter().map(|ray| tree.intersect_visits(ray).total()).collect();
+    let traced = path::radiance(world, options, camera, wave, radiance, |wave| {
+        for (index, ray) in wave.indices().zip(&wave.rays) {
+            visits[index] += tree.intersect_visits(ray).total();
+        }
+        for (index, ray) in wave.connections.waiting() {
+            visits[index] += tree.occluded_visits(ray).total();
+        }
+    });
+    for (radiance, visits) in radiance.iter_mut().zip(visits) {
+        *radiance = Vec3::splat(visits as f32);
+    }
+    traced
+}

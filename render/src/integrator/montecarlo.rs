@@ -1,0 +1,199 @@
+//! Driscoll's exponential estimator: direct light at every surface, and indirect light gathered by many rays over its
+//! hemisphere, whose surfaces gather in their turn: `L_i ≈ ρ/N Σ L(ω_k)`, for a number of bounces. "The render time
+//! increases exponentially with each bounce added."
+//!
+//! The tree of rays is walked breadth by breadth: all surfaces of a bounce, then all rays that leave them. Light that
+//! bounces more often is left out, which makes pictures too dark, as Driscoll found; or it is estimated by a path with
+//! Russian roulette, which was his remedy (`MonteCarloOptions::tail`).
+//!
+//! A delta function is not gathered from: what mirrors and glass show comes from one direction at a time, by a ray of its
+//! own that is no bounce.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::{Hit, Ray};
+
+use super::path::{emission, sky, survive};
+use super::wavefront::{Connections, Path};
+use super::{CameraRays, FIRST_SET};
+use crate::estimator::{Hemisphere, connect, sky_density};
+use crate::settings::{LightSampling, MonteCarloOptions};
+use crate::world::{Surface, World};
+
+/// Light is sampled at each surface, so rays that gather do not count it again.
+const LIGHTS: LightSampling = LightSampling::Direct;
+/// Sets of random numbers of a ray: which light is sampled at its end and whether to go on, where on the light, and the
+/// ray's own direction.
+const SETS_PER_RAY: u32 = 3;
+/// The most surfaces one behind the other, where mirrors or the tail would never end.
+const MAX_DEPTH: u32 = 1024;
+/// Rays of a bounce that are in memory at once, about.
+const BATCH: u64 = 1 << 16;
+
+/// The rays of a bounce, and their memory, which the next one uses again.
+#[derive(Default)]
+pub(crate) struct Generation {
+    nodes: Vec<Node>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    connections: Connections,
+}
+
+/// A ray in the tree of rays.
+#[derive(Clone, Copy)]
+struct Node {
+    path: Path,
+    /// Its number in the tree; child `k` of node `n` is about `rays n + 1 + k`, as in a heap.
+    number: u32,
+    /// Bounces that are left for the surface that it hits.
+    bounces: u32,
+}
+
+/// Writes the radiance along each camera ray; gives the number of further rays.
+pub(super) fn radiance(
+    world: &World,
+    options: &MonteCarloOptions,
+    camera: &CameraRays,
+    [parents, children]: &mut [Generation; 2],
+    radiance: &mut [Vec3],
+) -> u64 {
+    radiance.fill(Vec3::ZERO);
+    let gather = Gather { world, options, hemisphere: Hemisphere::new(options.sampling, options.rays) };
+    let mut traced = 0;
+    // Few enough camera rays at once that the last bounce fits into memory.
+    let together = (BATCH / (options.rays_per_sample() + 1)).max(1) as usize;
+    for first in (0..camera.rays.len()).step_by(together) {
+        parents.clear();
+        for index in first..camera.rays.len().min(first + together) {
+            let node = Node { path: Path::from_camera(index, camera.density), number: 0, bounces: options.bounces };
+            parents.push(node, camera.rays[index]);
+            parents.hits.push(camera.hits[index]);
+        }
+        for _ in 0..MAX_DEPTH {
+            children.clear();
+            for ((node, ray), hit) in parents.nodes.iter().zip(&parents.rays).zip(&parents.hits) {
+                let index = node.path.index;
+                gather.branch(node, ray, hit, &camera.samplers[index], children, &mut radiance[index]);
+            }
+            traced += children.connections.resolve(world, radiance);
+            if children.nodes.is_empty() {
+                break;
+            }
+            traced += children.trace(world);
+            std::mem::swap(parents, children);
+        }
+    }
+    traced
+}
+
+impl Generation {
+    fn clear(&mut self) {
+        self.nodes.clear();
+        self.rays.clear();
+        self.hits.clear();
+    }
+
+    fn push(&mut self, node: Node, ray: Ray) {
+        self.nodes.push(node);
+        self.rays.push(ray);
+    }
+
+    fn trace(&mut self, world: &World) -> u64 {
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        world.tree().intersect_many(&self.rays, &mut self.hits);
+        self.rays.len() as u64
+    }
+}
+
+/// What all surfaces do.
+struct Gather<'a> {
+    world: &'a World,
+    options: &'a MonteCarloOptions,
+    hemisphere: Hemisphere,
+}
+
+impl Gather<'_> {
+    /// Collects the light at the end of a ray, and sends out the rays that gather there.
+    fn branch(
+        &self,
+        node: &Node,
+        ray: &Ray,
+        hit: &Hit,
+        sampler: &Sampler,
+        children: &mut Generation,
+        radiance: &mut Vec3,
+    ) {
+        let (world, path) = (self.world, &node.path);
+        if !hit.is_hit() {
+            *radiance += path.throughput * sky(world, LIGHTS, path);
+            return;
+        }
+        let surface = world.surface_at(hit);
+        *radiance += path.throughput * emission(world, LIGHTS, path, &surface, ray, hit.t);
+
+        let surface = surface.facing(ray.direction);
+        let set = node.first_set();
+        let Vec2 { x: choice, y: chance } = sampler.uniform2(set);
+        if let Some(connection) = connect(world, &surface, LIGHTS, choice, sampler.uniform2(set.wrapping_add(1))) {
+            children.connections.push(path.index, path.throughput, connection);
+        }
+        if node.bounces > 0 {
+            self.gather(node, &surface, sampler, children);
+        }
+        let child = node.child(self.options.rays, 0);
+        let Some(bounce) = surface.sample(ray.direction, child.direction_numbers(sampler)) else { return };
+        let mut throughput = path.throughput * bounce.weight;
+        if bounce.density < f32::INFINITY {
+            // It would be one of the rays that gather, if there are any; else it begins or continues the tail.
+            let (0, Some(survival)) = (node.bounces, self.options.tail) else { return };
+            let survival = survive(survival, throughput);
+            if chance >= survival {
+                return;
+            }
+            throughput /= survival;
+        }
+        let sky_density = sky_density(world, &surface, bounce.direction);
+        let path = Path { throughput, density: bounce.density, sky_density, ..*path };
+        children.push(Node { path, ..child }, leave(&surface, bounce.direction));
+    }
+
+    /// Sends rays over the hemisphere for what the surface reflects diffusely.
+    fn gather(&self, node: &Node, surface: &Surface, sampler: &Sampler, children: &mut Generation) {
+        let throughput = node.path.throughput * surface.material.diffuse / self.hemisphere.rays() as f32;
+        if throughput == Vec3::ZERO {
+            return;
+        }
+        let frame = surface.frame();
+        for number in 0..self.hemisphere.rays() {
+            let child = node.child(self.options.rays, number);
+            let (local, weight) = self.hemisphere.direction(number, child.direction_numbers(sampler));
+            let direction = frame.to_world(local);
+            // A shading normal may send light through the surface: none comes from there.
+            if surface.normal.dot(direction) > 0.0 {
+                let sky_density = sky_density(self.world, surface, direction);
+                // Any finite density will do, for all that light samples can find is left to them.
+                let path = Path { throughput: throughput * weight, density: 0.0, sky_density, ..node.path };
+                children.push(Node { path, bounces: node.bounces - 1, ..child }, leave(surface, direction));
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Child `k` of `rays`. The factor is odd, or the numbers of long chains of mirrors would come to rest at one.
+    fn child(&self, rays: u32, k: u32) -> Self {
+        Self { number: self.number.wrapping_mul(rays | 1).wrapping_add(1 + k), ..*self }
+    }
+
+    fn first_set(&self) -> u32 {
+        FIRST_SET.wrapping_add(self.number.wrapping_mul(SETS_PER_RAY))
+    }
+
+    fn direction_numbers(&self, sampler: &Sampler) -> Vec2 {
+        sampler.uniform2(self.first_set().wrapping_add(2))
+    }
+}
+
+fn leave(surface: &Surface, direction: Vec3) -> Ray {
+    Ray::new(surface.origin_towards(direction), direction)
+}
