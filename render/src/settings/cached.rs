@@ -68,9 +68,9 @@ impl Default for CachedOptions {
         Self {
             error: 0.3,
             gradients: Gradients::Both,
-            metric: Metric::Bounded,
+            metric: Metric::Hessian,
             layout: GatherLayout::Stratified,
-            rays: 1024,
+            rays: 2048,
             bounces: None,
         }
     }

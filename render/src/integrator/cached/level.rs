@@ -40,6 +40,9 @@ pub(super) struct Candidate<'w> {
     pub(crate) bounds: Bounds,
 }
 
+/// The side of the square in which an error of 1 may be, as a part of the scene's diagonal. It makes the Hessian's radii
+/// in the Cornell box about as good as those of the other metrics with the same error.
+const HESSIAN_EXTENT: f32 = 0.02;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;
 
@@ -68,10 +71,11 @@ impl Level<'_> {
         traced
     }
 
-    /// What the relative error of an ellipse may be, times its area. The fourth power makes radii proportional to the
-    /// error, as those of the other metrics are; the scene's extent makes them scale with it.
+    /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
+    /// it). The fourth power makes radii proportional to the error, as those of the other metrics are; the scene's
+    /// extent makes them scale with it.
     fn area_error(&self) -> f32 {
-        let extent = self.options.error * self.options.error * self.world.diagonal();
+        let extent = HESSIAN_EXTENT * self.options.error * self.options.error * self.world.diagonal();
         extent * extent
     }
 

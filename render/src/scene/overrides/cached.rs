@@ -18,13 +18,13 @@ pub struct CachedOverrides {
     #[arg(long, value_name = "WHICH", value_parser = argument(value::gradients))]
     pub gradients: Option<Gradients>,
     /// What decides how far a record reaches: split-sphere, bounded (that, and the gradient) or hessian [default:
-    /// bounded]
+    /// hessian]
     #[arg(long, value_name = "NAME", value_parser = argument(value::metric))]
     pub metric: Option<Metric>,
     /// How a record's rays are spread: stratified or hemicube [default: stratified]
     #[arg(long, value_name = "NAME", value_parser = argument(value::gather_layout))]
     pub layout: Option<GatherLayout>,
-    /// Rays of a record, about [default: 1024]
+    /// Rays of a record, about [default: 2048]
     #[arg(long, value_name = "N", value_parser = argument(value::record_rays), allow_negative_numbers = true)]
     pub record_rays: Option<u32>,
     /// Reflections of light on its way to a record, each with a cache of its own [default: any number, by paths]
