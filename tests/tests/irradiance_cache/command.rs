@@ -69,7 +69,10 @@ fn caches_merge_in_any_order_and_describe_themselves() {
             let outcome = program.run_line(&format!("cache info {name} --json"));
             succeed(&outcome);
             let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
-            assert_eq!((&info["options"]["cache_error"], &info["options"]["metric"]), (&"0.5".into(), &"hessian".into()));
+            assert_eq!(
+                (&info["options"]["cache_error"], &info["options"]["metric"]),
+                (&"0.5".into(), &"hessian".into())
+            );
             info["records"].as_u64().unwrap()
         };
         assert!(records("a.cache") > 10);
@@ -103,7 +106,8 @@ fn sensors_are_answered_in_order() {
         let points = "# a sensor that looks at the lamp, one that sees nothing of the room, one at the wall\n\
                       0.278 0.3 0.28 0 1 0\n\n0.278 0.3 -10 0 0 -5\n0.278 0.2 0.5592 0 0 -1\n";
         program.put("points.txt", points);
-        let found = program.run_line("irradiance cornell --points points.txt --spp 256 --record-rays 8192 --progress none");
+        let found =
+            program.run_line("irradiance cornell --points points.txt --spp 256 --record-rays 8192 --progress none");
         succeed(&found);
         let found = numbers(&found.stdout);
         let brute = program.run_line("irradiance cornell --points points.txt --brute --spp 4096 --progress none");
@@ -139,10 +143,16 @@ fn bad_input_is_named() {
             }
         };
         for value in ["0", "-1", "nan", "1.5", "x"] {
-            refused(&format!("cache build cornell -o a --cache-error {value}"), &["--cache-error", "more than 0 and at most 1"]);
+            refused(
+                &format!("cache build cornell -o a --cache-error {value}"),
+                &["--cache-error", "more than 0 and at most 1"],
+            );
         }
         for value in ["0", "11", "1048577", "99999999999", "2.5"] {
-            refused(&format!("cache build cornell -o a --record-rays {value}"), &["--record-rays", "from 12 to 1048576"]);
+            refused(
+                &format!("cache build cornell -o a --record-rays {value}"),
+                &["--record-rays", "from 12 to 1048576"],
+            );
         }
         refused("cache build cornell -o a --cache-bounces 0", &["--cache-bounces", "from 1 to 16"]);
         refused("render cornell --metric hessian", &["`path` does not use `metric`"]);

@@ -93,7 +93,9 @@ fn sensors_read_the_same_by_cache_and_by_paths() {
             let options = CachedOptions { metric, rays: 4096, ..CachedOptions::default() };
             let found = cached(&world, &sensors, options, &request);
             let error = relative_rms(&found.values, &paths.values);
-            assert!(error < 0.03, "{metric:?}, {part:?}: {error}");
+            // The indirect part alone is a third of the light. Paths are off by 1.4 %, a record's gather by about 2 %.
+            let limit = if part == Part::Total { 0.02 } else { 0.05 };
+            assert!(error < limit, "{metric:?}, {part:?}: {error}");
             assert!(found.rays < paths.rays, "{metric:?}: {} rays, by paths {}", found.rays, paths.rays);
         }
     }
@@ -107,8 +109,13 @@ fn gradients_help() {
     let request = Request { spp: 4096, seed: 1, part: Part::Indirect };
     let paths = by_paths(&world, &sensors, &request, &Patience);
     let error = |gradients| {
-        let options =
-            CachedOptions { metric: Metric::SplitSphere, gradients, error: 0.4, rays: 4096, ..CachedOptions::default() };
+        let options = CachedOptions {
+            metric: Metric::SplitSphere,
+            gradients,
+            error: 0.4,
+            rays: 4096,
+            ..CachedOptions::default()
+        };
         let found = cached(&world, &sensors, options, &Request { seed: 2, ..request });
         relative_rms(&found.values, &paths.values)
     };

@@ -9,9 +9,14 @@ use halfdome::world::World;
 use halfdome_tests::render::Patience;
 
 fn fill(scene: &Scene, options: CachedOptions) -> Vec<Record> {
+    fill_for(48, scene, options)
+}
+
+/// The records for a picture of `side` pixels a side.
+fn fill_for(side: u32, scene: &Scene, options: CachedOptions) -> Vec<Record> {
     let world = World::new(scene.clone()).unwrap();
     let integrator = Integrator::Cached(options);
-    let settings = Settings { width: 48, height: 48, integrator, ..Settings::default() };
+    let settings = Settings { width: side, height: side, integrator, ..Settings::default() };
     let cache = Cache::new(options, world.surroundings_hash());
     driver::fill_cache(&world, &settings, cache, &Patience).records().to_vec()
 }
@@ -80,9 +85,9 @@ fn rounding_changes_few_records() {
 #[test]
 fn records_are_as_dense_as_the_error_demands() {
     let count = |error| {
-        let options = CachedOptions { rays: 64, error, metric: Metric::Hessian, ..CachedOptions::default() };
-        fill(&cornell_box(), options).len()
+        let options = CachedOptions { rays: 768, error, metric: Metric::Hessian, ..CachedOptions::default() };
+        fill_for(192, &cornell_box(), options).len()
     };
-    let (fine, coarse) = (count(0.2), count(0.4));
+    let (fine, coarse) = (count(0.3), count(0.6));
     assert!(fine > 2 * coarse && fine < 5 * coarse, "{fine} and {coarse} records");
 }

@@ -106,7 +106,8 @@ fn camera_candidates<'w>(
     let (mut candidates, mut passes, mut traced) = (Vec::new(), Vec::new(), 0);
     for (number, step) in STEPS.into_iter().enumerate() {
         let coarser = number.checked_sub(1).map(|before| STEPS[before]);
-        let is_new = |x: u32, y: u32| coarser.is_none_or(|coarser| x % coarser != 0 || y % coarser != 0);
+        let is_new =
+            |x: u32, y: u32| coarser.is_none_or(|coarser| !x.is_multiple_of(coarser) || !y.is_multiple_of(coarser));
         let grid = (0..settings.height).step_by(step as usize).flat_map(|y| {
             (0..settings.width).step_by(step as usize).filter(move |&x| is_new(x, y)).map(move |x| (x, y))
         });
