@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures, in some three minutes on two cores. The kitchen is the model that ships inside the source of the
+# Makes the README's pictures, in some four minutes on two cores. The kitchen is the model that ships inside the source of the
 # crate obvhs, with a lamp put under its ceiling; needs python3 and zstd to unpack it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,6 +10,11 @@ trap 'rm -rf "$work"' EXIT
 
 (cd "$work" && "$halfdome" --version && "$halfdome")
 cp "$work/cornell.png" docs/cornell.png
+
+"$halfdome" validate --plots "$work/figures" furnace convergence
+for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata; do
+    cp "$work/figures/$figure.svg" "docs/validate-${figure#furnace-}.svg"
+done
 
 assets=$(cargo metadata --format-version 1 | python3 -c '
 import json, os, sys

@@ -2,7 +2,7 @@
 //! how those are timed and their answers compared ([`measure`]).
 //!
 //! `cargo bench -p halfdome-benches` times the kernel's entry points against each other; the binary `peers` times them
-//! against other ray tracers.
+//! against other ray tracers, and `renderers` times the path tracer against other renderers.
 #![forbid(unsafe_code)]
 
 pub mod measure;

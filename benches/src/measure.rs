@@ -154,7 +154,7 @@ pub fn interleaved(tracers: &[&dyn Tracer], set: &RaySet, rounds: usize) -> Vec<
 }
 
 /// The middle value, or the mean of the two in the middle; NaN of nothing.
-fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let half = values.len() / 2;
     match values.len() {

@@ -3,7 +3,8 @@
 //!
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) stands beside.
+//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
+//! hemisphere of rays says of a point and of those around it) stand beside.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {

@@ -14,4 +14,5 @@ mod light;
 pub mod output;
 pub mod scene;
 pub mod settings;
+mod validate;
 pub mod world;

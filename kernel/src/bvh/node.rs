@@ -16,9 +16,9 @@ pub const MAX_STACK: usize = 192;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// The boxes' planes: min x, max x, min y, max y, min z, max z, of all eight children each. An empty slot's box is
-    /// inside out (`+∞ … -∞`).
-    pub planes: [[f32; WIDTH]; 6],
+    /// `planes[axis][side][slot]`: the boxes' lower (side 0) and upper (side 1) bounds. An empty slot's box is inside out
+    /// (`+∞ … -∞`).
+    pub planes: [[[f32; WIDTH]; 2]; 3],
     /// The contents, as [`Child::pack`] encodes them.
     pub children: [u32; WIDTH],
     /// For each octant of directions the slots from the farthest child to the nearest, three bits a slot, the first one
@@ -93,6 +93,24 @@ impl Child {
         first..first + (bits >> 26 & (Self::MAX_BLOCKS - 1)) as usize + 1
     }
 
+    /// The first block of a packed leaf.
+    #[inline(always)]
+    pub(crate) fn first_block(bits: u32) -> u32 {
+        bits & (Self::MAX_INDEX - 1)
+    }
+
+    /// Whether a packed leaf has more blocks than one.
+    #[inline(always)]
+    pub(crate) fn has_more_blocks(bits: u32) -> bool {
+        bits >> 26 & (Self::MAX_BLOCKS - 1) != 0
+    }
+
+    /// What is left of a packed leaf of several blocks without its first one.
+    #[inline(always)]
+    pub(crate) fn without_first_block(bits: u32) -> u32 {
+        bits.wrapping_sub(1 << 26).wrapping_add(1)
+    }
+
     /// The inverse of [`pack`](Self::pack).
     #[inline(always)]
     pub fn unpack(bits: u32) -> Self {
@@ -110,14 +128,7 @@ const SLOTS_IN_ORDER: u32 = 0o76543210;
 impl Node {
     /// A node without children.
     pub const EMPTY: Self = Self {
-        planes: [
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-        ],
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
         children: [Child::EMPTY; WIDTH],
         order: [SLOTS_IN_ORDER; WIDTH],
     };
@@ -125,8 +136,8 @@ impl Node {
     /// Puts `child` with its box into `slot`, which is less than [`WIDTH`]; panics like [`Child::pack`].
     pub fn set(&mut self, slot: usize, aabb: &Aabb, child: Child) {
         for axis in 0..3 {
-            self.planes[2 * axis][slot] = aabb.min[axis];
-            self.planes[2 * axis + 1][slot] = aabb.max[axis];
+            self.planes[axis][0][slot] = aabb.min[axis];
+            self.planes[axis][1][slot] = aabb.max[axis];
         }
         self.children[slot] = child.pack();
     }
@@ -155,7 +166,7 @@ impl Node {
     /// The box of `slot`, which is less than [`WIDTH`].
     pub fn aabb(&self, slot: usize) -> Aabb {
         let corner = |side: usize| {
-            let [x, y, z] = core::array::from_fn(|axis| self.planes[2 * axis + side][slot]);
+            let [x, y, z] = core::array::from_fn(|axis| self.planes[axis][side][slot]);
             glam::Vec3::new(x, y, z)
         };
         Aabb { min: corner(0), max: corner(1) }

@@ -1,7 +1,8 @@
 //! What is computed once a ray, before any box or triangle is tested.
 
+use glam::Vec3;
+
 use super::{Aabb, Ray};
-use crate::simd::Lanes;
 
 /// The greatest magnitude of a coordinate: 2⁴², about 4.4e12. Products of sheared coordinates and distances to planes
 /// then stay finite.
@@ -26,56 +27,64 @@ pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 /// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
 pub(crate) const LEAST_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
 
-/// The part of a ray's setup that selects code paths and memory: rays of one packet share it.
+/// An axis of space: an index that is always in range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Course {
-    /// The axes, the one along which the ray runs fastest last, ordered so that the shear keeps the winding.
-    pub axes: [usize; 3],
-    /// Whether the direction is negative along each of [`axes`](Self::axes).
-    pub negative: [bool; 3],
-    /// The same as a number: bit `a` says that the direction is negative along axis `a`.
-    pub octant: usize,
+#[repr(u8)]
+pub(crate) enum Axis {
+    X,
+    Y,
+    Z,
 }
 
-impl Course {
-    /// The planes through which the ray enters a box and those through which it leaves, as indices into
-    /// `[min x, max x, min y, max y, min z, max z]`, in the order of [`axes`](Self::axes).
-    #[inline(always)]
-    pub(crate) fn planes(&self) -> [(usize, usize); 3] {
-        [self.planes_across(0), self.planes_across(1), self.planes_across(2)]
-    }
-
-    #[inline(always)]
-    fn planes_across(&self, k: usize) -> (usize, usize) {
-        let (min, negative) = (2 * self.axes[k], self.negative[k] as usize);
-        (min + negative, min + 1 - negative)
-    }
+impl Axis {
+    const CYCLE: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::X, Self::Y];
 }
 
-/// A ray made ready. Vectors are in the order of the course's axes.
+/// What boxes are tested with, in the order x, y, z.
+///
+/// The distance to a near plane of a node is `plane * inverse - near_shift`, to a far one likewise: the shifts are
+/// `inverse` times the origin, moved so that near planes come nearer, and far planes farther, by the nodes' pad.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RaySetup {
-    pub course: Course,
-    pub origin: [f32; 3],
+pub(crate) struct Slabs {
     /// Reciprocals of the direction, with small components raised to [`LEAST_COMPONENT`].
+    pub inverse: [f32; 3],
+    pub near_shift: [f32; 3],
+    pub far_shift: [f32; 3],
+    /// Whether the direction is negative, so that near planes are the upper ones.
+    pub negative: [bool; 3],
+}
+
+impl Slabs {
+    /// Bit `a` says that the direction is negative along axis `a`.
+    #[inline(always)]
+    pub(crate) fn octant(&self) -> u8 {
+        u8::from(self.negative[0]) | u8::from(self.negative[1]) << 1 | u8::from(self.negative[2]) << 2
+    }
+}
+
+/// What triangles are tested with, in the order of `axes`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// The axis along which the ray runs fastest is the last one, and the others so that the shear keeps the winding.
+    pub axes: [Axis; 3],
+    pub origin: [f32; 3],
     pub inverse: [f32; 3],
     /// `d[0] / d[2]` and `d[1] / d[2]`, by way of the reciprocal.
     pub shear: [f32; 2],
-    /// The distance to a near plane of a node is `plane * inverse - near_shift`, to a far one likewise: the shifts are
-    /// `inverse` times the origin, moved so that near planes come nearer, and far planes farther, by the nodes' pad.
-    pub near_shift: [f32; 3],
-    pub far_shift: [f32; 3],
+}
+
+/// A ray made ready.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RaySetup {
+    pub slabs: Slabs,
+    pub line: Line,
 }
 
 impl RaySetup {
     /// The setup of no ray.
     pub(crate) const NOWHERE: Self = Self {
-        course: Course { axes: [0, 1, 2], negative: [false; 3], octant: 0 },
-        origin: [0.0; 3],
-        inverse: [0.0; 3],
-        shear: [0.0; 2],
-        near_shift: [0.0; 3],
-        far_shift: [0.0; 3],
+        slabs: Slabs { inverse: [0.0; 3], near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] },
+        line: Line { axes: [Axis::X; 3], origin: [0.0; 3], inverse: [0.0; 3], shear: [0.0; 2] },
     };
 
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
@@ -83,7 +92,7 @@ impl RaySetup {
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
         let size = ray.direction.abs();
         let largest = size.max_element();
-        let valid = ray.origin.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all()
+        let valid = ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
             && ray.direction.is_finite()
             && (MIN_DIRECTION..=MAX_DIRECTION).contains(&largest)
             && ray.t_min <= ray.t_max
@@ -98,102 +107,41 @@ impl RaySetup {
         } else {
             2
         };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if ray.direction[z] < 0.0 {
-            (x, y) = (y, x);
+        let (d, o) = (ray.direction.to_array(), ray.origin.to_array());
+        let [x, y, z] = [Axis::CYCLE[z + 1], Axis::CYCLE[z + 2], Axis::CYCLE[z]];
+        let axes = if d[z as usize] < 0.0 { [y, x, z] } else { [x, y, z] };
+
+        let inverse = d.map(|d| 1.0 / raise(d, largest * LEAST_COMPONENT));
+        let reach = (scene.min - ray.origin).abs().max((scene.max - ray.origin).abs());
+        let pad = (reach + reach[z as usize]) * NODE_PAD + ray.origin.abs() * NODE_ORIGIN_PAD;
+        let mut slabs = Slabs { inverse, near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] };
+        for axis in 0..3 {
+            let pad = pad[axis].copysign(d[axis]);
+            slabs.near_shift[axis] = (o[axis] + pad) * inverse[axis] + UNDERFLOW_PAD;
+            slabs.far_shift[axis] = (o[axis] - pad) * inverse[axis] - UNDERFLOW_PAD;
+            slabs.negative[axis] = inverse[axis] < 0.0;
         }
-        let axes = [x, y, z];
-        let direction = axes.map(|axis| ray.direction[axis]);
-        let origin = axes.map(|axis| ray.origin[axis]);
-        let inverse = direction.map(|d| 1.0 / raise(d, largest * LEAST_COMPONENT));
-        let reach = axes.map(|axis| {
-            let (lower, upper) = (scene.min[axis] - ray.origin[axis], scene.max[axis] - ray.origin[axis]);
-            lower.abs().max(upper.abs())
-        });
-        let pad: [f32; 3] = core::array::from_fn(|k| {
-            let pad = (reach[k] + reach[2]) * NODE_PAD + origin[k].abs() * NODE_ORIGIN_PAD;
-            pad.copysign(direction[k])
-        });
-        let negative = inverse.map(|inverse| inverse < 0.0);
-        Some(Self {
-            course: Course { axes, negative, octant: (0..3).map(|k| usize::from(negative[k]) << axes[k]).sum() },
-            origin,
-            inverse,
-            shear: [direction[0] * inverse[2], direction[1] * inverse[2]],
-            near_shift: core::array::from_fn(|k| (origin[k] + pad[k]) * inverse[k] + UNDERFLOW_PAD),
-            far_shift: core::array::from_fn(|k| (origin[k] - pad[k]) * inverse[k] - UNDERFLOW_PAD),
-        })
+
+        let [x, y, z] = axes.map(|axis| axis as usize);
+        let line = Line {
+            axes,
+            origin: [o[x], o[y], o[z]],
+            inverse: [inverse[x], inverse[y], inverse[z]],
+            shear: [d[x] * inverse[z], d[y] * inverse[z]],
+        };
+        Some(Self { slabs, line })
+    }
+}
+
+impl RaySetup {
+    /// The part that selects code paths and memory: rays of one packet share it.
+    #[inline(always)]
+    pub(crate) fn course(&self) -> ([Axis; 3], [bool; 3]) {
+        (self.line.axes, self.slabs.negative)
     }
 }
 
 /// `value`, or `least` with its sign if that is larger.
 pub(crate) fn raise(value: f32, least: f32) -> f32 {
     if value.abs() < least { least.copysign(value) } else { value }
-}
-
-#[inline(always)]
-fn splat<const N: usize, L: Lanes<N>>(v: [f32; 3]) -> [L; 3] {
-    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
-}
-
-/// Ray setups in lanes: one ray in all of them, or one in each. Fields as in [`RaySetup`].
-#[derive(Clone, Copy)]
-pub(crate) struct RayLanes<L> {
-    pub negative: [bool; 3],
-    pub origin: [L; 3],
-    pub inverse: [L; 3],
-    pub shear: [L; 2],
-    pub near_shift: [L; 3],
-    pub far_shift: [L; 3],
-}
-
-impl<L> RayLanes<L> {
-    /// The same ray in every lane.
-    #[inline(always)]
-    pub(crate) fn splat<const N: usize>(ray: &RaySetup) -> Self
-    where
-        L: Lanes<N>,
-    {
-        Self {
-            negative: ray.course.negative,
-            origin: splat(ray.origin),
-            inverse: splat(ray.inverse),
-            shear: [L::splat(ray.shear[0]), L::splat(ray.shear[1])],
-            near_shift: splat(ray.near_shift),
-            far_shift: splat(ray.far_shift),
-        }
-    }
-
-    /// A ray a lane; all of them on one course.
-    #[inline(always)]
-    pub(crate) fn gather<const N: usize>(rays: &[RaySetup; N]) -> Self
-    where
-        L: Lanes<N>,
-    {
-        Self {
-            negative: rays[0].course.negative,
-            origin: gather(rays, |ray| ray.origin),
-            inverse: gather(rays, |ray| ray.inverse),
-            shear: gather(rays, |ray| ray.shear),
-            near_shift: gather(rays, |ray| ray.near_shift),
-            far_shift: gather(rays, |ray| ray.far_shift),
-        }
-    }
-}
-
-/// The same part of all rays, turned into lanes.
-#[inline(always)]
-fn gather<const N: usize, const M: usize, L: Lanes<N>>(
-    rays: &[RaySetup; N],
-    part: impl Fn(&RaySetup) -> [f32; M],
-) -> [L; M] {
-    let mut lanes = [L::splat(0.0); M];
-    for (k, lanes) in lanes.iter_mut().enumerate() {
-        let mut values = [0.0; N];
-        for (value, ray) in values.iter_mut().zip(rays) {
-            *value = part(ray)[k];
-        }
-        *lanes = L::load(&values);
-    }
-    lanes
 }

@@ -2,8 +2,36 @@
 //!
 //! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
 
-use super::setup::{LEAST_DETERMINANT, OWN_PAD, RayLanes};
+use super::setup::{LEAST_DETERMINANT, Line, OWN_PAD};
 use crate::simd::{Lanes, Mask, lanes_of};
+
+/// Lines in lanes: one ray's in all of them, or one in each. Fields as in [`Line`].
+#[derive(Clone, Copy)]
+pub(crate) struct LineLanes<L> {
+    pub origin: [L; 3],
+    pub inverse: [L; 3],
+    pub shear: [L; 2],
+}
+
+impl<L> LineLanes<L> {
+    /// The same line in every lane.
+    #[inline(always)]
+    pub(crate) fn splat<const N: usize>(line: &Line) -> Self
+    where
+        L: Lanes<N>,
+    {
+        Self {
+            origin: splat(line.origin),
+            inverse: splat(line.inverse),
+            shear: [L::splat(line.shear[0]), L::splat(line.shear[1])],
+        }
+    }
+}
+
+#[inline(always)]
+fn splat<const N: usize, L: Lanes<N>>(v: [f32; 3]) -> [L; 3] {
+    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+}
 
 /// Where lanes meet their triangles, whatever their `t` intervals: only lanes of `bits` mean anything.
 pub(crate) struct Crossing<L> {
@@ -16,20 +44,16 @@ pub(crate) struct Crossing<L> {
 /// The crossing of rays and triangles; `None` if there is none in any lane. Corners are in the order of the course's
 /// axes; lanes without a triangle hold NaN.
 #[inline(always)]
-pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L; 3]; 3]) -> Option<Crossing<L>> {
+pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[L; 3]; 3]) -> Option<Crossing<L>> {
     let zero = L::splat(0.0);
-    let (a, b, c) = (sub(corners[0], ray.origin), sub(corners[1], ray.origin), sub(corners[2], ray.origin));
-    let ([ax, ay], [bx, by], [cx, cy]) = (shear(a, ray.shear), shear(b, ray.shear), shear(c, ray.shear));
-
-    // Twice the areas opposite the corners: of one sign if the ray passes inside.
-    let u = cx * by - cy * bx;
-    let v = ax * cy - ay * cx;
-    let w = bx * ay - by * ax;
-    let inside = zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero);
-    let mut bits = inside.bits();
+    let [a, b, c] = [sub(corners[0], ray.origin), sub(corners[1], ray.origin), sub(corners[2], ray.origin)];
+    let sheared = [shear(a, ray.shear), shear(b, ray.shear), shear(c, ray.shear)];
+    let [u, v, w] = areas(sheared);
+    let mut bits = of_one_sign([u, v, w]);
     if bits == 0 {
         return None;
     }
+    let [[ax, ay], [bx, by], [cx, cy]] = sheared;
     let sum = u + v + w;
     let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
     let inverse = L::splat(1.0) / sum;
@@ -58,6 +82,27 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, corners: [[L
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
     Some(Crossing { bits, t, u: v, v: w })
+}
+
+/// The lanes whose line passes inside of their triangle's edges, or on one as far as `f32` can tell: where there may be
+/// a [crossing](cross).
+#[inline(always)]
+pub(crate) fn inside<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[L; 3]; 3]) -> u32 {
+    let (a, b, c) = (sub(corners[0], ray.origin), sub(corners[1], ray.origin), sub(corners[2], ray.origin));
+    of_one_sign(areas([shear(a, ray.shear), shear(b, ray.shear), shear(c, ray.shear)]))
+}
+
+/// Twice the areas opposite the corners: edge functions of the origin.
+#[inline(always)]
+fn areas<const N: usize, L: Lanes<N>>([[ax, ay], [bx, by], [cx, cy]]: [[L; 2]; 3]) -> [L; 3] {
+    [cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax]
+}
+
+/// The lanes in which no two of the areas have opposite signs: the origin is inside.
+#[inline(always)]
+fn of_one_sign<const N: usize, L: Lanes<N>>([u, v, w]: [L; 3]) -> u32 {
+    let zero = L::splat(0.0);
+    (zero.le(u.min(v).min(w)) | u.max(v).max(w).le(zero)).bits()
 }
 
 #[inline(always)]
@@ -110,12 +155,12 @@ fn unit<const N: usize, L: Lanes<N>>(x: L) -> L {
 
 /// Where the ray enters and leaves the slab of one axis around three corners, widened by their error.
 #[inline(always)]
-fn interval<const N: usize, L: Lanes<N>>(ray: &RayLanes<L>, axis: usize, [a, b, c]: [L; 3], reach_z: L) -> (L, L) {
+fn interval<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, axis: usize, [a, b, c]: [L; 3], reach_z: L) -> (L, L) {
     let pad = (reach(a, b, c) + reach_z) * L::splat(OWN_PAD);
     let lower = a.min(b).min(c) - pad;
     let upper = a.max(b).max(c) + pad;
-    let (near, far) = if ray.negative[axis] { (upper, lower) } else { (lower, upper) };
-    (near * ray.inverse[axis], far * ray.inverse[axis])
+    let (lower, upper) = (lower * ray.inverse[axis], upper * ray.inverse[axis]);
+    (lower.min(upper), lower.max(upper))
 }
 
 /// Decides `lanes` again where `f32` could not: an edge function is zero, or all are near underflow. Products of `f32`

@@ -137,6 +137,18 @@ impl Cells {
     }
 }
 
+/// The distance, or [`LEAST_DISTANCE`] if it is not more.
+pub(super) fn bound(distance: f32) -> f32 {
+    if distance > LEAST_DISTANCE { distance } else { LEAST_DISTANCE }
+}
+
+/// [`bound`] in lanes.
+#[inline(always)]
+pub(super) fn bound_lanes<L: Lanes<8>>(distance: L) -> L {
+    let least = L::splat(LEAST_DISTANCE);
+    L::select(least.lt(distance), distance, least)
+}
+
 /// Eight cells in lanes.
 #[derive(Clone, Copy)]
 struct CellLanes<L> {
@@ -149,8 +161,7 @@ impl<L: Lanes<8>> CellLanes<L> {
     #[inline(always)]
     fn new(cells: &Cells) -> Self {
         let [red, green, blue, distance] = &cells.0;
-        let (distance, least) = (L::load(distance), L::splat(LEAST_DISTANCE));
-        let distance = L::select(least.lt(distance), distance, least);
+        let distance = bound_lanes(L::load(distance));
         Self { radiance: [L::load(red), L::load(green), L::load(blue)], distance, inverse: L::splat(1.0) / distance }
     }
 

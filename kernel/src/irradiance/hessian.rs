@@ -1,10 +1,11 @@
 //! The translational Hessian of irradiance, and the ellipse in which a record may be used for it.
 //!
-//! Where gradients are used, what they leave out is the error: ½ Δxᵀ H Δx. Integrated over an ellipse with radii R_1
-//! and R_2 along the eigenvectors of H it is at most ε E if
+//! Where gradients are used, what they leave out is the error: ½ Δxᵀ H Δx. With the radii
 //!
 //! (R_1, R_2) = (4 ε E / π)^¼ (|λ_1|^-¼, |λ_2|^-¼)
 //!
+//! along the eigenvectors of H it is ε E if integrated over a circle, and a quarter more over an ellipse twice as long
+//! as it is wide
 //! (Jarosz, Schönefeld, Kobbelt and Jensen, "Theory, analysis and applications of 2D global illumination", 2012;
 //! Schwarzhaupt, Wann Jensen and Jarosz, "Practical Hessian-based error control for irradiance caching", 2012).
 
@@ -54,8 +55,8 @@ impl Hessian {
         if mean >= 0.0 { [upper, lower] } else { [lower, upper] }
     }
 
-    /// The ellipse within which extrapolation by the gradient errs by at most `error` times E, integrated over the
-    /// ellipse; at most twice as long as it is wide. Where H is zero both radii are +∞.
+    /// The ellipse over which extrapolation by the gradient errs by about `error` times E, integrated; at most twice as
+    /// long as it is wide. Where H is zero both radii are +∞, and where E is zero but H is not they are zero.
     ///
     /// As it bounds an integral, `error` is a relative error times an area: it grows with the square of the scene's
     /// scale.

@@ -32,7 +32,7 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::Hessian;
-use super::accumulate::{Above, LEAST_DISTANCE, Samples, sum};
+use super::accumulate::{Above, Samples, bound, bound_lanes, sum};
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
 /// Luminance of linear Rec. 709 radiance.
@@ -94,34 +94,75 @@ struct Points<'a> {
     samples: Samples<'a>,
 }
 
-/// A vertex: where it is, and how bright.
+/// Nine neighbours in a row, the ends of eight edges: x, y and z of their directions, distances and luminances.
 #[derive(Clone, Copy)]
-struct Point {
-    direction: Vec3,
-    inverse: f32,
-    luminance: f32,
+struct Corners([[f32; 9]; 5]);
+
+impl Corners {
+    #[inline(always)]
+    fn set(&mut self, k: usize, direction: Vec3, distance: f32, luminance: f32) {
+        (self.0[0][k], self.0[1][k], self.0[2][k]) = direction.into();
+        (self.0[3][k], self.0[4][k]) = (distance, luminance);
+    }
+
+    /// Sets the first `count` to those of the cells that `cell` numbers.
+    #[inline(always)]
+    fn read(&mut self, points: &Points, count: usize, cell: impl Fn(usize) -> usize) {
+        for k in 0..count.min(9) {
+            let cell = cell(k);
+            let luminance = points.samples.radiance[cell].dot(LUMINANCE);
+            self.set(k, points.directions[cell], points.samples.distance[cell], luminance);
+        }
+    }
+
+    /// All at the zenith, in the mean of the points of a patch's first row.
+    fn zenith(points: &Points, patch: &Patch) -> Self {
+        let row = patch.first..patch.first + patch.columns;
+        let inverses = points.samples.distance[row.clone()].iter().map(|&distance| 1.0 / bound(distance));
+        let luminances = points.samples.radiance[row].iter().map(|radiance| radiance.dot(LUMINANCE));
+        let count = patch.columns as f32;
+        let (distance, luminance) = (count / inverses.sum::<f32>(), luminances.sum::<f32>() / count);
+        let mut corners = Self([[0.0; 9]; 5]);
+        for k in 0..9 {
+            corners.set(k, Vec3::Z, distance, luminance);
+        }
+        corners
+    }
+
+    /// Moves the points along the normal onto the tangent plane.
+    #[inline(always)]
+    fn drop_to_horizon(&mut self) {
+        let [x, y, z, distance, _] = &mut self.0;
+        for k in 0..9 {
+            let sine = libm::sqrtf(x[k] * x[k] + y[k] * y[k]).max(f32::MIN_POSITIVE);
+            (x[k], y[k], z[k]) = (x[k] / sine, y[k] / sine, 0.0);
+            distance[k] *= sine;
+        }
+    }
+
+    /// In lanes: the eight that edges come from, and the eight that they go to.
+    #[inline(always)]
+    fn lanes<L: Lanes<8>>(&self) -> [Vertices<L>; 2] {
+        [self.lanes_from::<0, L>(), self.lanes_from::<1, L>()]
+    }
+
+    #[inline(always)]
+    fn lanes_from<const FIRST: usize, L: Lanes<8>>(&self) -> Vertices<L> {
+        let [x, y, z, distance, luminance] = &self.0;
+        Vertices {
+            direction: [eight::<FIRST, L>(x), eight::<FIRST, L>(y), eight::<FIRST, L>(z)],
+            inverse: L::splat(1.0) / bound_lanes(eight::<FIRST, L>(distance)),
+            luminance: eight::<FIRST, L>(luminance),
+        }
+    }
 }
 
-impl Points<'_> {
-    #[inline(always)]
-    fn cell(&self, cell: usize) -> Point {
-        let distance = self.samples.distance[cell];
-        let distance = if distance > LEAST_DISTANCE { distance } else { LEAST_DISTANCE };
-        let luminance = self.samples.radiance[cell].dot(LUMINANCE);
-        Point { direction: self.directions[cell], inverse: 1.0 / distance, luminance }
-    }
-
-    /// The mean of a ring's points, at the zenith.
-    fn zenith(&self, patch: &Patch) -> Point {
-        let (mut inverse, mut luminance) = (0.0, 0.0);
-        for cell in patch.first..patch.first + patch.columns {
-            let point = self.cell(cell);
-            inverse += point.inverse;
-            luminance += point.luminance;
-        }
-        let count = patch.columns as f32;
-        Point { direction: Vec3::Z, inverse: inverse / count, luminance: luminance / count }
-    }
+/// Eight of nine.
+#[inline(always)]
+fn eight<const FIRST: usize, L: Lanes<8>>(values: &[f32; 9]) -> L {
+    let mut lanes = [0.0; 8];
+    lanes.copy_from_slice(&values[FIRST..FIRST + 8]);
+    L::load(&lanes)
 }
 
 /// Eight vertices.
@@ -132,80 +173,43 @@ struct Vertices<L> {
     luminance: L,
 }
 
-/// Eight vertices of a row and those after each of them.
-#[derive(Clone, Copy)]
-struct Row<L>([Vertices<L>; 2]);
-
-impl<L: Lanes<8>> Row<L> {
-    /// The first `count` lanes from nine points, lane `k` and the one after it.
-    #[inline(always)]
-    fn new(points: &[Point; 9], count: usize) -> Self {
-        let mut rows = [[[0.0; 8]; 5]; 2];
-        for (after, parts) in rows.iter_mut().enumerate() {
-            for lane in 0..count {
-                let Point { direction, inverse, luminance } = points[lane + after];
-                (parts[0][lane], parts[1][lane], parts[2][lane]) = (direction.x, direction.y, direction.z);
-                (parts[3][lane], parts[4][lane]) = (inverse, luminance);
-            }
-        }
-        Self([Vertices::load(&rows[0]), Vertices::load(&rows[1])])
-    }
-}
-
-impl<L: Lanes<8>> Vertices<L> {
-    #[inline(always)]
-    fn load([x, y, z, inverse, luminance]: &[[f32; 8]; 5]) -> Self {
-        Self {
-            direction: [L::load(x), L::load(y), L::load(z)],
-            inverse: L::load(inverse),
-            luminance: L::load(luminance),
-        }
-    }
-}
-
 impl Patch {
     #[inline(always)]
     fn add<L: Lanes<8>>(&self, points: &Points, light: &mut Terms<L>, base: &mut Terms<L>) {
         let quads = if self.band { self.columns } else { self.columns - 1 };
-        let zenith = points.zenith(self);
-        let orientation = L::splat(if self.band { 1.0 } else { -1.0 });
+        let zenith = Corners::zenith(points, self);
         for first in (0..quads).step_by(8) {
             let count = 8.min(quads - first);
-            let mut corners = [zenith; 9];
-            for (k, corner) in corners[..=count].iter_mut().enumerate() {
-                if let Some(cell) = self.above.cell((first + k) % self.columns) {
-                    *corner = points.cell(cell);
-                }
+            // Lanes past the last quad weigh nothing, whatever their corners are.
+            let mut weights = [0.0; 8];
+            weights[..count].fill(if self.band { 1.0 } else { -1.0 });
+            let weights = L::load(&weights);
+            let column = |k: usize| if first + k == self.columns { 0 } else { first + k };
+            let mut corners = zenith;
+            if let Above::Rim(_) = self.above {
+                corners.read(points, count + 1, |k| self.above.cell(column(k)).unwrap_or(0));
             }
-            let mut upper = Row::new(&corners, count);
+            let mut upper = corners.lanes();
             for row in 0..self.rows {
                 let start = self.first + row * self.columns;
-                for (k, corner) in corners[..=count].iter_mut().enumerate() {
-                    let column = if first + k == self.columns { 0 } else { first + k };
-                    *corner = points.cell(start + column);
+                if count == 8 && first + 8 < self.columns {
+                    corners.read(points, 9, |k| start + first + k);
+                } else {
+                    corners.read(points, count + 1, |k| start + column(k));
                 }
-                let lower = Row::new(&corners, count);
+                let lower = corners.lanes();
                 if self.band || row > 0 {
-                    *light = light.add_quads(&upper, &lower, orientation);
+                    *light = light.add_quads(&upper, &lower, weights);
                 }
                 upper = lower;
             }
             if self.band {
-                for corner in &mut corners[..=count] {
-                    *corner = drop_to_horizon(*corner);
-                }
-                *light = light.add_quads(&upper, &Row::new(&corners, count), orientation);
-                *base = base.add(L::splat(1.0), &Terms::edge(&upper.0[0], &upper.0[1]));
+                corners.drop_to_horizon();
+                *light = light.add_quads(&upper, &corners.lanes(), weights);
+                *base = base.add(weights, &Terms::edge(&upper[0], &upper[1]));
             }
         }
     }
-}
-
-/// The point moved along the normal onto the tangent plane.
-fn drop_to_horizon(point: Point) -> Point {
-    let Vec3 { x, y, .. } = point.direction;
-    let sine = libm::sqrtf(x * x + y * y).max(f32::MIN_POSITIVE);
-    Point { direction: Vec3::new(x / sine, y / sine, 0.0), inverse: point.inverse / sine, ..point }
 }
 
 /// Irradiance and Hessian, eight of each: what edges add for unit radiance, or sums of it.
@@ -258,13 +262,13 @@ impl<L: Lanes<8>> Terms<L> {
 
     /// With the triangles of the quads between two rows added: a, d, c and a, c, b, where a and b are above d and c.
     #[inline(always)]
-    fn add_quads(&self, upper: &Row<L>, lower: &Row<L>, orientation: L) -> Self {
-        let (Row([a, b]), Row([d, c])) = (upper, lower);
+    fn add_quads(&self, upper: &[Vertices<L>; 2], lower: &[Vertices<L>; 2], weights: L) -> Self {
+        let ([a, b], [d, c]) = (upper, lower);
         let (plus, minus) = (L::splat(1.0), L::splat(-1.0));
         let diagonal = Self::edge(a, c);
         let first = Self::edge(a, d).add(plus, &Self::edge(d, c)).add(minus, &diagonal);
         let second = diagonal.add(plus, &Self::edge(c, b)).add(plus, &Self::edge(b, a));
-        self.add(orientation * farthest(a, d, c), &first).add(orientation * farthest(a, c, b), &second)
+        self.add(weights * farthest(a, d, c), &first).add(weights * farthest(a, c, b), &second)
     }
 
     /// The sums of the lanes: of the irradiance, and of xx, xy and yy.

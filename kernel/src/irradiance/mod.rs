@@ -13,7 +13,8 @@
 //! 1/R  = 1/π Σ cells (1/r) ∫ cos θ dω                                 harmonic mean distance
 //! ```
 //!
-//! (Ward and Heckbert, "Irradiance gradients", 1992; Castaño, "Irradiance caching", 2011, for the hemicube.) A wall is
+//! (Ward and Heckbert, "Irradiance gradients", 1992; Castaño, "Irradiance caching, part 1", 2011, for the
+//! hemicube.) A wall is
 //! the arc between neighbouring cells A and B, and m the part in the tangent plane of the sphere's unit tangent across
 //! it, from A to B. All of it depends on the layout alone save L and r, so a table has it, computed once.
 //!
@@ -27,12 +28,37 @@
 //!
 //! # Deviations
 //! - Where the depth is continuous, r_max/r_min < 1.5, 1/r_AB is the mean of the two reciprocals, elsewhere that of the
-//!   nearer: the nearer alone, as published, over-estimates gradients beside smooth walls by a quarter.
+//!   nearer. The nearer alone, as published, makes a wall that meets another steeper than it is: ∇_t of a shining
+//!   ceiling between black walls is off by 7% at 20 x 63 cells, else by 4%.
 //! - The hemicube's walls are arcs of great circles, and its cells' integrals are exact for their spherical polygons.
 //!   The published form, of cosines and azimuths of texel centres, is biased and gives a furnace a gradient.
 //!
 //! Distances less than [`LEAST_DISTANCE`], zero and NaN count as it. Every sum has a fixed order, so that results are
 //! equal bit for bit on every instruction set. Nothing here allocates.
+//!
+//! ```
+//! use glam::{Vec2, Vec3};
+//! use halfdome_kernel::irradiance::{Layout, Stratified};
+//! use halfdome_kernel::sampling::{Frame, Strata};
+//!
+//! let strata = Strata::new(10, 32).unwrap();
+//! let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)]).unwrap();
+//! let mut directions = vec![Vec3::ZERO; layout.cells()];
+//! layout.directions(&mut |_cell| Vec2::splat(0.5), &mut directions).unwrap();
+//!
+//! // A floor beside an endless shining wall at x = -1, under a dark sky.
+//! let radiance: Vec<Vec3> = directions.iter().map(|d| if d.x < 0.0 { Vec3::ONE } else { Vec3::ZERO }).collect();
+//! let distance: Vec<f32> = directions.iter().map(|d| if d.x < 0.0 { -1.0 / d.x } else { f32::INFINITY }).collect();
+//! let gather = layout.accumulate(&radiance, &distance).unwrap();
+//! assert!((gather.irradiance.x - std::f32::consts::FRAC_PI_2).abs() < 1e-5);
+//!
+//! // A normal that turns towards the wall sees more of it.
+//! let leaning = Vec3::new(-0.1, 0.0, 1.0).normalize();
+//! let (brighter, clamped) = gather.extrapolate(Vec3::ZERO, Vec3::Z, leaning);
+//! assert!(brighter.x > gather.irradiance.x && !clamped);
+//! # let world = gather.to_world(&Frame::from_normal(Vec3::Y));
+//! # assert_eq!(world.irradiance, gather.irradiance);
+//! ```
 
 mod accumulate;
 mod gather;

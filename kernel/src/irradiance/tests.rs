@@ -1,6 +1,6 @@
 //! The sums in lanes against the reference, on every instruction set.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::*;
 use crate::Level;
@@ -67,4 +67,140 @@ fn hemicube_is_the_reference() {
             close(&gather, &reference::hemicube(size, &radiance, &distance), 2e-6);
         }
     }
+}
+
+#[test]
+fn hessians_are_equal_on_all_instruction_sets() {
+    let strata = Strata::new(10, 31).unwrap();
+    let stratified = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)]).unwrap();
+    let hemicube = Hemicube::new(6, vec![0.0; Hemicube::table_len(6)]).unwrap();
+    let found = |layout: &dyn Layout| {
+        let (radiance, distance) = noise(layout.cells(), true);
+        layout.hessian(&middles(layout), &radiance, &distance).unwrap()
+    };
+    let expected = [found(&stratified), found(&hemicube)];
+    for isa in Level::ALL.into_iter().filter_map(Isa::new) {
+        let (stratified, hemicube) = (stratified.clone().with_isa(isa), hemicube.clone().with_isa(isa));
+        assert_eq!([found(&stratified), found(&hemicube)], expected, "{}", isa.level());
+    }
+}
+
+fn middles(layout: &dyn Layout) -> Vec<Vec3> {
+    let mut directions = vec![Vec3::ZERO; layout.cells()];
+    layout.directions(&mut |_| Vec2::splat(0.5), &mut directions).unwrap();
+    directions
+}
+
+#[test]
+fn texels_have_the_solid_angles_of_the_corner_formula() {
+    // The antiderivative of (x² + y² + 1)^(-3/2) on a face at distance 1.
+    let corner = |x: f64, y: f64| (x * y).atan2((x * x + y * y + 1.0).sqrt());
+    // A cosine at the middle is off by a part that falls with the square of the size.
+    for (n, tolerance) in [(16, 1e-2), (64, 1e-2 / 16.0)] {
+        let hemicube = Hemicube::new(n, vec![0.0; Hemicube::table_len(n)]).unwrap();
+        let directions = middles(&hemicube);
+        let cells = hemicube.cells();
+        // Each cell is lit alone: its E is its ∫ cos θ dω, and about the cosine of its middle times its solid angle.
+        for cell in (0..cells).step_by(7) {
+            let mut radiance = vec![Vec3::ZERO; cells];
+            radiance[cell] = Vec3::ONE;
+            let found = hemicube.accumulate(&radiance, &vec![1.0; cells]).unwrap();
+            let d = directions[cell].as_dvec3();
+            let largest = d.abs().max_element();
+            let mut across = [d.x, d.y, d.z].map(|part| part / largest).to_vec();
+            across.remove([d.x, d.y, d.z].iter().position(|part| part.abs() == largest).unwrap());
+            let (half, [x, y]) = (1.0 / f64::from(n), [across[0], across[1]]);
+            let solid_angle = corner(x + half, y + half) - corner(x - half, y + half) - corner(x + half, y - half)
+                + corner(x - half, y - half);
+            let exact = f64::from(found.irradiance.x);
+            assert!(
+                (exact / (solid_angle * d.z) - 1.0).abs() < tolerance,
+                "{n}: {cell}: {exact} {}",
+                solid_angle * d.z
+            );
+        }
+        let all = hemicube.accumulate(&vec![Vec3::ONE; cells], &vec![2.0; cells]).unwrap();
+        assert!((all.irradiance - core::f32::consts::PI).abs().max_element() < 3e-6);
+        assert!((all.harmonic_mean_distance - 2.0).abs() < 3e-6 && all.minimum_distance == 2.0);
+    }
+}
+
+#[test]
+fn hemicube_directions_lie_in_order() {
+    let hemicube = Hemicube::new(2, vec![0.0; Hemicube::table_len(2)]).unwrap();
+    let on_faces: Vec<Vec3> = middles(&hemicube).iter().map(|d| (d / d.abs().max_element() * 2.0).round()).collect();
+    let expected = [
+        [-1, -1, 2],
+        [1, -1, 2],
+        [-1, 1, 2],
+        [1, 1, 2],
+        [2, -1, 1],
+        [2, 1, 1],
+        [1, 2, 1],
+        [-1, 2, 1],
+        [-2, 1, 1],
+        [-2, -1, 1],
+        [-1, -2, 1],
+        [1, -2, 1],
+    ];
+    assert_eq!(on_faces, expected.map(|d| Vec3::from(d.map(|part| part as f32))));
+}
+
+#[test]
+fn strata_have_their_own_directions() {
+    let strata = Strata::new(3, 8).unwrap();
+    let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)]).unwrap();
+    let mut directions = [Vec3::ZERO; 24];
+    layout.directions(&mut |cell| Stream::new(3, cell as u32, 0).uniform2(0), &mut directions).unwrap();
+    for (cell, direction) in (0..).zip(directions) {
+        assert_eq!(direction, strata.direction(cell / 8, cell % 8, Stream::new(3, cell, 0).uniform2(0)));
+    }
+}
+
+#[test]
+fn distances_without_a_reciprocal_are_bounded() {
+    let strata = Strata::new(4, 12).unwrap();
+    let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)]).unwrap();
+    let (radiance, distance) = noise(48, true);
+    let with = |value: f32| {
+        let mut distance = distance.clone();
+        distance[17] = value;
+        let hessian = layout.hessian(&middles(&layout), &radiance, &distance).unwrap();
+        (layout.accumulate(&radiance, &distance).unwrap(), hessian)
+    };
+    let expected = with(LEAST_DISTANCE);
+    assert_eq!(expected.0.minimum_distance, LEAST_DISTANCE);
+    assert!(expected.0.translational.iter().all(|gradient| gradient.is_finite()) && expected.1.xx.is_finite());
+    for value in [0.0, -0.0, -3.0, 1e-30, f32::NAN] {
+        assert_eq!(with(value), expected, "{value}");
+    }
+    let nowhere = layout.accumulate(&radiance, &[f32::INFINITY; 48]).unwrap();
+    assert_eq!(nowhere.translational, [Vec3::ZERO; 3]);
+    assert_eq!((nowhere.harmonic_mean_distance, nowhere.minimum_distance), (f32::INFINITY, f32::INFINITY));
+}
+
+#[test]
+fn bad_sizes_and_slices_are_refused() {
+    let strata = Strata::new(2, 5).unwrap();
+    let needed = Stratified::table_len(&strata);
+    let mut memory = vec![f32::NAN; needed + 1];
+    assert_eq!(
+        Stratified::new(strata, &mut memory[..needed - 1]).unwrap_err(),
+        LayoutError::Table { needed, given: needed - 1 }
+    );
+    let layout = Stratified::new(strata, &mut memory[..]).unwrap();
+    let length = |slice| LayoutError::Length { cells: 10, slice };
+    assert_eq!(layout.accumulate(&[Vec3::ZERO; 9], &[1.0; 10]), Err(length(9)));
+    assert_eq!(layout.accumulate(&[Vec3::ZERO; 10], &[1.0; 11]), Err(length(11)));
+    assert_eq!(layout.directions(&mut |_| Vec2::ZERO, &mut [Vec3::ZERO; 3]), Err(length(3)));
+    assert_eq!(layout.hessian(&[Vec3::Z; 1], &[Vec3::ZERO; 10], &[1.0; 10]), Err(length(1)));
+    for size in [0, 1, 3, Hemicube::MAX_SIZE + 2, u32::MAX] {
+        assert_eq!(Hemicube::new(size, [0.0; 0]).unwrap_err(), LayoutError::Size { size });
+    }
+    let error = Hemicube::new(2, [0.0; 8]).unwrap_err();
+    assert_eq!(error.to_string(), "the layout's table needs memory for 168 floats, there is some for 8");
+    let error = LayoutError::Size { size: 3 };
+    assert_eq!(error.to_string(), "hemicube of 3 texels a side: must be even, from 2 to 4096");
+    let error = LayoutError::Length { cells: 10, slice: 3 };
+    assert_eq!(error.to_string(), "10 cells need as many elements, the slice has 3");
 }

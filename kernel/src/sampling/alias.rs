@@ -5,6 +5,9 @@
 //! Sanders's sweep ("Parallel weighted random sampling", 2019): two cursors, one over the light and one over the heavy
 //! entries, replace his two work lists, so it needs no memory but the table itself, and the one running remainder is
 //! kept in double precision.
+//!
+//! A weight so small that its share of the total is below the normal floats, 2⁻¹²⁶, counts as 0: so an index is drawn
+//! only if its probability is known to full precision, and no estimate is divided by 0.
 
 use core::fmt;
 
@@ -18,7 +21,7 @@ pub struct AliasEntry {
     pub probability: f32,
     /// The index that it yields otherwise.
     pub alias: u32,
-    /// The probability of this index in the whole table, w_i / W.
+    /// The probability of this index in the whole table, w_i / W: 0 or a normal number.
     pub mass: f32,
 }
 
@@ -56,10 +59,11 @@ impl<S: AsRef<[AliasEntry]> + AsMut<[AliasEntry]>> AliasTable<S> {
 /// Fills the table: each light entry is topped up by the current heavy one, and when that has itself become light the
 /// next heavy entry tops it up.
 fn sweep(weights: &[f32], total: f64, table: &mut [AliasEntry]) {
-    let scale = weights.len() as f64 / total;
-    let scaled = |i: usize| f64::from(weights[i]) * scale;
+    let share = |i: usize| f64::from(weights[i]) / total;
+    let counts = |i: usize| share(i) >= f64::from(f32::MIN_POSITIVE);
+    let scaled = |i: usize| if counts(i) { share(i) * weights.len() as f64 } else { 0.0 };
     for (i, entry) in table.iter_mut().enumerate() {
-        let mass = (f64::from(weights[i]) / total) as f32;
+        let mass = if counts(i) { share(i) as f32 } else { 0.0 };
         *entry = AliasEntry { probability: 1.0, alias: i as u32, mass };
     }
 
@@ -122,12 +126,15 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
     }
 
     /// For `u` in [0, 1): an index, its probability, and what is left of `u`, uniform in [0, 1) again. An index of
-    /// weight 0 is never drawn. Of the 24 bits of `u`, the choice uses up about log₂ n.
+    /// mass 0 is never drawn.
+    ///
+    /// All bits of `u` count. With b of them (53 at most) the probabilities are met to n 2⁻ᵇ of 1/n and what is left
+    /// has about b - log₂ n bits: a single precision number of 24 is too coarse for more than some thousand entries,
+    /// [`unit_double`](super::unit_double) makes one of 48, enough for any table.
     #[inline]
-    pub fn sample(&self, u: f32) -> (usize, f32, f32) {
+    pub fn sample(&self, u: f64) -> (usize, f32, f64) {
         let entries = self.entries();
-        // Exact in double precision, so that the fraction keeps every bit of u.
-        let position = f64::from(u) * entries.len() as f64;
+        let position = u * entries.len() as f64;
         let index = (position as usize).min(entries.len() - 1);
         let fraction = position - index as f64;
         let entry = entries[index];
@@ -137,7 +144,7 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
         } else {
             (entry.alias as usize, (fraction - kept) / (1.0 - kept))
         };
-        (index, entries[index].mass, super::into_unit(rest as f32))
+        (index, entries[index].mass, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0))
     }
 }
 
@@ -203,7 +210,7 @@ impl core::error::Error for AliasError {}
 mod tests {
     use super::*;
     use crate::sampling::statistics::{Checksum, chi_squared};
-    use crate::sampling::{ONE_MINUS_EPSILON, Stream};
+    use crate::sampling::{ONE_MINUS_EPSILON, Stream, unit_double};
 
     fn table(weights: &[f32]) -> AliasTable<Vec<AliasEntry>> {
         AliasTable::build(weights, vec![AliasEntry::default(); weights.len()]).unwrap()
@@ -236,6 +243,8 @@ mod tests {
             vec![4.0, 3.0, 2.0, 1.0],
             vec![f32::MAX; 5],
             vec![f32::MAX, 1.0, f32::MIN_POSITIVE],
+            // Shares just above and below 2⁻¹²⁶, which in the table of three would both round to something.
+            vec![1.0, f32::MIN_POSITIVE, f32::MIN_POSITIVE * 0.75],
             (0..1000).map(|i| if i < 500 { 1.0 } else { 1.001 }).collect(),
             (0..1000).map(|i| if i < 999 { 1.0 } else { 0.0 }).collect(),
         ];
@@ -252,9 +261,10 @@ mod tests {
             for (i, mass) in reconstruct(&table).into_iter().enumerate() {
                 let expected = f64::from(weights[i]) / total;
                 assert!((mass - expected).abs() < 1e-7, "{i} of {}: {mass}, not {expected}", weights.len());
-                // Masses below the floats' range are 0.
-                assert!((f64::from(table.mass(i)) - expected).abs() <= 1e-7 * expected + 1e-45);
-                assert!(weights[i] > 0.0 || mass == 0.0, "{i} has no weight but mass {mass}");
+                // Masses below the range of normal floats are 0.
+                let expected = if expected < f64::from(f32::MIN_POSITIVE) { 0.0 } else { expected };
+                assert!((f64::from(table.mass(i)) - expected).abs() <= 1e-7 * expected);
+                assert_eq!(mass > 0.0, table.mass(i) > 0.0, "{i} is drawn by {mass}, not {}", table.mass(i));
             }
             assert_eq!(AliasTable::from_entries(table.entries()).unwrap().entries(), table.entries());
         }
@@ -267,7 +277,7 @@ mod tests {
             let table = table(&weights);
             let mut counts = vec![0.0; 40];
             for i in 0..50_000 {
-                let (index, mass, _) = table.sample(Stream::new(seed, i, 1).uniform4(0)[0]);
+                let (index, mass, _) = table.sample(Stream::new(seed, i, 1).uniform4(0)[0].into());
                 assert_eq!(mass, table.mass(index));
                 counts[index] += 1.0;
             }
@@ -286,7 +296,7 @@ mod tests {
         let table = table(&[1.0, 2.0, 3.0, 4.0, 0.5]);
         let mut counts = [0.0; 5 * 16];
         for i in 0..40_000 {
-            let (index, _, rest) = table.sample(Stream::new(2, i, 0).uniform4(0)[0]);
+            let (index, _, rest) = table.sample(Stream::new(2, i, 0).uniform4(0)[0].into());
             assert!((0.0..1.0).contains(&rest));
             counts[index * 16 + (rest * 16.0) as usize] += 1.0;
         }
@@ -299,12 +309,31 @@ mod tests {
     fn ends_of_the_interval_are_safe() {
         for weights in cases() {
             let table = table(&weights);
-            for u in [0.0, f32::MIN_POSITIVE, 0.5, ONE_MINUS_EPSILON] {
+            for u in [0.0, f64::MIN_POSITIVE, 0.5, ONE_MINUS_EPSILON.into(), 1.0 - f64::EPSILON / 2.0] {
                 let (index, mass, rest) = table.sample(u);
                 assert!(weights[index] > 0.0 && mass == table.mass(index) && (0.0..1.0).contains(&rest));
             }
         }
         assert_eq!(table(&[3.0]).sample(0.25), (0, 1.0, 0.25));
+    }
+
+    /// Where an entry hands over to its alias in a table of a million, to a millionth of the entry's width.
+    #[test]
+    fn large_tables_are_met_to_a_millionth() {
+        let table = table(&random_weights(5, 1_000_000));
+        let (mut tried, count) = (0, table.entries().len() as f64);
+        for (i, entry) in table.entries().iter().enumerate().step_by(1013) {
+            let kept = f64::from(entry.probability);
+            if !(1e-3..0.999).contains(&kept) {
+                continue;
+            }
+            // On the grid of numbers of 48 bits.
+            let at = |part: f64| ((i as f64 + part) / count * 2f64.powi(48)).round() * 2f64.powi(-48);
+            assert_eq!(table.sample(at(kept - 1e-6)).0, i);
+            assert_eq!(table.sample(at(kept + 1e-6)).0, entry.alias as usize);
+            tried += 1;
+        }
+        assert!(tried > 100, "{tried}");
     }
 
     #[test]
@@ -328,9 +357,9 @@ mod tests {
         let table = table(&random_weights(1, 300));
         let mut sum = Checksum::new();
         for i in 0..10_000 {
-            let (index, mass, rest) = table.sample(Stream::new(3, i, 0).uniform4(0)[0]);
-            sum.add([index as f32, mass, rest]);
+            let (index, mass, rest) = table.sample(unit_double(Stream::new(3, i, 0).uniform2(0)));
+            sum.add([index as f32, mass, rest as f32]);
         }
-        assert_eq!(sum.value(), 0xB44D_C1B6_D15B_C328, "{:#018X}", sum.value());
+        assert_eq!(sum.value(), 0xECDD_82EA_2CFA_45DD, "{:#018X}", sum.value());
     }
 }

@@ -9,7 +9,7 @@
 
 use core::f32::consts::{PI, TAU};
 
-use super::{Lanes, ONE_MINUS_EPSILON};
+use super::ONE_MINUS_EPSILON;
 
 /// What `TAU` lacks of 2π.
 const TAU_LOW: f32 = -1.748_455_5e-7;
@@ -17,7 +17,7 @@ const SIN: [f32; 3] = [-41.341_663, 81.592_545, -75.401_61];
 const COS: [f32; 4] = [-19.739_208, 64.939_37, -85.448_82, 59.424_107];
 
 /// (sin 2πr, cos 2πr) for |r| ≤ 1/8.
-#[inline]
+#[inline(always)]
 pub(super) fn sin_cos_octant(r: f32) -> (f32, f32) {
     let s = r * r;
     let sin = r * TAU + r * (TAU_LOW + s * (SIN[0] + s * (SIN[1] + s * SIN[2])));
@@ -25,20 +25,8 @@ pub(super) fn sin_cos_octant(r: f32) -> (f32, f32) {
     (sin, cos)
 }
 
-/// [`sin_cos_octant`] in lanes.
-#[inline]
-pub(super) fn sin_cos_octant_lanes<L: Lanes>(r: L) -> (L, L) {
-    let [tau, tau_low, one] = [TAU, TAU_LOW, 1.0].map(L::splat);
-    let [s0, s1, s2] = SIN.map(L::splat);
-    let [c0, c1, c2, c3] = COS.map(L::splat);
-    let s = r * r;
-    let sin = r * tau + r * (tau_low + s * (s0 + s * (s1 + s * s2)));
-    let cos = one + s * (c0 + s * (c1 + s * (c2 + s * c3)));
-    (sin, cos)
-}
-
 /// (sin 2πu, cos 2πu) for u in [0, 1), each within 1.6 units in the last place. Multiples of 1/4 are exact.
-#[inline]
+#[inline(always)]
 pub fn sin_cos_turns(u: f32) -> (f32, f32) {
     let lower = u >= 0.5;
     let half = if lower { u - 0.5 } else { u };
@@ -48,22 +36,6 @@ pub fn sin_cos_turns(u: f32) -> (f32, f32) {
     let (sin, cos) = sin_cos_octant(if steep { 0.25 - quarter } else { quarter });
     let (sin, cos) = if steep { (cos, sin) } else { (sin, cos) };
     (if lower { -1.0 } else { 1.0 } * sin, if lower != left { -1.0 } else { 1.0 } * cos)
-}
-
-/// [`sin_cos_turns`] in lanes, equal to it bit for bit.
-#[inline]
-pub fn sin_cos_turns_lanes<L: Lanes>(u: L) -> (L, L) {
-    let [plus, minus, half_turn, quarter_turn, eighth_turn] = [1.0, -1.0, 0.5, 0.25, 0.125].map(L::splat);
-    let upper = half_turn.greater(u);
-    let half = L::select(upper, u, u - half_turn);
-    let left = half.greater(quarter_turn);
-    let quarter = L::select(left, half_turn - half, half);
-    let steep = quarter.greater(eighth_turn);
-    let (sin, cos) = sin_cos_octant_lanes(L::select(steep, quarter_turn - quarter, quarter));
-    let (sin, cos) = (L::select(steep, cos, sin), L::select(steep, sin, cos));
-    let sin_sign = L::select(upper, plus, minus);
-    let cos_sign = sin_sign * L::select(left, minus, plus);
-    (sin_sign * sin, cos_sign * cos)
 }
 
 /// The angle of (x, y) in turns, in [0, 1): the inverse of [`sin_cos_turns`]. The origin is at 0.

@@ -14,7 +14,7 @@ const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
 /// Philox4x32 of `counter` under `key` with `rounds` rounds: a bijection of the counters for every key.
-#[inline]
+#[inline(always)]
 pub fn philox4x32(rounds: u32, counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     let wide_product = |a: u32, b: u32| {
         let product = u64::from(a) * u64::from(b);
@@ -42,7 +42,7 @@ pub(super) enum Purpose {
 }
 
 /// The block of four random words at an address.
-#[inline]
+#[inline(always)]
 pub(super) fn block(seed: u64, pixel: u32, sample: u32, set: u32, purpose: Purpose) -> [u32; 4] {
     philox4x32(ROUNDS, [set, sample, pixel, purpose as u32], [seed as u32, (seed >> 32) as u32])
 }
@@ -58,24 +58,25 @@ pub struct Stream {
 impl Stream {
     /// The stream of sample `sample` of pixel (or texel, or record) `pixel`. Streams with different addresses are
     /// independent.
+    #[inline(always)]
     pub fn new(seed: u64, pixel: u32, sample: u32) -> Self {
         Self { seed, pixel, sample }
     }
 
     /// The four random words of set `set`.
-    #[inline]
+    #[inline(always)]
     pub fn bits4(&self, set: u32) -> [u32; 4] {
         block(self.seed, self.pixel, self.sample, set, Purpose::Numbers)
     }
 
     /// The four numbers of set `set`, each uniform on the multiples of 2⁻²⁴ in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn uniform4(&self, set: u32) -> [f32; 4] {
         self.bits4(set).map(unit_float)
     }
 
     /// The first two numbers of set `set`.
-    #[inline]
+    #[inline(always)]
     pub fn uniform2(&self, set: u32) -> Vec2 {
         let [x, y, ..] = self.uniform4(set);
         Vec2::new(x, y)

@@ -7,7 +7,8 @@
 use glam::Vec2;
 
 use super::rng::{Purpose, block};
-use super::{Stream, nested_uniform_scramble, r2, sobol, unit_float};
+use super::{Address, Stream, fill2, nested_uniform_scramble, r2, sobol, unit_float};
+use crate::simd::Isa;
 
 /// Where the numbers of a [`Sampler`] come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,59 +33,71 @@ pub struct Sampler {
 
 impl Sampler {
     /// The sampler of sample `sample` of pixel (or texel, or record) `pixel`.
+    #[inline(always)]
     pub fn new(pattern: Pattern, seed: u64, pixel: u32, sample: u32) -> Self {
         Self { pattern, seed, pixel, sample }
     }
 
-    /// The first number of set `set`, in [0, 1).
+    /// Which sample of which pixel: what differs between the samplers of a picture.
     #[inline]
+    pub fn address(&self) -> Address {
+        Address { pixel: self.pixel, sample: self.sample }
+    }
+
+    /// Writes [`uniform2`](Self::uniform2) of set `set` for the samplers of other addresses, as [`fill2`] does.
+    #[inline]
+    pub fn fill2(&self, isa: Isa, set: u32, addresses: &[Address], numbers: &mut [Vec2]) {
+        fill2(isa, self.pattern, self.seed, set, addresses, numbers);
+    }
+
+    /// The first number of set `set`, in [0, 1).
+    #[inline(always)]
     pub fn uniform1(&self, set: u32) -> f32 {
         self.uniform2(set).x
     }
 
     /// The first two numbers of set `set`, each in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn uniform2(&self, set: u32) -> Vec2 {
-        let [x, y] = match self.pattern {
-            Pattern::Random => return Stream::new(self.seed, self.pixel, self.sample).uniform2(set),
-            Pattern::Sobol => {
-                let [shuffle, scrambles @ .., _] = self.seeds(set, Purpose::FirstPair);
-                self.sobol_pair(shuffle, 0, scrambles)
-            }
-            Pattern::R2 => self.r2_pair(set, Purpose::FirstPair),
-        };
+        let [x, y, ..] = self.words(set);
         Vec2::new(unit_float(x), unit_float(y))
     }
 
     /// The four numbers of set `set`, each in [0, 1); the first two are those of [`uniform2`](Self::uniform2).
-    #[inline]
+    #[inline(always)]
     pub fn uniform4(&self, set: u32) -> [f32; 4] {
-        let ([x, y], [z, w]) = match self.pattern {
-            Pattern::Random => return Stream::new(self.seed, self.pixel, self.sample).uniform4(set),
-            Pattern::Sobol => {
-                let [shuffle, first @ .., _] = self.seeds(set, Purpose::FirstPair);
-                let [_, second @ .., _] = self.seeds(set, Purpose::SecondPair);
-                (self.sobol_pair(shuffle, 0, first), self.sobol_pair(shuffle, 2, second))
-            }
-            Pattern::R2 => (self.r2_pair(set, Purpose::FirstPair), self.r2_pair(set, Purpose::SecondPair)),
-        };
-        [x, y, z, w].map(unit_float)
+        let [x, y, z, w] = self.words(set);
+        [unit_float(x), unit_float(y), unit_float(z), unit_float(w)]
+    }
+
+    /// The four numbers as 32-bit fractions. What is not used of them costs nothing once this is inlined.
+    #[inline(always)]
+    fn words(&self, set: u32) -> [u32; 4] {
+        if self.pattern == Pattern::Random {
+            return Stream::new(self.seed, self.pixel, self.sample).bits4(set);
+        }
+        let [shuffle, s, t, _] = self.seeds(set, Purpose::FirstPair);
+        let [second_shuffle, p, q, _] = self.seeds(set, Purpose::SecondPair);
+        let index = nested_uniform_scramble(self.sample, shuffle);
+        if self.pattern == Pattern::Sobol {
+            let [x, y, z, w] = sobol(index);
+            [
+                nested_uniform_scramble(x, s),
+                nested_uniform_scramble(y, t),
+                nested_uniform_scramble(z, p),
+                nested_uniform_scramble(w, q),
+            ]
+        } else {
+            let [x, y] = r2(index, [s, t]);
+            let [z, w] = r2(nested_uniform_scramble(self.sample, second_shuffle), [p, q]);
+            [x, y, z, w]
+        }
     }
 
     /// The random words that a set's scramble depends on: equal for all samples of the pixel.
+    #[inline(always)]
     fn seeds(&self, set: u32, purpose: Purpose) -> [u32; 4] {
         block(self.seed, self.pixel, 0, set, purpose)
-    }
-
-    #[inline]
-    fn sobol_pair(&self, shuffle: u32, dimension: usize, scrambles: [u32; 2]) -> [u32; 2] {
-        let index = nested_uniform_scramble(self.sample, shuffle);
-        [0, 1].map(|i| nested_uniform_scramble(sobol(index, dimension + i), scrambles[i]))
-    }
-
-    fn r2_pair(&self, set: u32, purpose: Purpose) -> [u32; 2] {
-        let [shuffle, rotation @ .., _] = self.seeds(set, purpose);
-        r2(nested_uniform_scramble(self.sample, shuffle), rotation)
     }
 }
 

@@ -51,39 +51,35 @@ const fn directions(initial: [u32; 3], degree: usize, inner: u32) -> [u32; 32] {
     v
 }
 
-/// Coordinate `dimension` of point `index` of the Sobol' sequence as a 32-bit fraction. A dimension past
-/// [`DIMENSIONS`] reads as the last one.
-#[inline]
-pub fn sobol(index: u32, dimension: usize) -> u32 {
+/// Point `index` of the Sobol' sequence, its coordinates as 32-bit fractions.
+#[inline(always)]
+pub fn sobol(index: u32) -> [u32; DIMENSIONS] {
     // The first two dimensions without a loop: the radical inverse, and the same of the index times Pascal's triangle
     // modulo 2, which is a Kronecker power of ((1, 1), (0, 1)).
-    if dimension == 0 {
-        return index.reverse_bits();
-    }
-    if dimension == 1 {
-        let mut x = index;
-        x ^= x >> 1 & 0x5555_5555;
-        x ^= x >> 2 & 0x3333_3333;
-        x ^= x >> 4 & 0x0f0f_0f0f;
-        x ^= x >> 8 & 0x00ff_00ff;
-        x ^= x >> 16;
-        return x.reverse_bits();
-    }
-    let directions = &DIRECTIONS[dimension.min(DIMENSIONS - 1)];
-    let (mut rest, mut point) = (index, 0);
-    for &direction in directions {
-        if rest == 0 {
-            break;
-        }
+    let mut x = index;
+    x ^= x >> 1 & 0x5555_5555;
+    x ^= x >> 2 & 0x3333_3333;
+    x ^= x >> 4 & 0x0f0f_0f0f;
+    x ^= x >> 8 & 0x00ff_00ff;
+    x ^= x >> 16;
+    [index.reverse_bits(), x.reverse_bits(), product(&DIRECTIONS[2], index), product(&DIRECTIONS[3], index)]
+}
+
+/// The exclusive or of those `directions` whose bit of `index` is set: a product of a matrix and a vector modulo 2.
+#[inline(always)]
+fn product(directions: &[u32; 32], index: u32) -> u32 {
+    let mut point = 0;
+    let mut bit = 0;
+    while bit < 32 {
         // All ones where the bit is set: bits of an index are hard to predict.
-        point ^= direction & (rest & 1).wrapping_neg();
-        rest >>= 1;
+        point ^= directions[bit] & (index >> bit & 1).wrapping_neg();
+        bit += 1;
     }
     point
 }
 
 /// A permutation of words where each bit depends on itself and lower bits alone (Laine and Karras's property).
-#[inline]
+#[inline(always)]
 fn owen_hash(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
     x = x.wrapping_add(seed);
@@ -94,14 +90,14 @@ fn owen_hash(mut x: u32, seed: u32) -> u32 {
 
 /// Owen's nested uniform scramble of a 32-bit fraction: each half of each dyadic interval is swapped with the other or
 /// not, as `seed` decides. Of an index it is a shuffle that maps every aligned block of 2^k indices to such a block.
-#[inline]
+#[inline(always)]
 pub fn nested_uniform_scramble(x: u32, seed: u32) -> u32 {
     owen_hash(x.reverse_bits(), seed).reverse_bits()
 }
 
 /// Point `index` of the R2 sequence as 32-bit fractions, turned about the torus by `rotation` (Cranley and Patterson,
 /// 1976).
-#[inline]
+#[inline(always)]
 pub fn r2(index: u32, rotation: [u32; 2]) -> [u32; 2] {
     // 1/g and 1/g² in units of 2⁻³², so that the arithmetic of words is the one modulo 1.
     const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414];
@@ -119,9 +115,15 @@ mod tests {
             for dimension in [0, 1] {
                 let set = (0..32).filter(|bit| index >> bit & 1 == 1);
                 let point = set.fold(0, |point, bit| point ^ DIRECTIONS[dimension][bit]);
-                assert_eq!(sobol(index, dimension), point);
+                assert_eq!(sobol(index)[dimension], point);
             }
         }
+    }
+
+    /// The first two dimensions of a point.
+    fn pair(index: u32) -> [u32; 2] {
+        let [x, y, ..] = sobol(index);
+        [x, y]
     }
 
     /// Whether the points (x, y) put exactly one into each elementary interval of area 2^-bits.
@@ -151,7 +153,7 @@ mod tests {
             [1, 5, 3, 1],
         ];
         for (i, point) in (0u32..).zip(listed) {
-            assert_eq!([0, 1, 2, 3].map(|d| sobol(i ^ (i / 2), d) >> 29), point, "point {i}");
+            assert_eq!(sobol(i ^ (i / 2)).map(|x| x >> 29), point, "point {i}");
         }
     }
 
@@ -170,7 +172,7 @@ mod tests {
         for bits in 0..=10 {
             for block in [0, 1, 5] {
                 let indices = block << bits..(block + 1) << bits;
-                let points: Vec<_> = indices.map(|i| [sobol(i, 0), sobol(i, 1)]).collect();
+                let points: Vec<_> = indices.map(pair).collect();
                 assert!(is_net(&points, bits), "2^{bits} points, block {block}");
             }
         }
@@ -180,7 +182,7 @@ mod tests {
     #[test]
     fn every_dimension_is_stratified() {
         for dimension in 0..DIMENSIONS {
-            let mut strata: Vec<_> = (0..1024).map(|i| sobol(i, dimension) >> 22).collect();
+            let mut strata: Vec<_> = (0..1024).map(|i| sobol(i)[dimension] >> 22).collect();
             strata.sort_unstable();
             assert!(strata.into_iter().eq(0..1024), "dimension {dimension}");
         }
@@ -192,7 +194,10 @@ mod tests {
             let [s, t] = [seed.wrapping_mul(0x9E37_79B9), !seed.wrapping_mul(0x85EB_CA6B)];
             for bits in [1, 4, 7, 10] {
                 let points: Vec<_> = (0..1 << bits)
-                    .map(|i| [nested_uniform_scramble(sobol(i, 0), s), nested_uniform_scramble(sobol(i, 1), t)])
+                    .map(|i| {
+                        let [x, y] = pair(i);
+                        [nested_uniform_scramble(x, s), nested_uniform_scramble(y, t)]
+                    })
                     .collect();
                 assert!(is_net(&points, bits), "seed {seed}, 2^{bits} points");
             }

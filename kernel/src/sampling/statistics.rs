@@ -1,4 +1,16 @@
-//! What the tests of the samplers share: the χ² test, quadrature, and a checksum of bits.
+//! What the tests of the samplers share: the χ² test, quadrature, a checksum of bits, and the instruction sets.
+
+use crate::simd::Isa;
+#[cfg(feature = "std")]
+use crate::simd::Level;
+
+/// Every instruction set of this machine.
+pub(super) fn isas() -> Vec<Isa> {
+    #[cfg(feature = "std")]
+    return Level::ALL.into_iter().filter_map(Isa::new).collect();
+    #[cfg(not(feature = "std"))]
+    return vec![Isa::PORTABLE];
+}
 
 /// The z-score of a χ² test of `counts` against `expected`, by Wilson and Hilferty's cube-root approximation: standard
 /// normal if the counts follow the expectation. Cells are pooled until each expects at least 10; a cell that expects

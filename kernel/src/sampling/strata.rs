@@ -9,8 +9,8 @@ use core::fmt;
 
 use glam::{Vec2, Vec3};
 
-use super::into_unit;
 use super::warp::{CosineHemisphere, Warp};
+use super::{into_unit, sqrt};
 
 /// A grid of M × N cells on the cosine-weighted hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl Strata {
     /// The grid of about `count` cells that are as wide as they are high: M = √(count/π), N = πM, each rounded.
     pub fn near(count: u32) -> Self {
         let limit = |x: f32| (libm::roundf(x) as u32).clamp(1, Self::MAX);
-        let rings = limit(libm::sqrtf(count as f32 / PI));
+        let rings = limit(sqrt(count as f32 / PI));
         Self { rings, sectors: limit(PI * rings as f32) }
     }
 
@@ -61,7 +61,7 @@ impl Strata {
 
     /// sin θ at the lower border of ring `ring`, √(j/M): 0 for ring 0, and 1 for ring M and beyond.
     pub fn border_sin(&self, ring: u32) -> f32 {
-        libm::sqrtf(ring.min(self.rings) as f32 / self.rings as f32)
+        sqrt(ring.min(self.rings) as f32 / self.rings as f32)
     }
 
     /// Δφ = 2π/N, in radians.
@@ -70,11 +70,32 @@ impl Strata {
     }
 
     /// The direction at `u` in [0, 1)² of cell (`ring`, `sector`), above the horizon whatever the rounding.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self, ring: u32, sector: u32, u: Vec2) -> Vec3 {
         let elevation = into_unit((ring as f32 + u.x) / self.rings as f32);
         let azimuth = into_unit((sector as f32 + u.y) / self.sectors as f32);
         CosineHemisphere.map(Vec2::new(elevation, azimuth))
+    }
+
+    /// The density of the directions of all cells together, one in each or a cell at random: cos θ / π, per steradian.
+    /// A single cell's is that of [`cell`](Self::cell).
+    #[inline]
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        CosineHemisphere.pdf(direction)
+    }
+
+    /// The ring and the sector of the cell in which a direction above the horizon is, and the `u` in [0, 1)² at which:
+    /// the inverse of [`direction`](Self::direction).
+    pub fn inverse(&self, direction: Vec3) -> (u32, u32, Vec2) {
+        let u = CosineHemisphere.inverse(direction);
+        let (ring, x) = split(u.x * self.rings as f32, self.rings);
+        let (sector, y) = split(u.y * self.sectors as f32, self.sectors);
+        (ring, sector, Vec2::new(x, y))
+    }
+
+    /// Cell (`ring`, `sector`) as a warp of its own; `None` if there is no such cell.
+    pub fn cell(&self, ring: u32, sector: u32) -> Option<Stratum> {
+        (ring < self.rings && sector < self.sectors).then_some(Stratum { strata: *self, ring, sector })
     }
 
     /// Writes a direction of every cell to `out`, in the order of their indices; `jitter(ring, sector)` says where in
@@ -93,6 +114,54 @@ impl Strata {
             }
         }
         Ok(())
+    }
+}
+
+/// The whole part and the fraction of a place in [0, `count`], kept below its end.
+fn split(place: f32, count: u32) -> (u32, f32) {
+    let whole = (place as u32).min(count - 1);
+    (whole, into_unit(place - whole as f32))
+}
+
+/// One cell of the hemisphere, with density MN cos θ / π inside of it (measure: solid angle).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stratum {
+    strata: Strata,
+    ring: u32,
+    sector: u32,
+}
+
+impl Stratum {
+    /// Where a direction is in terms of the cell, which is the unit square.
+    fn place(&self, direction: Vec3) -> Vec2 {
+        let Strata { rings, sectors } = self.strata;
+        let u = CosineHemisphere.inverse(direction);
+        // By the shortest way around: the first sector's border may come back from a hair before a whole turn.
+        let mut turn = u.y - (self.sector as f32 + 0.5) / sectors as f32;
+        turn -= libm::roundf(turn);
+        Vec2::new(u.x * rings as f32 - self.ring as f32, turn * sectors as f32 + 0.5)
+    }
+}
+
+impl Warp for Stratum {
+    type Point = Vec3;
+
+    #[inline(always)]
+    fn map(&self, u: Vec2) -> Vec3 {
+        self.strata.direction(self.ring, self.sector, u)
+    }
+
+    /// The border has a tolerance for rounding.
+    fn pdf(&self, direction: Vec3) -> f32 {
+        let Strata { rings, sectors } = self.strata;
+        let tolerance = 4.0 * f32::EPSILON * Vec2::new(rings as f32, sectors as f32);
+        let beyond = (self.place(direction) - 0.5).abs() - 0.5;
+        if beyond.cmple(tolerance).all() { self.strata.cells() as f32 * CosineHemisphere.pdf(direction) } else { 0.0 }
+    }
+
+    fn inverse(&self, direction: Vec3) -> Vec2 {
+        let Vec2 { x, y } = self.place(direction);
+        Vec2::new(into_unit(x), into_unit(y))
     }
 }
 
@@ -130,6 +199,8 @@ impl core::error::Error for StrataError {}
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::sampling::statistics::Checksum;
     use crate::sampling::{ONE_MINUS_EPSILON, Stream};
@@ -152,6 +223,11 @@ mod tests {
             assert!((sin_squared * 10.0 - (j + u.x)).abs() < 4e-6, "cell {i}: {d}");
             assert!((turn * 31.0 - (k + u.y)).abs() < 8e-6, "cell {i}: {d}");
             assert!((d.length() - 1.0).abs() < 2e-7);
+            let (ring, sector, place) = strata.inverse(d.as_vec3());
+            // A direction beside a border may come back from the next cell.
+            let back = DVec2::new(f64::from(ring) + f64::from(place.x), f64::from(sector) + f64::from(place.y));
+            assert!((back - DVec2::new(j, k) - u).abs().max_element() < 1e-5, "cell {i}: back at {back}");
+            assert!((0.0..1.0).contains(&place.x) && (0.0..1.0).contains(&place.y));
         }
     }
 
@@ -185,6 +261,24 @@ mod tests {
         assert_eq!(Strata::near(310), Strata::new(10, 31).unwrap());
         assert_eq!(Strata::near(0), Strata::new(1, 3).unwrap());
         assert_eq!(Strata::near(u32::MAX).rings(), Strata::MAX);
+    }
+
+    #[test]
+    fn cells_share_the_hemisphere() {
+        let strata = Strata::new(3, 5).unwrap();
+        let cells: Vec<_> = (0..15).map(|i| strata.cell(i / 5, i % 5).unwrap()).collect();
+        for i in 0..5000 {
+            let direction = CosineHemisphere.map(Stream::new(4, i, 0).uniform2(0));
+            let (ring, sector, _) = strata.inverse(direction);
+            let density = 15.0 * strata.pdf(direction);
+            let inside: Vec<_> = (0..15).filter(|&j| cells[j].pdf(direction) > 0.0).collect();
+            // On a border it is in the tolerance of both cells.
+            assert!(inside.contains(&((5 * ring + sector) as usize)) && inside.len() <= 4);
+            assert!(inside.iter().all(|&j| cells[j].pdf(direction) == density));
+            let shares: f64 = inside.iter().map(|&j| f64::from(cells[j].pdf(direction))).sum::<f64>() / 15.0;
+            assert!(inside.len() > 1 || (shares - f64::from(strata.pdf(direction))).abs() < 1e-6);
+        }
+        assert_eq!([strata.cell(3, 0), strata.cell(0, 5)], [None; 2]);
     }
 
     #[test]

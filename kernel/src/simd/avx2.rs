@@ -20,6 +20,17 @@ impl Simd for Avx2 {
     fn prefetch<const BYTES: usize>(start: *const u8) {
         prefetch::<BYTES>(start);
     }
+
+    #[inline(always)]
+    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+        // SAFETY: AVX2 is there, see the module; the pointer is to eight elements.
+        unsafe {
+            let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET_BITS[bits as usize & 255] as i64));
+            let lanes = _mm256_add_epi32(lanes, _mm256_set1_epi32(base as i32));
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), lanes);
+        }
+        (bits & 255).count_ones() as usize
+    }
 }
 
 /// Fetches the cache lines at an address.

@@ -21,6 +21,16 @@ impl Simd for Avx512 {
     fn prefetch<const BYTES: usize>(start: *const u8) {
         avx2::prefetch::<BYTES>(start);
     }
+
+    #[inline(always)]
+    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+        // SAFETY: AVX-512 VL is there, see the module; the pointer is to eight elements.
+        unsafe {
+            let lanes = _mm256_add_epi32(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_set1_epi32(base as i32));
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(bits as __mmask8, lanes));
+        }
+        (bits & 255).count_ones() as usize
+    }
 }
 
 /// Eight lanes: those of AVX2, but for what masks are.

@@ -34,6 +34,10 @@ pub(crate) trait Simd: Copy {
 
     /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
     fn prefetch<const BYTES: usize>(start: *const u8);
+
+    /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
+    /// them is of no meaning.
+    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
 }
 
 /// `N` numbers that are computed with together.

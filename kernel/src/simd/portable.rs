@@ -17,6 +17,16 @@ impl Simd for Portable {
         #[cfg(not(target_arch = "x86_64"))]
         let _ = start;
     }
+
+    #[inline(always)]
+    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+        let mut count = 0;
+        for lane in 0..8 {
+            out[count & 7] = base + lane;
+            count += (bits >> lane & 1) as usize;
+        }
+        count
+    }
 }
 
 macro_rules! portable {

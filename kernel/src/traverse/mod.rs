@@ -9,7 +9,9 @@
 //! Nothing here allocates or panics.
 
 mod flight;
+mod flock;
 mod packet;
+mod pending;
 pub mod reference;
 mod stack;
 #[cfg(test)]
@@ -131,6 +133,14 @@ impl<const ANY: bool, F: FnMut(usize, Option<Hit>)> Work for Many<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        flight::trace_many::<ANY, S>(self.tree, self.rays, self.land);
+        // A flock takes 150 KB of stack, which microcontrollers do not have, and time to gather.
+        if cfg!(target_os = "none") || self.rays.len() < flock::FLOCK {
+            let mut land = self.land;
+            for (number, ray) in self.rays.iter().enumerate() {
+                land(number, flight::trace::<ANY, S>(self.tree, ray));
+            }
+        } else {
+            flock::trace::<ANY, S>(self.tree, self.rays, self.land);
+        }
     }
 }

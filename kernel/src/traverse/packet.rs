@@ -7,8 +7,8 @@
 use super::flight;
 use super::stack::Stack;
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup::{Course, RayLanes, RaySetup};
-use crate::geometry::triangle;
+use crate::geometry::setup::{Axis, RaySetup};
+use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, HitPacket, RayPacket};
 use crate::simd::{Lanes, Mask, Simd, Work, dispatch, lanes_of};
 
@@ -74,19 +74,15 @@ fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     let Some(first) = setups.iter().flatten().next().copied() else {
         return;
     };
-    if setups.iter().flatten().any(|setup| setup.course != first.course) {
+    if setups.iter().flatten().any(|setup| setup.course() != first.course()) {
         for lane in lanes_of(live) {
             let ray = packet.ray(lane);
             hits.set(lane, flight::trace::<ANY, S>(tree, &ray).unwrap_or(Hit::MISS));
         }
         return;
     }
-    let traversal = Traversal {
-        course: first.course,
-        // Idle lanes compute something; nobody looks at it.
-        rays: RayLanes::<L>::gather(&setups.map(|setup| setup.unwrap_or(first))),
-        t_min: L::load(&packet.t_min),
-    };
+    // Idle lanes compute something; nobody looks at it.
+    let traversal = Traversal::<L>::new(&setups.map(|setup| setup.unwrap_or(first)), &packet.t_min);
     let mut best: [Hit; N] = core::array::from_fn(|lane| Hit::none_before(packet.t_max[lane]));
     let mut stack = Stack::new(Entry { child: 0, rays: 0, near: 0.0 });
     let mut next = Some(Entry { child: 0, rays: live, near: f32::NEG_INFINITY });
@@ -131,25 +127,51 @@ fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     }
 }
 
-/// What stays the same while a packet is traced.
+/// What stays the same while a packet is traced: a ray a lane, all on one course.
 struct Traversal<L> {
-    course: Course,
-    rays: RayLanes<L>,
+    axes: [Axis; 3],
+    negative: [bool; 3],
+    inverse: [L; 3],
+    near_shift: [L; 3],
+    far_shift: [L; 3],
+    lines: LineLanes<L>,
     t_min: L,
 }
 
 impl<L: Copy> Traversal<L> {
+    #[inline(always)]
+    fn new<const N: usize>(rays: &[RaySetup; N], t_min: &[f32; N]) -> Self
+    where
+        L: Lanes<N>,
+    {
+        Self {
+            axes: rays[0].line.axes,
+            negative: rays[0].slabs.negative,
+            inverse: gather(rays, |ray| ray.slabs.inverse),
+            near_shift: gather(rays, |ray| ray.slabs.near_shift),
+            far_shift: gather(rays, |ray| ray.slabs.far_shift),
+            lines: LineLanes {
+                origin: gather(rays, |ray| ray.line.origin),
+                inverse: gather(rays, |ray| ray.line.inverse),
+                shear: gather(rays, |ray| ray.line.shear),
+            },
+            t_min: L::load(t_min),
+        }
+    }
+
     /// The rays that meet the box in `slot` within their intervals, and where.
     #[inline(always)]
     fn enter<const N: usize>(&self, node: &Node, slot: usize, t_max: L) -> (u32, [f32; N])
     where
         L: Lanes<N>,
     {
-        let (ray, planes) = (&self.rays, self.course.planes());
         let (mut enter, mut leave) = (self.t_min, t_max);
-        for (k, (near, far)) in planes.into_iter().enumerate() {
-            enter = enter.max(L::splat(node.planes[near][slot]).mul_sub(ray.inverse[k], ray.near_shift[k]));
-            leave = leave.min(L::splat(node.planes[far][slot]).mul_sub(ray.inverse[k], ray.far_shift[k]));
+        for axis in 0..3 {
+            let negative = self.negative[axis];
+            let near = L::splat(node.planes[axis][usize::from(negative)][slot]);
+            let far = L::splat(node.planes[axis][usize::from(!negative)][slot]);
+            enter = enter.max(near.mul_sub(self.inverse[axis], self.near_shift[axis]));
+            leave = leave.min(far.mul_sub(self.inverse[axis], self.far_shift[axis]));
         }
         (enter.le(leave).bits(), enter.store())
     }
@@ -160,7 +182,7 @@ impl<L: Copy> Traversal<L> {
     where
         L: Lanes<N>,
     {
-        let [x, y, z] = self.course.axes;
+        let [x, y, z] = self.axes.map(|axis| axis as usize);
         let axes = &block.corners[corner];
         [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
     }
@@ -174,7 +196,7 @@ impl<L: Copy> Traversal<L> {
         for (triangle, &prim_id) in block.prim_id.iter().enumerate().filter(|&(_, &id)| id != Hit::NO_PRIM) {
             let corners =
                 [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
-            let Some(crossing) = triangle::cross(&self.rays, corners) else {
+            let Some(crossing) = triangle::cross(&self.lines, corners) else {
                 continue;
             };
             let within = self.t_min.le(crossing.t).bits() & crossing.bits & rays;
@@ -190,4 +212,21 @@ impl<L: Copy> Traversal<L> {
             }
         }
     }
+}
+
+/// The same part of all rays, turned into lanes.
+#[inline(always)]
+fn gather<const N: usize, const M: usize, L: Lanes<N>>(
+    rays: &[RaySetup; N],
+    part: impl Fn(&RaySetup) -> [f32; M],
+) -> [L; M] {
+    let mut lanes = [L::splat(0.0); M];
+    for (k, lanes) in lanes.iter_mut().enumerate() {
+        let mut values = [0.0; N];
+        for (value, ray) in values.iter_mut().zip(rays) {
+            *value = part(ray)[k];
+        }
+        *lanes = L::load(&values);
+    }
+    lanes
 }

@@ -59,7 +59,7 @@ fn walk(tree: &BvhView, ray: &Ray, any: bool) -> (Visits, Option<Hit>) {
                 let node = &tree.nodes()[index as usize];
                 // From the farthest child to the nearest, which is then on top.
                 for place in 0..WIDTH {
-                    let slot = (node.order[setup.course.octant] >> (3 * place) & 7) as usize;
+                    let slot = (node.order[usize::from(setup.slabs.octant())] >> (3 * place) & 7) as usize;
                     if let Some(near) = entry(&node.aabb(slot), ray, &tree.bounds()) {
                         stack[height] = (node.children[slot], near);
                         height += 1;

@@ -10,6 +10,7 @@ use super::CORNELL;
 use super::cache::CacheCommand;
 use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
+use super::validate::ValidateArguments;
 use crate::driver::MAX_BLOCK;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
@@ -21,6 +22,7 @@ Exit codes:
   1  bad input or usage, found before the render
   2  the system failed, for example while the picture was written
   3  interrupted (Ctrl-C, SIGTERM); the picture so far is written
+  5  an experiment of `halfdome validate` failed
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
 const EXAMPLES: &str = "\
@@ -40,6 +42,13 @@ Examples:
 Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
 one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
 its front and 20 above, from where all of it is in the picture.";
+
+const VALIDATE_EXAMPLES: &str = "\
+Examples:
+  halfdome validate                       all experiments, in a minute or two
+  halfdome validate furnace lights-sky    a family, and a single experiment
+  halfdome validate --plots figures       with figures (SVG) and their points (CSV)
+  halfdome validate --quick --json        for programs; one line has name, quantity, measured, expected, tolerance, pass";
 
 /// Renders scenes with global illumination
 ///
@@ -67,6 +76,9 @@ pub(super) enum Command {
     /// Build, inspect, merge and draw irradiance caches
     #[command(subcommand, after_help = EXIT_CODES)]
     Cache(CacheCommand),
+    /// Render scenes whose answer is known exactly, and compare
+    #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Validate(ValidateArguments),
 }
 
 #[derive(Args, Clone, Debug)]

@@ -11,6 +11,7 @@ mod preview;
 mod progress;
 mod render;
 mod summary;
+mod validate;
 
 use std::io::{ErrorKind, IsTerminal};
 use std::path::Path;
@@ -36,6 +37,8 @@ const EXIT_INPUT: u8 = 1;
 const EXIT_SYSTEM: u8 = 2;
 /// Interrupted, with a valid partial picture.
 const EXIT_INTERRUPTED: u8 = 3;
+/// An experiment failed.
+const EXIT_FAILED: u8 = 5;
 
 /// The built-in scene's name in place of a path.
 const CORNELL: &str = "cornell";
@@ -59,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
         Command::Cache(command) => (cache::run(&command), Mode::Auto),
+        Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
         error.print(mode);

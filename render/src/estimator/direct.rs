@@ -40,7 +40,7 @@ pub(crate) fn connect(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    choice: f32,
+    choice: f64,
     u: Vec2,
 ) -> Option<Connection> {
     let (source, probability) = world.lights.choose(choice)?;
@@ -51,7 +51,7 @@ pub(crate) fn connect(
 }
 
 /// Samples a light other than the sky, where bounces find none of them: its samples count in full.
-pub(crate) fn connect_lamp(world: &World, surface: &Surface, choice: f32, u: Vec2) -> Option<Connection> {
+pub(crate) fn connect_lamp(world: &World, surface: &Surface, choice: f64, u: Vec2) -> Option<Connection> {
     let (source, probability, rarer) = world.lights.choose_lamp(choice)?;
     let light = sample_light(world, surface, source, probability, u)?;
     let (reflected, _) = surface.evaluate(light.direction);

@@ -5,9 +5,9 @@
 //! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
 //! large batches.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified};
-use halfdome_kernel::sampling::{Frame, Pattern, Sampler, Strata};
+use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use halfdome_kernel::{Hit, Ray};
 
 use super::horizon::Horizon;
@@ -65,6 +65,9 @@ struct Batch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
+    addresses: Vec<Address>,
+    /// Where in its cell each direction is.
+    jitter: Vec<Vec2>,
     radiance: Vec<Vec3>,
     distance: Vec<f32>,
 }
@@ -108,6 +111,13 @@ impl Gatherer {
     }
 }
 
+/// A key as the pixel of a sampler: the finalizer of SplitMix64 (Steele, Lea and Flood 2014), its upper half.
+fn address(key: u64) -> u32 {
+    let mixed = (key ^ key >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (mixed >> 32) as u32
+}
+
 impl Batch {
     /// Traces the rays of `points` and finds their radiance.
     fn trace(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
@@ -115,20 +125,28 @@ impl Batch {
         self.directions.resize(points.len() * cells, Vec3::Z);
         self.rays.clear();
         self.samplers.clear();
-        for (point, directions) in points.iter().zip(self.directions.chunks_exact_mut(cells)) {
-            let seed = gatherer.seed ^ (point.key >> 32 << 32);
-            let sampler = |cell: usize| Sampler::new(Pattern::Sobol, seed, point.key as u32, cell as u32);
-            let mut jitter = |cell: usize| sampler(cell).uniform2(JITTER_SET);
-            gatherer.layout.directions(&mut jitter, directions).expect("a direction for each cell");
+        for point in points {
+            let pixel = address(point.key);
+            let sampler = |cell| Sampler::new(Pattern::Sobol, gatherer.seed, pixel, cell);
+            self.samplers.extend((0..cells as u32).map(sampler));
+        }
+        self.addresses.clear();
+        self.addresses.extend(self.samplers.iter().map(Sampler::address));
+        self.jitter.resize(self.samplers.len(), Vec2::ZERO);
+        if let Some(sampler) = self.samplers.first() {
+            sampler.fill2(world.tree().isa(), JITTER_SET, &self.addresses, &mut self.jitter);
+        }
+        let parts = self.directions.chunks_exact_mut(cells).zip(self.jitter.chunks_exact(cells));
+        for (point, (directions, jitter)) in points.iter().zip(parts) {
+            gatherer.layout.directions(&mut |cell| jitter[cell], directions).expect("a direction for each cell");
             let (frame, normal) = (point.surface.frame(), point.surface.normal);
             let origin = point.surface.origin_towards(normal);
-            for (cell, &local) in directions.iter().enumerate() {
+            for &local in directions.iter() {
                 let direction = frame.to_world(local);
                 let ray = Ray::new(origin, direction);
                 // A shading normal may send rays through the surface. They hit nothing, and see no sky either.
                 let t_max = if normal.dot(direction) > 0.0 { f32::INFINITY } else { -1.0 };
                 self.rays.push(Ray { t_max, ..ray });
-                self.samplers.push(sampler(cell));
             }
         }
         self.hits.resize(self.rays.len(), Hit::MISS);

@@ -6,16 +6,14 @@
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::unit_double;
 
 use super::path::{emission, sky};
 use super::wavefront::Path;
-use super::{CameraRays, FIRST_SET, Wavefront};
+use super::{CameraRays, Wavefront};
 use crate::estimator::connect;
 use crate::settings::{DirectOptions, LightSampling};
 use crate::world::World;
-
-/// Sets of random numbers that a surface uses: which light, where on it, and what a mirror or a pane does.
-const SETS_PER_SURFACE: u32 = 3;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 pub(super) fn radiance(
@@ -30,7 +28,7 @@ pub(super) fn radiance(
     wave.start(camera);
     let mut traced = 0;
     for depth in 1..=options.max_depth {
-        wave.advance(|path, ray, hit, connections| {
+        wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
             let Path { index, throughput, .. } = path;
             if !hit.is_hit() {
                 radiance[index] += throughput * sky(world, LIGHTS, &path);
@@ -40,13 +38,11 @@ pub(super) fn radiance(
             radiance[index] += throughput * emission(world, LIGHTS, &path, &surface, ray, hit.t);
 
             let surface = surface.facing(ray.direction);
-            let sampler = &camera.samplers[index];
-            let set = FIRST_SET + (depth - 1) * SETS_PER_SURFACE;
-            let choice = sampler.uniform1(set);
-            if let Some(connection) = connect(world, &surface, LIGHTS, choice, sampler.uniform2(set + 1)) {
+            let choice = unit_double(first);
+            if let Some(connection) = connect(world, &surface, LIGHTS, choice, on_light) {
                 connections.push(index, throughput, connection);
             }
-            let bounce = surface.sample(ray.direction, sampler.uniform2(set + 2))?;
+            let bounce = surface.sample(ray.direction, onwards)?;
             if bounce.density != f32::INFINITY {
                 return None;
             }

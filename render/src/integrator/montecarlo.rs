@@ -10,7 +10,7 @@
 //! own that is no bounce.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::sampling::{Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
 use super::path::{emission, sky, survive};
@@ -133,7 +133,8 @@ impl Gather<'_> {
 
         let surface = surface.facing(ray.direction);
         let set = node.first_set();
-        let Vec2 { x: choice, y: chance } = sampler.uniform2(set);
+        let first = sampler.uniform2(set);
+        let (choice, chance) = (unit_double(first), first.y);
         if let Some(connection) = connect(world, &surface, LIGHTS, choice, sampler.uniform2(set.wrapping_add(1))) {
             children.connections.push(path.index, path.throughput, connection);
         }

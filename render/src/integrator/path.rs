@@ -10,7 +10,7 @@
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::sampling::unit_double;
 use halfdome_kernel::{Hit, Ray};
 
 use super::wavefront::{Connections, Path};
@@ -18,9 +18,6 @@ use super::{CameraRays, Wavefront};
 use crate::estimator::{connect, emitted_density, sky_density};
 use crate::settings::{LightSampling, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
-
-/// Sets of random numbers that a bounce uses: which light and whether to go on, where on the light, the next direction.
-const SETS_PER_BOUNCE: u32 = 3;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 ///
@@ -37,9 +34,9 @@ pub(super) fn radiance(
     wave.start(camera);
     let mut traced = 0;
     for depth in 1..=options.max_depth {
-        let bounce = Step { world, options, depth, set: camera.first_set + (depth - 1) * SETS_PER_BOUNCE };
-        wave.advance(|path, ray, hit, connections| {
-            bounce.take(path, ray, hit, &camera.samplers[path.index], connections, &mut radiance[path.index])
+        let bounce = Step { world, options, depth };
+        wave.advance(world, camera, depth, |path, ray, hit, numbers, connections| {
+            bounce.take(path, ray, hit, numbers, connections, &mut radiance[path.index])
         });
         watch(wave);
         traced += wave.connect(world, radiance);
@@ -56,8 +53,6 @@ struct Step<'a> {
     world: &'a World,
     options: &'a PathOptions,
     depth: u32,
-    /// The first set of random numbers that is this surface's.
-    set: u32,
 }
 
 impl Step<'_> {
@@ -68,11 +63,11 @@ impl Step<'_> {
         path: Path,
         ray: &Ray,
         hit: &Hit,
-        sampler: &Sampler,
+        [first, on_light, onwards]: [Vec2; 3],
         connections: &mut Connections,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
-        let Self { world, options: PathOptions { max_depth, lights, .. }, depth, set } = *self;
+        let Self { world, options: PathOptions { max_depth, lights, .. }, depth } = *self;
         if !hit.is_hit() {
             *radiance += path.throughput * sky(world, *lights, &path);
             return None;
@@ -84,7 +79,9 @@ impl Step<'_> {
         }
 
         let surface = surface.facing(ray.direction);
-        let Vec2 { x: choice, y: chance } = sampler.uniform2(set);
+        // The choice takes its last bits from the chance of going on: as neither enters the other's term of the sum, that
+        // makes no bias.
+        let (choice, chance) = (unit_double(first), first.y);
         let reflected = path.throughput * surface.material.reflectance();
         if let Stop::Threshold { cutoff, add_back } = self.options.stop
             && reflected.max_element() < cutoff
@@ -94,14 +91,14 @@ impl Step<'_> {
             }
             return None;
         }
-        if let Some(connection) = connect(world, &surface, *lights, choice, sampler.uniform2(set + 1)) {
+        if let Some(connection) = connect(world, &surface, *lights, choice, on_light) {
             connections.push(path.index, path.throughput, connection);
         }
         let survival = self.survival(reflected);
         if chance >= survival {
             return None;
         }
-        let bounce = surface.sample(ray.direction, sampler.uniform2(set + 2))?;
+        let bounce = surface.sample(ray.direction, onwards)?;
         let next = Path {
             index: path.index,
             throughput: path.throughput * bounce.weight / survival,

@@ -1,6 +1,7 @@
 //! All paths of a batch, side by side, and the shadow rays that they wait for.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::CameraRays;
@@ -26,8 +27,14 @@ pub(crate) struct Wavefront {
     paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     hits: Vec<Hit>,
+    addresses: Vec<Address>,
+    numbers: [Vec<Vec2>; SETS_PER_SURFACE as usize],
     pub(super) connections: Connections,
 }
+
+/// Sets of random numbers that a path uses at a surface: which light and whether to go on, where on the light, and the
+/// next direction.
+pub(super) const SETS_PER_SURFACE: u32 = 3;
 
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
@@ -53,22 +60,43 @@ impl Wavefront {
         self.rays.extend_from_slice(camera.rays);
         self.hits.clear();
         self.hits.extend_from_slice(camera.hits);
+        self.addresses.clear();
+        self.addresses.extend(camera.samplers.iter().map(Sampler::address));
     }
 
-    /// Lets `step` take each path from its hit to its next ray, or end it.
+    /// Draws the numbers that all paths use at their next surface, from set `first_set` on.
+    fn draw(&mut self, world: &World, camera: &CameraRays, first_set: u32) {
+        let Some(sampler) = camera.samplers.first() else { return };
+        for (set, numbers) in (first_set..).zip(&mut self.numbers) {
+            numbers.resize(self.addresses.len(), Vec2::ZERO);
+            sampler.fill2(world.tree().isa(), set, &self.addresses, numbers);
+        }
+    }
+
+    /// Lets `step` take each path from its hit number `depth` to its next ray, or end it.
     #[inline]
-    pub(super) fn advance(&mut self, mut step: impl FnMut(Path, &Ray, &Hit, &mut Connections) -> Option<(Path, Ray)>) {
+    pub(super) fn advance(
+        &mut self,
+        world: &World,
+        camera: &CameraRays,
+        depth: u32,
+        mut step: impl FnMut(Path, &Ray, &Hit, [Vec2; SETS_PER_SURFACE as usize], &mut Connections) -> Option<(Path, Ray)>,
+    ) {
+        self.draw(world, camera, camera.first_set + (depth - 1) * SETS_PER_SURFACE);
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let next = step(self.paths[i], &self.rays[i], &self.hits[i], &mut self.connections);
+            let [first, second, third] = &self.numbers;
+            let numbers = [first[i], second[i], third[i]];
+            let next = step(self.paths[i], &self.rays[i], &self.hits[i], numbers, &mut self.connections);
             if let Some((path, ray)) = next {
-                (self.paths[kept], self.rays[kept]) = (path, ray);
+                (self.paths[kept], self.rays[kept], self.addresses[kept]) = (path, ray, self.addresses[i]);
                 kept += 1;
             }
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
         self.hits.truncate(kept);
+        self.addresses.truncate(kept);
     }
 
     /// Adds the light whose shadow rays are free; gives their number.

@@ -8,7 +8,7 @@ mod points;
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
@@ -133,7 +133,7 @@ impl Batch {
         self.rays.clear();
         self.values.clear();
         for sampler in &self.samplers {
-            if let Some(light) = connect_lamp(world, surface, sampler.uniform1(0), sampler.uniform2(1)) {
+            if let Some(light) = connect_lamp(world, surface, unit_double(sampler.uniform2(0)), sampler.uniform2(1)) {
                 self.rays.push(light.shadow);
                 self.values.push(light.radiance * PI);
             }

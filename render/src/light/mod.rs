@@ -102,15 +102,15 @@ impl Lights {
         Self { sources, table, lamps, area_density, sky_probability, mean_radiance }
     }
 
-    /// Chooses a light by a number in [0, 1): the light, and its probability.
-    pub(crate) fn choose(&self, u: f32) -> Option<(&Source, f32)> {
+    /// Chooses a light by a number in [0, 1), of double precision as there may be millions: the light, and its probability.
+    pub(crate) fn choose(&self, u: f64) -> Option<(&Source, f32)> {
         let (index, probability, _) = self.table.as_ref()?.sample(u);
         Some((&self.sources[index], probability))
     }
 
     /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which [`choose`](Self::choose)
     /// gives it, and by how much less often that is than here.
-    pub(crate) fn choose_lamp(&self, u: f32) -> Option<(&Source, f32, f32)> {
+    pub(crate) fn choose_lamp(&self, u: f64) -> Option<(&Source, f32, f32)> {
         if self.sky_probability == 0.0 {
             return self.choose(u).map(|(source, probability)| (source, probability, 1.0));
         }

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the picture so far is written, and the exit code tells.
+//! Ctrl-C and SIGTERM: what is done so far is written, and the exit code tells.
 #![cfg(unix)]
 
 use std::io::{BufRead as _, BufReader};
@@ -54,4 +54,19 @@ fn signals_end_a_render_with_the_picture_so_far() {
         assert!(red.iter().all(|value| value.is_finite() && *value >= 0.0));
         assert!(red.iter().filter(|value| **value > 0.0).count() > 40 * 30 / 2);
     }
+}
+
+#[test]
+fn signals_end_experiments_after_those_that_are_done() {
+    let desk = Desk::new();
+    let mut run = Run(desk.program().command(&["validate", "--json", "furnace"]).spawn().unwrap());
+    let mut lines = Vec::new();
+    for line in BufReader::new(run.0.stdout.take().unwrap()).lines() {
+        lines.push(serde_json::from_str::<Value>(&line.unwrap()).unwrap());
+        if lines.len() == 1 {
+            assert!(Command::new("kill").args(["-INT", &run.0.id().to_string()]).status().unwrap().success());
+        }
+    }
+    assert_eq!(run.0.wait().unwrap().code(), Some(3));
+    assert!(lines[0]["name"] == "furnace-sphere" && lines.iter().all(|line| line["pass"] == true), "{lines:?}");
 }

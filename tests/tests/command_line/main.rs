@@ -6,6 +6,7 @@ mod interruption;
 mod model;
 mod output;
 mod talk;
+mod validate;
 
 use halfdome_tests::program::{Outcome, Program};
 use tempfile::TempDir;

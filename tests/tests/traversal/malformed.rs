@@ -127,7 +127,7 @@ fn many_flipped_bits_at_once() {
 fn planes_of_any_bits() {
     let (refused, traced) = fuzz(3000, |nodes, _, random| {
         let node = random.below(nodes.len());
-        nodes[node].planes[random.below(6)][random.below(WIDTH)] = f32::from_bits(random.bits());
+        nodes[node].planes[random.below(3)][random.below(2)][random.below(WIDTH)] = f32::from_bits(random.bits());
     });
     assert!(refused > 1000 && traced > 100, "{refused} {traced}");
 }
@@ -143,7 +143,7 @@ fn boxes_of_empty_slots() {
     for plane in 0..6 {
         for value in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.0, 1e30, -1e30] {
             let mut nodes = bvh.view().nodes().to_vec();
-            nodes[0].planes[plane][7] = value;
+            nodes[0].planes[plane / 2][plane % 2][7] = value;
             if let Ok(tree) = BvhView::new(&nodes, bvh.view().blocks()) {
                 check_accepted(&tree, &rays);
             }

@@ -1,10 +1,12 @@
 //! Directions of the hemisphere z > 0. Measure: solid angle.
 //!
-//! Each polar map has azimuth 2πu_y and an elevation that inverts its distribution:
+//! The direct (polar) maps have azimuth 2πu_y and an elevation that inverts its distribution:
 //!
 //! - uniform, p = 1/2π: cos θ = 1 - u_x;
 //! - cosine, p = cos θ / π: sin θ = √u_x;
 //! - power cosine, p = (n + 1)/2π cosⁿ θ: cos θ = (1 - u_x)^(1/(n + 1)).
+//!
+//! The concentric ones go by the disc instead: Malley's to the cosine, Shirley and Chiu's to the uniform hemisphere.
 //!
 //! No direction lies on the horizon, where densities vanish: cos θ is at least 2⁻¹² for the cosine, and about 2⁻²⁴ for
 //! the others.
@@ -13,30 +15,30 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::{ConcentricDisc, Warp, WarpLanes};
-use crate::sampling::{Lanes, into_unit, sin_cos_turns, sin_cos_turns_lanes, turns};
+use super::{ConcentricDisc, Warp};
+use crate::sampling::{into_unit, sin_cos_turns, sqrt, turns};
 
-/// The least 1 - sin² θ of the cosine maps.
-const LEAST_COS_SQUARED: f32 = f32::EPSILON / 2.0;
+/// The least 1 - r² of a point of the disc: rounding may carry its border to 1 and past it.
+const LEAST: f32 = f32::EPSILON / 2.0;
 
-/// Directions with equal density 1/2π.
+/// Directions with equal density 1/2π, directly by inverting its distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UniformHemisphere;
 
 impl Warp for UniformHemisphere {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         // 1 - (1 - u)² = u (2 - u) loses nothing near the pole.
-        let sin_theta = libm::sqrtf(u.x * (2.0 - u.x));
+        let sin_theta = sqrt(u.x * (2.0 - u.x));
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
         Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, 1.0 - u.x)
     }
 
     #[inline]
     fn pdf(&self, direction: Vec3) -> f32 {
-        if direction.z > 0.0 { 1.0 / TAU } else { 0.0 }
+        uniform_pdf(direction)
     }
 
     fn inverse(&self, direction: Vec3) -> Vec2 {
@@ -46,28 +48,19 @@ impl Warp for UniformHemisphere {
     }
 }
 
-impl WarpLanes for UniformHemisphere {
-    #[inline]
-    fn map_lanes<L: Lanes>(&self, [ux, uy]: [L; 2]) -> [L; 3] {
-        let sin_theta = (ux * (L::splat(2.0) - ux)).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns_lanes(uy);
-        [sin_theta * cos_phi, sin_theta * sin_phi, L::splat(1.0) - ux]
-    }
-}
-
-/// Directions with density cos θ / π, by the polar map. It keeps rings of elevation and sectors of azimuth, so strata
-/// of u are strata of the hemisphere.
+/// Directions with density cos θ / π, directly by inverting its distribution. It keeps rings of elevation and sectors
+/// of azimuth, so strata of u are strata of the hemisphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CosineHemisphere;
 
 impl Warp for CosineHemisphere {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
-        let sin_theta = libm::sqrtf(u.x);
+        let sin_theta = sqrt(u.x);
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
-        Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, libm::sqrtf(1.0 - u.x))
+        Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, sqrt(1.0 - u.x))
     }
 
     #[inline]
@@ -80,27 +73,19 @@ impl Warp for CosineHemisphere {
     }
 }
 
-impl WarpLanes for CosineHemisphere {
-    #[inline]
-    fn map_lanes<L: Lanes>(&self, [ux, uy]: [L; 2]) -> [L; 3] {
-        let sin_theta = ux.sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns_lanes(uy);
-        [sin_theta * cos_phi, sin_theta * sin_phi, (L::splat(1.0) - ux).sqrt()]
-    }
-}
-
-/// Directions with density cos θ / π by Malley's method: points of the concentric disc, raised to the hemisphere. It
-/// is continuous and stretches little, so it keeps the distances of low-discrepancy points better than the polar map.
+/// Directions with density cos θ / π by Malley's method: points of the unit disc, here the concentric one, projected up
+/// to the hemisphere. It is continuous and stretches little, so it keeps the distances of low-discrepancy points better
+/// than the polar map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ConcentricCosineHemisphere;
+pub struct MalleyHemisphere;
 
-impl Warp for ConcentricCosineHemisphere {
+impl Warp for MalleyHemisphere {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         let disc = ConcentricDisc.map(u);
-        disc.extend(libm::sqrtf((1.0 - disc.length_squared()).max(LEAST_COS_SQUARED)))
+        disc.extend(sqrt(at_least(1.0 - disc.length_squared(), LEAST)))
     }
 
     #[inline]
@@ -113,14 +98,39 @@ impl Warp for ConcentricCosineHemisphere {
     }
 }
 
-impl WarpLanes for ConcentricCosineHemisphere {
-    #[inline]
-    fn map_lanes<L: Lanes>(&self, u: [L; 2]) -> [L; 3] {
-        let [x, y] = ConcentricDisc.map_lanes(u);
-        let least = L::splat(LEAST_COS_SQUARED);
-        let cos_squared = L::splat(1.0) - (x * x + y * y);
-        [x, y, L::select(cos_squared.greater(least), cos_squared, least).sqrt()]
+/// Directions with equal density 1/2π by the concentric map: Shirley and Chiu's disc (1997) lifted to the hemisphere by
+/// z = 1 - r², (x, y) √(2 - r²), which keeps areas. Continuous and of low distortion, as [`MalleyHemisphere`] is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ConcentricHemisphere;
+
+impl Warp for ConcentricHemisphere {
+    type Point = Vec3;
+
+    #[inline(always)]
+    fn map(&self, u: Vec2) -> Vec3 {
+        let disc = ConcentricDisc.map(u);
+        let z = at_least(1.0 - disc.length_squared(), LEAST);
+        (disc * sqrt(1.0 + z)).extend(z)
     }
+
+    #[inline]
+    fn pdf(&self, direction: Vec3) -> f32 {
+        uniform_pdf(direction)
+    }
+
+    fn inverse(&self, direction: Vec3) -> Vec2 {
+        ConcentricDisc.inverse(direction.truncate() / sqrt(1.0 + direction.z))
+    }
+}
+
+/// The larger of two numbers by one comparison, which vectorises everywhere.
+#[inline(always)]
+fn at_least(x: f32, least: f32) -> f32 {
+    if x > least { x } else { least }
+}
+
+fn uniform_pdf(direction: Vec3) -> f32 {
+    if direction.z > 0.0 { 1.0 / TAU } else { 0.0 }
 }
 
 fn cosine_pdf(direction: Vec3) -> f32 {
@@ -138,14 +148,14 @@ impl PowerCosineHemisphere {
     /// (sin θ, cos θ) for u_x. Logarithms keep sin θ exact where a high power crowds all directions about the pole.
     fn elevation(&self, ux: f32) -> (f32, f32) {
         let log_cos = libm::log1pf(-ux) / (self.exponent + 1.0);
-        (libm::sqrtf(-libm::expm1f(2.0 * log_cos)), libm::expf(log_cos))
+        (sqrt(-libm::expm1f(2.0 * log_cos)), libm::expf(log_cos))
     }
 }
 
 impl Warp for PowerCosineHemisphere {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         let (sin_theta, cos_theta) = self.elevation(u.x);
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
@@ -166,16 +176,5 @@ impl Warp for PowerCosineHemisphere {
         };
         let ux = -libm::expm1f((self.exponent + 1.0) * log_cos);
         Vec2::new(into_unit(ux), turns(direction.y, direction.x))
-    }
-}
-
-impl WarpLanes for PowerCosineHemisphere {
-    /// The logarithm and exponentials are taken lane by lane.
-    #[inline]
-    fn map_lanes<L: Lanes>(&self, [ux, uy]: [L; 2]) -> [L; 3] {
-        let log_cos = ux.each(|ux| libm::log1pf(-ux)) / L::splat(self.exponent + 1.0);
-        let sin_theta = log_cos.each(|log_cos| -libm::expm1f(2.0 * log_cos)).sqrt();
-        let (sin_phi, cos_phi) = sin_cos_turns_lanes(uy);
-        [sin_theta * cos_phi, sin_theta * sin_phi, log_cos.each(libm::expf)]
     }
 }

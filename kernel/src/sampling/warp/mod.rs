@@ -3,16 +3,21 @@
 //! Directions are unit vectors about z, and their densities are per steradian. For every warp and every u in [0, 1)²,
 //! `pdf(map(u)) > 0` and `inverse(map(u))` is u up to rounding (save where the map itself is singular, as an azimuth
 //! at the pole); the integral of `pdf` over the domain is 1.
+//!
+//! [`map`](Warp::map) is the reference, one point at a time; [`map_many`](Warp::map_many) is the same in lanes.
 
 mod hemisphere;
 mod shapes;
 #[cfg(test)]
 mod tests;
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
-use super::Lanes;
-pub use hemisphere::{ConcentricCosineHemisphere, CosineHemisphere, PowerCosineHemisphere, UniformHemisphere};
+use super::batch::{Function, apply_many};
+use crate::simd::Isa;
+pub use hemisphere::{
+    ConcentricHemisphere, CosineHemisphere, MalleyHemisphere, PowerCosineHemisphere, UniformHemisphere,
+};
 pub use shapes::{ConcentricDisc, Cone, PolarDisc, Triangle, UniformSphere};
 
 /// A map from the unit square to the points of a domain.
@@ -28,10 +33,25 @@ pub trait Warp {
 
     /// The `u` in [0, 1)² that `map` carries to a point of the domain.
     fn inverse(&self, point: Self::Point) -> Vec2;
+
+    /// [`map`](Self::map) of each `u`, with the instructions of `isa`: quicker, and equal bit for bit. Of slices of
+    /// unequal length the ends are left alone.
+    fn map_many(&self, isa: Isa, u: &[Vec2], points: &mut [Self::Point])
+    where
+        Self: Sized,
+    {
+        apply_many(isa, Map(self), u, points);
+    }
 }
 
-/// A warp to directions that has a version in lanes, equal to [`Warp::map`] bit for bit.
-pub trait WarpLanes: Warp<Point = Vec3> {
-    /// The directions' x, y and z for the two coordinates of `u`, each in [0, 1).
-    fn map_lanes<L: Lanes>(&self, u: [L; 2]) -> [L; 3];
+/// A warp's map as a function of one element.
+struct Map<'a, W>(&'a W);
+
+impl<W: Warp> Function for Map<'_, W> {
+    type Input = Vec2;
+    type Output = W::Point;
+    #[inline(always)]
+    fn apply(&self, u: Vec2) -> W::Point {
+        self.0.map(u)
+    }
 }

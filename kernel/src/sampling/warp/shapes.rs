@@ -5,8 +5,8 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::Warp;
-use crate::sampling::circle::{octants, sin_cos_octant, sin_cos_octant_lanes};
-use crate::sampling::{Lanes, into_unit, sin_cos_turns, turns};
+use crate::sampling::circle::{octants, sin_cos_octant};
+use crate::sampling::{into_unit, sin_cos_turns, sqrt, turns};
 
 /// Points of the unit disc with equal density 1/π (measure: area), by r = √u_x, φ = 2πu_y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,10 +15,10 @@ pub struct PolarDisc;
 impl Warp for PolarDisc {
     type Point = Vec2;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec2 {
         let (sin, cos) = sin_cos_turns(u.y);
-        libm::sqrtf(u.x) * Vec2::new(cos, sin)
+        sqrt(u.x) * Vec2::new(cos, sin)
     }
 
     #[inline]
@@ -40,17 +40,15 @@ pub struct ConcentricDisc;
 impl Warp for ConcentricDisc {
     type Point = Vec2;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec2 {
         let Vec2 { x: a, y: b } = 2.0 * u - Vec2::ONE;
-        if a.abs() > b.abs() {
-            let (sin, cos) = sin_cos_octant(0.125 * (b / a));
-            Vec2::new(a * cos, a * sin)
-        } else {
-            // The centre is 0/0.
-            let (sin, cos) = sin_cos_octant(if b.abs() > 0.0 { 0.125 * (a / b) } else { 0.0 });
-            Vec2::new(b * sin, b * cos)
-        }
+        let flat = a.abs() > b.abs();
+        let (radius, other) = if flat { (a, b) } else { (b, a) };
+        // The centre is 0/0.
+        let (sin, cos) = sin_cos_octant(if radius != 0.0 { 0.125 * (other / radius) } else { 0.0 });
+        let (along, across) = (radius * cos, radius * sin);
+        if flat { Vec2::new(along, across) } else { Vec2::new(across, along) }
     }
 
     #[inline]
@@ -59,7 +57,7 @@ impl Warp for ConcentricDisc {
     }
 
     fn inverse(&self, point: Vec2) -> Vec2 {
-        let radius = libm::sqrtf(point.length_squared());
+        let radius = sqrt(point.length_squared());
         let square = if point.x.abs() > point.y.abs() {
             let a = radius.copysign(point.x);
             Vec2::new(a, a * octants(point.y, point.x))
@@ -70,21 +68,6 @@ impl Warp for ConcentricDisc {
             Vec2::ZERO
         };
         Vec2::new(into_unit(0.5 * (square.x + 1.0)), into_unit(0.5 * (square.y + 1.0)))
-    }
-}
-
-impl ConcentricDisc {
-    /// [`map`](Warp::map) in lanes, equal to it bit for bit.
-    #[inline]
-    pub fn map_lanes<L: Lanes>(&self, u: [L; 2]) -> [L; 2] {
-        let [zero, one, two, eighth] = [0.0, 1.0, 2.0, 0.125].map(L::splat);
-        let [a, b] = u.map(|u| two * u - one);
-        let flat = a.abs().greater(b.abs());
-        let (radius, other) = (L::select(flat, a, b), L::select(flat, b, a));
-        let turns = L::select(radius.abs().greater(zero), eighth * (other / radius), zero);
-        let (sin, cos) = sin_cos_octant_lanes(turns);
-        let (along, across) = (radius * cos, radius * sin);
-        [L::select(flat, along, across), L::select(flat, across, along)]
     }
 }
 
@@ -100,9 +83,9 @@ pub struct UniformSphere;
 impl Warp for UniformSphere {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
-        let sin_theta = 2.0 * libm::sqrtf(u.x * (1.0 - u.x));
+        let sin_theta = 2.0 * sqrt(u.x * (1.0 - u.x));
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
         Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, 1.0 - 2.0 * u.x)
     }
@@ -137,7 +120,7 @@ impl Cone {
     /// seen under r²/d². Others are clamped to that range.
     pub fn from_sin_squared(sin_squared: f32) -> Self {
         let sin_squared = sin_squared.clamp(1e-18, 1.0);
-        Self { height: sin_squared / (1.0 + libm::sqrtf(1.0 - sin_squared)) }
+        Self { height: sin_squared / (1.0 + sqrt(1.0 - sin_squared)) }
     }
 
     /// 1 - cos θ_max, in (0, 2].
@@ -154,10 +137,10 @@ impl Cone {
 impl Warp for Cone {
     type Point = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         let height = u.x * self.height;
-        let sin_theta = libm::sqrtf(height * (2.0 - height));
+        let sin_theta = sqrt(height * (2.0 - height));
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
         Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, 1.0 - height)
     }
@@ -189,7 +172,7 @@ pub struct Triangle;
 impl Warp for Triangle {
     type Point = Vec2;
 
-    #[inline]
+    #[inline(always)]
     fn map(&self, u: Vec2) -> Vec2 {
         if u.y > u.x { Vec2::new(0.5 * u.x, u.y - 0.5 * u.x) } else { Vec2::new(u.x - 0.5 * u.y, 0.5 * u.y) }
     }

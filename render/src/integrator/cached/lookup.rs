@@ -3,20 +3,18 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
 use super::super::path::emission;
-use super::super::wavefront::Path;
+use super::super::wavefront::{Path, SETS_PER_SURFACE};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::connect_lamp;
 use crate::settings::LightSampling;
 use crate::world::World;
 
-/// Sets of random numbers that a surface uses: which light, where on it, and the direction of a mirror or of a miss.
-const SETS_PER_SURFACE: u32 = 3;
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;
 
@@ -45,8 +43,7 @@ pub(super) fn radiance(
     wave.start(camera);
     let mut traced = 0;
     for depth in 1..=MAX_SURFACES {
-        let set = camera.first_set + (depth - 1) * SETS_PER_SURFACE;
-        wave.advance(|path, ray, hit, connections| {
+        wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
             let Path { index, throughput, .. } = path;
             if !hit.is_hit() {
                 // The sky that a gather sees is its own affair.
@@ -59,25 +56,23 @@ pub(super) fn radiance(
             radiance[index] += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
 
             let surface = surface.facing(ray.direction);
-            let (sampler, albedo) = (&camera.samplers[index], surface.material.diffuse);
-            let u = sampler.uniform2(set + 2);
+            let albedo = surface.material.diffuse;
             if albedo != Vec3::ZERO {
-                let choice = sampler.uniform1(set);
-                if let Some(connection) = connect_lamp(world, &surface, choice, sampler.uniform2(set + 1)) {
+                if let Some(connection) = connect_lamp(world, &surface, unit_double(first), on_light) {
                     connections.push(index, throughput, connection);
                 }
                 match frozen.irradiance(&surface) {
                     Some(irradiance) => radiance[index] += throughput * albedo * irradiance * (1.0 / PI),
                     None => {
-                        let direction = surface.frame().to_world(CosineHemisphere.map(u));
+                        let direction = surface.frame().to_world(CosineHemisphere.map(onwards));
                         if surface.normal.dot(direction) > 0.0 {
                             let ray = Ray::new(surface.origin_towards(direction), direction);
-                            misses.push(index, throughput * albedo, ray, *sampler);
+                            misses.push(index, throughput * albedo, ray, camera.samplers[index]);
                         }
                     }
                 }
             }
-            let bounce = surface.sample(ray.direction, u)?;
+            let bounce = surface.sample(ray.direction, onwards)?;
             if bounce.density != f32::INFINITY {
                 return None;
             }

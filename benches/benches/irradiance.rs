@@ -1,0 +1,78 @@
+//! Times what the kernel does with the rays of a gather: their sums with gradients, and their Hessian, in nanoseconds a
+//! ray, on one thread with each instruction set.
+//!
+//! `cargo bench -p halfdome-benches --bench irradiance [-- --rounds N]`. With `--test`, or without the `--bench` that
+//! `cargo bench` passes, everything runs once, untimed.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use clap::Parser;
+use glam::{Vec2, Vec3};
+use halfdome_kernel::irradiance::{Hemicube, Layout, Stratified};
+use halfdome_kernel::sampling::{Strata, Stream};
+use halfdome_kernel::{Isa, Level};
+
+/// Times the accumulation of gathers.
+#[derive(Parser)]
+struct Options {
+    /// How many rounds to take the median of
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// Run everything once
+    #[arg(long)]
+    test: bool,
+    /// What `cargo bench` passes
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// Rays in a round.
+const RAYS: usize = 1 << 20;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let options = Options::parse();
+    let rounds = if options.test || !options.bench { 0 } else { options.rounds };
+    println!("{:14}{:>8}{:>10}{:>14}{:>14}", "ns/ray", "rays", "level", "gradients", "Hessian");
+    for isa in Level::ALL.into_iter().skip(1).filter_map(Isa::new) {
+        for (rings, sectors) in [(10, 31), (36, 114)] {
+            let strata = Strata::new(rings, sectors)?;
+            let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)])?.with_isa(isa);
+            bench(&format!("{rings} x {sectors}"), isa, &layout, rounds)?;
+        }
+        let layout = Hemicube::new(32, vec![0.0; Hemicube::table_len(32)])?.with_isa(isa);
+        bench("hemicube 32", isa, &layout, rounds)?;
+    }
+    Ok(())
+}
+
+/// Prints a line for a layout.
+fn bench(name: &str, isa: Isa, layout: &dyn Layout, rounds: u16) -> Result<(), Box<dyn std::error::Error>> {
+    let cells = layout.cells();
+    let random = |cell: usize, set: u32| Stream::new(1, cell as u32, set).uniform2(0);
+    let mut directions = vec![Vec3::ZERO; cells];
+    layout.directions(&mut |cell| random(cell, 0), &mut directions)?;
+    let radiance: Vec<Vec3> = (0..cells).map(|cell| Vec2::extend(random(cell, 1), 0.5)).collect();
+    let distance: Vec<f32> = (0..cells).map(|cell| 0.1 + random(cell, 2).x).collect();
+    layout.accumulate(&radiance, &distance)?;
+    layout.hessian(&directions, &radiance, &distance)?;
+    let gradients = time(rounds, cells, || black_box(layout.accumulate(black_box(&radiance), &distance)).is_ok());
+    let hessian =
+        time(rounds, cells, || black_box(layout.hessian(black_box(&directions), &radiance, &distance)).is_ok());
+    println!("{name:14}{cells:8}{:>10}{gradients:>14}{hessian:>14}", isa.level().name());
+    Ok(())
+}
+
+/// The median time a ray, in nanoseconds; a dash without rounds.
+fn time(rounds: u16, cells: usize, gather: impl Fn() -> bool) -> String {
+    let repeats = RAYS.div_ceil(cells);
+    let mut times: Vec<f64> = (0..rounds)
+        .map(|_| {
+            let start = Instant::now();
+            assert!((0..repeats).all(|_| gather()));
+            start.elapsed().as_secs_f64() * 1e9 / (repeats * cells) as f64
+        })
+        .collect();
+    times.sort_unstable_by(f64::total_cmp);
+    times.get(times.len() / 2).map_or_else(|| "-".into(), |time| format!("{time:.2}"))
+}

@@ -1,0 +1,35 @@
+//! One function of each element of a slice, compiled for every instruction set.
+//!
+//! The loop is plain. What it calls is inlined and has no branch on its data, so the compiler turns it into lanes as
+//! wide as the instruction set has; and as each lane does the scalar's operations, results are equal bit for bit.
+
+use crate::simd::{Isa, Simd, Work, dispatch};
+
+/// A function of one element. `apply` is to be `#[inline(always)]`, as is all that it calls.
+pub(super) trait Function {
+    type Input: Copy;
+    type Output;
+    fn apply(&self, input: Self::Input) -> Self::Output;
+}
+
+/// Writes the function of each input with the instructions of `isa`. Of slices of unequal length the ends are left
+/// alone.
+pub(super) fn apply_many<F: Function>(isa: Isa, function: F, inputs: &[F::Input], outputs: &mut [F::Output]) {
+    dispatch(isa, Batch { function, inputs, outputs });
+}
+
+struct Batch<'a, F: Function> {
+    function: F,
+    inputs: &'a [F::Input],
+    outputs: &'a mut [F::Output],
+}
+
+impl<F: Function> Work for Batch<'_, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        for (output, &input) in self.outputs.iter_mut().zip(self.inputs) {
+            *output = self.function.apply(input);
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The numbers of one set for many samples at once: what a wavefront of paths needs at each bounce.
+
+use glam::Vec2;
+
+use super::batch::{Function, apply_many};
+use super::{Pattern, Sampler};
+use crate::simd::Isa;
+
+/// A sample of a pixel, which together with a pattern and a seed is a [`Sampler`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Address {
+    /// The pixel (or texel, or record).
+    pub pixel: u32,
+    /// The number of the sample in it.
+    pub sample: u32,
+}
+
+/// Writes [`Sampler::uniform2`] of set `set` for each address, with the instructions of `isa`: several times as quick,
+/// and equal bit for bit. Of slices of unequal length the ends are left alone.
+pub fn fill2(isa: Isa, pattern: Pattern, seed: u64, set: u32, addresses: &[Address], numbers: &mut [Vec2]) {
+    apply_many(isa, Uniform2 { pattern, seed, set }, addresses, numbers);
+}
+
+/// Writes [`Sampler::uniform4`] of set `set` for each address, as [`fill2`] writes pairs.
+pub fn fill4(isa: Isa, pattern: Pattern, seed: u64, set: u32, addresses: &[Address], numbers: &mut [[f32; 4]]) {
+    apply_many(isa, Uniform4 { pattern, seed, set }, addresses, numbers);
+}
+
+struct Uniform2 {
+    pattern: Pattern,
+    seed: u64,
+    set: u32,
+}
+
+impl Function for Uniform2 {
+    type Input = Address;
+    type Output = Vec2;
+    #[inline(always)]
+    fn apply(&self, Address { pixel, sample }: Address) -> Vec2 {
+        Sampler::new(self.pattern, self.seed, pixel, sample).uniform2(self.set)
+    }
+}
+
+struct Uniform4 {
+    pattern: Pattern,
+    seed: u64,
+    set: u32,
+}
+
+impl Function for Uniform4 {
+    type Input = Address;
+    type Output = [f32; 4];
+    #[inline(always)]
+    fn apply(&self, Address { pixel, sample }: Address) -> [f32; 4] {
+        Sampler::new(self.pattern, self.seed, pixel, sample).uniform4(self.set)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::statistics::isas;
+
+    #[test]
+    fn batches_equal_samplers_bit_for_bit() {
+        // Many pixels with few samples, one pixel with many, and the ends of the range.
+        let mut addresses: Vec<_> = (0..4000).map(|i| Address { pixel: i / 4, sample: i % 4 }).collect();
+        addresses.extend((0..4003).map(|sample| Address { pixel: 7, sample }));
+        addresses.extend([0, u32::MAX].map(|end| Address { pixel: end, sample: !end }));
+        let mut pairs = vec![Vec2::ZERO; addresses.len()];
+        let mut fours = vec![[0.0; 4]; addresses.len()];
+        for isa in isas() {
+            for pattern in [Pattern::Random, Pattern::Sobol, Pattern::R2] {
+                for (seed, set) in [(0, 0), (0x0123_4567_89AB_CDEF, 5), (u64::MAX, u32::MAX)] {
+                    fill2(isa, pattern, seed, set, &addresses, &mut pairs);
+                    fill4(isa, pattern, seed, set, &addresses, &mut fours);
+                    for ((&Address { pixel, sample }, pair), four) in addresses.iter().zip(&pairs).zip(&fours) {
+                        let sampler = Sampler::new(pattern, seed, pixel, sample);
+                        assert_eq!(*pair, sampler.uniform2(set), "{pattern:?} of {pixel}, {sample} on {isa:?}");
+                        assert_eq!(*four, sampler.uniform4(set), "{pattern:?} of {pixel}, {sample} on {isa:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ends_of_unequal_slices_are_left_alone() {
+        let mut numbers = [Vec2::NEG_ONE; 20];
+        fill2(Isa::detect(), Pattern::Sobol, 1, 2, &[Address::default(); 17], &mut numbers);
+        assert!(numbers[..17].iter().all(|n| n.min_element() >= 0.0) && numbers[17..] == [Vec2::NEG_ONE; 3]);
+        fill2(Isa::detect(), Pattern::Sobol, 1, 2, &[Address::default(); 5], &mut numbers[..2]);
+    }
+}

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# The kernel's unit tests on the targets that this machine is not: 64-bit Arm in an emulator, and WebAssembly, plain and
+# with SIMD. They hold checksums of hits and of random numbers, so passing them is giving the same ones on each target.
+#
+#     tests/targets.sh [filter of tests]
+#
+# On Debian and Ubuntu it installs what is missing (as root, or by sudo): an emulator, a cross linker, Node.js, and
+# Rust's libraries for the targets.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=()
+command -v qemu-aarch64 > /dev/null || packages+=(qemu-user)
+command -v aarch64-linux-gnu-gcc > /dev/null || packages+=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross)
+command -v node > /dev/null || packages+=(nodejs)
+if [ ${#packages[@]} -gt 0 ]; then
+    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
+    $sudo apt-get update
+    $sudo apt-get install -y --no-install-recommends "${packages[@]}"
+fi
+rustup target add aarch64-unknown-linux-gnu wasm32-wasip1
+
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
+CARGO_TARGET_WASM32_WASIP1_RUNNER="node --no-warnings $PWD/tests/wasi.mjs"
+export CARGO_TARGET_WASM32_WASIP1_RUNNER
+
+# The unit tests on a target, with further flags for the compiler.
+run() {
+    printf '\n== %s %s\n' "$1" "$2"
+    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --target "$1" -- "${filter[@]}"
+}
+
+filter=("$@")
+run aarch64-unknown-linux-gnu ""
+run wasm32-wasip1 ""
+run wasm32-wasip1 "-C target-feature=+simd128"
+printf '\nAll targets agree, in %s s.\n' "$SECONDS"
