@@ -7,7 +7,7 @@ mod points;
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
@@ -51,8 +51,10 @@ pub struct Irradiance {
     pub cache: Option<(Cache, CacheUse)>,
 }
 
-/// Sets of random numbers that a sensor uses: which light, where on it, the direction of its path.
-const SETS: u32 = 3;
+/// The set of random numbers that says which light is sampled, and where on it.
+const LIGHT_SET: u32 = 0;
+/// The set of a path's direction; those after it are the path's.
+const DIRECTION_SET: u32 = 1;
 /// Samples that are traced together, about.
 const BATCH: usize = 2048;
 
@@ -133,7 +135,9 @@ impl Batch {
         self.rays.clear();
         self.values.clear();
         for sampler in &self.samplers {
-            if let Some(light) = connect_lamp(world, surface, unit_double(sampler.uniform2(0)), sampler.uniform2(1)) {
+            // One set for both, so that the points on each lamp are spread as evenly as all are.
+            let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
+            if let Some(light) = connect_lamp(world, surface, unit_double(Vec2::new(z, w)), Vec2::new(x, y)) {
                 self.rays.push(light.shadow);
                 self.values.push(light.radiance * PI);
             }
@@ -151,14 +155,19 @@ impl Batch {
         let frame = surface.frame();
         self.rays.clear();
         self.rays.extend(self.samplers.iter().map(|sampler| {
-            let direction = frame.to_world(CosineHemisphere.map(sampler.uniform2(2)));
+            let direction = frame.to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
             Ray::new(surface.origin_towards(surface.normal), direction)
         }));
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.values.resize(self.rays.len(), Vec3::ZERO);
         world.tree().intersect_many(&self.rays, &mut self.hits);
-        let rays =
-            CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set: SETS, density: 0.0 };
+        let rays = CameraRays {
+            rays: &self.rays,
+            hits: &self.hits,
+            samplers: &self.samplers,
+            first_set: DIRECTION_SET + 1,
+            density: 0.0,
+        };
         let further = indirect(world, None, &rays, &mut self.wave, &mut self.values);
         *sum += self.values.iter().map(|radiance| (*radiance * PI).as_dvec3()).sum::<DVec3>();
         self.rays.len() as u64 + further
