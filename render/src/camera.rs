@@ -4,7 +4,7 @@
 //! `forward + right * (2 x / width - 1) tan(v/2) width / height + up * (1 - 2 y / height) tan(v/2)`,
 //! with `v` the vertical field of view.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::Ray;
 
 use crate::scene::CameraPose;
@@ -43,6 +43,21 @@ impl Camera {
         Ray::new(self.eye, (self.corner + self.step[0] * x + self.step[1] * y).normalize())
     }
 
+    /// The point of the film at which a point in space is seen, in pixels from the top left corner, be it on the film or
+    /// not; `None` behind the camera.
+    pub(crate) fn project(&self, point: Vec3) -> Option<Vec2> {
+        let way = point.as_dvec3() - self.eye.as_dvec3();
+        let depth = way.dot(self.axes[2]);
+        // Steps are along right and down; the corner is at distance one.
+        let in_view = (depth > 0.0).then(|| (way / depth).as_vec3() - self.corner)?;
+        Some(Vec2::from_array(self.step.map(|step| in_view.dot(step) / step.length_squared())))
+    }
+
+    /// The angle between the rays of neighbouring pixels in the middle of the film, in radians, if it is small.
+    pub(crate) fn pixel_angle(&self) -> f32 {
+        self.step[0].length()
+    }
+
     /// Rows of the matrix that takes world points, as column vectors, to camera space: right, up, backwards.
     pub(crate) fn world_to_camera(&self) -> [[f32; 4]; 4] {
         let [right, up, forward] = self.axes;
@@ -69,6 +84,17 @@ mod tests {
         near(at(0.0, 0.0), vec3(-2.0, 1.0, -1.0));
         near(at(200.0, 100.0), vec3(2.0, -1.0, -1.0));
         assert_eq!(camera.ray(3.0, 4.0).origin, pose.eye);
+    }
+
+    #[test]
+    fn projection_undoes_the_rays() {
+        let pose = CameraPose { eye: vec3(1.0, 2.0, 3.0), target: vec3(4.0, 6.0, 3.5), up: Vec3::Z, vfov: 30.0 };
+        let camera = Camera::new(&pose, 30, 20);
+        for (x, y) in [(0.0, 0.0), (12.5, 3.25), (40.0, -5.0)] {
+            let point = camera.ray(x, y).at(7.0);
+            assert!((camera.project(point).unwrap() - Vec2::new(x, y)).length() < 1e-3);
+            assert_eq!(camera.project(camera.ray(x, y).at(-7.0)), None);
+        }
     }
 
     #[test]

@@ -2,12 +2,14 @@
 #![forbid(unsafe_code)]
 
 mod bsdf;
+pub mod cache;
 mod camera;
 pub mod cli;
 pub mod driver;
 mod estimator;
 pub mod film;
 mod integrator;
+pub mod irradiance;
 mod light;
 pub mod output;
 pub mod scene;

@@ -1,5 +1,7 @@
 //! The world: a scene made ready for tracing.
 
+use std::sync::LazyLock;
+
 use glam::{Vec2, Vec3};
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::sampling::Frame;
@@ -24,6 +26,7 @@ pub struct World {
     pub(crate) sky: Sky,
     pub(crate) camera: CameraPose,
     hash: u64,
+    surroundings_hash: u64,
 }
 
 /// A triangle of a mesh.
@@ -70,9 +73,10 @@ impl World {
     ///
     /// # Errors
     /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
-    pub fn new(scene: Scene) -> Result<Self, WorldError> {
-        let camera = scene.camera.ok_or(WorldError::NoCamera)?;
+    pub fn new(mut scene: Scene) -> Result<Self, WorldError> {
         let hash = scene.hash();
+        let camera = scene.camera.take().ok_or(WorldError::NoCamera)?;
+        let surroundings_hash = scene.hash();
         let Scene { meshes, materials, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
@@ -85,7 +89,7 @@ impl World {
         let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default())?;
         let material = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
         let lights = Lights::new(&triangles, material, lights, sky, bvh.view().bounds());
-        Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash })
+        Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash, surroundings_hash })
     }
 
     /// The tree, for tracing.
@@ -106,6 +110,37 @@ impl World {
     /// A hash of all in the scene that a picture depends on.
     pub fn hash(&self) -> u64 {
         self.hash
+    }
+
+    /// A hash of all in the scene that light depends on: all but the camera.
+    pub fn surroundings_hash(&self) -> u64 {
+        self.surroundings_hash
+    }
+
+    /// Length of the diagonal of the scene's bounds; 1 if it is empty or a point.
+    pub(crate) fn diagonal(&self) -> f32 {
+        let bounds = self.tree().bounds();
+        let diagonal = (bounds.max - bounds.min).length();
+        if !bounds.is_empty() && diagonal > 0.0 { diagonal } else { 1.0 }
+    }
+
+    /// A small white surface at a point in space, which receives what a sensor with this unit normal would. Rays leave
+    /// it as they would leave a triangle there that is as large as the scene.
+    pub(crate) fn sensor(&self, position: Vec3, normal: Vec3) -> Surface<'_> {
+        static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
+        let bounds = self.tree().bounds();
+        let [b, c] = if bounds.is_empty() { [position; 2] } else { [bounds.min, bounds.max] };
+        Surface {
+            position,
+            normal,
+            shading_normal: normal,
+            uv: Vec2::ZERO,
+            material: &WHITE,
+            prim_id: Hit::NO_PRIM,
+            is_back: false,
+            triangle: [position, b, c],
+            barycentric: [0.0; 2],
+        }
     }
 
     /// The surface at barycentric coordinates of a triangle.

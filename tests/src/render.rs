@@ -8,7 +8,7 @@ use halfdome::settings::Settings;
 use halfdome::world::World;
 
 /// Lets every render run to its end.
-struct Patience;
+pub struct Patience;
 
 impl Watch for Patience {
     fn advance(&self, _: u64, _: u64) {}

@@ -7,6 +7,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
+use super::cache::CacheCommand;
+use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
 use super::validate::ValidateArguments;
 use crate::driver::MAX_BLOCK;
@@ -68,6 +70,12 @@ pub(super) enum Command {
     /// Say what is in a scene, without rendering it
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
+    /// Find the irradiance at given points
+    #[command(after_help = EXIT_CODES)]
+    Irradiance(Box<IrradianceArguments>),
+    /// Build, inspect, merge and draw irradiance caches
+    #[command(subcommand, after_help = EXIT_CODES)]
+    Cache(CacheCommand),
     /// Render scenes whose answer is known exactly, and compare
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
@@ -91,13 +99,13 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     overrides: Overrides,
 
-    /// Threads; the picture does not depend on them [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(super) threads: Option<u16>,
+    /// How it runs.
+    #[command(flatten)]
+    pub(super) common: CommonArguments,
 
-    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
-    #[arg(long, value_name = "MODE", default_value = "auto")]
-    pub(super) progress: Mode,
+    /// cached: use the records of this cache, which `halfdome cache build` made with the same options; it is not changed
+    #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
+    pub(super) cache: Option<PathBuf>,
 
     /// Write the pictures early: when a ray for each block of SIDE pixels is traced, then for blocks of half the side,
     /// and so on; the pictures in the end do not depend on it [default: off; 32 without a SIDE]
@@ -113,6 +121,18 @@ pub(super) struct RenderArguments {
     /// Tone curve of PNG pictures
     #[arg(long, value_name = "CURVE", default_value = "linear", help_heading = "PNG", value_parser = tone_curve())]
     tone: ToneCurve,
+}
+
+/// How a command runs, whatever it does.
+#[derive(Args, Clone, Debug)]
+pub(super) struct CommonArguments {
+    /// Threads; results do not depend on them [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
+    #[arg(long, value_name = "MODE", default_value = "auto")]
+    pub(super) progress: Mode,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -183,7 +203,7 @@ fn with_extension(stem: &OsStr, extension: &str) -> PathBuf {
     Path::new(&name).to_owned()
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once(['x', 'X', '×']);
     sides

@@ -1,9 +1,11 @@
 //! The command line: arguments, progress, summaries, exit codes.
 
 mod args;
+mod cache;
 mod error;
 mod info;
 mod interrupt;
+mod irradiance;
 mod memory;
 mod preview;
 mod progress;
@@ -11,7 +13,7 @@ mod render;
 mod summary;
 mod validate;
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, IsTerminal};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -19,12 +21,13 @@ use halfdome_kernel::{Isa, Level};
 
 use clap::Parser;
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, CommonArguments};
 use error::CliError;
 use progress::Mode;
 
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
+use crate::world::World;
 
 /// Done.
 const EXIT_DONE: u8 = 0;
@@ -55,8 +58,10 @@ pub fn main() -> ExitCode {
         return ExitCode::from(error.exit_code());
     }
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
-        Command::Render(arguments) => (render::run(&arguments), arguments.progress),
+        Command::Render(arguments) => (render::run(&arguments), arguments.common.progress),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
+        Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
+        Command::Cache(command) => (cache::run(&command), Mode::Auto),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
@@ -85,6 +90,28 @@ fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliEr
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     Ok((scene, settings))
+}
+
+/// The world of the scene called `name` with its settings, and the threads to work with; warnings are printed.
+fn prepare_world(
+    name: &Path,
+    overrides: Overrides,
+    arguments: &CommonArguments,
+) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
+    let (mut scene, settings) = prepare(name, overrides)?;
+    let style = arguments.progress.style(std::io::stderr().is_terminal());
+    scene.warnings.iter().for_each(|warning| summary::print_warning(style, warning));
+    scene.warnings.clear();
+    let pool = thread_pool(arguments)?;
+    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    Ok((world, settings, pool))
+}
+
+/// As many threads as asked for.
+fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPool, CliError> {
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))
 }
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.

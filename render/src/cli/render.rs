@@ -4,10 +4,11 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use super::args::RenderArguments;
+use super::cache::{cached_options, read_cache};
 use super::preview::Preview;
 use super::progress::Progress;
 use super::summary::Job;
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare};
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
 use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
@@ -28,13 +29,15 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
     }
 
-    let threads = arguments.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))?;
-    let style = arguments.progress.style(std::io::stderr().is_terminal());
+    let pool = thread_pool(&arguments.common)?;
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
     let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    let cache = match &arguments.cache {
+        Some(path) => Some(read_cache(Some(path), &cached_options(&settings)?, &world)?),
+        None => None,
+    };
     let degenerate = world.build_report().degenerate;
     if degenerate > 0 {
         let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
@@ -47,7 +50,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let progress = Progress::start(style, samples(&settings));
     let tone = arguments.tone_mapping();
     let preview = Preview { progress: &progress, coarsest: arguments.progressive, paths: &paths, tone: &tone, style };
-    let result = pool.install(|| driver::render(&world, &settings, &preview));
+    let result = pool.install(|| driver::render_with(&world, &settings, cache, &preview));
     drop(progress);
     if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";

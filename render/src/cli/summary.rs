@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::error::painted;
 use super::progress::{Style, per_second, print_line};
-use crate::driver::Render;
+use crate::driver::{CacheUse, Render};
 use crate::scene::count;
 use crate::settings::Settings;
 
@@ -61,6 +61,9 @@ impl Job<'_> {
         let seconds = render.elapsed.as_secs_f64();
         let rays = per_second(render.rays, render.elapsed) / 1e6;
         let mut text = format!("{state} in {seconds:.2} s at {rays:.1} Mrays/s ({} rays)\n", render.rays);
+        if let Some(CacheUse { records, misses, negative }) = render.cache {
+            text += &format!("{records} irradiance records; {misses} points had none, {negative} were negative\n");
+        }
         for file in files {
             text += &format!("wrote {}\n", file.display());
         }
@@ -94,6 +97,9 @@ impl Job<'_> {
             "rays": render.rays,
             "rays_per_second": per_second(render.rays, render.elapsed),
             "elapsed": render.elapsed.as_secs_f64(),
+            "cache": render.cache.map(|CacheUse { records, misses, negative }| {
+                json!({ "records": records, "misses": misses, "negative": negative })
+            }),
             "files": files,
             "warnings": self.warnings,
         })
@@ -101,7 +107,7 @@ impl Job<'_> {
 }
 
 /// Warnings matter even to those who want to see no progress.
-fn print_warning(style: Style, warning: &str) {
+pub(super) fn print_warning(style: Style, warning: &str) {
     match style {
         Style::Json => print_line(&json!({ "event": "warning", "message": warning })),
         Style::Bar | Style::Silent => {
@@ -119,7 +125,7 @@ mod tests {
 
     fn render(finished: bool) -> Render {
         let picture = Picture { width: 512, height: 512, channels: Vec::new(), metadata: Metadata::default() };
-        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500) }
+        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500), cache: None }
     }
 
     #[test]
@@ -131,6 +137,9 @@ mod tests {
         let text = job.end_text(&render(true), &["a.exr".into()]);
         assert_eq!(text, "rendered in 2.50 s at 2.0 Mrays/s (5000000 rays)\nwrote a.exr\n1 warning, above\n");
         assert!(job.end_text(&render(false), &[]).starts_with("interrupted"));
+        let cache = Some(CacheUse { records: 7, misses: 2, negative: 0 });
+        let text = job.end_text(&Render { cache, ..render(true) }, &[]);
+        assert!(text.contains("\n7 irradiance records; 2 points had none, 0 were negative\n"), "{text}");
     }
 
     #[test]

@@ -14,12 +14,14 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
+use crate::cache::Cache;
 use crate::camera::Camera;
 use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
-use crate::integrator::{self, CameraRays, Memory};
+use crate::integrator::{self, CameraRays, Memory, Prepared};
 use crate::settings::Settings;
 use crate::world::World;
 
+pub use crate::integrator::CacheUse;
 pub use levels::MAX_BLOCK;
 
 /// Watches a render and may stop it. Called from all threads.
@@ -51,6 +53,8 @@ pub struct Render {
     pub rays: u64,
     /// Wall-clock time.
     pub elapsed: Duration,
+    /// How the irradiance cache was used, if there was one.
+    pub cache: Option<CacheUse>,
 }
 
 /// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
@@ -62,16 +66,23 @@ const FILM_SET: u32 = 0;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
+    render_with(world, settings, None, watch)
+}
+
+/// Like [`render`], but the `cached` integrator adds to `cache`, which must be of this world and of its options.
+pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> Render {
     let start = Instant::now();
+    let (prepared, overture) = integrator::prepare(world, settings, cache, watch);
     let job = Job {
         world,
         settings,
+        prepared: &prepared,
         watch,
         camera: Camera::new(&world.camera, settings.width, settings.height),
         filter: FilterSampler::new(&settings.filter),
     };
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
-    let mut rays = job.first_wave(&mut tiles, start);
+    let mut rays = overture + job.first_wave(&mut tiles, start);
     let mut done = 1;
     while done < settings.spp && !watch.stop() {
         let wave = done.min(MAX_WAVE).min(settings.spp - done);
@@ -83,7 +94,16 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     }
     let picture = job.picture(&tiles, start);
     let finished = picture.metadata.samples_per_pixel == settings.spp;
-    Render { picture, finished, rays, elapsed: start.elapsed() }
+    let cache = match &prepared {
+        Prepared::Cache(frozen) => Some(frozen.usage()),
+        Prepared::Nothing => None,
+    };
+    Render { picture, finished, rays, elapsed: start.elapsed(), cache }
+}
+
+/// `cache` with the records that a picture with these settings needs. It must be of this world.
+pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> Cache {
+    integrator::fill_for_camera(world, settings, cache, watch).0.cache
 }
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
@@ -102,6 +122,7 @@ struct Batch {
 struct Job<'a> {
     world: &'a World,
     settings: &'a Settings,
+    prepared: &'a Prepared,
     watch: &'a dyn Watch,
     camera: Camera,
     filter: FilterSampler,
@@ -185,8 +206,8 @@ impl Job<'_> {
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         self.world.tree().intersect_many(rays, hits);
-        let camera = CameraRays { rays, hits, samplers };
-        let traced = integrator::radiance(self.world, &self.settings.integrator, &camera, memory, radiance);
+        let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
+        let traced = integrator::radiance(self.world, self.settings, self.prepared, &camera, memory, radiance);
         for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {

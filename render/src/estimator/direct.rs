@@ -43,9 +43,19 @@ pub(crate) fn connect(
     choice: f64,
     u: Vec2,
 ) -> Option<Connection> {
-    let light = sample_light(world, surface, choice, u)?;
+    let (source, probability) = world.lights.choose(choice)?;
+    let light = sample_light(world, surface, source, probability, u)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * lights.of_light(light.density, bounce_density);
+    radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
+}
+
+/// Samples a light other than the sky, where bounces find none of them: its samples count in full.
+pub(crate) fn connect_lamp(world: &World, surface: &Surface, choice: f64, u: Vec2) -> Option<Connection> {
+    let (source, probability, rarer) = world.lights.choose_lamp(choice)?;
+    let light = sample_light(world, surface, source, probability, u)?;
+    let (reflected, _) = surface.evaluate(light.direction);
+    let radiance = reflected * light.radiance * rarer;
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -63,8 +73,8 @@ pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> 
     world.lights.sky_probability() * surface.shading_normal.dot(direction).max(0.0) / PI
 }
 
-fn sample_light(world: &World, surface: &Surface, choice: f64, u: Vec2) -> Option<LightSample> {
-    let (source, probability) = world.lights.choose(choice)?;
+/// Light from `source`, chosen with this probability.
+fn sample_light(world: &World, surface: &Surface, source: &Source, probability: f32, u: Vec2) -> Option<LightSample> {
     match source {
         Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
         Source::Punctual(light) => {

@@ -1,8 +1,13 @@
 //! What a point of a surface receives, estimated. Knows no cache and no path.
 
 mod direct;
+mod gather;
 mod hemisphere;
+mod horizon;
 mod weight;
 
-pub(crate) use direct::{Connection, connect, emitted_density, sky_density};
+pub(crate) use direct::{Connection, connect, connect_lamp, emitted_density, sky_density};
+pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
+pub use horizon::SECTORS;
+pub(crate) use horizon::sector;

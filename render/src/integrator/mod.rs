@@ -4,6 +4,7 @@
 //! what it needs further in batches.
 
 mod ao;
+mod cached;
 mod direct;
 mod flat;
 mod heat;
@@ -15,17 +16,25 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use crate::settings::Integrator;
+use crate::cache::Cache;
+use crate::driver::Watch;
+use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
-use wavefront::Wavefront;
+pub use cached::CacheUse;
+pub(crate) use cached::{Frozen, fill_for_camera, fill_for_surfaces, indirect};
+pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
 pub(crate) struct CameraRays<'a> {
     pub rays: &'a [Ray],
     pub hits: &'a [Hit],
-    /// The numbers of each ray's sample; sets from [`FIRST_SET`] on are the integrator's.
+    /// The numbers of each ray's sample, all of one pattern and seed; sets from [`first_set`](Self::first_set) on are the integrator's.
     pub samplers: &'a [Sampler],
+    pub first_set: u32,
+    /// The density per solid angle with which the rays' directions were chosen: infinite for the camera's, which no
+    /// light sample competes with; 0 for rays whose own light counts elsewhere.
+    pub density: f32,
 }
 
 /// What an integrator keeps from one batch to the next: memory alone.
@@ -34,22 +43,48 @@ pub(crate) struct Memory {
     wave: Wavefront,
     generations: [montecarlo::Generation; 2],
     feelers: ao::Feelers,
+    misses: cached::Misses,
+}
+
+/// What an integrator makes once, before the first sample.
+pub(crate) enum Prepared {
+    /// Nothing.
+    Nothing,
+    /// A frozen irradiance cache.
+    Cache(Frozen),
 }
 
 /// The camera uses the sets of random numbers before this one.
 pub(crate) const FIRST_SET: u32 = 1;
 
+/// Makes what the integrator needs before the first sample; a cache from before goes into it. Gives the rays traced.
+pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> (Prepared, u64) {
+    match &settings.integrator {
+        Integrator::Cached(options) => {
+            let cache = cache.unwrap_or_else(|| Cache::new(*options, world.surroundings_hash()));
+            let (frozen, rays) = fill_for_camera(world, settings, cache, watch);
+            (Prepared::Cache(frozen), rays)
+        }
+        _ => (Prepared::Nothing, 0),
+    }
+}
+
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
 pub(crate) fn radiance(
     world: &World,
-    integrator: &Integrator,
+    settings: &Settings,
+    prepared: &Prepared,
     camera: &CameraRays,
     memory: &mut Memory,
     radiance: &mut [Vec3],
 ) -> u64 {
-    let Memory { wave, generations, feelers } = memory;
-    match integrator {
+    let Memory { wave, generations, feelers, misses } = memory;
+    if let Prepared::Cache(frozen) = prepared {
+        return cached::radiance(world, frozen, camera, wave, misses, radiance);
+    }
+    match &settings.integrator {
         Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, |_| ()),
+        Integrator::Cached(_) => unreachable!("its cache is prepared"),
         Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, camera, generations, radiance),
         Integrator::Direct(options) => direct::radiance(world, options, camera, wave, radiance),
         Integrator::Ao(options) => ao::openness(world, options, camera, feelers, radiance),

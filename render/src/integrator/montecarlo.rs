@@ -65,7 +65,7 @@ pub(super) fn radiance(
     for first in (0..camera.rays.len()).step_by(together) {
         parents.clear();
         for index in first..camera.rays.len().min(first + together) {
-            let node = Node { path: Path::from_camera(index), number: 0, bounces: options.bounces };
+            let node = Node { path: Path::from_camera(index, camera.density), number: 0, bounces: options.bounces };
             parents.push(node, camera.rays[index]);
             parents.hits.push(camera.hits[index]);
         }

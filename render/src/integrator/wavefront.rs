@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
-use super::{CameraRays, FIRST_SET};
+use super::CameraRays;
 use crate::estimator::Connection;
 use crate::world::World;
 
@@ -45,9 +45,9 @@ pub(crate) struct Connections {
 }
 
 impl Path {
-    /// The path that begins with the camera ray of this number.
-    pub(super) fn from_camera(index: usize) -> Self {
-        Self { index, throughput: Vec3::ONE, density: f32::INFINITY, sky_density: 0.0 }
+    /// The path that begins with the camera ray of this number, whose direction had this density.
+    pub(super) fn from_camera(index: usize, density: f32) -> Self {
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0 }
     }
 }
 
@@ -55,7 +55,7 @@ impl Wavefront {
     /// Starts a path with each camera ray, in the memory of the paths before.
     pub(super) fn start(&mut self, camera: &CameraRays) {
         self.paths.clear();
-        self.paths.extend((0..camera.rays.len()).map(Path::from_camera));
+        self.paths.extend((0..camera.rays.len()).map(|index| Path::from_camera(index, camera.density)));
         self.rays.clear();
         self.rays.extend_from_slice(camera.rays);
         self.hits.clear();
@@ -82,7 +82,7 @@ impl Wavefront {
         depth: u32,
         mut step: impl FnMut(Path, &Ray, &Hit, [Vec2; SETS_PER_SURFACE as usize], &mut Connections) -> Option<(Path, Ray)>,
     ) {
-        self.draw(world, camera, FIRST_SET + (depth - 1) * SETS_PER_SURFACE);
+        self.draw(world, camera, camera.first_set + (depth - 1) * SETS_PER_SURFACE);
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let [first, second, third] = &self.numbers;

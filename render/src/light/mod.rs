@@ -17,6 +17,8 @@ pub(crate) struct Lights {
     sources: Vec<Source>,
     /// `None` if nothing emits: what else could be wrong with weights is excluded.
     table: Option<AliasTable<Vec<AliasEntry>>>,
+    /// The same without the sky, if there is a sky.
+    lamps: Option<AliasTable<Vec<AliasEntry>>>,
     /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
     area_density: Vec<f32>,
     /// The probability with which it gives the sky.
@@ -76,6 +78,12 @@ impl Lights {
         let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
         let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
+        let lamps = match sources.split_last() {
+            Some((Source::Sky, lamps)) => {
+                AliasTable::build(&weights[..lamps.len()], vec![AliasEntry::default(); lamps.len()]).ok()
+            }
+            _ => None,
+        };
         let mut area_density = Vec::new();
         if let Some(table) = &table
             && !areas.is_empty()
@@ -91,13 +99,24 @@ impl Lights {
             (Some(table), Some(Source::Sky)) => table.mass(sources.len() - 1),
             _ => 0.0,
         };
-        Self { sources, table, area_density, sky_probability, mean_radiance }
+        Self { sources, table, lamps, area_density, sky_probability, mean_radiance }
     }
 
     /// Chooses a light by a number in [0, 1), of double precision as there may be millions: the light, and its probability.
     pub(crate) fn choose(&self, u: f64) -> Option<(&Source, f32)> {
         let (index, probability, _) = self.table.as_ref()?.sample(u);
         Some((&self.sources[index], probability))
+    }
+
+    /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which [`choose`](Self::choose)
+    /// gives it, and by how much less often that is than here.
+    pub(crate) fn choose_lamp(&self, u: f64) -> Option<(&Source, f32, f32)> {
+        if self.sky_probability == 0.0 {
+            return self.choose(u).map(|(source, probability)| (source, probability, 1.0));
+        }
+        let (index, probability, _) = self.lamps.as_ref()?.sample(u);
+        let among_all = self.table.as_ref()?.mass(index);
+        Some((&self.sources[index], among_all, among_all / probability))
     }
 
     /// The density per area with which points of triangle `prim_id` are chosen.

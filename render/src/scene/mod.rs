@@ -14,7 +14,7 @@ mod obj;
 mod overrides;
 mod ply;
 mod statement;
-mod value;
+pub(crate) mod value;
 
 pub use builtin::cornell_box;
 pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
@@ -23,4 +23,4 @@ pub use file::{SceneFile, open};
 pub use framing::frame;
 pub(crate) use model::count;
 pub use model::load;
-pub use overrides::{Conflict, IntegratorOverrides, Overrides};
+pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides};

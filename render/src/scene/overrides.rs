@@ -2,6 +2,7 @@
 //!
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
+mod cached;
 mod integrator;
 
 use std::fmt;
@@ -18,6 +19,7 @@ use super::{CameraPose, Scene};
 use crate::film::Filter;
 use crate::settings::{Invalid, Settings};
 
+pub use cached::CachedOverrides;
 pub use integrator::IntegratorOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
@@ -198,6 +200,10 @@ impl Overrides {
         // A very long or short vector would not survive the squares of 32-bit arithmetic.
         Ok(CameraPose { up: pose.up.as_dvec3().normalize().as_vec3(), ..pose })
     }
+}
+
+fn replace<T: Copy>(value: &mut T, with: Option<T>) {
+    *value = with.unwrap_or(*value);
 }
 
 /// Options that do not go together, or with the scene.

@@ -7,11 +7,14 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
 use crate::film::Filter;
-use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, MAX_SIDE, Stop, Survival};
+use crate::settings::{
+    AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, MAX_SIDE,
+    Metric, Stop, Survival,
+};
 
 /// A value whose meaning is not known yet.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Integer(i128),
     Number(f64),
     Boolean(bool),
@@ -24,7 +27,7 @@ pub(super) enum Value {
 /// What would be right in place of a wrong value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected {0}")]
-pub(super) struct Expected(pub(super) String);
+pub(crate) struct Expected(pub(crate) String);
 
 type Reading<T> = Result<T, Expected>;
 
@@ -76,7 +79,7 @@ impl Value {
 }
 
 /// Reads command-line arguments with `read`.
-pub(super) fn argument<T>(read: fn(&Value) -> Reading<T>) -> impl Fn(&str) -> Reading<T> + Clone {
+pub(crate) fn argument<T>(read: fn(&Value) -> Reading<T>) -> impl Fn(&str) -> Reading<T> + Clone {
     move |text| read(&Value::from_argument(text))
 }
 
@@ -127,7 +130,7 @@ pub(super) fn vfov(value: &Value) -> Reading<f32> {
 }
 
 /// Radiance: one number for all channels, or three.
-pub(super) fn radiance(value: &Value) -> Reading<Vec3> {
+pub(crate) fn radiance(value: &Value) -> Reading<Vec3> {
     match value.finite().map(Vec3::splat).or_else(|| value.three()) {
         Some(radiance) if radiance.min_element() >= 0.0 => Ok(radiance),
         _ => expected("one number, or three for red, green and blue, finite and not negative"),
@@ -246,13 +249,53 @@ pub(super) fn distance(value: &Value) -> Reading<f32> {
     }
 }
 
+/// The error that a record of the irradiance cache may have.
+pub(super) fn cache_error(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(error) if error > 0.0 && error <= CachedOptions::MAX_ERROR => Ok(error),
+        _ => expected(format!("a number more than 0 and at most {}", CachedOptions::MAX_ERROR)),
+    }
+}
+
+/// What records are extrapolated by.
+pub(super) fn gradients(value: &Value) -> Reading<Gradients> {
+    value.one_of(&Gradients::ALL.map(|gradients| (gradients.name(), gradients)))
+}
+
+/// What decides how far a record reaches.
+pub(super) fn metric(value: &Value) -> Reading<Metric> {
+    value.one_of(&Metric::ALL.map(|metric| (metric.name(), metric)))
+}
+
+/// How a record's rays are spread.
+pub(super) fn gather_layout(value: &Value) -> Reading<GatherLayout> {
+    value.one_of(&GatherLayout::ALL.map(|layout| (layout.name(), layout)))
+}
+
+/// Rays of a record.
+pub(super) fn record_rays(value: &Value) -> Reading<u32> {
+    const RANGE: std::ops::RangeInclusive<u32> = CachedOptions::MIN_RAYS..=CachedOptions::MAX_RAYS;
+    match value.integer() {
+        Some(rays) if RANGE.contains(&rays) => Ok(rays),
+        _ => expected(format!("a whole number from {} to {}", RANGE.start(), RANGE.end())),
+    }
+}
+
+/// Reflections of light that have a cache each.
+pub(super) fn cache_bounces(value: &Value) -> Reading<u32> {
+    match value.integer() {
+        Some(bounces) if (1..=CachedOptions::MAX_BOUNCES).contains(&bounces) => Ok(bounces),
+        _ => expected(format!("a whole number from 1 to {}", CachedOptions::MAX_BOUNCES)),
+    }
+}
+
 /// Where random numbers come from.
 pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
     value.one_of(&[("random", Pattern::Random), ("sobol", Pattern::Sobol), ("r2", Pattern::R2)])
 }
 
 /// Which sides emit: whether both do.
-pub(super) fn emission(value: &Value) -> Reading<bool> {
+pub(crate) fn emission(value: &Value) -> Reading<bool> {
     value.one_of(&[("front", false), ("both", true)])
 }
 
@@ -303,7 +346,7 @@ mod tests {
         let error = argument(integrator)("pth").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "expected one of path, montecarlo, direct, ao, flat, heat, normals, albedo; did you mean `path`?"
+            "expected one of path, cached, montecarlo, direct, ao, flat, heat, normals, albedo; did you mean `path`?"
         );
         let error = argument(filter)("bx").unwrap_err();
         assert_eq!(error.to_string(), "expected one of box, tent, gaussian, mitchell; did you mean `box`?");

@@ -1,6 +1,6 @@
 //! Which integrator runs, and with what options.
 
-use super::Invalid;
+use super::{CachedOptions, Invalid};
 
 /// What is computed for each camera ray, with its options; [`named`](Self::named) gives each with its defaults.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +9,8 @@ pub enum Integrator {
     Path(PathOptions),
     /// Direct light and some bounces of indirect light, each gathered by many rays: their number grows exponentially.
     MonteCarlo(MonteCarloOptions),
+    /// Global illumination by path tracing at few points, between which it is interpolated.
+    Cached(CachedOptions),
     /// Light that comes straight from its source, or by mirrors and glass alone.
     Direct(DirectOptions),
     /// Ambient occlusion: how open a point is to the outside.
@@ -140,12 +142,13 @@ pub enum AoWeighting {
 
 impl Integrator {
     /// The names of all integrators.
-    pub const NAMES: [&str; 8] = ["path", "montecarlo", "direct", "ao", "flat", "heat", "normals", "albedo"];
+    pub const NAMES: [&str; 9] = ["path", "cached", "montecarlo", "direct", "ao", "flat", "heat", "normals", "albedo"];
 
     /// The integrator of this name with its default options.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "path" => Self::Path(PathOptions::default()),
+            "cached" => Self::Cached(CachedOptions::default()),
             "montecarlo" => Self::MonteCarlo(MonteCarloOptions::default()),
             "direct" => Self::Direct(DirectOptions::default()),
             "ao" => Self::Ao(AoOptions::default()),
@@ -161,6 +164,7 @@ impl Integrator {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Path(_) => "path",
+            Self::Cached(_) => "cached",
             Self::MonteCarlo(_) => "montecarlo",
             Self::Direct(_) => "direct",
             Self::Ao(_) => "ao",
@@ -173,7 +177,7 @@ impl Integrator {
 
     /// Whether the picture shows light, so that it is black without any.
     pub fn needs_light(&self) -> bool {
-        matches!(self, Self::Path(_) | Self::MonteCarlo(_) | Self::Direct(_))
+        matches!(self, Self::Path(_) | Self::Cached(_) | Self::MonteCarlo(_) | Self::Direct(_))
     }
 
     /// Refuses options with which a render would never end.

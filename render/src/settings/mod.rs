@@ -1,11 +1,13 @@
 //! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
 
+mod cached;
 mod integrator;
 
 use halfdome_kernel::sampling::Pattern;
 
 use crate::film::Filter;
 
+pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
 pub use integrator::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
     PathOptions, Stop, Survival,

@@ -5,6 +5,7 @@
 use clap::Args;
 
 use super::super::value::{self, argument};
+use super::{CachedOverrides, replace};
 use crate::settings::{
     AoWeighting, HemisphereSampling, Integrator, Invalid, LightSampling, PathOptions, Stop, Survival,
 };
@@ -13,7 +14,7 @@ use crate::settings::{
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Integrator")]
 pub struct IntegratorOverrides {
-    /// What is computed: path (global illumination), montecarlo (some bounces, many rays each), direct (no indirect
+    /// What is computed: path (global illumination), cached (the same, interpolated), montecarlo (some bounces, many rays each), direct (no indirect
     /// light), ao (ambient occlusion), flat (colours), heat (cost of path), normals or albedo [default: path]
     #[arg(long, value_name = "NAME", value_parser = argument(value::integrator))]
     pub integrator: Option<Integrator>,
@@ -58,6 +59,9 @@ pub struct IntegratorOverrides {
     /// ao: distance from which on nothing occludes [default: the scene's diagonal]
     #[arg(long, value_name = "D", value_parser = argument(value::distance), allow_negative_numbers = true)]
     pub ao_distance: Option<f32>,
+    /// Options of the irradiance cache.
+    #[command(flatten)]
+    pub cached: CachedOverrides,
 }
 
 /// What all paths have; a stopping rule adds its own.
@@ -85,6 +89,7 @@ impl IntegratorOverrides {
             sampling: self.sampling.or(fallback.sampling),
             ao_weighting: self.ao_weighting.or(fallback.ao_weighting),
             ao_distance: self.ao_distance.or(fallback.ao_distance),
+            cached: self.cached.or(fallback.cached),
         }
     }
 
@@ -107,6 +112,7 @@ impl IntegratorOverrides {
                 replace(&mut options.rays, self.rays);
                 replace(&mut options.sampling, self.sampling);
             }
+            Integrator::Cached(options) => *options = self.cached.options(),
             Integrator::Flat | Integrator::Normals | Integrator::Albedo => {}
         }
         integrator.check()?;
@@ -146,6 +152,7 @@ impl IntegratorOverrides {
             Integrator::MonteCarlo(_) => &["bounces", "rays", "sampling", "survival"],
             Integrator::Direct(_) => &["max_depth"],
             Integrator::Ao(_) => &["rays", "sampling", "ao_weighting", "ao_distance"],
+            Integrator::Cached(_) => &CachedOverrides::NAMES,
             Integrator::Flat | Integrator::Normals | Integrator::Albedo => &[],
         };
         let stop = self.stop.unwrap_or_default();
@@ -168,8 +175,9 @@ impl IntegratorOverrides {
             ("ao_weighting", self.ao_weighting.is_some()),
             ("ao_distance", self.ao_distance.is_some()),
         ];
+        let given = given.into_iter().chain(self.cached.given());
         let is_unused = |name: &str| !used.contains(&name) && !used_by_stop.contains(&name);
-        let Some((name, _)) = given.into_iter().find(|&(name, is_given)| is_given && is_unused(name)) else {
+        let Some((name, _)) = { given }.find(|&(name, is_given)| is_given && is_unused(name)) else {
             return Ok(());
         };
         let of_stop = matches!(name, "cutoff" | "add_back" | "roulette_after" | "survival");
@@ -185,11 +193,6 @@ impl IntegratorOverrides {
         Err(Invalid::new(format!("{user} does not use `{name}`"), remedy))
     }
 }
-
-fn replace<T: Copy>(value: &mut T, with: Option<T>) {
-    *value = with.unwrap_or(*value);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,222 @@
+//! Caches on disk.
+//!
+//! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash of the
+//! scene, the options, the number of records, the records (the key and [`Record::WORDS`] words each, with the radii before
+//! clamping) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is refused; so is one of another scene or other
+//! options, and the message says which. Files are replaced in one step, as pictures are.
+
+use std::fs;
+use std::path::Path;
+
+use super::Cache;
+use super::record::Record;
+use crate::output::{OutputError, OutputFile};
+use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
+
+const MAGIC: [u8; 8] = *b"halfdIRC";
+const VERSION: u32 = 1;
+/// Reads as another number on a machine with the other order of bytes.
+const ORDER: u32 = 0x0102_0304;
+const HEADER: usize = 8 + 4 + 4 + 8 + 6 * 4 + 8;
+const RECORD: usize = 8 + 4 * Record::WORDS;
+const CHECKSUM: usize = 8;
+
+/// Why a cache cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct CacheFileError(Invalid);
+
+impl CacheFileError {
+    fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self(Invalid::new(problem, remedy))
+    }
+
+    /// The error with the name of the file that it is about.
+    pub fn naming(self, path: &Path) -> Self {
+        Self::new(format!("{}: {}", path.display(), self.0.problem), self.0.remedy)
+    }
+}
+
+impl Cache {
+    /// Reads a cache of the scene with this hash, made with these options; without them, of any scene, made with any.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is no cache or damaged, or a cache of something else.
+    pub fn read(path: &Path, expected: Option<(&CachedOptions, u64)>) -> Result<Self, CacheFileError> {
+        let bytes = fs::read(path).map_err(|error| {
+            CacheFileError::new(
+                format!("{}: cannot be read: {error}", path.display()),
+                "name a file that `halfdome cache build` has made",
+            )
+        })?;
+        let cache = Self::decode(&bytes).map_err(|error| error.naming(path))?;
+        if let Some((options, scene)) = expected {
+            cache.check(options, scene).map_err(|error| error.naming(path))?;
+        }
+        Ok(cache)
+    }
+
+    /// Writes the cache, in place of a file that is there.
+    ///
+    /// # Errors
+    /// What the operating system says; then the file is as it was.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        OutputFile::check(path)?.write(&self.encode())
+    }
+
+    /// Refuses options or a scene that are not this cache's.
+    pub(super) fn check(&self, options: &CachedOptions, scene: u64) -> Result<(), CacheFileError> {
+        if scene != self.scene {
+            return Err(CacheFileError::new(
+                format!("the cache is of another scene (hash {:016x}, not {scene:016x})", self.scene),
+                "build it again; all but the camera counts: geometry, materials, lights and sky",
+            ));
+        }
+        let (ours, theirs) = (named(&self.options), named(options));
+        match ours.iter().zip(&theirs).find(|(ours, theirs)| ours != theirs) {
+            None => Ok(()),
+            Some(((name, ours), (_, theirs))) => Err(CacheFileError::new(
+                format!("the cache was built with --{name} {ours}, not {theirs}"),
+                "give the options with which it was built, or build it again",
+            )),
+        }
+    }
+
+    /// The records as they were before clamping.
+    pub(super) fn into_original(self) -> impl Iterator<Item = Record> {
+        self.records.into_iter().zip(self.original_radii).map(|(record, radii)| Record { radii, ..record })
+    }
+
+    /// The bytes of the file.
+    pub(crate) fn encode(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(HEADER + self.records.len() * RECORD + CHECKSUM);
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(ORDER.to_le_bytes());
+        bytes.extend(self.scene.to_le_bytes());
+        for word in words(&self.options) {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes.extend((self.records.len() as u64).to_le_bytes());
+        for (record, radii) in self.records.iter().zip(&self.original_radii) {
+            let record = Record { radii: *radii, ..*record };
+            bytes.extend(record.key.to_le_bytes());
+            bytes.extend(record.words().iter().flat_map(|word| word.to_le_bytes()));
+        }
+        bytes.extend(fnv(&bytes).to_le_bytes());
+        bytes
+    }
+
+    /// The cache of a file's bytes.
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, CacheFileError> {
+        let again = "build it again with `halfdome cache build`";
+        if !bytes.starts_with(&MAGIC) {
+            return Err(CacheFileError::new(
+                "is no irradiance cache",
+                "name a file that `halfdome cache build` has made",
+            ));
+        }
+        let mut rest = Bytes(&bytes[MAGIC.len()..]);
+        let cut = || CacheFileError::new(format!("is cut off after {} bytes", bytes.len()), again);
+        let version = rest.word().ok_or_else(cut)?;
+        let order = rest.word().ok_or_else(cut)?;
+        if order != ORDER {
+            return Err(CacheFileError::new("has the order of bytes of another machine, or is damaged", again));
+        }
+        if version != VERSION {
+            let problem = format!("has version {version} of the format; this program reads version {VERSION}");
+            return Err(CacheFileError::new(problem, again));
+        }
+        let scene = rest.long().ok_or_else(cut)?;
+        let mut options = [0; 6];
+        for word in &mut options {
+            *word = rest.word().ok_or_else(cut)?;
+        }
+        let count = rest.long().ok_or_else(cut)?;
+        let expected = usize::try_from(count).ok().and_then(|count| count.checked_mul(RECORD));
+        match expected.and_then(|expected| expected.checked_add(CHECKSUM)) {
+            Some(expected) if expected == rest.0.len() => {}
+            Some(expected) if expected < rest.0.len() => {
+                return Err(CacheFileError::new("goes on after its end", again));
+            }
+            _ => return Err(cut()),
+        }
+        let (contents, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
+        if Bytes(checksum).long() != Some(fnv(contents)) {
+            return Err(CacheFileError::new("is damaged: its checksum is wrong", again));
+        }
+        let options = from_words(options).ok_or_else(|| CacheFileError::new("has options that do not exist", again))?;
+        let mut records = Vec::with_capacity(count as usize);
+        for _ in 0..count {
+            let key = rest.long().ok_or_else(cut)?;
+            let mut words = [0; Record::WORDS];
+            for word in &mut words {
+                *word = rest.word().ok_or_else(cut)?;
+            }
+            records.push(Record::from_words(key, &words));
+        }
+        if !records.iter().all(Record::is_sound) {
+            return Err(CacheFileError::new("has a record that is none: a number is not finite", again));
+        }
+        let mut cache = Self::new(options, scene);
+        cache.commit(records);
+        Ok(cache)
+    }
+}
+
+/// What is left of a file.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn word(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn long(&mut self) -> Option<u64> {
+        self.take().map(u64::from_le_bytes)
+    }
+}
+
+/// FNV-1a with 64 bits (Fowler, Noll and Vo).
+fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// The options as words: the error's bits, gradients, metric, layout, rays, bounces.
+fn words(options: &CachedOptions) -> [u32; 6] {
+    let CachedOptions { error, gradients, metric, layout, rays, bounces } = *options;
+    [error.to_bits(), gradients as u32, metric as u32, layout as u32, rays, bounces.unwrap_or(u32::MAX)]
+}
+
+/// The options of these words, if there are such.
+fn from_words([error, gradients, metric, layout, rays, bounces]: [u32; 6]) -> Option<CachedOptions> {
+    let error = f32::from_bits(error);
+    (error > 0.0 && error <= CachedOptions::MAX_ERROR).then_some(())?;
+    Some(CachedOptions {
+        error,
+        gradients: *Gradients::ALL.get(gradients as usize)?,
+        metric: *Metric::ALL.get(metric as usize)?,
+        layout: *GatherLayout::ALL.get(layout as usize)?,
+        rays,
+        bounces: (bounces != u32::MAX).then_some(bounces),
+    })
+}
+
+/// The options by their names on the command line.
+pub(crate) fn named(options: &CachedOptions) -> [(&'static str, String); 6] {
+    let CachedOptions { error, gradients, metric, layout, rays, bounces } = *options;
+    [
+        ("cache-error", error.to_string()),
+        ("gradients", gradients.name().to_owned()),
+        ("metric", metric.name().to_owned()),
+        ("layout", layout.name().to_owned()),
+        ("record-rays", rays.to_string()),
+        ("cache-bounces", bounces.map_or("unlimited".to_owned(), |bounces| bounces.to_string())),
+    ]
+}

@@ -1,0 +1,136 @@
+//! The irradiance cache (Ward, Rubinstein and Clear 1988): indirect irradiance at few points of the surfaces, from which
+//! that of all others is interpolated,
+//!
+//! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
+//!
+//! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
+//!
+//! A cache is frozen while it is read. It grows in rounds ([`fill`]), and each ends with one commit, in which radii are clamped
+//! and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
+
+mod clamp;
+mod file;
+mod fill;
+mod merge;
+mod octree;
+mod record;
+mod weight;
+
+use glam::Vec3;
+
+use crate::settings::{CachedOptions, Gradients, Metric};
+use octree::Octree;
+use weight::Weighting;
+
+pub(crate) use clamp::{Bounds, bound};
+pub(crate) use fill::{Pass, Place};
+
+pub use file::CacheFileError;
+pub(crate) use file::named;
+pub use record::{Record, SECTORS};
+
+/// By how much farther records are used than they keep other records away.
+const STRETCH: f32 = 2.0;
+
+/// Irradiance records, and what finds them.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    options: CachedOptions,
+    /// What the records depend on besides the options.
+    scene: u64,
+    /// The records with their radii after clamping.
+    records: Vec<Record>,
+    /// Their radii before.
+    original_radii: Vec<[f32; 2]>,
+    tree: Octree,
+}
+
+/// Irradiance from the records around a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interpolated {
+    /// In W/m², linear sRGB; never negative.
+    pub(crate) irradiance: Vec3,
+    /// Records whose extrapolation had a negative channel, which counted as 0.
+    pub(crate) negative: u32,
+}
+
+impl Cache {
+    /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
+    pub fn new(options: CachedOptions, scene: u64) -> Self {
+        Self { options, scene, records: Vec::new(), original_radii: Vec::new(), tree: Octree::default() }
+    }
+
+    /// What the records were made with.
+    pub fn options(&self) -> &CachedOptions {
+        &self.options
+    }
+
+    /// The hash of the scene that the records are of.
+    pub fn scene_hash(&self) -> u64 {
+        self.scene
+    }
+
+    /// The records, in their order.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// Adds records, clamps all and builds the tree anew.
+    pub(crate) fn commit(&mut self, records: Vec<Record>) {
+        self.original_radii.extend(records.iter().map(|record| record.radii));
+        self.records.extend(records);
+        for (record, radii) in self.records.iter_mut().zip(&self.original_radii) {
+            record.radii = *radii;
+        }
+        let factors = clamp::neighbour_factors(&self.records, self.slope());
+        for (record, factor) in self.records.iter_mut().zip(factors) {
+            record.radii = record.radii.map(|radius| radius * factor);
+        }
+        let weighting = self.weighting(STRETCH);
+        self.tree = Octree::new(self.records.iter().map(|record| (record.position, weighting.reach(record))));
+    }
+
+    /// By how much a record's reach may grow with the distance from a neighbour.
+    fn slope(&self) -> f32 {
+        match self.options.metric {
+            Metric::SplitSphere | Metric::Bounded => self.options.error,
+            Metric::Hessian => 1.0,
+        }
+    }
+
+    fn weighting(&self, stretch: f32) -> Weighting {
+        Weighting { metric: self.options.metric, error: self.options.error, stretch }
+    }
+
+    /// Whether a point needs no record of its own.
+    pub(crate) fn covers(&self, position: Vec3, normal: Vec3) -> bool {
+        let weighting = self.weighting(1.0);
+        let mut covered = false;
+        self.tree.query(position, |i| {
+            covered = covered || weighting.weight(&self.records[i], position, normal) > 0.0;
+        });
+        covered
+    }
+
+    /// The irradiance at a point with a unit normal; `None` where no record is valid.
+    pub(crate) fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
+        let weighting = self.weighting(STRETCH);
+        let rotation = self.options.gradients != Gradients::Off;
+        let translation = self.options.gradients == Gradients::Both;
+        let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
+        self.tree.query(position, |i| {
+            let record = &self.records[i];
+            let weight = weighting.weight(record, position, normal);
+            if weight > 0.0 {
+                let irradiance = record.extrapolate(position, normal, rotation, translation);
+                negative += u32::from(irradiance.min_element() < 0.0);
+                sum += weight * irradiance.max(Vec3::ZERO);
+                weights += weight;
+            }
+        });
+        (weights > 0.0).then(|| Interpolated { irradiance: sum / weights, negative })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+//! A record: the irradiance at a point of a surface, how it changes around, and how far that can be trusted.
+
+use glam::Vec3;
+
+pub use crate::estimator::SECTORS;
+
+/// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record {
+    /// The address of the record's random numbers, which is also its place in the order of a cache.
+    pub key: u64,
+    /// Where it is.
+    pub position: Vec3,
+    /// The unit normal, on the side that is lit.
+    pub normal: Vec3,
+    /// Irradiance in W/m², linear sRGB.
+    pub irradiance: Vec3,
+    /// For each channel the gradient by which irradiance changes with the normal.
+    pub rotational: [Vec3; 3],
+    /// For each channel the gradient by which irradiance changes with the position.
+    pub translational: [Vec3; 3],
+    /// Harmonic mean of the distances of what it sees.
+    pub mean_distance: f32,
+    /// The least of those distances.
+    pub min_distance: f32,
+    /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
+    pub radii: [f32; 2],
+    /// Unit tangent along which it reaches the least far.
+    pub axis: Vec3,
+    /// For each sector of azimuth, from the first tangent of the frame about the normal, the distance along the surface
+    /// of the nearest obstacle; infinite if there is none.
+    pub obstacles: [f32; SECTORS],
+}
+
+impl Record {
+    /// Irradiance at a point that the record can see, with this normal, by the given gradients: Ward and Heckbert's
+    /// (1992) `E + (n_i × n)·∇_r E + (x - x_i)·∇_t E`. May be negative.
+    #[inline]
+    pub fn extrapolate(&self, position: Vec3, normal: Vec3, rotation: bool, translation: bool) -> Vec3 {
+        let mut irradiance = self.irradiance;
+        if rotation {
+            let axis = self.normal.cross(normal);
+            irradiance += Vec3::from_array(self.rotational.map(|gradient| gradient.dot(axis)));
+        }
+        if translation {
+            let step = position - self.position;
+            irradiance += Vec3::from_array(self.translational.map(|gradient| gradient.dot(step)));
+        }
+        irradiance
+    }
+
+    /// How far away `step` from the record is, in units of how far it reaches there.
+    #[inline]
+    pub fn relative_distance(&self, step: Vec3) -> f32 {
+        let [minor, major] = self.radii;
+        let along = step.dot(self.axis);
+        if minor == major {
+            return step.length() / minor;
+        }
+        let height = step.dot(self.normal);
+        let across_squared = (step.length_squared() - along * along - height * height).max(0.0);
+        ((along * along + height * height) / (minor * minor) + across_squared / (major * major)).sqrt()
+    }
+
+    /// Everything as 32-bit words after the key, in the order of the declaration; what a file holds.
+    pub(super) fn words(&self) -> [u32; Self::WORDS] {
+        let mut words = [0; Self::WORDS];
+        let vectors = [self.position, self.normal, self.irradiance].into_iter().chain(self.rotational);
+        let vectors = vectors.chain(self.translational).chain([self.axis]).flat_map(|v| v.to_array());
+        let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1]];
+        for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.obstacles)) {
+            *word = value.to_bits();
+        }
+        words
+    }
+
+    /// The record of these words.
+    pub(super) fn from_words(key: u64, words: &[u32; Self::WORDS]) -> Self {
+        let value = |i: usize| f32::from_bits(words[i]);
+        let vector = |i: usize| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2));
+        Self {
+            key,
+            position: vector(0),
+            normal: vector(1),
+            irradiance: vector(2),
+            rotational: [vector(3), vector(4), vector(5)],
+            translational: [vector(6), vector(7), vector(8)],
+            axis: vector(9),
+            mean_distance: value(30),
+            min_distance: value(31),
+            radii: [value(32), value(33)],
+            obstacles: std::array::from_fn(|i| value(34 + i)),
+        }
+    }
+
+    /// Whether all numbers are what they may be; those of a file could be anything.
+    pub(super) fn is_sound(&self) -> bool {
+        let vectors = [self.position, self.normal, self.irradiance, self.axis].into_iter();
+        let finite = vectors.chain(self.rotational).chain(self.translational).all(|v| v.is_finite());
+        let lengths = self.radii[0] > 0.0 && self.radii[1] >= self.radii[0] && self.radii[1].is_finite();
+        finite && lengths && self.irradiance.min_element() >= 0.0
+    }
+
+    /// Ten vectors, four lengths and the obstacles.
+    pub(super) const WORDS: usize = 34 + SECTORS;
+}

@@ -1,0 +1,194 @@
+use super::*;
+use glam::vec3;
+use halfdome_kernel::sampling::Stream;
+
+const SCENE: u64 = 0x1234_5678_9abc_def0;
+
+fn options() -> CachedOptions {
+    CachedOptions::default()
+}
+
+/// A record on the plane z = 0 with the irradiance 2 + x - 3y in red, and the like in the other channels.
+fn record(key: u64, x: f32, y: f32, radius: f32) -> Record {
+    let gradients = [vec3(1.0, -3.0, 0.0), vec3(-1.0, 0.5, 0.0), Vec3::ZERO];
+    let position = vec3(x, y, 0.0);
+    Record {
+        key,
+        position,
+        normal: Vec3::Z,
+        irradiance: vec3(20.0, 10.0, 1.0) + Vec3::from_array(gradients.map(|gradient| gradient.dot(position))),
+        rotational: [Vec3::X, Vec3::Y, Vec3::Z],
+        translational: gradients,
+        mean_distance: radius,
+        min_distance: 0.5 * radius,
+        radii: [radius; 2],
+        axis: Vec3::X,
+        obstacles: [f32::INFINITY; SECTORS],
+    }
+}
+
+/// Records of random places and radii with the keys `keys`.
+fn cache(keys: std::ops::Range<u32>) -> Cache {
+    let mut cache = Cache::new(options(), SCENE);
+    let random = |key: u32| {
+        let [x, y, r, _] = Stream::new(3, key, 0).uniform4(0);
+        record(key.into(), x, y, 0.05 + 0.2 * r)
+    };
+    cache.commit(keys.map(random).collect());
+    cache
+}
+
+#[test]
+fn interpolation_is_exact_for_what_gradients_describe() {
+    let cache = cache(0..100);
+    for i in 0..200 {
+        let [x, y, ..] = Stream::new(4, i, 0).uniform4(0);
+        let Some(found) = cache.interpolate(vec3(x, y, 0.0), Vec3::Z) else { panic!("no record at {x}, {y}") };
+        let expected = vec3(20.0 + x - 3.0 * y, 10.0 - x + 0.5 * y, 1.0);
+        assert!((found.irradiance - expected).abs().max_element() < 1e-4, "{found:?}, not {expected}");
+        assert_eq!(found.negative, 0);
+    }
+    assert_eq!(cache.interpolate(vec3(0.5, 0.5, 0.0), Vec3::X), None);
+    assert_eq!(cache.interpolate(vec3(9.0, 0.5, 0.0), Vec3::Z), None);
+}
+
+#[test]
+fn gradients_are_used_as_asked() {
+    let mut one = record(0, 0.0, 0.0, 1.0);
+    one.irradiance = Vec3::ONE;
+    let (position, normal) = (vec3(0.25, 0.0, 0.0), vec3(0.0, 0.05, 1.0).normalize());
+    // n_i × n = (-0.05, 0, 0) / |n|.
+    let turned = -normal.y;
+    for (gradients, expected) in [
+        (Gradients::Off, Vec3::ONE),
+        (Gradients::Rotation, vec3(1.0 + turned, 1.0, 1.0)),
+        (Gradients::Both, vec3(1.25 + turned, 0.75, 1.0)),
+    ] {
+        let mut cache = Cache::new(CachedOptions { gradients, ..options() }, SCENE);
+        cache.commit(vec![one]);
+        let irradiance = cache.interpolate(position, normal).unwrap().irradiance;
+        assert!((irradiance - expected).abs().max_element() < 1e-6, "{gradients:?}: {irradiance}, not {expected}");
+    }
+}
+
+#[test]
+fn negative_extrapolation_counts_as_nothing_and_is_counted() {
+    let mut cache = Cache::new(options(), SCENE);
+    let mut steep = record(0, 0.0, 0.0, 1.0);
+    (steep.irradiance, steep.translational[0]) = (Vec3::ONE, Vec3::X * -100.0);
+    cache.commit(vec![steep]);
+    let found = cache.interpolate(vec3(0.5, 0.0, 0.0), Vec3::Z).unwrap();
+    assert_eq!((found.irradiance.x, found.negative), (0.0, 1));
+}
+
+/// Rounds stop when each place is covered, and what they make does not depend on the number of threads.
+#[test]
+fn filling_covers_every_place_in_one_order() {
+    let places: Vec<Place> = (0..1600)
+        .map(|i| {
+            let position = vec3((i % 40) as f32, (i / 40) as f32, 0.0) / 40.0;
+            Place { position, normal: Vec3::Z, spacing: 1.0 / 40.0 }
+        })
+        .collect();
+    let passes = [16.0, 8.0, 4.0, 2.0, 1.0].map(|separation| Pass { places: places.len(), separation });
+    let fill = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut cache = Cache::new(options(), SCENE);
+        pool.install(|| {
+            cache.fill(&places, &passes, |picks| {
+                // Small radii at the left.
+                let make = |&i: &usize| {
+                    let Vec3 { x, y, .. } = places[i].position;
+                    record(i as u64, x, y, 0.03 + 0.3 * x)
+                };
+                Some(picks.iter().map(make).collect())
+            })
+        });
+        cache
+    };
+    let cache = fill(1);
+    assert!(places.iter().all(|place| cache.covers(place.position, place.normal)));
+    let left = cache.records().iter().filter(|record| record.position.x < 0.5).count();
+    let right = cache.records().len() - left;
+    assert!(left > 3 * right && left + right < 500, "{left} records at the left, {right} at the right");
+    for threads in [2, 8] {
+        assert_eq!(fill(threads).encode(), cache.encode());
+    }
+    let mut stopped = Cache::new(options(), SCENE);
+    assert_eq!(stopped.fill(&places, &passes, |_| None), None);
+    assert!(stopped.records().is_empty());
+}
+
+#[test]
+fn files_keep_every_bit() {
+    let cache = cache(0..300);
+    assert!(cache.records.iter().zip(&cache.original_radii).any(|(record, radii)| record.radii != *radii));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cache");
+    cache.write(&path).unwrap();
+    let read = Cache::read(&path, Some((&options(), SCENE))).unwrap();
+    assert_eq!(read.records(), cache.records());
+    assert_eq!(read.encode(), cache.encode());
+    let empty = Cache::new(options(), 7);
+    assert!(Cache::decode(&empty.encode()).unwrap().records().is_empty());
+}
+
+#[test]
+fn damaged_and_foreign_files_are_refused() {
+    let bytes = cache(0..5).encode();
+    let problem = |bytes: &[u8]| Cache::decode(bytes).unwrap_err().to_string();
+    for length in 0..bytes.len() {
+        let text = problem(&bytes[..length]);
+        assert!(text.contains(if length < 8 { "is no irradiance cache" } else { "is cut off" }), "{length}: {text}");
+    }
+    for i in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[i] ^= 0x10;
+        assert!(Cache::decode(&damaged).is_err(), "a change of byte {i} was not noticed");
+    }
+    assert!(problem(&[&bytes[..], b"x"].concat()).contains("goes on after its end"));
+    let with = |range: std::ops::Range<usize>, new: &[u8]| {
+        let mut changed = bytes.clone();
+        changed[range].copy_from_slice(new);
+        problem(&changed)
+    };
+    assert!(with(8..12, &2u32.to_le_bytes()).contains("has version 2 of the format; this program reads version 1"));
+    assert!(with(12..16, &0x0102_0304u32.to_be_bytes()).contains("order of bytes of another machine"));
+    assert!(with(100..101, &[bytes[100] ^ 1]).contains("its checksum is wrong"));
+    // With a right checksum, numbers that are none are still found.
+    let mut nan = cache(0..5);
+    nan.records[3].irradiance.x = f32::NAN;
+    assert!(problem(&nan.encode()).contains("is not finite"));
+}
+
+#[test]
+fn caches_of_something_else_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cache");
+    cache(0..5).write(&path).unwrap();
+    let problem = |options, scene| Cache::read(&path, Some((&options, scene))).unwrap_err().to_string();
+    let other = problem(options(), 1);
+    assert!(other.contains("a.cache: the cache is of another scene (hash 123456789abcdef0"), "{other}");
+    let error = problem(CachedOptions { error: 0.5, ..options() }, SCENE);
+    assert!(error.contains(&format!("was built with --cache-error {}, not 0.5", options().error)), "{error}");
+    let bounces = problem(CachedOptions { bounces: Some(2), ..options() }, SCENE);
+    assert!(bounces.contains("was built with --cache-bounces unlimited, not 2"), "{bounces}");
+    assert!(Cache::read(&path, None).is_ok());
+    assert!(Cache::read(&folder.path().join("b.cache"), None).unwrap_err().to_string().contains("cannot be read"));
+}
+
+#[test]
+fn merging_does_not_depend_on_the_order_and_keeps_common_records_once() {
+    let parts = [cache(0..60), cache(40..100), cache(90..120)];
+    let merge = |order: [usize; 3]| {
+        let [a, b, c] = order.map(|i| parts[i].clone());
+        a.merge(b).unwrap().merge(c).unwrap()
+    };
+    let all = merge([0, 1, 2]);
+    assert_eq!(all.records(), cache(0..120).records());
+    for order in [[2, 1, 0], [1, 2, 0], [0, 2, 1]] {
+        assert_eq!(merge(order).encode(), all.encode());
+    }
+    let foreign = Cache::new(options(), 1);
+    assert!(all.merge(foreign).unwrap_err().to_string().contains("another scene"));
+}

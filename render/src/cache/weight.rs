@@ -1,0 +1,177 @@
+//! What a record is worth at a point: a weight that is 0 where the record is no longer valid.
+//!
+//! With `t` the distance in units of how far the record reaches, `a` the error, and `c = n·n_i`:
+//!
+//! - split-sphere (Ward, Rubinstein and Clear 1988): `1/e - 1` with `e = t + sqrt(1 - c)/a`. The shift by 1 takes away the
+//!   jump at the end, a cap the pole at the record.
+//! - bounded (Tabellion and Lamorlette 2004): the tent `1 - max(t, sqrt(1 - c)/sqrt(1 - cos 10°))`.
+//! - Hessian (Schwarzhaupt, Wann Jensen and Jarosz 2012): `(1 - t)(c - cos 10°)/(1 - cos 10°)`.
+//!
+//! Records are placed where none has a weight, and used with a *stretch* of 2: `e`, `t` and the angles count half. So a
+//! record's neighbours reach over it, and a point between points that had records has some, too (Tabellion and
+//! Lamorlette again).
+//!
+//! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
+//! own: the point must not be above or below the surface that the record and it could share, by the mean of the
+//! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no obstacle that
+//! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
+//! each sector of azimuth).
+
+use glam::Vec3;
+use halfdome_kernel::sampling::Frame;
+
+use super::record::Record;
+use crate::estimator::sector;
+use crate::settings::Metric;
+
+/// How records are weighted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weighting {
+    pub(crate) metric: Metric,
+    /// Ward's `a`.
+    pub(crate) error: f32,
+    /// By how much more a record is worth than when records are placed: at least 1.
+    pub(crate) stretch: f32,
+}
+
+/// `1 - cos 10°`.
+const ANGLE: f32 = 0.015_192_247;
+/// The greatest of Ward's weights is the inverse of this, less 1.
+const CAP: f32 = 0.1;
+/// How far above or below the common surface a point may be, in units of its distance ...
+const SLOPE: f32 = 0.1;
+/// ... and of the record's reach, for what rounding does to points that are near.
+const LEVEL: f32 = 0.01;
+
+impl Weighting {
+    /// The weight of a record at a point with this unit normal, at least 0.
+    #[inline]
+    pub(crate) fn weight(&self, record: &Record, position: Vec3, normal: Vec3) -> f32 {
+        let step = position - record.position;
+        let turn = (1.0 - normal.dot(record.normal)).max(0.0) / (self.stretch * self.stretch);
+        let distance = record.relative_distance(step) / self.stretch;
+        let weight = match self.metric {
+            Metric::SplitSphere => 1.0 / (distance + turn.sqrt() / self.error).max(CAP) - 1.0,
+            Metric::Bounded => 1.0 - distance.max((turn / ANGLE).sqrt()),
+            Metric::Hessian => (1.0 - distance).max(0.0) * (1.0 - turn / ANGLE),
+        };
+        // `>` is false for NaN too.
+        if weight > 0.0 && shares_surface(record, step, normal) && sees(record, step) { weight } else { 0.0 }
+    }
+
+    /// The farthest that a record has a weight.
+    pub(crate) fn reach(&self, record: &Record) -> f32 {
+        self.stretch * record.radii[1]
+    }
+}
+
+/// Whether a point a `step` away is on the record's level.
+#[inline]
+fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
+    let height = 0.5 * step.dot(normal + record.normal);
+    height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0]
+}
+
+/// Whether no obstacle that the record saw stands between it and a point a `step` away.
+#[inline]
+fn sees(record: &Record, step: Vec3) -> bool {
+    let distance_squared = step.length_squared();
+    if distance_squared <= record.min_distance * record.min_distance {
+        return true;
+    }
+    let local = Frame::from_normal(record.normal).to_local(step);
+    let obstacle = record.obstacles[sector(local.truncate())];
+    distance_squared <= obstacle * obstacle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::SECTORS;
+    use glam::{Vec2, vec3};
+
+    fn record() -> Record {
+        Record {
+            key: 0,
+            position: vec3(1.0, 2.0, 3.0),
+            normal: Vec3::Z,
+            irradiance: Vec3::ONE,
+            rotational: [Vec3::ZERO; 3],
+            translational: [Vec3::ZERO; 3],
+            mean_distance: 1.0,
+            min_distance: 0.1,
+            radii: [0.5, 1.0],
+            axis: Vec3::X,
+            obstacles: [f32::INFINITY; SECTORS],
+        }
+    }
+
+    fn weighting(metric: Metric, stretch: f32) -> Weighting {
+        Weighting { metric, error: 0.5, stretch }
+    }
+
+    #[test]
+    fn weights_are_the_published_ones() {
+        let at = |metric, stretch, step: Vec3, normal| {
+            let record = record();
+            weighting(metric, stretch).weight(&record, record.position + step, normal)
+        };
+        let near = |value: f32, expected: f32| assert!((value - expected).abs() < 1e-5, "{value}, not {expected}");
+        // A quarter of the way along the axis, half of it across.
+        for step in [vec3(0.25, 0.0, 0.0), vec3(0.0, 0.5, 0.0), vec3(0.0, -0.5, 0.0)] {
+            near(at(Metric::SplitSphere, 1.0, step, Vec3::Z), 1.0);
+            near(at(Metric::Bounded, 1.0, step, Vec3::Z), 0.5);
+            near(at(Metric::Hessian, 1.0, step, Vec3::Z), 0.5);
+            near(at(Metric::Bounded, 2.0, step, Vec3::Z), 0.75);
+        }
+        near(at(Metric::SplitSphere, 1.0, Vec3::ZERO, Vec3::Z), 9.0);
+        let tilted = |degrees: f32| vec3(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+        // 1 - cos α = 2 sin² α/2.
+        let half_angle = |degrees: f32| (degrees / 2.0).to_radians().sin();
+        near(at(Metric::Bounded, 1.0, Vec3::ZERO, tilted(4.0)), 1.0 - half_angle(4.0) / half_angle(10.0));
+        near(at(Metric::Hessian, 1.0, Vec3::ZERO, tilted(4.0)), 1.0 - (half_angle(4.0) / half_angle(10.0)).powi(2));
+        near(at(Metric::SplitSphere, 1.0, Vec3::ZERO, tilted(20.0)), 0.5 / (2f32.sqrt() * half_angle(20.0)) - 1.0);
+        assert_eq!(at(Metric::Bounded, 1.0, Vec3::ZERO, tilted(11.0)), 0.0);
+        assert!(at(Metric::Bounded, 2.0, Vec3::ZERO, tilted(11.0)) > 0.0);
+        for metric in Metric::ALL {
+            assert_eq!(at(metric, 1.0, vec3(0.51, 0.0, 0.0), Vec3::Z), 0.0);
+            assert_eq!(at(metric, 2.0, vec3(0.0, 2.01, 0.0), Vec3::Z), 0.0);
+            assert_eq!(at(metric, 1.0, Vec3::ZERO, Vec3::NEG_Z), 0.0);
+            assert_eq!(at(metric, 1.0, Vec3::splat(f32::NAN), Vec3::Z), 0.0);
+        }
+    }
+
+    /// Whether a record has a weight does not change when the world is scaled.
+    #[test]
+    fn validity_has_no_unit() {
+        for scale in [1e-3, 1.0, 1e3] {
+            let mut record = record();
+            record.position *= scale;
+            record.radii = record.radii.map(|radius| radius * scale);
+            record.min_distance *= scale;
+            record.obstacles[sector(Vec2::Y)] = 0.3 * scale;
+            let at = |step: Vec3, normal: Vec3| {
+                weighting(Metric::Bounded, 1.0).weight(&record, record.position + step * scale, normal) > 0.0
+            };
+            assert!(at(vec3(0.3, 0.0, 0.0), Vec3::Z));
+            assert!(at(vec3(0.0, -0.6, 0.0), Vec3::Z), "nothing is in the way");
+            assert!(!at(vec3(0.0, 0.6, 0.0), Vec3::Z), "an obstacle is between");
+            assert!(at(vec3(0.0, 0.25, 0.0), Vec3::Z), "the obstacle is behind");
+            assert!(!at(vec3(0.3, 0.0, 0.04), Vec3::Z) && !at(vec3(0.3, 0.0, -0.04), Vec3::Z), "another level");
+            assert!(at(vec3(0.3, 0.0, 0.02), Vec3::Z) && at(vec3(0.0, 0.0, -0.004), Vec3::Z), "the same level");
+        }
+    }
+
+    /// Along a chord of a sphere the mean of the normals is level: curvature is no reason to refuse a record.
+    #[test]
+    fn curved_surfaces_share_records() {
+        for side in [-1.0, 1.0] {
+            let mut record = record();
+            record.normal = vec3(0.0, 0.0, side);
+            let angle = 8f32.to_radians();
+            let (step, normal) =
+                (vec3(angle.sin(), 0.0, angle.cos() - 1.0) * 2.0, vec3(angle.sin(), 0.0, angle.cos()) * side);
+            assert!(weighting(Metric::Bounded, 1.0).weight(&record, record.position + step, normal) > 0.0);
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! `halfdome cache show`: where records are and how far they reach.
+
+use std::f32::consts::TAU;
+use std::fmt::Write as _;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+
+use super::super::args::{CommonArguments, size};
+use super::super::progress::Progress;
+use super::super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
+use super::{cached_options, read_cache, with_cache};
+use crate::cache::{Cache, Record};
+use crate::camera::Camera;
+use crate::driver::{self, Watch};
+use crate::film::Picture;
+use crate::output::{self, OutputFile, ToneMapping};
+use crate::scene::Overrides;
+use crate::settings::Invalid;
+use crate::world::World;
+
+/// A cache, and the picture over which its records are drawn.
+#[derive(Args, Clone, Debug)]
+pub(in crate::cli) struct ShowArguments {
+    /// The scene of the cache
+    scene: PathBuf,
+
+    /// A cache
+    cache: PathBuf,
+
+    /// Picture (.png) or points (.ply) to write; may be given several times
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    outputs: Vec<PathBuf>,
+
+    /// Draw dots alone, without rings
+    #[arg(long)]
+    dots: bool,
+
+    /// Pixels across and down, for example 1280x720 [default: 512x512]
+    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
+    #[arg(value_parser = size)]
+    size: Option<(u32, u32)>,
+
+    #[command(flatten)]
+    overrides: Overrides,
+
+    /// How it runs.
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+/// Linear colours of dots and rings.
+const DOT: [f32; 3] = [1.0, 0.02, 0.0];
+const RING: [f32; 3] = [0.9, 0.75, 0.05];
+/// Corners of a ring.
+const CORNERS: usize = 48;
+/// How far a record may be behind what the camera sees, as a part of its distance.
+const BEHIND: f32 = 1e-3;
+
+/// Draws, or writes points.
+pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
+    for path in &arguments.outputs {
+        match extension(path).as_deref() {
+            Some("ply") => _ = OutputFile::check(path).map_err(CliError::input)?,
+            Some("png") => output::check(path).map_err(CliError::input)?,
+            _ => {
+                let problem = format!("{}: records can be shown as .png or .ply", path.display());
+                return Err(Invalid::new(problem, "end the name in .png (a picture) or .ply (points)").into());
+            }
+        }
+    }
+    let overrides = with_cache(arguments.overrides.clone(), arguments.size);
+    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
+    let cache = read_cache(Some(&arguments.cache), &cached_options(&settings)?, &world)?;
+    memory::check(&settings)?;
+    let mut stopped = false;
+    for path in &arguments.outputs {
+        if extension(path).as_deref() == Some("ply") {
+            let file = OutputFile::check(path).map_err(CliError::input)?;
+            file.write(ply(&cache).as_bytes()).map_err(CliError::system)?;
+            continue;
+        }
+        interrupt::catch()?;
+        let samples = u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp);
+        let progress = Progress::start(arguments.common.progress.style(io::stderr().is_terminal()), samples);
+        let render = pool.install(|| driver::render_with(&world, &settings, Some(cache.clone()), &progress));
+        stopped |= progress.stop();
+        drop(progress);
+        let mut picture = render.picture;
+        draw(&mut picture, &world, &cache, !arguments.dots);
+        output::write(path, &picture, &ToneMapping::default()).map_err(CliError::system)?;
+    }
+    Ok(if stopped { EXIT_INTERRUPTED } else { EXIT_DONE })
+}
+
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// Draws the records that the camera sees over the picture: rings first, so that they hide no dot.
+fn draw(picture: &mut Picture, world: &World, cache: &Cache, rings: bool) {
+    let camera = Camera::new(&world.camera, picture.width, picture.height);
+    let visible: Vec<&Record> = cache.records().iter().filter(|record| is_visible(world, record)).collect();
+    if rings {
+        for record in &visible {
+            let corners: Vec<Vec3> = (0..=CORNERS).map(|i| corner(record, i as f32 / CORNERS as f32)).collect();
+            for ends in corners.windows(2) {
+                line(picture, &camera, ends[0], ends[1]);
+            }
+        }
+    }
+    for record in visible {
+        if let Some(Vec2 { x, y }) = camera.project(record.position) {
+            for (right, down) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                paint(picture, x - 0.5 + right, y - 0.5 + down, DOT);
+            }
+        }
+    }
+}
+
+/// The point of a record's ellipse at a part of the way around.
+fn corner(record: &Record, turn: f32) -> Vec3 {
+    let (sin, cos) = (turn * TAU).sin_cos();
+    let across = record.normal.cross(record.axis);
+    record.position + record.axis * (cos * record.radii[0]) + across * (sin * record.radii[1])
+}
+
+/// Whether the camera sees a record, from the side that it lights.
+fn is_visible(world: &World, record: &Record) -> bool {
+    let ray = Ray { t_max: 1.0 - BEHIND, ..Ray::between(world.camera.eye, record.position) };
+    ray.direction.dot(record.normal) < 0.0 && !world.tree().occluded(&ray)
+}
+
+/// A line between two points in space, a pixel wide, cut off where the camera does not see it.
+fn line(picture: &mut Picture, camera: &Camera, from: Vec3, to: Vec3) {
+    let (Some(from), Some(to)) = (camera.project(from), camera.project(to)) else { return };
+    let steps = (to - from).abs().max_element().ceil().clamp(1.0, 4096.0);
+    for step in 0..steps as u32 {
+        let point = from.lerp(to, step as f32 / steps);
+        paint(picture, point.x, point.y, RING);
+    }
+}
+
+/// Gives the pixel at a point of the film a colour.
+fn paint(picture: &mut Picture, x: f32, y: f32, color: [f32; 3]) {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    if !(x >= 0.0 && y >= 0.0 && (x as usize) < width && (y as usize) < height) {
+        return;
+    }
+    let pixel = y as usize * width + x as usize;
+    for (name, value) in ["R", "G", "B"].into_iter().zip(color) {
+        if let Some(channel) = picture.channels.iter_mut().find(|channel| channel.name == name) {
+            channel.values[pixel] = value;
+        }
+    }
+}
+
+/// The records as a point cloud in the Stanford PLY format.
+fn ply(cache: &Cache) -> String {
+    let mut text = format!(
+        "ply\nformat ascii 1.0\ncomment halfdome irradiance records\nelement vertex {}\n",
+        cache.records().len()
+    );
+    for name in
+        ["x", "y", "z", "nx", "ny", "nz", "irradiance_r", "irradiance_g", "irradiance_b", "radius_1", "radius_2"]
+    {
+        let _ = writeln!(text, "property float {name}");
+    }
+    text += "end_header\n";
+    for Record { position: p, normal: n, irradiance: e, radii: [r1, r2], .. } in cache.records() {
+        let _ = writeln!(text, "{} {} {} {} {} {} {} {} {} {r1} {r2}", p.x, p.y, p.z, n.x, n.y, n.z, e.x, e.y, e.z);
+    }
+    text
+}

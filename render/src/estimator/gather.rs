@@ -1,0 +1,186 @@
+//! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
+//!
+//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky, which is as smooth as that and
+//! is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to find, by paths
+//! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
+//! large batches.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified};
+use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
+use halfdome_kernel::{Hit, Ray};
+
+use super::horizon::Horizon;
+use crate::settings::GatherLayout;
+use crate::world::{Surface, World};
+
+/// The set of random numbers that says where in its cell a ray is. Those after it are for whoever follows the rays.
+const JITTER_SET: u32 = 0;
+/// The first set of random numbers that is free for whoever follows the rays.
+pub(crate) const GATHER_FIRST_SET: u32 = 1;
+/// Keeps the numbers of gathers apart from those of pixels.
+const SALT: u64 = 0x6a09_e667_f3bc_c908;
+/// Rays that are traced together, about.
+const BATCH: usize = 2048;
+
+/// A point that gathers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GatherPoint<'w> {
+    /// The address of its random numbers.
+    pub(crate) key: u64,
+    /// Its surface, with normals on the side that is lit.
+    pub(crate) surface: Surface<'w>,
+}
+
+/// What a gather found.
+#[derive(Clone, Debug)]
+pub(crate) struct Gathered {
+    /// Irradiance, gradients and distances, in world space.
+    pub(crate) gather: Gather,
+    /// How irradiance curves, in the frame about the normal, if that was asked for.
+    pub(crate) hessian: Option<Hessian>,
+    /// What stands around.
+    pub(crate) horizon: Horizon,
+}
+
+/// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
+/// must not count.
+pub(crate) trait Follow {
+    /// Writes radiance for each ray that hit something.
+    fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64;
+}
+
+/// Makes gathers of one kind.
+pub(crate) struct Gatherer {
+    layout: Box<dyn Layout + Send + Sync>,
+    with_hessian: bool,
+    seed: u64,
+}
+
+/// The rays of several gathers, one after the other. The next batch uses the memory again.
+#[derive(Default)]
+struct Batch {
+    /// Directions in local coordinates.
+    directions: Vec<Vec3>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    samplers: Vec<Sampler>,
+    addresses: Vec<Address>,
+    /// Where in its cell each direction is.
+    jitter: Vec<Vec2>,
+    radiance: Vec<Vec3>,
+    distance: Vec<f32>,
+}
+
+impl Gatherer {
+    /// Gathers of about `rays` rays each, with Hessians or without.
+    pub(crate) fn new(layout: GatherLayout, rays: u32, with_hessian: bool, seed: u64) -> Self {
+        let layout: Box<dyn Layout + Send + Sync> = match layout {
+            GatherLayout::Stratified => {
+                let strata = Strata::near(rays);
+                let table = vec![0.0; Stratified::table_len(&strata)];
+                Box::new(Stratified::new(strata, table).expect("the table is as long as needed"))
+            }
+            GatherLayout::Hemicube => {
+                // 3 n² texels, n even.
+                let size = (2.0 * (rays as f32 / 12.0).sqrt().round()).max(2.0) as u32;
+                let table = vec![0.0; Hemicube::table_len(size)];
+                Box::new(Hemicube::new(size, table).expect("an even size and a table as long as needed"))
+            }
+        };
+        Self { layout, with_hessian, seed: seed ^ SALT }
+    }
+
+    /// Gathers at `points`; gives what each found, in their order, and the number of all rays.
+    pub(crate) fn gather(
+        &self,
+        world: &World,
+        points: &[GatherPoint],
+        follow: &mut dyn Follow,
+    ) -> (Vec<Gathered>, u64) {
+        let mut batch = Batch::default();
+        let mut rays = 0;
+        let gathers = points.chunks((BATCH / self.layout.cells()).max(1)).flat_map(|points| {
+            rays += batch.trace(self, world, points, follow);
+            let cells = self.layout.cells();
+            let gathers: Vec<_> =
+                points.iter().enumerate().map(|(i, point)| batch.sum(self, world, point, i * cells)).collect();
+            gathers
+        });
+        (gathers.collect(), rays)
+    }
+}
+
+/// A key as the pixel of a sampler: the finalizer of SplitMix64 (Steele, Lea and Flood 2014), its upper half.
+fn address(key: u64) -> u32 {
+    let mixed = (key ^ key >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (mixed >> 32) as u32
+}
+
+impl Batch {
+    /// Traces the rays of `points` and finds their radiance.
+    fn trace(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
+        let cells = gatherer.layout.cells();
+        self.directions.resize(points.len() * cells, Vec3::Z);
+        self.rays.clear();
+        self.samplers.clear();
+        for point in points {
+            let pixel = address(point.key);
+            let sampler = |cell| Sampler::new(Pattern::Sobol, gatherer.seed, pixel, cell);
+            self.samplers.extend((0..cells as u32).map(sampler));
+        }
+        self.addresses.clear();
+        self.addresses.extend(self.samplers.iter().map(Sampler::address));
+        self.jitter.resize(self.samplers.len(), Vec2::ZERO);
+        if let Some(sampler) = self.samplers.first() {
+            sampler.fill2(world.tree().isa(), JITTER_SET, &self.addresses, &mut self.jitter);
+        }
+        let parts = self.directions.chunks_exact_mut(cells).zip(self.jitter.chunks_exact(cells));
+        for (point, (directions, jitter)) in points.iter().zip(parts) {
+            gatherer.layout.directions(&mut |cell| jitter[cell], directions).expect("a direction for each cell");
+            let (frame, normal) = (point.surface.frame(), point.surface.normal);
+            let origin = point.surface.origin_towards(normal);
+            for &local in directions.iter() {
+                let direction = frame.to_world(local);
+                let ray = Ray::new(origin, direction);
+                // A shading normal may send rays through the surface. They hit nothing, and see no sky either.
+                let t_max = if normal.dot(direction) > 0.0 { f32::INFINITY } else { -1.0 };
+                self.rays.push(Ray { t_max, ..ray });
+            }
+        }
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        self.radiance.clear();
+        self.radiance.resize(self.rays.len(), Vec3::ZERO);
+        world.tree().intersect_many(&self.rays, &mut self.hits);
+        let further = follow.follow(&self.rays, &self.hits, &self.samplers, &mut self.radiance);
+        self.distance.clear();
+        for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
+            if !hit.is_hit() {
+                *radiance = if ray.t_max > 0.0 { world.sky.radiance } else { Vec3::ZERO };
+            }
+            self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
+        }
+        self.rays.len() as u64 + further
+    }
+
+    /// Sums up the rays of the gather that begin with number `first`.
+    fn sum(&self, gatherer: &Gatherer, world: &World, point: &GatherPoint, first: usize) -> Gathered {
+        let range = first..first + gatherer.layout.cells();
+        let (directions, hits) = (&self.directions[range.clone()], &self.hits[range.clone()]);
+        let (radiance, distance) = (&self.radiance[range.clone()], &self.distance[range]);
+        let frame: Frame = point.surface.frame();
+        let gather = gatherer.layout.accumulate(radiance, distance).expect("a value for each cell");
+        let hessian = gatherer
+            .with_hessian
+            .then(|| gatherer.layout.hessian(directions, radiance, distance).expect("a value for each cell"));
+        let mut horizon = Horizon::OPEN;
+        for (direction, hit) in directions.iter().zip(hits) {
+            if hit.is_hit() && Horizon::is_flat(*direction) {
+                let normal = world.surface_at(hit).normal;
+                horizon.add(*direction, hit.t, normal.dot(point.surface.shading_normal));
+            }
+        }
+        Gathered { gather: gather.to_world(&frame), hessian, horizon }
+    }
+}

@@ -1,0 +1,126 @@
+//! Fills one cache: gathers where it asks for records, with whatever finds the light beyond.
+
+use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::{Hit, Ray};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{Frozen, Misses, indirect};
+use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
+use crate::driver::Watch;
+use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
+use crate::integrator::{CameraRays, Wavefront};
+use crate::settings::CachedOptions;
+use crate::world::World;
+
+/// Where light beyond the first surface comes from.
+#[derive(Clone, Copy)]
+pub(super) enum Source<'a> {
+    /// Paths, of at most this many surfaces or as many as chance lets them have.
+    Paths(Option<u32>),
+    /// A cache of light with one reflection less.
+    Cache(&'a Frozen),
+}
+
+/// A cache that is being filled.
+pub(super) struct Level<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) options: &'a CachedOptions,
+    pub(crate) source: Source<'a>,
+    pub(crate) gatherer: Gatherer,
+    pub(crate) watch: &'a dyn Watch,
+}
+
+/// A point that may get a record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate<'w> {
+    pub(crate) point: GatherPoint<'w>,
+    pub(crate) place: Place,
+    pub(crate) bounds: Bounds,
+}
+
+/// The side of the square in which an error of 1 may be, as a part of the scene's diagonal. It makes the Hessian's radii
+/// in the Cornell box about as good as those of the other metrics with the same error.
+const HESSIAN_EXTENT: f32 = 0.02;
+/// Gathers that a thread takes at once.
+const GATHERS: usize = 2;
+
+impl Level<'_> {
+    /// Adds records to `cache` until each candidate is covered, or the watcher says stop; gives the rays traced.
+    pub(crate) fn fill(&self, cache: &mut Cache, candidates: &[Candidate], passes: &[Pass]) -> u64 {
+        let places: Vec<Place> = candidates.iter().map(|candidate| candidate.place).collect();
+        let mut traced = 0;
+        cache.fill(&places, passes, |picks| {
+            if self.watch.stop() {
+                return None;
+            }
+            let gathers = picks.par_chunks(GATHERS).map(|picks| {
+                let points: Vec<GatherPoint> = picks.iter().map(|&i| candidates[i].point).collect();
+                let mut follower = Follower { world: self.world, source: self.source, memory: Default::default() };
+                let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
+                self.watch.advance(0, rays);
+                let records: Vec<Record> =
+                    picks.iter().zip(found).map(|(&i, found)| self.record(&candidates[i], &found)).collect();
+                (records, rays)
+            });
+            let gathers: Vec<_> = gathers.collect();
+            traced += gathers.iter().map(|(_, rays)| rays).sum::<u64>();
+            Some(gathers.into_iter().flat_map(|(records, _)| records).collect())
+        });
+        traced
+    }
+
+    /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
+    /// it). The fourth power makes radii proportional to the error, as those of the other metrics are; the scene's
+    /// extent makes them scale with it.
+    fn area_error(&self) -> f32 {
+        let extent = HESSIAN_EXTENT * self.options.error * self.options.error * self.world.diagonal();
+        extent * extent
+    }
+
+    /// The record of what a gather found.
+    fn record(&self, candidate: &Candidate, found: &Gathered) -> Record {
+        let Gathered { gather, hessian, horizon } = found;
+        let surface = &candidate.point.surface;
+        // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
+        let mean_distance = gather.harmonic_mean_distance.min(self.world.diagonal());
+        let mut record = Record {
+            key: candidate.point.key,
+            position: surface.position,
+            normal: surface.shading_normal,
+            irradiance: gather.irradiance,
+            rotational: gather.rotational,
+            translational: gather.translational,
+            mean_distance,
+            min_distance: gather.minimum_distance.min(mean_distance),
+            radii: [self.options.error * mean_distance; 2],
+            axis: surface.frame().tangent,
+            obstacles: horizon.0,
+        };
+        if let Some(hessian) = hessian {
+            let ellipse = hessian.radii(self.area_error()).to_world(&surface.frame());
+            (record.axis, record.radii) = (ellipse.axes[0], ellipse.radii);
+        }
+        bound(&mut record, self.options, candidate.bounds);
+        record
+    }
+}
+
+/// Follows a gather's rays.
+struct Follower<'a> {
+    world: &'a World,
+    source: Source<'a>,
+    memory: (Wavefront, Misses),
+}
+
+impl Follow for Follower<'_> {
+    fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
+        let camera = CameraRays { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
+        let (wave, misses) = &mut self.memory;
+        match self.source {
+            Source::Paths(max_depth) => indirect(self.world, max_depth, &camera, wave, radiance),
+            Source::Cache(frozen) => super::radiance(self.world, frozen, &camera, wave, misses, radiance),
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The second pass: radiance along rays from a frozen cache.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Sampler, unit_double};
+use halfdome_kernel::{Hit, Ray};
+
+use super::super::path::emission;
+use super::super::wavefront::{Path, SETS_PER_SURFACE};
+use super::super::{CameraRays, Wavefront};
+use super::{Frozen, indirect};
+use crate::estimator::connect_lamp;
+use crate::settings::LightSampling;
+use crate::world::World;
+
+/// The most surfaces on a path that mirrors and glass prolong.
+const MAX_SURFACES: u32 = 32;
+
+/// Points without a record, and the rays that go on from there.
+#[derive(Default)]
+pub(crate) struct Misses {
+    /// Which camera ray saw them, and what the light that arrives by the ray is multiplied by.
+    seen: Vec<(usize, Vec3)>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    samplers: Vec<Sampler>,
+    radiance: Vec<Vec3>,
+}
+
+/// Writes the radiance along each ray, and puts points without records into `misses`; gives the number of further rays.
+pub(super) fn radiance(
+    world: &World,
+    frozen: &Frozen,
+    camera: &CameraRays,
+    wave: &mut Wavefront,
+    misses: &mut Misses,
+    radiance: &mut [Vec3],
+) -> u64 {
+    radiance.fill(Vec3::ZERO);
+    misses.clear();
+    wave.start(camera);
+    let mut traced = 0;
+    for depth in 1..=MAX_SURFACES {
+        wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
+            let Path { index, throughput, .. } = path;
+            if !hit.is_hit() {
+                // The sky that a gather sees is its own affair.
+                if path.density == f32::INFINITY {
+                    radiance[index] += throughput * world.sky.radiance;
+                }
+                return None;
+            }
+            let surface = world.surface_at(hit);
+            radiance[index] += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
+
+            let surface = surface.facing(ray.direction);
+            let albedo = surface.material.diffuse;
+            if albedo != Vec3::ZERO {
+                if let Some(connection) = connect_lamp(world, &surface, unit_double(first), on_light) {
+                    connections.push(index, throughput, connection);
+                }
+                match frozen.irradiance(&surface) {
+                    Some(irradiance) => radiance[index] += throughput * albedo * irradiance * (1.0 / PI),
+                    None => {
+                        let direction = surface.frame().to_world(CosineHemisphere.map(onwards));
+                        if surface.normal.dot(direction) > 0.0 {
+                            let ray = Ray::new(surface.origin_towards(direction), direction);
+                            misses.push(index, throughput * albedo, ray, camera.samplers[index]);
+                        }
+                    }
+                }
+            }
+            let bounce = surface.sample(ray.direction, onwards)?;
+            if bounce.density != f32::INFINITY {
+                return None;
+            }
+            let next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
+            Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
+        });
+        traced += wave.connect(world, radiance);
+        if wave.is_empty() {
+            break;
+        }
+        traced += wave.trace(world);
+    }
+    traced
+}
+
+impl Misses {
+    /// Adds what paths of at most `max_depth` surfaces find in place of the missing records; gives the number of rays.
+    pub(super) fn follow(
+        &mut self,
+        world: &World,
+        camera: &CameraRays,
+        max_depth: Option<u32>,
+        wave: &mut Wavefront,
+        radiance: &mut [Vec3],
+    ) -> u64 {
+        if self.seen.is_empty() {
+            return 0;
+        }
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        self.radiance.resize(self.rays.len(), Vec3::ZERO);
+        world.tree().intersect_many(&self.rays, &mut self.hits);
+        // Behind the sets of all surfaces before.
+        let first_set = camera.first_set + MAX_SURFACES * SETS_PER_SURFACE;
+        let rays = CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };
+        let further = indirect(world, max_depth, &rays, wave, &mut self.radiance);
+        for (&(index, throughput), found) in self.seen.iter().zip(&self.radiance) {
+            radiance[index] += throughput * *found;
+        }
+        self.rays.len() as u64 + further
+    }
+
+    fn push(&mut self, index: usize, throughput: Vec3, ray: Ray, sampler: Sampler) {
+        self.seen.push((index, throughput));
+        self.rays.push(ray);
+        self.samplers.push(sampler);
+    }
+
+    fn clear(&mut self) {
+        self.seen.clear();
+        self.rays.clear();
+        self.samplers.clear();
+    }
+}

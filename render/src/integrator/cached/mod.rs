@@ -1,0 +1,115 @@
+//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: an *overture* fills the cache, and
+//! then it is frozen and the picture taken from it,
+//!
+//! `L = L_e + ρ/π (E_direct + E_indirect)`,
+//!
+//! with one sample of direct light at every point and indirect light from the records around. Mirrors and glass are
+//! followed to the first surface that scatters light.
+//!
+//! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
+//! back on a path, which is as right and only noisier. How often that happens is counted.
+
+mod level;
+mod lookup;
+mod overture;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::Vec3;
+
+use super::{CameraRays, Wavefront, path};
+use crate::cache::Cache;
+use crate::settings::{PathOptions, Stop, Survival};
+use crate::world::{Surface, World};
+
+use level::{Level, Source};
+pub(crate) use lookup::Misses;
+pub(crate) use overture::{fill_for_camera, fill_for_surfaces};
+
+/// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
+const SURE_DEPTH: u32 = 1;
+
+/// A cache that grows no more, and what happened while it was read.
+#[derive(Debug)]
+pub(crate) struct Frozen {
+    pub(crate) cache: Cache,
+    misses: AtomicU64,
+    negative: AtomicU64,
+}
+
+/// What happened while a cache was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CacheUse {
+    /// Records in the cache.
+    pub records: u64,
+    /// Points without a valid record, for each of which a path was traced.
+    pub misses: u64,
+    /// Records whose extrapolation had a negative channel, which counted as 0.
+    pub negative: u64,
+}
+
+impl Frozen {
+    /// The frozen cache, not read yet.
+    pub(crate) fn new(cache: Cache) -> Self {
+        Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
+    }
+
+    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
+    pub(crate) fn irradiance(&self, surface: &Surface) -> Option<Vec3> {
+        let found = self.cache.interpolate(surface.position, surface.shading_normal);
+        // Sums of whole numbers do not depend on the order of threads.
+        match &found {
+            None => _ = self.misses.fetch_add(1, Ordering::Relaxed),
+            Some(found) if found.negative > 0 => {
+                self.negative.fetch_add(found.negative.into(), Ordering::Relaxed);
+            }
+            Some(_) => {}
+        }
+        found.map(|found| found.irradiance)
+    }
+
+    /// What happened so far.
+    pub(crate) fn usage(&self) -> CacheUse {
+        CacheUse {
+            records: self.cache.records().len() as u64,
+            misses: self.misses.load(Ordering::Relaxed),
+            negative: self.negative.load(Ordering::Relaxed),
+        }
+    }
+}
+
+/// Writes what surfaces reflect along each ray, and the sky, found by paths of at most `max_depth` surfaces: all that is
+/// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
+pub(crate) fn indirect(
+    world: &World,
+    max_depth: Option<u32>,
+    rays: &CameraRays,
+    wave: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    let defaults = PathOptions::default();
+    let stop = Stop::Roulette { after: SURE_DEPTH, survival: Survival::default() };
+    let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
+    let traced = path::radiance(world, &options, rays, wave, radiance, |_| ());
+    for (hit, radiance) in rays.hits.iter().zip(radiance) {
+        if !hit.is_hit() {
+            *radiance = world.sky.radiance;
+        }
+    }
+    traced
+}
+
+/// Writes the radiance along each camera ray; gives the number of further rays.
+pub(super) fn radiance(
+    world: &World,
+    frozen: &Frozen,
+    camera: &CameraRays,
+    wave: &mut Wavefront,
+    misses: &mut Misses,
+    radiance: &mut [Vec3],
+) -> u64 {
+    // A path that goes on from a miss is reflected as often as light on its way to a record, and then meets its source.
+    let max_depth = frozen.cache.options().bounces.map(|bounces| bounces + 1);
+    let traced = lookup::radiance(world, frozen, camera, wave, misses, radiance);
+    traced + misses.follow(world, camera, max_depth, wave, radiance)
+}

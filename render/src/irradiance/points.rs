@@ -1,0 +1,127 @@
+//! Sensors as text: `x y z nx ny nz` on a line, as Radiance's `rtrace -I` takes them. Blank lines and lines that begin
+//! with `#` are passed over and have no line in the output.
+
+use std::io::{self, BufRead};
+
+use glam::Vec3;
+use halfdome_kernel::MAX_COORDINATE;
+
+use crate::world::{Surface, World};
+
+/// A point that measures what arrives on the side of a normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensor {
+    /// Where it is. Rays start as far in front of it as rounding demands, so that it may lie on a surface.
+    pub position: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+}
+
+/// A line that is no sensor, or that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("line {line}: {problem}\n  help: {remedy}")]
+pub struct PointsError {
+    /// The number of the line, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub problem: String,
+    /// What would be right.
+    pub remedy: String,
+}
+
+impl Sensor {
+    /// A white surface there.
+    pub(super) fn surface<'w>(&self, world: &'w World) -> Surface<'w> {
+        world.sensor(self.position, self.normal)
+    }
+
+    /// The sensor of a line.
+    fn parse(text: &str) -> Result<Self, (String, &'static str)> {
+        const SIX: &str = "give six numbers: a position x y z and a normal nx ny nz";
+        let mut numbers = [0.0f64; 6];
+        let words: Vec<&str> = text.split_whitespace().collect();
+        if words.len() != numbers.len() {
+            let plural = if words.len() == 1 { "" } else { "s" };
+            return Err((format!("has {} value{plural} instead of six", words.len()), SIX));
+        }
+        for (number, word) in numbers.iter_mut().zip(words) {
+            *number = word.parse().map_err(|_| (format!("{word:?} is not a number"), SIX))?;
+        }
+        let [x, y, z, nx, ny, nz] = numbers;
+        let (position, normal) = (glam::dvec3(x, y, z), glam::dvec3(nx, ny, nz));
+        if !position.is_finite() || position.abs().max_element() > f64::from(MAX_COORDINATE) {
+            return Err((
+                format!("the position {x} {y} {z} is not in reach"),
+                "give finite coordinates of at most 2^60, in the scene's units",
+            ));
+        }
+        match normal.is_finite().then(|| normal.try_normalize()).flatten() {
+            Some(normal) => Ok(Self { position: position.as_vec3(), normal: normal.as_vec3() }),
+            None => Err((
+                format!("the normal {nx} {ny} {nz} has no direction"),
+                "give three finite numbers that are not all zero; the length does not matter",
+            )),
+        }
+    }
+}
+
+/// Reads sensors.
+///
+/// # Errors
+/// The first line that is no sensor, or what the system says about reading.
+pub fn read_points(reader: impl BufRead) -> Result<Vec<Sensor>, PointsError> {
+    let mut sensors = Vec::new();
+    for (number, line) in (1..).zip(reader.lines()) {
+        let error = |problem: String, remedy: &str| PointsError { line: number, problem, remedy: remedy.to_owned() };
+        let line = line.map_err(|failure| match failure.kind() {
+            io::ErrorKind::InvalidData => error("is not UTF-8".to_owned(), "give plain text"),
+            _ => error(format!("cannot be read: {failure}"), "give a file or a stream of text"),
+        })?;
+        let text = line.trim();
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        sensors.push(Sensor::parse(text).map_err(|(problem, remedy)| error(problem, remedy))?);
+    }
+    Ok(sensors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec3;
+
+    #[test]
+    fn lines_are_sensors_and_the_rest_is_passed_over() {
+        let text = "# sensors\n1 2 3 0 0 2\n\n  -1.5e-1\t0 .25   0 -1 0  \r\n#4 5 6\n";
+        let expected = [
+            Sensor { position: vec3(1.0, 2.0, 3.0), normal: Vec3::Z },
+            Sensor { position: vec3(-0.15, 0.0, 0.25), normal: Vec3::NEG_Y },
+        ];
+        assert_eq!(read_points(text.as_bytes()).unwrap(), expected);
+        assert!(read_points(&b""[..]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn wrong_lines_are_named() {
+        for (line, problem) in [
+            ("1 2 3", "has 3 values instead of six"),
+            ("1", "has 1 value instead of six"),
+            ("1 2 3 0 0 1 7", "has 7 values instead of six"),
+            ("1 2 x 0 0 1", "\"x\" is not a number"),
+            ("1,2,3,0,0,1", "has 1 value instead of six"),
+            ("nan 2 3 0 0 1", "the position NaN 2 3 is not in reach"),
+            ("1 1e30 3 0 0 1", "is not in reach"),
+            ("1 2 3 0 0 0", "the normal 0 0 0 has no direction"),
+            ("1 2 3 0 inf 0", "the normal 0 inf 0 has no direction"),
+            ("1 2 3 0 nan 0", "has no direction"),
+        ] {
+            let error = read_points(format!("# first\n0 0 0 0 0 1\n{line}\n").as_bytes()).unwrap_err().to_string();
+            assert!(
+                error.starts_with("line 3: ") && error.contains(problem) && error.contains("\n  help: "),
+                "{error}"
+            );
+        }
+        assert!(read_points(&b"\xff\n"[..]).unwrap_err().to_string().contains("is not UTF-8"));
+    }
+}

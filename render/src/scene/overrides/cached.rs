@@ -1,0 +1,76 @@
+//! The options of the irradiance cache.
+
+use clap::Args;
+
+use super::super::value::{self, argument};
+use super::replace;
+use crate::settings::{CachedOptions, GatherLayout, Gradients, Metric};
+
+/// Options that are set here; the others are `None` and leave the defaults.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+#[command(next_help_heading = "Irradiance cache")]
+pub struct CachedOverrides {
+    /// How wrong a record may be where it is used, more than 0 and at most 1; how far records reach is proportional to
+    /// it [default: 0.3]
+    #[arg(long, value_name = "A", value_parser = argument(value::cache_error), allow_negative_numbers = true)]
+    pub cache_error: Option<f32>,
+    /// What records are extrapolated by: off, rotation or both (rotation and translation) [default: both]
+    #[arg(long, value_name = "WHICH", value_parser = argument(value::gradients))]
+    pub gradients: Option<Gradients>,
+    /// What decides how far a record reaches: split-sphere, bounded (that, and the gradient) or hessian [default:
+    /// hessian]
+    #[arg(long, value_name = "NAME", value_parser = argument(value::metric))]
+    pub metric: Option<Metric>,
+    /// How a record's rays are spread: stratified or hemicube [default: stratified]
+    #[arg(long, value_name = "NAME", value_parser = argument(value::gather_layout))]
+    pub layout: Option<GatherLayout>,
+    /// Rays of a record, about [default: 2048]
+    #[arg(long, value_name = "N", value_parser = argument(value::record_rays), allow_negative_numbers = true)]
+    pub record_rays: Option<u32>,
+    /// Reflections of light on its way to a record, each with a cache of its own [default: any number, by paths]
+    #[arg(long, value_name = "N", value_parser = argument(value::cache_bounces), allow_negative_numbers = true)]
+    pub cache_bounces: Option<u32>,
+}
+
+impl CachedOverrides {
+    /// The names of all of them.
+    pub(super) const NAMES: [&str; 6] =
+        ["cache_error", "gradients", "metric", "layout", "record_rays", "cache_bounces"];
+
+    /// These options, and those of `fallback` where these are not set.
+    pub(super) fn or(self, fallback: Self) -> Self {
+        Self {
+            cache_error: self.cache_error.or(fallback.cache_error),
+            gradients: self.gradients.or(fallback.gradients),
+            metric: self.metric.or(fallback.metric),
+            layout: self.layout.or(fallback.layout),
+            record_rays: self.record_rays.or(fallback.record_rays),
+            cache_bounces: self.cache_bounces.or(fallback.cache_bounces),
+        }
+    }
+
+    /// The defaults with these options in their places.
+    pub fn options(&self) -> CachedOptions {
+        let mut options = CachedOptions::default();
+        replace(&mut options.error, self.cache_error);
+        replace(&mut options.gradients, self.gradients);
+        replace(&mut options.metric, self.metric);
+        replace(&mut options.layout, self.layout);
+        replace(&mut options.rays, self.record_rays);
+        options.bounces = self.cache_bounces;
+        options
+    }
+
+    /// Whether each of the options is set.
+    pub(super) fn given(&self) -> [(&'static str, bool); 6] {
+        let given = [
+            self.cache_error.is_some(),
+            self.gradients.is_some(),
+            self.metric.is_some(),
+            self.layout.is_some(),
+            self.record_rays.is_some(),
+            self.cache_bounces.is_some(),
+        ];
+        std::array::from_fn(|i| (Self::NAMES[i], given[i]))
+    }
+}

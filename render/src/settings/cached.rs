@@ -1,0 +1,96 @@
+//! The options of the irradiance cache.
+
+/// What the `cached` integrator and the commands about caches depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CachedOptions {
+    /// How much a record may be wrong where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
+    /// Ward's `a` for the split-sphere metrics, and the fourth root of the relative error for the Hessian one, so that
+    /// all radii are proportional to it.
+    pub error: f32,
+    /// Which gradients records are extrapolated by.
+    pub gradients: Gradients,
+    /// How far a record reaches.
+    pub metric: Metric,
+    /// How a record's hemisphere is divided.
+    pub layout: GatherLayout,
+    /// Rays of a record, about, [`MIN_RAYS`](Self::MIN_RAYS) to [`MAX_RAYS`](Self::MAX_RAYS): the nearest number that
+    /// the layout can have.
+    pub rays: u32,
+    /// How many times light is reflected on its way to a record: `None` for without end, by paths; else each bounce has
+    /// a cache of its own.
+    pub bounces: Option<u32>,
+}
+
+/// Which gradients records are extrapolated by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gradients {
+    /// None: a record's irradiance is that of all around it.
+    Off,
+    /// By the change with the normal.
+    Rotation,
+    /// By the change with the normal and with the position.
+    Both,
+}
+
+/// How far a record reaches, and how its weight falls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// The harmonic mean distance of what the record sees, and Ward's weight (Ward, Rubinstein and Clear 1988).
+    SplitSphere,
+    /// The same, bounded by the gradient and by the size of a pixel, and a linear weight (Tabellion and Lamorlette 2004).
+    Bounded,
+    /// An ellipse by the second derivatives of irradiance (Schwarzhaupt, Wann Jensen and Jarosz 2012).
+    Hessian,
+}
+
+/// How a record's hemisphere is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GatherLayout {
+    /// Rings and sectors of equal weight, a random direction in each cell.
+    Stratified,
+    /// Half a cube, a direction through the middle of each texel.
+    Hemicube,
+}
+
+impl CachedOptions {
+    /// The greatest error: beyond it a record would reach farther than what it sees.
+    pub const MAX_ERROR: f32 = 1.0;
+    /// The fewest rays with which gradients can be told.
+    pub const MIN_RAYS: u32 = 12;
+    /// The most rays of a record.
+    pub const MAX_RAYS: u32 = 1 << 20;
+    /// The most bounces that can have a cache each.
+    pub const MAX_BOUNCES: u32 = 16;
+}
+
+impl Default for CachedOptions {
+    fn default() -> Self {
+        Self {
+            error: 0.3,
+            gradients: Gradients::Both,
+            metric: Metric::Hessian,
+            layout: GatherLayout::Stratified,
+            rays: 2048,
+            bounces: None,
+        }
+    }
+}
+
+/// A type of few values that have names on the command line and in scene files.
+macro_rules! named {
+    ($type:ident: $($variant:ident = $name:literal),+) => {
+        impl $type {
+            /// Every value.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
+
+            /// The name in scene files and on the command line.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+        }
+    };
+}
+
+named!(Gradients: Off = "off", Rotation = "rotation", Both = "both");
+named!(Metric: SplitSphere = "split-sphere", Bounded = "bounded", Hessian = "hessian");
+named!(GatherLayout: Stratified = "stratified", Hemicube = "hemicube");

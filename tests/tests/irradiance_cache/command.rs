@@ -1,0 +1,185 @@
+//! `halfdome cache` and `halfdome irradiance`.
+
+use std::fs;
+use std::io::Write as _;
+use std::process::Stdio;
+
+use halfdome_tests::program::{Outcome, Program};
+
+const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
+
+/// Options that make small caches quickly.
+const SMALL: &str = "--record-rays 64 --cache-error 0.5 --progress none";
+
+/// Runs `test` with the program in a folder of its own.
+fn in_folder(test: impl FnOnce(&Program)) {
+    let folder = tempfile::tempdir().unwrap();
+    test(&Program { executable: EXECUTABLE, folder: folder.path() });
+}
+
+fn succeed(outcome: &Outcome) {
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
+}
+
+fn build(program: &Program, name: &str, options: &str) -> Vec<u8> {
+    succeed(&program.run_line(&format!("cache build cornell -o {name} --size 48x40 {SMALL} {options}")));
+    fs::read(program.folder.join(name)).unwrap()
+}
+
+#[test]
+fn caches_are_the_same_bytes_for_any_number_of_threads() {
+    in_folder(|program| {
+        for options in ["", "--metric bounded", "--layout hemicube", "--cache-bounces 2", "--metric split-sphere"] {
+            let one = build(program, "1.cache", &format!("{options} --threads 1"));
+            for threads in [2, 8] {
+                let more = build(program, "n.cache", &format!("{options} --threads {threads}"));
+                assert!(more == one, "{options}, {threads} threads");
+            }
+        }
+        assert_ne!(build(program, "s.cache", "--seed 1"), build(program, "t.cache", "--seed 2"));
+    });
+}
+
+/// A picture from a file of records is the one that fills its cache itself.
+#[test]
+fn saved_caches_give_the_same_picture() {
+    in_folder(|program| {
+        build(program, "a.cache", "");
+        let render = |name: &str, options: &str| {
+            let line = format!("render cornell -o {name} --size 48x40 --spp 4 --integrator cached {SMALL} {options}");
+            succeed(&program.run_reproducibly(&line));
+            fs::read(program.folder.join(name)).unwrap()
+        };
+        let fresh = render("fresh.exr", "");
+        assert!(fresh == render("saved.exr", "--cache a.cache"));
+    });
+}
+
+#[test]
+fn caches_merge_in_any_order_and_describe_themselves() {
+    in_folder(|program| {
+        build(program, "a.cache", "--seed 1");
+        build(program, "b.cache", "--seed 2 --eye 0.278,0.273,-0.5 --target 0.2,0.1,0.3");
+        for (line, name) in [("a.cache b.cache", "ab.cache"), ("b.cache a.cache b.cache", "ba.cache")] {
+            succeed(&program.run_line(&format!("cache merge {line} -o {name}")));
+        }
+        let [ab, ba] = ["ab.cache", "ba.cache"].map(|name| fs::read(program.folder.join(name)).unwrap());
+        assert!(ab == ba);
+        let records = |name: &str| {
+            let outcome = program.run_line(&format!("cache info {name} --json"));
+            succeed(&outcome);
+            let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+            assert_eq!(
+                (&info["options"]["cache_error"], &info["options"]["metric"]),
+                (&"0.5".into(), &"hessian".into())
+            );
+            info["records"].as_u64().unwrap()
+        };
+        assert!(records("a.cache") > 10);
+        assert_eq!(records("ab.cache"), records("a.cache") + records("b.cache"));
+        assert!(program.run_line("cache info a.cache").stdout.contains("record-rays    64"));
+    });
+}
+
+#[test]
+fn records_can_be_shown() {
+    in_folder(|program| {
+        build(program, "a.cache", "");
+        let line = format!("cache show cornell a.cache -o a.png -o a.ply --size 48x40 --spp 1 {SMALL}");
+        succeed(&program.run_line(&line));
+        assert!(fs::read(program.folder.join("a.png")).unwrap().starts_with(b"\x89PNG"));
+        let ply = fs::read_to_string(program.folder.join("a.ply")).unwrap();
+        let (header, body) = ply.split_once("end_header\n").unwrap();
+        assert!(header.contains(&format!("element vertex {}\n", body.lines().count())));
+        assert!(body.lines().all(|line| line.split(' ').filter_map(|word| word.parse::<f32>().ok()).count() == 11));
+    });
+}
+
+/// The numbers of each line.
+fn numbers(text: &str) -> Vec<Vec<f64>> {
+    text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn sensors_are_answered_in_order() {
+    in_folder(|program| {
+        let points = "# a sensor that looks at the lamp, one that sees nothing of the room, one at the wall\n\
+                      0.278 0.3 0.28 0 1 0\n\n0.278 0.3 -10 0 0 -5\n0.278 0.2 0.5592 0 0 -1\n";
+        program.put("points.txt", points);
+        let found =
+            program.run_line("irradiance cornell --points points.txt --spp 256 --record-rays 8192 --progress none");
+        succeed(&found);
+        let found = numbers(&found.stdout);
+        let brute = program.run_line("irradiance cornell --points points.txt --brute --spp 4096 --progress none");
+        succeed(&brute);
+        let brute = numbers(&brute.stdout);
+        assert_eq!((found.len(), brute.len()), (3, 3));
+        assert_eq!(found[1], [0.0; 3]);
+        assert_eq!(brute[1], [0.0; 3]);
+        for (found, brute) in [(&found[0], &brute[0]), (&found[2], &brute[2])] {
+            for (found, brute) in found.iter().zip(brute) {
+                assert!((found / brute - 1.0).abs() < 0.05, "{found}, by paths {brute}");
+            }
+        }
+
+        // The same from a pipe, and into a file.
+        let arguments = ["irradiance", "cornell", "--points", "-", "--brute", "--spp", "4096", "-o", "e.txt"];
+        let mut command = program.command(&arguments);
+        let mut child = command.arg("--progress=none").stdin(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(points.as_bytes()).unwrap();
+        assert!(child.wait().unwrap().success());
+        assert_eq!(numbers(&fs::read_to_string(program.folder.join("e.txt")).unwrap()), brute);
+    });
+}
+
+#[test]
+fn bad_input_is_named() {
+    in_folder(|program| {
+        let refused = |line: &str, parts: &[&str]| {
+            let outcome = program.run_line(line);
+            assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(1), ""), "{line}: {}", outcome.stderr);
+            for part in parts {
+                assert!(outcome.stderr.contains(part), "{line}: {}", outcome.stderr);
+            }
+        };
+        for value in ["0", "-1", "nan", "1.5", "x"] {
+            refused(
+                &format!("cache build cornell -o a --cache-error {value}"),
+                &["--cache-error", "more than 0 and at most 1"],
+            );
+        }
+        for value in ["0", "11", "1048577", "99999999999", "2.5"] {
+            refused(
+                &format!("cache build cornell -o a --record-rays {value}"),
+                &["--record-rays", "from 12 to 1048576"],
+            );
+        }
+        refused("cache build cornell -o a --cache-bounces 0", &["--cache-bounces", "from 1 to 16"]);
+        refused("render cornell --metric hessian", &["`path` does not use `metric`"]);
+        refused("cache build cornell -o a --integrator path", &["`path` has no irradiance cache"]);
+        refused("cache build cornell -o no/a", &["the folder no does not exist"]);
+
+        let bytes = build(program, "a.cache", "");
+        program.put("cut.cache", &bytes[..bytes.len() / 2]);
+        program.put("foreign.cache", "v 0 0 0\n");
+        let render = format!("render cornell --integrator cached {SMALL} --size 48x40");
+        refused(&format!("{render} --cache cut.cache"), &["cut.cache: is cut off"]);
+        refused(&format!("{render} --cache foreign.cache"), &["foreign.cache: is no irradiance cache"]);
+        refused(&format!("{render} --cache none.cache"), &["none.cache: cannot be read"]);
+        refused(&format!("{render} --cache a.cache --sky 1"), &["a.cache: the cache is of another scene"]);
+        refused(
+            "render cornell --integrator cached --cache a.cache --record-rays 64 --cache-error 0.25",
+            &["was built with --cache-error 0.5, not 0.25"],
+        );
+        refused("render cornell --cache a.cache", &["`path` has no irradiance cache"]);
+        refused("cache info foreign.cache", &["foreign.cache: is no irradiance cache"]);
+        build(program, "b.cache", "--metric bounded");
+        refused("cache merge a.cache b.cache -o c.cache", &["b.cache", "--metric"]);
+
+        program.put("points.txt", "0 0 0 0 0 1\n1 2 3 0 0 0\n");
+        refused("irradiance cornell --points points.txt", &["points.txt: line 2: the normal 0 0 0 has no direction"]);
+        program.put("points.txt", "0 0 0 0 0 1\n\n1 2 3 0 NaN 0\n");
+        refused("irradiance cornell --points points.txt", &["line 3: the normal 0 NaN 0"]);
+        refused("irradiance cornell --points none.txt", &["none.txt: cannot be read"]);
+    });
+}

@@ -1,0 +1,5 @@
+//! The irradiance cache from end to end: against exact answers, against path tracing, and on the command line.
+
+mod command;
+mod light;
+mod records;
