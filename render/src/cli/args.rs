@@ -232,7 +232,7 @@ mod tests {
     use halfdome_kernel::sampling::Pattern;
 
     use super::*;
-    use crate::scene::IntegratorOverrides;
+    use crate::scene::{CachedOverrides, IntegratorOverrides};
     use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Stop, Survival};
 
     fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
@@ -283,6 +283,7 @@ mod tests {
                 sampling: Some(HemisphereSampling::Cosine),
                 ao_weighting: Some(AoWeighting::Misses),
                 ao_distance: Some(3.0),
+                cached: CachedOverrides::default(),
             },
             spp: Some(7),
             sampler: Some(Pattern::Random),

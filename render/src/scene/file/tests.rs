@@ -92,6 +92,7 @@ fn every_key_sets_its_option() {
             sampling: Some(HemisphereSampling::Uniform),
             ao_weighting: Some(AoWeighting::HitLength),
             ao_distance: Some(1.5),
+            cached: super::super::CachedOverrides::default(),
         },
         spp: Some(9),
         sampler: Some(Pattern::R2),
