@@ -11,4 +11,7 @@ mod light;
 pub mod output;
 pub mod scene;
 pub mod settings;
+mod threads;
 pub mod world;
+
+pub use threads::Threads;

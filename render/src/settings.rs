@@ -1,5 +1,7 @@
 //! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
 
+use halfdome_kernel::Quality;
+
 use crate::film::Filter;
 
 /// The settings of one picture; defaults as `Settings::default()` has them.
@@ -19,6 +21,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// Selects the random numbers.
     pub seed: u64,
+    /// How much time to spend on the tree; the picture does not depend on it.
+    pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
 }
@@ -107,6 +111,7 @@ impl Default for Settings {
             spp: 64,
             max_depth: 1024,
             seed: 0,
+            build: Quality::High,
             aov: false,
         }
     }

@@ -207,7 +207,7 @@ mod tests {
     fn every_override_can_be_given() {
         let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
                          --filter-width 2 --sharpness .5 --integrator normals --spp 7 --max-depth 3 \
-                         --seed 18446744073709551615 --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
+                         --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
             eye: Some([-1.0, 2.0, 3.0].into()),
@@ -223,6 +223,7 @@ mod tests {
             spp: Some(7),
             max_depth: Some(3),
             seed: Some(u64::MAX),
+            build: Some(halfdome_kernel::Quality::Medium),
             aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),
             emits_both_sides: Some(true),

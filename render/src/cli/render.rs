@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use super::args::RenderArguments;
+use super::building::Building;
 use super::progress::Progress;
 use super::summary::Job;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare};
@@ -12,6 +13,7 @@ use crate::film::Picture;
 use crate::output::{self, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::{IntegratorKind, Settings};
+use crate::threads::Threads;
 use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
@@ -33,7 +35,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let style = arguments.progress.style(std::io::stderr().is_terminal());
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
-    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    let building = Building::start(style, scene.triangle_count());
+    let watch = |fraction| building.advance(fraction);
+    let world = pool.install(|| World::build(scene, &settings.build.into(), &Threads(&watch)));
+    let world = world.map_err(CliError::input)?;
+    drop(building);
     let degenerate = world.build_report().degenerate;
     if degenerate > 0 {
         let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");

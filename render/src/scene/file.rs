@@ -24,6 +24,7 @@
 //! spp = 256
 //! max_depth = 16
 //! seed = 1
+//! build = "high"         # of the tree: "fast", "medium" or "high"
 //!
 //! [sky]
 //! radiance = [0.3, 0.4, 0.6]
@@ -56,7 +57,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
     ("scene", &["file", "emission"]),
     ("camera", &["eye", "target", "up", "vfov"]),
     ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
-    ("render", &["integrator", "spp", "max_depth", "seed"]),
+    ("render", &["integrator", "spp", "max_depth", "seed", "build"]),
     ("sky", &["radiance"]),
 ];
 
@@ -159,6 +160,7 @@ impl Parser<'_> {
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
             "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
+            "build" => to.build = Some(self.read(value::quality, section, entry)?),
             "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
             name => unreachable!("[{section}] {name} is listed, but sets nothing"),
         }

@@ -3,6 +3,7 @@
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
 use glam::Vec3;
+use halfdome_kernel::Quality;
 
 use super::nearest::nearest;
 use crate::film::Filter;
@@ -180,6 +181,11 @@ pub(super) fn flag(value: &Value) -> Reading<bool> {
 /// An integrator's name.
 pub(super) fn integrator(value: &Value) -> Reading<IntegratorKind> {
     value.one_of(&IntegratorKind::ALL.map(|kind| (kind.name(), kind)))
+}
+
+/// How much time to spend on a tree.
+pub(super) fn quality(value: &Value) -> Reading<Quality> {
+    value.one_of(&Quality::ALL.map(|quality| (quality.name(), quality)))
 }
 
 /// Which sides emit: whether both do.

@@ -1,5 +1,7 @@
 use glam::Vec3;
 
+use halfdome_kernel::Quality;
+
 use super::*;
 use crate::film::Filter;
 use crate::scene::CameraPose;
@@ -49,6 +51,7 @@ fn every_key_sets_its_option() {
         spp = 9
         max_depth = 3
         seed = 18446744073709551615
+        build = "fast"
         [sky]
         radiance = [0.1, 0.2, 0.3]
     "#;
@@ -69,6 +72,7 @@ fn every_key_sets_its_option() {
         spp: Some(9),
         max_depth: Some(3),
         seed: Some(u64::MAX),
+        build: Some(Quality::Fast),
         aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
         emits_both_sides: Some(true),
