@@ -2,17 +2,16 @@
 
 use alloc::vec::Vec;
 
-use super::primitive::Bounds;
+use super::primitive::{Bounds, Extent, Primitive};
 use crate::geometry::Aabb;
 
 /// A binary tree over primitives; the first node is the root. There is at least one node.
 ///
-/// Siblings lie side by side, the first one at an odd index. [`Layout`](super::collapse) wants more: all that is below
-/// a node lies together, the left child's part first.
+/// Siblings lie side by side, the first one at an odd index.
 pub(super) struct BinaryTree {
     pub nodes: Vec<BinaryNode>,
-    /// What leaves refer to: indices of primitives.
-    pub prim_ids: Vec<u32>,
+    /// What is in the leaves.
+    pub prims: Vec<Primitive>,
 }
 
 /// A node.
@@ -20,10 +19,12 @@ pub(super) struct BinaryTree {
 #[repr(align(32))]
 pub(super) struct BinaryNode {
     pub aabb: Aabb,
-    /// An inner node's children are `first` and `first + 1`; a leaf's primitives are `prim_ids[first..][..count]`.
+    /// An inner node's children are `first` and `first + 1`; a leaf's primitives are `prims[first..][..count]`.
     pub first: u32,
     /// Zero for an inner node.
-    pub count: u32,
+    pub count: u16,
+    /// How many of a leaf's primitives are in its first part; 0 if it has but one.
+    pub middle: u16,
 }
 
 /// The most levels of a tree that is walked by recursion.
@@ -31,32 +32,42 @@ pub(super) const MAX_DEPTH: usize = 256;
 
 impl BinaryTree {
     /// Brings the nodes into the order of a depth-first walk: after a pair of siblings come all below the first, then
-    /// all below the second. `None` if there are more than [`MAX_DEPTH`] levels.
+    /// all below the second. Leaves of two parts are split. `None` if there are more than
+    /// [`MAX_DEPTH`] levels.
     pub(super) fn in_order(self) -> Option<Self> {
-        let mut nodes = Vec::with_capacity(self.nodes.len());
-        nodes.push(self.nodes[0]);
+        let Self { nodes: old, prims } = self;
+        let mut nodes = Vec::with_capacity(2 * old.len());
+        nodes.push(old[0]);
         let mut todo = Vec::from([(0, 1)]);
         while let Some((index, level)) = todo.pop() {
-            let node: &mut BinaryNode = &mut nodes[index];
-            if node.is_leaf() {
+            let node: BinaryNode = nodes[index];
+            if node.is_leaf() && node.middle == 0 {
                 continue;
             }
             if level == MAX_DEPTH {
                 return None;
             }
-            let children = node.children().map(|child| self.nodes[child]);
             let first = nodes.len();
-            nodes[index].first = first as u32;
-            nodes.extend(children);
+            nodes[index] = BinaryNode { first: first as u32, count: 0, middle: 0, ..node };
+            nodes.extend(if node.is_leaf() { node.parts(&prims) } else { node.children().map(|child| old[child]) });
             todo.extend([(first + 1, level + 1), (first, level + 1)]);
         }
-        Some(Self { nodes, prim_ids: self.prim_ids })
+        Some(Self { nodes, prims })
     }
 }
 
 impl BinaryNode {
     pub(super) fn is_leaf(&self) -> bool {
         self.count > 0
+    }
+
+    /// The two leaves that a leaf of two parts stands for.
+    fn parts(&self, prims: &[Primitive]) -> [Self; 2] {
+        let second = self.first + u32::from(self.middle);
+        [(self.first, self.middle), (second, self.count - self.middle)].map(|(first, count)| {
+            let bounds = Extent::of(&prims[first as usize..][..count as usize]).bounds;
+            Self { aabb: bounds.to_aabb(), first, count, middle: 0 }
+        })
     }
 
     /// The children of an inner node.

@@ -33,6 +33,14 @@ impl Binning {
         Self { origin: centers.min, scale, count }
     }
 
+    /// The bin along one axis.
+    #[inline(always)]
+    fn bin(&self, prim: &Primitive, axis: usize) -> usize {
+        let position = (prim.center()[axis] - self.origin[axis]) * self.scale[axis];
+        position.min((self.count - 1) as f32) as usize
+    }
+
+    /// The bins along all axes.
     #[inline(always)]
     fn bins(&self, prim: &Primitive) -> [usize; 3] {
         let position = (prim.center() - self.origin) * self.scale;
@@ -159,19 +167,17 @@ impl Split {
             front.swap_with_slice(&mut back[rest..]);
             return (left + more, centers);
         }
-        let [mut left, mut right] = [Bounds::EMPTY; 2];
-        let (mut start, mut end) = (0, prims.len());
-        while start < end {
-            let prim = prims[start];
-            if binning.bins(&prim)[self.axis] <= self.last {
-                left.grow_to(prim.center());
-                start += 1;
-            } else {
-                right.grow_to(prim.center());
-                end -= 1;
-                prims.swap(start, end);
-            }
+        // Without a branch on the side, which nobody could predict.
+        let mut centers = [Bounds::EMPTY; 2];
+        let mut middle = 0;
+        for i in 0..prims.len() {
+            let prim = prims[i];
+            let on_left = binning.bin(&prim, self.axis) <= self.last;
+            centers[usize::from(!on_left)].grow_to(prim.center());
+            prims[i] = prims[middle];
+            prims[middle] = prim;
+            middle += usize::from(on_left);
         }
-        (start, [left, right])
+        (middle, centers)
     }
 }

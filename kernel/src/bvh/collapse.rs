@@ -115,7 +115,7 @@ impl Source<'_> {
     fn collect(&self, index: usize, prim_ids: &mut Vec<u32>) {
         let node = &self.tree.nodes[index];
         if node.is_leaf() {
-            prim_ids.extend_from_slice(&self.tree.prim_ids[node.first as usize..][..node.count as usize]);
+            prim_ids.extend(self.tree.prims[node.first as usize..][..node.count as usize].iter().map(|p| p.id()));
         } else {
             node.children().into_iter().for_each(|child| self.collect(child, prim_ids));
         }

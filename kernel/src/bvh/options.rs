@@ -37,13 +37,15 @@ pub(super) struct Effort {
 impl Effort {
     /// Splits by cost, and leaves it at that: hardly deeper than [`LEVELS`].
     pub(super) const SPLIT_ONLY: Self = Self {
-        splitting: Splitting { bins: MAX_BINS, levels: LEVELS },
+        splitting: Splitting { bins: MAX_BINS, levels: LEVELS, part_leaves: true },
         patience: Patience { rounds: 0, least_gain: 0.0 },
     };
 
     /// Splits in the middle, always: the least depth that there is.
-    pub(super) const MEDIAN: Self =
-        Self { splitting: Splitting { bins: 0, levels: 0 }, patience: Patience { rounds: 0, least_gain: 0.0 } };
+    pub(super) const MEDIAN: Self = Self {
+        splitting: Splitting { bins: 0, levels: 0, part_leaves: true },
+        patience: Patience { rounds: 0, least_gain: 0.0 },
+    };
 }
 
 /// Levels that are split by cost. A tree of halves over the most triangles that there can be has 29 levels.
@@ -68,7 +70,8 @@ impl Quality {
             Self::Medium => (16, 8, 0.02),
             Self::High => (MAX_BINS, 16, 0.002),
         };
-        Effort { splitting: Splitting { bins, levels: LEVELS }, patience: Patience { rounds, least_gain } }
+        let splitting = Splitting { bins, levels: LEVELS, part_leaves: self > Self::Fast };
+        Effort { splitting, patience: Patience { rounds, least_gain } }
     }
 }
 

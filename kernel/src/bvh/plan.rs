@@ -111,8 +111,8 @@ fn choose<E: Executor>(executor: &E, tree: &BinaryTree, index: usize, below: &mu
     let node = &tree.nodes[index];
     let area = node.bounds().half_area();
     if node.is_leaf() {
-        let cost = leaf_cost(area, node.count);
-        return Choice { cost: [cost; WIDTH - 1], is_leaf: true, prims: node.count, ..Choice::NONE };
+        let cost = leaf_cost(area, node.count.into());
+        return Choice { cost: [cost; WIDTH - 1], is_leaf: true, prims: node.count.into(), ..Choice::NONE };
     }
     let [left, right] = node.children();
     let size = below.len();

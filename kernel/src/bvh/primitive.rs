@@ -1,5 +1,7 @@
 //! What the builder moves about: boxes in registers, and primitives of 32 bytes.
 
+use core::cmp::Ordering;
+
 use glam::{Vec3, Vec3A};
 
 use crate::geometry::Aabb;
@@ -62,6 +64,11 @@ impl Primitive {
     #[inline(always)]
     pub(super) fn bounds(&self) -> Bounds {
         Bounds { min: self.min.into(), max: self.max.into() }
+    }
+
+    /// The order along an axis; of equal centres, that of the indices.
+    pub(super) fn cmp_along(&self, other: &Self, axis: usize) -> Ordering {
+        self.center()[axis].total_cmp(&other.center()[axis]).then(self.id.cmp(&other.id))
     }
 
     /// Twice the box's middle: what primitives are sorted by.

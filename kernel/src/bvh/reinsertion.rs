@@ -181,7 +181,7 @@ impl Optimizer<'_> {
         bounds.grow(&self.bounds(from));
         self.put(parent, moved_up);
         self.put(sibling, target);
-        self.put(to, BinaryNode { aabb: bounds.to_aabb(), first: place, count: 0 });
+        self.put(to, BinaryNode { aabb: bounds.to_aabb(), first: place, count: 0, middle: 0 });
         self.refit_above(to);
         self.refit_above(parent);
     }

@@ -10,7 +10,7 @@ use super::binary::{BinaryNode, BinaryTree};
 use super::bins::{Binning, Bins};
 use super::executor::Executor;
 use super::node::WIDTH;
-use super::primitive::{Extent, Primitive};
+use super::primitive::{Bounds, Extent, Primitive};
 use crate::geometry::Aabb;
 
 /// Ranges of at least so many primitives are a piece of work of their own.
@@ -23,6 +23,8 @@ pub(super) struct Splitting {
     pub bins: usize,
     /// Levels that are split by cost; those below are halved.
     pub levels: u32,
+    /// Whether to prepare leaves for being [split](BinaryTree::in_order) in two.
+    pub part_leaves: bool,
 }
 
 struct Builder<'a, E> {
@@ -42,7 +44,7 @@ pub(super) fn build<E: Executor>(
     let builder = Builder { executor, splitting, share: work / prims.len() as f32 };
     let extent = builder.extent(&prims);
     let nodes = builder.tree(&mut prims, 0, &extent, splitting.levels);
-    BinaryTree { nodes, prim_ids: prims.iter().map(Primitive::id).collect() }
+    BinaryTree { nodes, prims }
 }
 
 impl<E: Executor> Builder<'_, E> {
@@ -59,7 +61,7 @@ impl<E: Executor> Builder<'_, E> {
 
     /// The tree over a range that starts at `first`.
     fn tree(&self, prims: &mut [Primitive], first: usize, extent: &Extent, levels: u32) -> Vec<BinaryNode> {
-        let mut nodes = vec![BinaryNode { aabb: Aabb::EMPTY, first: 0, count: 0 }];
+        let mut nodes = vec![BinaryNode { aabb: Aabb::EMPTY, first: 0, count: 0, middle: 0 }];
         self.fill(&mut nodes, 0, prims, first, extent, levels);
         if prims.len() < TASK {
             self.executor.advance(prims.len() as f32 * self.share);
@@ -80,7 +82,8 @@ impl<E: Executor> Builder<'_, E> {
         let aabb = extent.bounds.to_aabb();
         let count = prims.len();
         if count <= WIDTH {
-            nodes[index] = BinaryNode { aabb, first: first as u32, count: count as u32 };
+            let middle = if self.splitting.part_leaves { part_leaf(prims) } else { 0 };
+            nodes[index] = BinaryNode { aabb, first: first as u32, count: count as u16, middle: middle as u16 };
             return;
         }
         let (middle, [left, right]) = self.split(prims, extent, levels);
@@ -88,7 +91,7 @@ impl<E: Executor> Builder<'_, E> {
         let (a, b) = prims.split_at_mut(middle);
         let second = first + middle;
         let children = nodes.len();
-        nodes[index] = BinaryNode { aabb, first: children as u32, count: 0 };
+        nodes[index] = BinaryNode { aabb, first: children as u32, count: 0, middle: 0 };
         nodes.extend([nodes[index]; 2]);
         if count < TASK {
             self.fill(nodes, children, a, first, &left, levels);
@@ -133,4 +136,34 @@ fn halve(prims: &mut [Primitive], extent: &Extent) -> (usize, [Extent; 2]) {
         .select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]).then(a.id().cmp(&b.id())));
     let (a, b) = prims.split_at(middle);
     (middle, [Extent::of(a), Extent::of(b)])
+}
+
+/// Sorts a leaf's primitives into two parts of least areas: where the second begins.
+fn part_leaf(prims: &mut [Primitive]) -> usize {
+    let mut best = (f32::INFINITY, 0, 0);
+    for axis in 0..3 {
+        sort(prims, axis);
+        let mut right = [0.0; WIDTH];
+        let mut bounds = Bounds::EMPTY;
+        for i in (1..prims.len()).rev() {
+            bounds.grow(&prims[i].bounds());
+            right[i] = bounds.half_area();
+        }
+        let mut bounds = Bounds::EMPTY;
+        for i in 1..prims.len() {
+            bounds.grow(&prims[i - 1].bounds());
+            let areas = bounds.half_area() + right[i];
+            if areas < best.0 {
+                best = (areas, axis, i);
+            }
+        }
+    }
+    let (_, axis, middle) = best;
+    sort(prims, axis);
+    middle
+}
+
+/// Sorts primitives along an axis.
+fn sort(prims: &mut [Primitive], axis: usize) {
+    prims.sort_unstable_by(|a, b| a.cmp_along(b, axis));
 }
