@@ -1,6 +1,8 @@
 use glam::Vec3;
 use halfdome_kernel::sampling::Pattern;
 
+use halfdome_kernel::Quality;
+
 use super::*;
 use crate::film::Filter;
 use crate::scene::CameraPose;
@@ -62,6 +64,7 @@ fn every_key_sets_its_option() {
         ao_weighting = "hit-length"
         ao_distance = 1.5
         seed = 18446744073709551615
+        build = "fast"
         [sky]
         radiance = [0.1, 0.2, 0.3]
     "#;
@@ -97,6 +100,7 @@ fn every_key_sets_its_option() {
         spp: Some(9),
         sampler: Some(Pattern::R2),
         seed: Some(u64::MAX),
+        build: Some(Quality::Fast),
         aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
         emits_both_sides: Some(true),
