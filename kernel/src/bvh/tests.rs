@@ -103,9 +103,19 @@ fn the_cost_is_that_of_the_tree() {
 
 #[test]
 fn more_trouble_makes_better_trees() {
-    // Long triangles in all directions, whose boxes overlap.
-    let ends = scattered(6000).zip(scattered(12_000).skip(6000));
-    let triangles: Vec<Triangle> = ends.map(|(a, b)| [a, a + (b - a) * 0.2, a + Vec3::splat(0.01)]).collect();
+    // Houses along streets, of two triangles a wall.
+    let corner = |house: usize, height: f32, i: usize| {
+        let at = |bit: usize| if i >> bit & 1 == 1 { 0.7 } else { 0.0 };
+        vec3((house % 50) as f32 + at(0), height * at(1), (house / 50) as f32 + at(2))
+    };
+    let walls = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 4, 5], [2, 3, 6, 7], [0, 2, 4, 6], [1, 3, 5, 7]];
+    let mut triangles = Vec::new();
+    for (house, point) in scattered(2500).enumerate() {
+        for wall in walls {
+            let [a, b, c, d] = wall.map(|i| corner(house, 0.5 + 8.0 * point.x, i));
+            triangles.extend([[a, b, c], [b, c, d]]);
+        }
+    }
     let [fast, medium, high] = Quality::ALL.map(|quality| cost(&build(&triangles, quality)));
     assert!(high < medium && medium < fast, "{fast} {medium} {high}");
 }
@@ -198,18 +208,18 @@ fn a_chain_of_shells_is_not_too_deep() {
 
 #[test]
 fn what_cannot_be_told_apart_is_halved() {
-    let same = vec![triangle_at(Vec3::ONE, 1.0); 10_000];
-    let centered: Vec<_> = (0..10_000).map(|i| triangle_at(Vec3::ZERO, 1.0 + (i % 100) as f32)).collect();
-    let on_a_line: Vec<_> = (0..10_000).map(|i| [0, 1, 2].map(|k| vec3((i * 3 + k) as f32, 0.0, 0.0))).collect();
-    let far: Vec<_> = soup(10_000, 0.1).iter().map(|triangle| triangle.map(|p| (p - 0.5) * MAX_COORDINATE)).collect();
-    let tiny: Vec<_> = soup(10_000, 0.1).iter().map(|triangle| triangle.map(|p| p * 1e-42)).collect();
+    let same = vec![triangle_at(Vec3::ONE, 1.0); 20_000];
+    let centered: Vec<_> = (0..20_000).map(|i| triangle_at(Vec3::ZERO, 1.0 + (i % 100) as f32)).collect();
+    let on_a_line: Vec<_> = (0..20_000).map(|i| [0, 1, 2].map(|k| vec3((i * 3 + k) as f32, 0.0, 0.0))).collect();
+    let far: Vec<_> = soup(20_000, 0.1).iter().map(|triangle| triangle.map(|p| (p - 0.5) * MAX_COORDINATE)).collect();
+    let tiny: Vec<_> = soup(20_000, 0.1).iter().map(|triangle| triangle.map(|p| p * 1e-42)).collect();
     for triangles in [same, centered, on_a_line, far, tiny] {
         for quality in Quality::ALL {
             let (bvh, report) = Bvh::build(&triangles, &quality.into()).unwrap();
             assert_valid(&bvh, report.kept);
             let statistics = bvh.statistics();
             assert!(statistics.depth <= 24, "{quality}: {statistics:?}");
-            assert!(statistics.blocks < 10_000 / 4, "{quality}: {statistics:?}");
+            assert!(statistics.blocks < 20_000 / 4, "{quality}: {statistics:?}");
         }
     }
 }

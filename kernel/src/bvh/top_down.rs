@@ -1,6 +1,6 @@
 //! Builds a binary tree from the root down, splitting where the surface area heuristic says.
 //!
-//! Leaves hold up to eight triangles, one block. Where nothing tells primitives apart, and below so many levels that
+//! Leaves hold up to eight triangles, one block; in small trees, where memory does not matter, up to four. Where nothing tells primitives apart, and below so many levels that
 //! something is odd, ranges are halved instead, so that no tree is much deeper than it needs to be.
 
 use alloc::vec;
@@ -15,6 +15,8 @@ use crate::geometry::Aabb;
 
 /// Ranges of at least so many primitives are a piece of work of their own.
 const TASK: usize = 1 << 12;
+/// Trees of up to so many primitives are small.
+const SMALL: usize = 1 << 14;
 
 /// How to split.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,8 @@ pub(super) struct Splitting {
 struct Builder<'a, E> {
     executor: &'a E,
     splitting: Splitting,
+    /// Primitives in a leaf, at most.
+    leaf: usize,
     /// What one primitive is of the whole build.
     share: f32,
 }
@@ -41,7 +45,8 @@ pub(super) fn build<E: Executor>(
     splitting: Splitting,
     work: f32,
 ) -> BinaryTree {
-    let builder = Builder { executor, splitting, share: work / prims.len() as f32 };
+    let leaf = if prims.len() <= SMALL { WIDTH / 2 } else { WIDTH };
+    let builder = Builder { executor, splitting, leaf, share: work / prims.len() as f32 };
     let extent = builder.extent(&prims);
     let nodes = builder.tree(&mut prims, 0, &extent, splitting.levels);
     BinaryTree { nodes, prims }
@@ -81,7 +86,7 @@ impl<E: Executor> Builder<'_, E> {
     ) {
         let aabb = extent.bounds.to_aabb();
         let count = prims.len();
-        if count <= WIDTH {
+        if count <= self.leaf {
             let middle = if self.splitting.part_leaves { part_leaf(prims) } else { 0 };
             nodes[index] = BinaryNode { aabb, first: first as u32, count: count as u16, middle: middle as u16 };
             return;
