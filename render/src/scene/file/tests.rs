@@ -3,8 +3,12 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::film::Filter;
+use crate::scene::CachedOverrides;
 use crate::scene::CameraPose;
-use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Settings, Stop, Survival};
+use crate::settings::{
+    AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
+    Survival,
+};
 
 /// Parses `text` as the scene file `room.toml` beside a model `room.obj`.
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
@@ -61,6 +65,12 @@ fn every_key_sets_its_option() {
         sampling = "uniform"
         ao_weighting = "hit-length"
         ao_distance = 1.5
+        cache_error = 0.75
+        gradients = "rotation"
+        metric = "split-sphere"
+        layout = "stratified"
+        record_rays = 12
+        cache_bounces = 1
         seed = 18446744073709551615
         [sky]
         radiance = [0.1, 0.2, 0.3]
@@ -92,6 +102,14 @@ fn every_key_sets_its_option() {
             sampling: Some(HemisphereSampling::Uniform),
             ao_weighting: Some(AoWeighting::HitLength),
             ao_distance: Some(1.5),
+            cached: CachedOverrides {
+                cache_error: Some(0.75),
+                gradients: Some(Gradients::Rotation),
+                metric: Some(Metric::SplitSphere),
+                layout: Some(GatherLayout::Stratified),
+                record_rays: Some(12),
+                cache_bounces: Some(1),
+            },
         },
         spp: Some(9),
         sampler: Some(Pattern::R2),
