@@ -1,8 +1,8 @@
 //! Caches on disk.
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash of the
-//! scene, the options, the number of records, the records (the key and [`Record::WORDS`] words each, with the radii before
-//! clamping) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is refused; so is one of another scene or other
+//! scene, the options, the number of records, the records by their keys (the key and [`Record::WORDS`] words each, with the
+//! radii before clamping) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is refused; so is one of another scene or other
 //! options, and the message says which. Files are replaced in one step, as pictures are.
 
 use std::fs;
@@ -82,11 +82,6 @@ impl Cache {
         }
     }
 
-    /// The records as they were before clamping.
-    pub(super) fn into_original(self) -> impl Iterator<Item = Record> {
-        self.records.into_iter().zip(self.original_radii).map(|(record, radii)| Record { radii, ..record })
-    }
-
     /// The bytes of the file.
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER + self.records.len() * RECORD + CHECKSUM);
@@ -98,10 +93,13 @@ impl Cache {
             bytes.extend(word.to_le_bytes());
         }
         bytes.extend((self.records.len() as u64).to_le_bytes());
-        for (record, radii) in self.records.iter().zip(&self.original_radii) {
-            let record = Record { radii: *radii, ..*record };
-            bytes.extend(record.key.to_le_bytes());
-            bytes.extend(record.words().iter().flat_map(|word| word.to_le_bytes()));
+        let original = self.records.iter().zip(&self.original_radii);
+        let mut records: Vec<_> =
+            original.map(|(record, &radii)| (record.key, Record { radii, ..*record }.words())).collect();
+        records.sort_unstable();
+        for (key, words) in records {
+            bytes.extend(key.to_le_bytes());
+            bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
         }
         bytes.extend(fnv(&bytes).to_le_bytes());
         bytes
@@ -158,9 +156,7 @@ impl Cache {
         if !records.iter().all(Record::is_sound) {
             return Err(CacheFileError::new("has a record that is none: a number is not finite", again));
         }
-        let mut cache = Self::new(options, scene);
-        cache.commit(records);
-        Ok(cache)
+        Ok(Self::of(options, scene, records))
     }
 }
 

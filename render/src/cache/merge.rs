@@ -9,13 +9,12 @@ impl Cache {
     ///
     /// # Errors
     /// If the caches are of different scenes, or were made with different options.
-    pub fn merge(self, other: Self) -> Result<Self, CacheFileError> {
+    pub fn merge(mut self, mut other: Self) -> Result<Self, CacheFileError> {
         self.check(&other.options, other.scene)?;
-        let mut merged = Self::new(other.options, other.scene);
-        let mut records: Vec<Record> = self.into_original().chain(other.into_original()).collect();
+        let (options, scene) = (other.options, other.scene);
+        let mut records: Vec<Record> = self.take_original().chain(other.take_original()).collect();
         records.sort_by_cached_key(|record| (record.key, record.words()));
         records.dedup_by_key(|record| (record.key, record.words()));
-        merged.commit(records);
-        Ok(merged)
+        Ok(Self::of(options, scene, records))
     }
 }

@@ -13,6 +13,7 @@ mod file;
 mod fill;
 mod merge;
 mod octree;
+mod order;
 mod record;
 mod weight;
 
@@ -20,6 +21,7 @@ use glam::Vec3;
 
 use crate::settings::{CachedOptions, Gradients, Metric};
 use octree::Octree;
+use order::sort_along_curve;
 use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
@@ -47,17 +49,24 @@ pub struct Cache {
 
 /// Irradiance from the records around a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interpolated {
+pub struct Interpolated {
     /// In W/m², linear sRGB; never negative.
-    pub(crate) irradiance: Vec3,
+    pub irradiance: Vec3,
     /// Records whose extrapolation had a negative channel, which counted as 0.
-    pub(crate) negative: u32,
+    pub negative: u32,
 }
 
 impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
     pub fn new(options: CachedOptions, scene: u64) -> Self {
         Self { options, scene, records: Vec::new(), original_radii: Vec::new(), tree: Octree::default() }
+    }
+
+    /// A cache of these records, with their radii before clamping.
+    pub fn of(options: CachedOptions, scene: u64, records: Vec<Record>) -> Self {
+        let mut cache = Self::new(options, scene);
+        cache.commit(records);
+        cache
     }
 
     /// What the records were made with.
@@ -70,24 +79,29 @@ impl Cache {
         self.scene
     }
 
-    /// The records, in their order.
+    /// The records, near ones near each other.
     pub fn records(&self) -> &[Record] {
         &self.records
     }
 
-    /// Adds records, clamps all and builds the tree anew.
+    /// Adds records, sorts and clamps all, and builds the tree anew.
     pub(crate) fn commit(&mut self, records: Vec<Record>) {
-        self.original_radii.extend(records.iter().map(|record| record.radii));
-        self.records.extend(records);
-        for (record, radii) in self.records.iter_mut().zip(&self.original_radii) {
-            record.radii = *radii;
-        }
-        let factors = clamp::neighbour_factors(&self.records, self.slope());
-        for (record, factor) in self.records.iter_mut().zip(factors) {
+        let mut records: Vec<Record> = self.take_original().chain(records).collect();
+        sort_along_curve(&mut records, |record| record.position, |record| record.key);
+        self.original_radii = records.iter().map(|record| record.radii).collect();
+        let factors = clamp::neighbour_factors(&records, self.slope());
+        for (record, factor) in records.iter_mut().zip(factors) {
             record.radii = record.radii.map(|radius| radius * factor);
         }
         let weighting = self.weighting(STRETCH);
-        self.tree = Octree::new(self.records.iter().map(|record| (record.position, weighting.reach(record))));
+        self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
+        self.records = records;
+    }
+
+    /// Takes the records out, as they were before clamping.
+    fn take_original(&mut self) -> impl Iterator<Item = Record> + use<> {
+        let records = std::mem::take(&mut self.records).into_iter().zip(std::mem::take(&mut self.original_radii));
+        records.map(|(record, radii)| Record { radii, ..record })
     }
 
     /// By how much a record's reach may grow with the distance from a neighbour.
@@ -113,7 +127,7 @@ impl Cache {
     }
 
     /// The irradiance at a point with a unit normal; `None` where no record is valid.
-    pub(crate) fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
+    pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
         let weighting = self.weighting(STRETCH);
         let rotation = self.options.gradients != Gradients::Off;
         let translation = self.options.gradients == Gradients::Both;

@@ -7,7 +7,7 @@ pub use crate::estimator::SECTORS;
 /// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
-    /// The address of the record's random numbers, which is also its place in the order of a cache.
+    /// The address of the record's random numbers, and its place in the order of a file.
     pub key: u64,
     /// Where it is.
     pub position: Vec3,

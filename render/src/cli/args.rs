@@ -233,7 +233,9 @@ mod tests {
 
     use super::*;
     use crate::scene::{CachedOverrides, IntegratorOverrides};
-    use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Stop, Survival};
+    use crate::settings::{
+        AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
+    };
 
     fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
         let all = ["halfdome", "render"].iter().chain(arguments);
@@ -256,7 +258,8 @@ mod tests {
                          --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
                          --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 \
                          --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
-                         --ao-distance 3 \
+                         --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
+                         --record-rays 300 --cache-bounces 4 \
                          --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
@@ -283,7 +286,14 @@ mod tests {
                 sampling: Some(HemisphereSampling::Cosine),
                 ao_weighting: Some(AoWeighting::Misses),
                 ao_distance: Some(3.0),
-                cached: CachedOverrides::default(),
+                cached: CachedOverrides {
+                    cache_error: Some(0.25),
+                    gradients: Some(Gradients::Off),
+                    metric: Some(Metric::Bounded),
+                    layout: Some(GatherLayout::Hemicube),
+                    record_rays: Some(300),
+                    cache_bounces: Some(4),
+                },
             },
             spp: Some(7),
             sampler: Some(Pattern::Random),

@@ -1,12 +1,14 @@
 use glam::Vec3;
-use halfdome_kernel::sampling::Pattern;
-
 use halfdome_kernel::Quality;
+use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::film::Filter;
-use crate::scene::CameraPose;
-use crate::settings::{AoWeighting, HemisphereSampling, Integrator, LightSampling, Settings, Stop, Survival};
+use crate::scene::{CachedOverrides, CameraPose};
+use crate::settings::{
+    AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
+    Survival,
+};
 
 /// Parses `text` as the scene file `room.toml` beside a model `room.obj`.
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
@@ -63,6 +65,12 @@ fn every_key_sets_its_option() {
         sampling = "uniform"
         ao_weighting = "hit-length"
         ao_distance = 1.5
+        cache_error = 0.75
+        gradients = "rotation"
+        metric = "split-sphere"
+        layout = "stratified"
+        record_rays = 12
+        cache_bounces = 1
         seed = 18446744073709551615
         build = "fast"
         [sky]
@@ -95,7 +103,14 @@ fn every_key_sets_its_option() {
             sampling: Some(HemisphereSampling::Uniform),
             ao_weighting: Some(AoWeighting::HitLength),
             ao_distance: Some(1.5),
-            cached: super::super::CachedOverrides::default(),
+            cached: CachedOverrides {
+                cache_error: Some(0.75),
+                gradients: Some(Gradients::Rotation),
+                metric: Some(Metric::SplitSphere),
+                layout: Some(GatherLayout::Stratified),
+                record_rays: Some(12),
+                cache_bounces: Some(1),
+            },
         },
         spp: Some(9),
         sampler: Some(Pattern::R2),
