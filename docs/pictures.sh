@@ -51,6 +51,8 @@ spp = 512
 radiance = [2.0, 2.4, 3.0]
 SCENE
 "$halfdome" render "$work/kitchen.toml" -o docs/kitchen.png --tone neutral --exposure 0.5
+"$halfdome" cache build "$work/kitchen.toml" -o "$work/kitchen.cache"
+"$halfdome" cache show "$work/kitchen.toml" "$work/kitchen.cache" -o docs/records.png
 
 # One scene by each integrator: a room like Cornell's, with a ball of mirror and a ball of glass.
 python3 - "$work" <<'ROOM'

@@ -66,10 +66,9 @@ impl Isa {
         self.0
     }
 
-    /// The proof for `level`, if this processor has it.
-    #[cfg(feature = "std")]
+    /// The proof for `level`, if this processor is known to have it: without `std` nothing is detected.
     pub fn new(level: Level) -> Option<Self> {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(feature = "std", target_arch = "x86_64"))]
         {
             use std::arch::is_x86_feature_detected as has;
             let avx2 =
