@@ -51,9 +51,9 @@ fn gradient_radius(record: &Record) -> f32 {
     radii.into_iter().fold(f32::INFINITY, f32::min)
 }
 
-/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope` times the
-/// distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1, by which
-/// each record's radii are to be multiplied.
+/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope` times
+/// the distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1, by
+/// which each record's radii are to be multiplied.
 ///
 /// Over the original radii one pass in any order reaches the fixed point: a chain of neighbours is longer than the way
 /// itself.
