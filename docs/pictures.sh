@@ -51,3 +51,77 @@ spp = 512
 radiance = [2.0, 2.4, 3.0]
 SCENE
 "$halfdome" render "$work/kitchen.toml" -o docs/kitchen.png --tone neutral --exposure 0.5
+
+# One scene by each integrator: a room like Cornell's, with a ball of mirror and a ball of glass.
+python3 - "$work" <<'ROOM'
+import math, sys
+room = open(sys.argv[1] + "/room.obj", "w")
+room.write("mtllib room.mtl\n")
+vertices = 0
+
+def faces(material, corners, polygons, normals=False):
+    global vertices
+    room.write(f"usemtl {material}\n")
+    for corner in corners:
+        room.write("v %.6f %.6f %.6f\n" % tuple(corner))
+    for polygon in polygons:
+        at = [vertices + i + 1 for i in polygon]
+        room.write("f " + " ".join(f"{i}//{i - vertices}" if normals else f"{i}" for i in at) + "\n")
+    vertices += len(corners)
+
+def wall(material, *corners):
+    faces(material, corners, [range(4)])
+
+wall("white", (-1, -1, -1), (-1, -1, 1), (1, -1, 1), (1, -1, -1))
+wall("white", (-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1))
+wall("white", (-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1))
+wall("red", (-1, -1, -1), (-1, 1, -1), (-1, 1, 1), (-1, -1, 1))
+wall("green", (1, -1, -1), (1, -1, 1), (1, 1, 1), (1, 1, -1))
+wall("lamp", (-0.3, 0.99, -0.3), (0.3, 0.99, -0.3), (0.3, 0.99, 0.3), (-0.3, 0.99, 0.3))
+rings, sectors = 48, 96
+unit = [(math.sin(t) * math.cos(p), math.cos(t), math.sin(t) * math.sin(p))
+        for t in (math.pi * i / rings for i in range(rings + 1))
+        for p in (2 * math.pi * j / sectors for j in range(sectors))]
+quads = []
+for i in range(rings):
+    for j in range(sectors):
+        a, b = i * sectors + j, i * sectors + (j + 1) % sectors
+        # At the poles a side has no length.
+        quads.append(([a, b] if i else [a]) + ([b + sectors, a + sectors] if i + 1 < rings else [a + sectors]))
+for normal in unit:
+    room.write("vn %.6f %.6f %.6f\n" % normal)
+for material, center, radius in (("mirror", (-0.42, -0.6, -0.35), 0.4), ("glass", (0.42, -0.6, 0.3), 0.4)):
+    points = [[c + radius * x for c, x in zip(center, normal)] for normal in unit]
+    faces(material, points, quads, normals=True)
+open(sys.argv[1] + "/room.mtl", "w").write("""newmtl white
+Kd 0.75 0.75 0.75
+newmtl red
+Kd 0.75 0.1 0.08
+newmtl green
+Kd 0.1 0.6 0.12
+newmtl lamp
+Kd 0 0 0
+Ke 14 13 11
+newmtl mirror
+Kd 0 0 0
+Ks 0.95 0.95 0.95
+illum 3
+newmtl glass
+Kd 0 0 0
+Ni 1.5
+illum 7
+""")
+ROOM
+mkdir -p docs/integrators
+picture() {
+    "$halfdome" render "$work/room.obj" --size 240x240 --eye 0,0,3.8 --target 0,0,0 --vfov 39 -o "docs/integrators/$1.png" "${@:2}"
+}
+picture flat --integrator flat --spp 16
+picture normals --integrator normals --spp 16
+picture ao --integrator ao --spp 64
+picture ao-hit-length --integrator ao --ao-weighting hit-length --spp 64
+picture direct --integrator direct --spp 256
+picture montecarlo --integrator montecarlo --bounces 1 --rays 8 --spp 128
+picture naive --lights naive --spp 256
+picture path --spp 1024
+picture heat --integrator heat --spp 16

@@ -9,3 +9,4 @@ pub mod measure;
 pub mod rays;
 pub mod scenes;
 pub mod tracer;
+pub mod visits;

@@ -29,8 +29,8 @@
 //! anywhere, hit nothing.
 //!
 //! # Features
-//! - `std` (default): builds trees with obvhs; implies `alloc`.
-//! - `alloc`: owns trees, builds them by median splits.
+//! - `std` (default): detects the processor's instruction sets; implies `alloc`.
+//! - `alloc`: builds trees and owns them.
 //! - neither: traces trees that lie in the caller's memory.
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![deny(unsafe_code)]
@@ -47,7 +47,7 @@ mod simd;
 pub mod traverse;
 
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh};
+pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
 pub use bvh::{BvhView, InvalidTree};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,

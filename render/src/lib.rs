@@ -14,5 +14,8 @@ mod light;
 pub mod output;
 pub mod scene;
 pub mod settings;
+mod threads;
 mod validate;
 pub mod world;
+
+pub use threads::Threads;

@@ -6,11 +6,12 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{
-    BuildError, BuildOptions, BuildReport, Bvh, BvhView, Hit, Triangle, offset_origin, triangle_normal,
+    BuildError, BuildOptions, BuildReport, Bvh, BvhView, Executor, Hit, Triangle, offset_origin, triangle_normal,
 };
 
 use crate::light::Lights;
 use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
+use crate::threads::Threads;
 
 /// Geometry in a tree, materials, lights and a camera.
 #[derive(Debug)]
@@ -69,11 +70,19 @@ pub enum WorldError {
 }
 
 impl World {
-    /// Makes a scene ready.
+    /// Makes a scene ready, with the best tree, on the threads of the current rayon pool.
     ///
     /// # Errors
     /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
-    pub fn new(mut scene: Scene) -> Result<Self, WorldError> {
+    pub fn new(scene: Scene) -> Result<Self, WorldError> {
+        Self::build(scene, &BuildOptions::default(), &Threads::UNWATCHED)
+    }
+
+    /// Makes a scene ready, with a tree that is built where `executor` says.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn build<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let hash = scene.hash();
         let camera = scene.camera.take().ok_or(WorldError::NoCamera)?;
         let surroundings_hash = scene.hash();
@@ -86,7 +95,7 @@ impl World {
             .zip(&triangles)
             .map(|((mesh, index), triangle)| Face { mesh, index, normal: triangle_normal(triangle) })
             .collect();
-        let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default())?;
+        let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
         let material = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
         let lights = Lights::new(&triangles, material, lights, sky, bvh.view().bounds());
         Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash, surroundings_hash })

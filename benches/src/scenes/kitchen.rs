@@ -1,5 +1,5 @@
 //! The kitchen, an interior of 57,000 triangles: `assets/kitchen.obj.zst` in the source of the crate obvhs, which
-//! Cargo has on disk because the kernel is built with it.
+//! Cargo has on disk as the benchmarks depend on it.
 
 use std::error::Error;
 use std::fs::{self, File};

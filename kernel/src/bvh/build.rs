@@ -4,9 +4,13 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
+use super::binary::MAX_DEPTH;
 use super::collapse::{self, Collapsed};
+use super::executor::{Executor, Serial};
 use super::node::{Child, Node, TriangleBlock, WIDTH};
-use super::{BvhView, InvalidTree, median};
+use super::options::{BuildOptions, Effort};
+use super::primitive::Primitive;
+use super::{BvhView, InvalidTree, reinsertion, top_down};
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 
 /// A tree that owns its memory.
@@ -15,17 +19,6 @@ pub struct Bvh {
     nodes: Vec<Node>,
     blocks: Vec<TriangleBlock>,
     cost: f32,
-}
-
-/// How to build a tree.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BuildOptions {
-    /// The best builder there is: obvhs with `std`, else median splits.
-    #[default]
-    Best,
-    /// Median splits: least depth, quick to build, slower to trace.
-    Median,
 }
 
 /// What a build left out, and why.
@@ -38,8 +31,8 @@ pub struct BuildReport {
     pub degenerate: usize,
     /// Triangles with a NaN or infinite coordinate, or one beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
-    /// Whether the better tree was too deep and median splits made this one.
-    pub fell_back_to_median: bool,
+    /// Trees that were too deep, before one that was built with less regard for cost.
+    pub too_deep: u32,
 }
 
 /// Why no tree could be built.
@@ -75,46 +68,55 @@ pub struct TreeStatistics {
 }
 
 impl Bvh {
-    /// Builds a tree over `triangles`; a hit's `prim_id` is an index into them.
+    /// Builds a tree over `triangles` on this thread; a hit's `prim_id` is an index into them.
     ///
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
     /// [`BuildError::TooManyTriangles`] from 2²⁹ triangles on, and [`BuildError::Invalid`] if even fewer do not fit.
     pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), BuildError> {
+        Self::build_on(&Serial, triangles, options)
+    }
+
+    /// Like [`build`](Self::build), where `executor` says: it brings the threads, and hears how far the build is. The
+    /// tree does not depend on it.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_on<E: Executor>(
+        executor: &E,
+        triangles: &[Triangle],
+        options: &BuildOptions,
+    ) -> Result<(Self, BuildReport), BuildError> {
         if triangles.len() >= Child::MAX_INDEX as usize * WIDTH {
             return Err(BuildError::TooManyTriangles { count: triangles.len() });
         }
         let mut report = BuildReport::default();
-        let mut aabbs = Vec::with_capacity(triangles.len());
-        let mut prim_ids = Vec::with_capacity(triangles.len());
-        for (prim_id, triangle) in (0..).zip(triangles) {
-            aabbs.push(Aabb::around(triangle));
-            if !in_range(triangle) {
-                report.out_of_range += 1;
-            } else if is_degenerate(triangle) {
-                report.degenerate += 1;
-            } else {
-                prim_ids.push(prim_id);
+        // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
+        for effort in [options.quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
+            let prims = usable(triangles, &mut report);
+            if prims.is_empty() {
+                break;
             }
-        }
-        report.kept = prim_ids.len();
-        if prim_ids.is_empty() {
-            return Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 }, report));
-        }
-        if *options == BuildOptions::Best
-            && let Some(tree) = best(&aabbs, &prim_ids)
-        {
-            match Self::checked(collapse::collapse(&tree, triangles)) {
-                Err(BuildError::Invalid(InvalidTree::TooDeep { .. })) => report.fell_back_to_median = true,
+            executor.advance(0.05);
+            match Self::attempt(executor, triangles, prims, effort) {
+                Err(BuildError::Invalid(InvalidTree::TooDeep { .. })) => report.too_deep += 1,
                 result => return Ok((result?, report)),
             }
         }
-        let tree = median::build(&aabbs, prim_ids);
-        Ok((Self::checked(collapse::collapse(&tree, triangles))?, report))
+        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 }, report))
     }
 
-    fn checked(Collapsed { nodes, blocks, cost }: Collapsed) -> Result<Self, BuildError> {
+    fn attempt<E: Executor>(
+        executor: &E,
+        triangles: &[Triangle],
+        prims: Vec<Primitive>,
+        effort: Effort,
+    ) -> Result<Self, BuildError> {
+        let mut tree = top_down::build(executor, prims, effort.splitting, 0.45);
+        reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
+        let tree = tree.in_order().ok_or(BuildError::Invalid(InvalidTree::TooDeep { needed: MAX_DEPTH as u32 }))?;
+        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2);
         BvhView::new(&nodes, &blocks).map_err(BuildError::Invalid)?;
         Ok(Self { nodes, blocks, cost })
     }
@@ -151,14 +153,21 @@ impl Bvh {
     }
 }
 
-#[cfg(feature = "std")]
-fn best(aabbs: &[Aabb], prim_ids: &[u32]) -> Option<super::binary::BinaryTree> {
-    Some(super::obvhs::build(aabbs, prim_ids.to_vec()))
-}
-
-#[cfg(not(feature = "std"))]
-fn best(_: &[Aabb], _: &[u32]) -> Option<super::binary::BinaryTree> {
-    None
+/// The triangles that a ray can hit; counts them and the others.
+fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
+    *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
+    let mut prims = Vec::with_capacity(triangles.len());
+    for (prim_id, triangle) in (0..).zip(triangles) {
+        if !in_range(triangle) {
+            report.out_of_range += 1;
+        } else if is_degenerate(triangle) {
+            report.degenerate += 1;
+        } else {
+            prims.push(Primitive::new(&Aabb::around(triangle), prim_id));
+        }
+    }
+    report.kept = prims.len();
+    prims
 }
 
 fn in_range(triangle: &Triangle) -> bool {

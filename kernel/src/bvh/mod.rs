@@ -1,25 +1,43 @@
 //! The bounding-volume hierarchy: eight boxes a node, triangles in blocks of eight.
 //!
-//! Building runs in three stages. A binary tree with one triangle a leaf comes from obvhs (`std`) or from median splits
-//! (`alloc`); `collapse` then picks the eight-wide tree of least cost that can be made of it, and lays it out;
-//! [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the result, from wherever it lies.
+//! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
+//! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
+//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the
+//! result, from wherever it lies.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
+#[cfg(any(feature = "alloc", test))]
+mod bins;
 #[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]
 mod collapse;
 #[cfg(any(feature = "alloc", test))]
-mod median;
+mod executor;
 mod node;
-#[cfg(feature = "std")]
-mod obvhs;
+#[cfg(any(feature = "alloc", test))]
+mod options;
+#[cfg(any(feature = "alloc", test))]
+mod plan;
+#[cfg(any(feature = "alloc", test))]
+mod primitive;
+#[cfg(any(feature = "alloc", test))]
+mod reinsertion;
+#[cfg(any(feature = "alloc", test))]
+mod top_down;
 mod validate;
 mod view;
 
 #[cfg(any(feature = "alloc", test))]
-pub use build::{BuildError, BuildOptions, BuildReport, Bvh, TreeStatistics};
+pub use build::{BuildError, BuildReport, Bvh, TreeStatistics};
+#[cfg(any(feature = "alloc", test))]
+pub use executor::{Executor, Serial};
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
+#[cfg(any(feature = "alloc", test))]
+pub use options::{BuildOptions, Quality};
 pub use validate::InvalidTree;
 pub use view::BvhView;
+
+#[cfg(test)]
+mod tests;

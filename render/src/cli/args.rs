@@ -260,7 +260,7 @@ mod tests {
                          --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                          --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                          --record-rays 300 --cache-bounces 4 \
-                         --seed 18446744073709551615 --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
+                         --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
             eye: Some([-1.0, 2.0, 3.0].into()),
@@ -298,6 +298,7 @@ mod tests {
             spp: Some(7),
             sampler: Some(Pattern::Random),
             seed: Some(u64::MAX),
+            build: Some(halfdome_kernel::Quality::Medium),
             aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),
             emits_both_sides: Some(true),

@@ -1,6 +1,7 @@
 //! The command line: arguments, progress, summaries, exit codes.
 
 mod args;
+mod building;
 mod cache;
 mod error;
 mod info;

@@ -22,7 +22,8 @@ pub(super) enum Mode {
     Auto,
     /// A bar (drawn on a terminal only) and a summary
     Bar,
-    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end
+    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end; before the start of
+    /// a large model, build
     Json,
     /// Warnings and errors alone
     None,

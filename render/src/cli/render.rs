@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use super::args::RenderArguments;
+use super::building::Building;
 use super::cache::{cached_options, read_cache};
 use super::preview::Preview;
 use super::progress::Progress;
@@ -14,6 +15,7 @@ use crate::film::Picture;
 use crate::output::{self, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::Settings;
+use crate::threads::Threads;
 use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
@@ -33,7 +35,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
-    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    let building = Building::start(style, scene.triangle_count());
+    let watch = |fraction| building.advance(fraction);
+    let world = pool.install(|| World::build(scene, &settings.build.into(), &Threads(&watch)));
+    let world = world.map_err(CliError::input)?;
+    drop(building);
     let cache = match &arguments.cache {
         Some(path) => Some(read_cache(Some(path), &cached_options(&settings)?, &world)?),
         None => None,

@@ -23,6 +23,7 @@
 //! spp = 256
 //! sampler = "sobol"
 //! seed = 1
+//! build = "high"         # of the tree: "fast", "medium" or "high"
 //! integrator = "path"    # and its options, which are called as on the command line
 //! max_depth = 16
 //! roulette_after = 4
@@ -64,6 +65,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "spp",
             "sampler",
             "seed",
+            "build",
             "integrator",
             "max_depth",
             "lights",
@@ -186,6 +188,7 @@ impl Parser<'_> {
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
             "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
+            "build" => to.build = Some(self.read(value::quality, section, entry)?),
             "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
             _ => self.set_integrator(&mut to.integrator, section, entry)?,
         }

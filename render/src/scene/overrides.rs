@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::Vec3;
-use halfdome_kernel::MAX_COORDINATE;
 use halfdome_kernel::sampling::Pattern;
+use halfdome_kernel::{MAX_COORDINATE, Quality};
 
 use super::framing::frame;
 use super::value::{self, argument};
@@ -77,6 +77,9 @@ pub struct Overrides {
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::seed), allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// How much time to spend on building the tree: fast, medium or high; pictures are the same [default: high]
+    #[arg(long, value_name = "QUALITY", help_heading = "Render", value_parser = argument(value::quality))]
+    pub build: Option<Quality>,
     /// Write channels of the first surface (Albedo, P, N, Ns, u, v) and of the variance into the EXR too
     #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
@@ -115,6 +118,7 @@ impl Overrides {
             spp: self.spp.or(fallback.spp),
             sampler: self.sampler.or(fallback.sampler),
             seed: self.seed.or(fallback.seed),
+            build: self.build.or(fallback.build),
             aov: self.aov.or(fallback.aov),
             sky: self.sky.or(fallback.sky),
             emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
@@ -151,6 +155,7 @@ impl Overrides {
             spp: self.spp.unwrap_or(default.spp),
             sampler: self.sampler.unwrap_or(default.sampler),
             seed: self.seed.unwrap_or(default.seed),
+            build: self.build.unwrap_or(default.build),
             aov: self.aov.unwrap_or(default.aov),
         };
         Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;

@@ -3,6 +3,7 @@
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
 use glam::Vec3;
+use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
@@ -292,6 +293,11 @@ pub(super) fn cache_bounces(value: &Value) -> Reading<u32> {
 /// Where random numbers come from.
 pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
     value.one_of(&[("random", Pattern::Random), ("sobol", Pattern::Sobol), ("r2", Pattern::R2)])
+}
+
+/// How much time to spend on a tree.
+pub(super) fn quality(value: &Value) -> Reading<Quality> {
+    value.one_of(&Quality::ALL.map(|quality| (quality.name(), quality)))
 }
 
 /// Which sides emit: whether both do.

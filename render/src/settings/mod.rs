@@ -3,6 +3,7 @@
 mod cached;
 mod integrator;
 
+use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use crate::film::Filter;
@@ -30,6 +31,8 @@ pub struct Settings {
     pub sampler: Pattern,
     /// Selects the random numbers.
     pub seed: u64,
+    /// How much time to spend on the tree; the picture does not depend on it.
+    pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
 }
@@ -93,6 +96,7 @@ impl Default for Settings {
             spp: 64,
             sampler: Pattern::Sobol,
             seed: 0,
+            build: Quality::High,
             aov: false,
         }
     }

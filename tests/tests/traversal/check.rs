@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use halfdome_kernel::traverse::{PacketWidth, Width, reference};
-use halfdome_kernel::{BuildOptions, Bvh, BvhView, Hit, HitPacket, Ray, RayPacket, Triangle};
+use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket, Triangle};
 
 /// Bits of a hit, so that zeros of different signs tell.
 pub(crate) fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
@@ -24,8 +24,8 @@ fn kept(tree: &BvhView, count: usize) -> Vec<Triangle> {
 /// What every ray hits, by the loop; all ways to trace agree with it.
 pub(crate) fn check(triangles: &[Triangle], rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut expected = Vec::new();
-    for options in [BuildOptions::Best, BuildOptions::Median] {
-        let (bvh, report) = Bvh::build(triangles, &options).unwrap();
+    for quality in Quality::ALL {
+        let (bvh, report) = Bvh::build(triangles, &quality.into()).unwrap();
         let tree = bvh.view();
         assert_eq!(BvhView::new(tree.nodes(), tree.blocks()).err(), None);
         let kept = kept(&tree, triangles.len());

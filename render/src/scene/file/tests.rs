@@ -1,10 +1,10 @@
 use glam::Vec3;
+use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::film::Filter;
-use crate::scene::CachedOverrides;
-use crate::scene::CameraPose;
+use crate::scene::{CachedOverrides, CameraPose};
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
     Survival,
@@ -72,6 +72,7 @@ fn every_key_sets_its_option() {
         record_rays = 12
         cache_bounces = 1
         seed = 18446744073709551615
+        build = "fast"
         [sky]
         radiance = [0.1, 0.2, 0.3]
     "#;
@@ -114,6 +115,7 @@ fn every_key_sets_its_option() {
         spp: Some(9),
         sampler: Some(Pattern::R2),
         seed: Some(u64::MAX),
+        build: Some(Quality::Fast),
         aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
         emits_both_sides: Some(true),

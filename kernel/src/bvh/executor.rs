@@ -1,0 +1,24 @@
+//! Where a build runs: the kernel splits the work, the caller brings the threads.
+
+/// Runs the parts of a build, on as many threads as it likes, and hears how far the build is.
+///
+/// The tree does not depend on it: what is split, and in what order parts are put together, the triangles decide.
+pub trait Executor: Sync {
+    /// Runs both, perhaps at the same time, and gives both results.
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B);
+
+    /// Hears that `fraction` of the build more is done; called from all threads. All fractions add up to about 1.
+    fn advance(&self, fraction: f32) {
+        let _ = fraction;
+    }
+}
+
+/// One thread: the caller's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Serial;
+
+impl Executor for Serial {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        (a(), b())
+    }
+}
