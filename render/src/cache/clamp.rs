@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::STRETCH;
 use super::octree::Octree;
 use super::record::Record;
 use crate::settings::{CachedOptions, Metric};
@@ -20,14 +21,17 @@ const DARKEST: f32 = 0.1;
 
 /// Bounds the radii of a new record, and the gradient that goes with them (Křivánek et al. 2008, 4.3):
 ///
-/// - by the gradient, where the metric wants it: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give
-///   nothing or less than nothing;
+/// - by the gradient: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give nothing or less than nothing.
+///   The bounded metric has it multiplied by the error, as it has the other radius, the Hessian one by one half, as
+///   records are used up to twice their radius; the split-sphere metric is without it;
 /// - by `bounds`; where that makes a radius longer, the gradient becomes as much weaker.
 pub(crate) fn bound(record: &mut Record, options: &CachedOptions, bounds: Bounds) {
-    if options.metric == Metric::Bounded {
-        let limit = options.error * gradient_radius(record);
-        record.radii = record.radii.map(|radius| radius.min(limit));
-    }
+    let limit = match options.metric {
+        Metric::SplitSphere => f32::INFINITY,
+        Metric::Bounded => options.error * gradient_radius(record),
+        Metric::Hessian => gradient_radius(record) / STRETCH,
+    };
+    record.radii = record.radii.map(|radius| radius.min(limit));
     let shortest = record.radii[0];
     // `max` and `min` instead of `clamp` make a number of NaN.
     record.radii = record.radii.map(|radius| radius.min(bounds.upper).max(bounds.lower));
@@ -47,9 +51,9 @@ fn gradient_radius(record: &Record) -> f32 {
     radii.into_iter().fold(f32::INFINITY, f32::min)
 }
 
-/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope` times the
-/// distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1, by which
-/// each record's radii are to be multiplied.
+/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope` times
+/// the distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1, by
+/// which each record's radii are to be multiplied.
 ///
 /// Over the original radii one pass in any order reaches the fixed point: a chain of neighbours is longer than the way
 /// itself.
@@ -109,6 +113,7 @@ mod tests {
         assert_eq!(bounded(1.0, steep, Metric::Bounded), ([0.25, 0.25], steep), "half of 2/4");
         assert_eq!(bounded(1.0, steep, Metric::SplitSphere), ([1.0, 1.5], steep));
         assert_eq!(bounded(0.05, steep, Metric::SplitSphere), ([0.1, 0.1], steep.map(|gradient| gradient * 0.5)));
+        assert_eq!(bounded(0.7, steep, Metric::Hessian), ([0.25, 0.25], steep), "half of 2/4");
         // The dark channel counts as a tenth of the bright one.
         let dark = [Vec3::ZERO, Vec3::ZERO, Vec3::Y * 0.4];
         assert_eq!(bounded(1.0, dark, Metric::Bounded).0, [0.25, 0.25]);

@@ -1,8 +1,8 @@
 //! Finds the spheres that a point is in.
 //!
 //! A sphere lies in all the cells that its box meets, at the depth where half a cell would be less wide than the sphere.
-//! So a query walks down one path and looks at the spheres of the cells on it; nothing is locked, as a tree is built at once and never
-//! changed. (As in Ward, Rubinstein and Clear 1988, but for keeping a sphere in eight cells instead of searching eight.)
+//! So a query walks down one path and looks at the spheres of the cells on it; nothing is locked, as a tree is built at
+//! once and never changed. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to eight.)
 
 use glam::Vec3;
 

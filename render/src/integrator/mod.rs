@@ -29,7 +29,8 @@ pub(crate) use wavefront::Wavefront;
 pub(crate) struct CameraRays<'a> {
     pub rays: &'a [Ray],
     pub hits: &'a [Hit],
-    /// The numbers of each ray's sample, all of one pattern and seed; sets from [`first_set`](Self::first_set) on are the integrator's.
+    /// The numbers of each ray's sample, all of one pattern and seed; sets from [`first_set`](Self::first_set) on are the
+    /// integrator's.
     pub samplers: &'a [Sampler],
     pub first_set: u32,
     /// The density per solid angle with which the rays' directions were chosen: infinite for the camera's, which no

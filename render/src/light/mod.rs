@@ -108,8 +108,8 @@ impl Lights {
         Some((&self.sources[index], probability))
     }
 
-    /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which [`choose`](Self::choose)
-    /// gives it, and by how much less often that is than here.
+    /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which
+    /// [`choose`](Self::choose) gives it, and by how much less often that is than here.
     pub(crate) fn choose_lamp(&self, u: f64) -> Option<(&Source, f32, f32)> {
         if self.sky_probability == 0.0 {
             return self.choose(u).map(|(source, probability)| (source, probability, 1.0));

@@ -25,8 +25,12 @@ const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
 const PIXELS: [f32; 2] = [1.5, 40.0];
 /// Parts of the scene's diagonal that make up the unit of spacing where there is no camera ...
 const PARTS: f32 = 1024.0;
-/// ... and bounds of a record's reach in these units.
-const UNITS: [f32; 2] = [3.0, 160.0];
+/// ... and the most units that a record reaches.
+const MOST_UNITS: f32 = 160.0;
+/// The fewest units that a record reaches, over the error: for sensors, which lie where someone wants to know ...
+const SENSOR_UNITS: f32 = 10.0;
+/// ... and for deeper caches, over which the gathers above take means.
+const DEEPER_UNITS: f32 = 40.0;
 /// Rays by which a candidate finds candidates for the next deeper cache.
 const SCOUTS: u32 = 8;
 /// The most candidates that send scouts.
@@ -54,7 +58,8 @@ pub(crate) fn fill_for_surfaces(
     surfaces: &[Surface],
     watch: &dyn Watch,
 ) -> (Frozen, u64) {
-    let candidates = loose_candidates(world, surfaces.iter().copied(), 0);
+    let least_units = SENSOR_UNITS * cache.options().error;
+    let candidates = loose_candidates(world, surfaces.iter().copied(), 0, least_units);
     fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), watch)
 }
 
@@ -82,7 +87,7 @@ fn fill(
     let mut deeper: Vec<Vec<Candidate>> = Vec::new();
     for level in 1..bounces {
         let above = deeper.last().map_or(candidates, Vec::as_slice);
-        deeper.push(scout(world, above, seed, level));
+        deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
     }
     // One reflection of direct light: the surface that the gather sees, and the light.
     let mut below: Option<Frozen> = None;
@@ -187,12 +192,17 @@ fn camera_candidate<'w>(camera: &Camera, surface: Surface<'w>, ray: &Ray, distan
 }
 
 /// Candidates that no camera looks at, with keys by their order.
-fn loose_candidates<'w>(world: &World, surfaces: impl Iterator<Item = Surface<'w>>, level: u32) -> Vec<Candidate<'w>> {
+fn loose_candidates<'w>(
+    world: &World,
+    surfaces: impl Iterator<Item = Surface<'w>>,
+    level: u32,
+    least_units: f32,
+) -> Vec<Candidate<'w>> {
     let spacing = world.diagonal() / PARTS;
     let candidate = |(number, surface): (u64, Surface<'w>)| Candidate {
         point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
-        bounds: Bounds { lower: UNITS[0] * spacing, upper: UNITS[1] * spacing },
+        bounds: Bounds { lower: least_units * spacing, upper: MOST_UNITS * spacing },
     };
     (0..).zip(surfaces).map(candidate).collect()
 }
@@ -204,7 +214,7 @@ fn loose_passes(places: usize) -> Vec<Pass> {
 }
 
 /// Candidates for the next deeper cache: where rays from the candidates above end.
-fn scout<'w>(world: &'w World, above: &[Candidate<'w>], seed: u64, level: u32) -> Vec<Candidate<'w>> {
+fn scout<'w>(world: &'w World, above: &[Candidate<'w>], seed: u64, level: u32, least_units: f32) -> Vec<Candidate<'w>> {
     let above = &above[..above.len().min(MAX_SCOUTING)];
     let ends: Vec<Vec<Surface>> = (0u32..)
         .zip(above)
@@ -228,5 +238,6 @@ fn scout<'w>(world: &'w World, above: &[Candidate<'w>], seed: u64, level: u32) -
             ends.map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect()
         })
         .collect();
-    loose_candidates(world, ends.into_iter().flatten().filter(|surface| surface.material.diffuse != Vec3::ZERO), level)
+    let scattering = ends.into_iter().flatten().filter(|surface| surface.material.diffuse != Vec3::ZERO);
+    loose_candidates(world, scattering, level, least_units)
 }

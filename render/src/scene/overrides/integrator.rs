@@ -14,8 +14,9 @@ use crate::settings::{
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Integrator")]
 pub struct IntegratorOverrides {
-    /// What is computed: path (global illumination), cached (the same, interpolated), montecarlo (some bounces, many rays each), direct (no indirect
-    /// light), ao (ambient occlusion), flat (colours), heat (cost of path), normals or albedo [default: path]
+    /// What is computed: path (global illumination), cached (the same, interpolated from few points), montecarlo (some
+    /// bounces, many rays each), direct (no indirect light), ao (ambient occlusion), flat (colours), heat (cost of path),
+    /// normals or albedo [default: path]
     #[arg(long, value_name = "NAME", value_parser = argument(value::integrator))]
     pub integrator: Option<Integrator>,
     /// path, heat: most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 1024]; direct:
