@@ -5,7 +5,7 @@
 //!
 //! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
 //!
-//! A cache is frozen while it is read. It grows in rounds ([`fill`]), and each ends with one commit, in which radii are
+//! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
 //! clamped and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
 
 mod clamp;
