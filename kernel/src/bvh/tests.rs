@@ -23,12 +23,16 @@ impl Executor for Backwards {
     }
 }
 
-/// A thread for each part, and a list of what is heard.
+/// A thread for each part where there are threads, and a list of what is heard.
 #[derive(Default)]
 struct Threads(Mutex<Vec<f32>>);
 
 impl Executor for Threads {
     fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        // WebAssembly has none.
+        if cfg!(target_family = "wasm") {
+            return (a(), b());
+        }
         thread::scope(|scope| {
             let b = scope.spawn(b);
             (a(), b.join().unwrap())
