@@ -5,10 +5,10 @@
 //! `cargo bench` passes, everything runs once, untimed.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use clap::Parser;
 use glam::{Vec2, Vec3};
+use halfdome_benches::rounds::{Rounds, nanoseconds};
 use halfdome_kernel::irradiance::{Hemicube, Layout, Stratified};
 use halfdome_kernel::sampling::{Strata, Stream};
 use halfdome_kernel::{Isa, Level};
@@ -16,23 +16,15 @@ use halfdome_kernel::{Isa, Level};
 /// Times the accumulation of gathers.
 #[derive(Parser)]
 struct Options {
-    /// How many rounds to take the median of
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..))]
-    rounds: u16,
-    /// Run everything once
-    #[arg(long)]
-    test: bool,
-    /// What `cargo bench` passes
-    #[arg(long, hide = true)]
-    bench: bool,
+    #[command(flatten)]
+    rounds: Rounds,
 }
 
 /// Rays in a round.
 const RAYS: usize = 1 << 20;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let options = Options::parse();
-    let rounds = if options.test || !options.bench { 0 } else { options.rounds };
+    let rounds = Options::parse().rounds.timed();
     println!("{:14}{:>8}{:>10}{:>14}{:>14}", "ns/ray", "rays", "level", "gradients", "Hessian");
     for isa in Level::ALL.into_iter().skip(1).filter_map(Isa::new) {
         for (rings, sectors) in [(10, 31), (36, 114)] {
@@ -66,13 +58,5 @@ fn bench(name: &str, isa: Isa, layout: &dyn Layout, rounds: u16) -> Result<(), B
 /// The median time a ray, in nanoseconds; a dash without rounds.
 fn time(rounds: u16, cells: usize, gather: impl Fn() -> bool) -> String {
     let repeats = RAYS.div_ceil(cells);
-    let mut times: Vec<f64> = (0..rounds)
-        .map(|_| {
-            let start = Instant::now();
-            assert!((0..repeats).all(|_| gather()));
-            start.elapsed().as_secs_f64() * 1e9 / (repeats * cells) as f64
-        })
-        .collect();
-    times.sort_unstable_by(f64::total_cmp);
-    times.get(times.len() / 2).map_or_else(|| "-".into(), |time| format!("{time:.2}"))
+    nanoseconds(rounds, repeats * cells, || assert!((0..repeats).all(|_| gather())))
 }

@@ -5,34 +5,26 @@
 //! `cargo bench` passes, everything runs once, untimed.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use clap::Parser;
 use glam::{Vec3, Vec3Swizzles as _};
 use halfdome::cache::{Cache, Record, SECTORS};
 use halfdome::settings::{CachedOptions, Metric};
+use halfdome_benches::rounds::{Rounds, nanoseconds};
 use halfdome_kernel::sampling::Stream;
 
 /// Times lookups in irradiance caches.
 #[derive(Parser)]
 struct Options {
-    /// How many rounds to take the median of
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..))]
-    rounds: u16,
-    /// Run everything once
-    #[arg(long)]
-    test: bool,
-    /// What `cargo bench` passes
-    #[arg(long, hide = true)]
-    bench: bool,
+    #[command(flatten)]
+    rounds: Rounds,
 }
 
 /// Lookups in a round.
 const LOOKUPS: u32 = 1 << 16;
 
 fn main() {
-    let options = Options::parse();
-    let rounds = if options.test || !options.bench { 0 } else { options.rounds };
+    let rounds = Options::parse().rounds.timed();
     println!("{:>10}{:>14}{:>12}{:>14}", "records", "metric", "random ns", "in order ns");
     for count in [1000, 10_000, 100_000] {
         for metric in Metric::ALL {
@@ -94,13 +86,5 @@ fn sum(cache: &Cache, point: impl Fn(u32) -> (Vec3, Vec3)) -> Vec3 {
 fn time(rounds: u16, lookups: impl Fn() -> Vec3) -> String {
     let found = lookups();
     assert!(found.x > 0.9 * LOOKUPS as f32 && found.x <= 1.001 * LOOKUPS as f32, "{found}");
-    let mut times: Vec<f64> = (0..rounds)
-        .map(|_| {
-            let start = Instant::now();
-            assert_eq!(black_box(lookups()), found);
-            start.elapsed().as_secs_f64() * 1e9 / f64::from(LOOKUPS)
-        })
-        .collect();
-    times.sort_unstable_by(f64::total_cmp);
-    times.get(times.len() / 2).map_or_else(|| "-".into(), |time| format!("{time:.0}"))
+    nanoseconds(rounds, LOOKUPS as usize, || assert_eq!(black_box(lookups()), found))
 }

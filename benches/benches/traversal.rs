@@ -9,6 +9,7 @@ use std::time::Instant;
 use clap::Parser;
 use halfdome_benches::measure::{self, Timing};
 use halfdome_benches::rays::{self, RayCounts, RaySet};
+use halfdome_benches::rounds::Rounds;
 use halfdome_benches::scenes::{self, Scene};
 use halfdome_benches::tracer::Entry;
 use halfdome_kernel::{BuildOptions, Bvh, BvhView};
@@ -22,21 +23,13 @@ struct Options {
     /// A scene to trace, several if repeated
     #[arg(long = "scene", value_name = "NAME", default_values = DEFAULT_SCENES)]
     scenes: Vec<String>,
-    /// How often each entry point traces all rays
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
-    rounds: u16,
-    /// Trace a few rays once and compare the hits
-    #[arg(long)]
-    test: bool,
-    /// What `cargo bench` passes
-    #[arg(long, hide = true)]
-    bench: bool,
+    #[command(flatten)]
+    rounds: Rounds,
 }
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let test = options.test || !options.bench;
-    scenes::for_each(&options.scenes, |scene| bench(scene, if test { 0 } else { options.rounds }))
+    scenes::for_each(&options.scenes, |scene| bench(scene, options.rounds.timed()))
 }
 
 /// Traces a scene's rays in `rounds` rounds, a few rays if that is none, and prints a line for each kind.

@@ -81,6 +81,29 @@ pub(super) enum Command {
     Validate(ValidateArguments),
 }
 
+/// What overrides the scene, with the picture's size in one word.
+#[derive(Args, Clone, Debug)]
+pub(super) struct OverrideArguments {
+    /// Pixels across and down, for example 1280x720 [default: 512x512]
+    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
+    #[arg(value_parser = size)]
+    size: Option<(u32, u32)>,
+
+    #[command(flatten)]
+    overrides: Overrides,
+}
+
+impl OverrideArguments {
+    /// The options that are given.
+    pub(super) fn overrides(&self) -> Overrides {
+        let mut overrides = self.overrides.clone();
+        if let Some((width, height)) = self.size {
+            (overrides.width, overrides.height) = (Some(width), Some(height));
+        }
+        overrides
+    }
+}
+
 #[derive(Args, Clone, Debug)]
 pub(super) struct RenderArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
@@ -91,13 +114,9 @@ pub(super) struct RenderArguments {
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
 
-    /// Pixels across and down, for example 1280x720 [default: 512x512]
-    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
-    #[arg(value_parser = size)]
-    size: Option<(u32, u32)>,
-
+    /// What overrides the scene.
     #[command(flatten)]
-    overrides: Overrides,
+    pub(super) overriding: OverrideArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -155,15 +174,6 @@ impl Command {
 }
 
 impl RenderArguments {
-    /// The options that are given.
-    pub(super) fn overrides(&self) -> Overrides {
-        let mut overrides = self.overrides.clone();
-        if let Some((width, height)) = self.size {
-            (overrides.width, overrides.height) = (Some(width), Some(height));
-        }
-        overrides
-    }
-
     /// The pictures to write, each once.
     pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Invalid> {
         if self.outputs.is_empty() {
@@ -203,7 +213,7 @@ fn with_extension(stem: &OsStr, extension: &str) -> PathBuf {
     Path::new(&name).to_owned()
 }
 
-pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once(['x', 'X', '×']);
     sides
@@ -303,13 +313,13 @@ mod tests {
             sky: Some([1.0, 2.0, 3.0].into()),
             emits_both_sides: Some(true),
         };
-        assert_eq!(arguments.overrides(), expected);
+        assert_eq!(arguments.overriding.overrides(), expected);
         assert_eq!(arguments.tone_mapping().exposure, -1.5);
     }
 
     #[test]
     fn a_size_is_two_sides_and_excludes_single_ones() {
-        let arguments = render(&["s.glb", "--size", "1280x720"]).unwrap().overrides();
+        let arguments = render(&["s.glb", "--size", "1280x720"]).unwrap().overriding.overrides();
         assert_eq!((arguments.width, arguments.height), (Some(1280), Some(720)));
         for wrong in ["1280", "0x720", "1280x65537", "x", "axb", "1280x720x3", "-1x5"] {
             assert!(render(&["s.glb", &format!("--size={wrong}")]).is_err(), "{wrong}");

@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
     }
-    let (mut scene, settings) = prepare(&arguments.scene, arguments.overrides())?;
+    let (mut scene, settings) = prepare(&arguments.scene, arguments.overriding.overrides())?;
     memory::check(&settings)?;
     let lit = has_light(&scene);
     if settings.integrator.needs_light() && !lit {

@@ -5,7 +5,6 @@
 //! infinite, as that of the camera's ray is.
 
 use glam::Vec3;
-use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::unit_double;
 
 use super::path::{emission, sky};
@@ -42,12 +41,7 @@ pub(super) fn radiance(
             if let Some(connection) = connect(world, &surface, LIGHTS, choice, on_light) {
                 connections.push(index, throughput, connection);
             }
-            let bounce = surface.sample(ray.direction, onwards)?;
-            if bounce.density != f32::INFINITY {
-                return None;
-            }
-            let next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
-            Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
+            path.through(&surface, ray, onwards)
         });
         traced += wave.connect(world, radiance);
         if wave.is_empty() {

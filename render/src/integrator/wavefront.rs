@@ -6,7 +6,7 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::CameraRays;
 use crate::estimator::Connection;
-use crate::world::World;
+use crate::world::{Surface, World};
 
 /// A path that is under way.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,17 @@ impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: usize, density: f32) -> Self {
         Self { index, throughput: Vec3::ONE, density, sky_density: 0.0 }
+    }
+
+    /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
+    #[inline]
+    pub(super) fn through(self, surface: &Surface, ray: &Ray, u: Vec2) -> Option<(Self, Ray)> {
+        let bounce = surface.sample(ray.direction, u)?;
+        if bounce.density != f32::INFINITY {
+            return None;
+        }
+        let next = Self { throughput: self.throughput * bounce.weight, density: bounce.density, ..self };
+        Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
     }
 }
 

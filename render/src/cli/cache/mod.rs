@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use super::args::{CommonArguments, size};
+use super::args::{CommonArguments, OverrideArguments};
 use super::progress::Progress;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
 use crate::cache::{Cache, named};
@@ -46,13 +46,9 @@ pub(super) struct BuildArguments {
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
-    /// Pixels across and down, for example 1280x720 [default: 512x512]
-    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
-    #[arg(value_parser = size)]
-    size: Option<(u32, u32)>,
-
+    /// What overrides the scene.
     #[command(flatten)]
-    overrides: Overrides,
+    overriding: OverrideArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -113,10 +109,7 @@ pub(super) fn cached_options(settings: &Settings) -> Result<CachedOptions, Inval
 }
 
 /// The overrides, with the cached integrator unless another is asked for.
-fn with_cache(mut overrides: Overrides, size: Option<(u32, u32)>) -> Overrides {
-    if let Some((width, height)) = size {
-        (overrides.width, overrides.height) = (Some(width), Some(height));
-    }
+fn with_cache(mut overrides: Overrides) -> Overrides {
     let integrator = &mut overrides.integrator.integrator;
     *integrator = integrator.take().or_else(|| Some(Integrator::Cached(CachedOptions::default())));
     overrides
@@ -124,7 +117,7 @@ fn with_cache(mut overrides: Overrides, size: Option<(u32, u32)>) -> Overrides {
 
 fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     let file = OutputFile::check(&arguments.output).map_err(CliError::input)?;
-    let overrides = with_cache(arguments.overrides.clone(), arguments.size);
+    let overrides = with_cache(arguments.overriding.overrides());
     let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
     let options = cached_options(&settings)?;
     memory::check(&settings)?;

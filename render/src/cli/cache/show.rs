@@ -9,7 +9,7 @@ use clap::Args;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 
-use super::super::args::{CommonArguments, size};
+use super::super::args::{CommonArguments, OverrideArguments};
 use super::super::progress::Progress;
 use super::super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
 use super::{cached_options, read_cache, with_cache};
@@ -18,7 +18,6 @@ use crate::camera::Camera;
 use crate::driver::{self, Watch};
 use crate::film::Picture;
 use crate::output::{self, OutputFile, ToneMapping};
-use crate::scene::Overrides;
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -39,13 +38,9 @@ pub(in crate::cli) struct ShowArguments {
     #[arg(long)]
     dots: bool,
 
-    /// Pixels across and down, for example 1280x720 [default: 512x512]
-    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
-    #[arg(value_parser = size)]
-    size: Option<(u32, u32)>,
-
+    /// What overrides the scene.
     #[command(flatten)]
-    overrides: Overrides,
+    overriding: OverrideArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -72,7 +67,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
             }
         }
     }
-    let overrides = with_cache(arguments.overrides.clone(), arguments.size);
+    let overrides = with_cache(arguments.overriding.overrides());
     let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
     let cache = read_cache(Some(&arguments.cache), &cached_options(&settings)?, &world)?;
     memory::check(&settings)?;

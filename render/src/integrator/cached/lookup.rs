@@ -72,12 +72,7 @@ pub(super) fn radiance(
                     }
                 }
             }
-            let bounce = surface.sample(ray.direction, onwards)?;
-            if bounce.density != f32::INFINITY {
-                return None;
-            }
-            let next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
-            Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
+            path.through(&surface, ray, onwards)
         });
         traced += wave.connect(world, radiance);
         if wave.is_empty() {
