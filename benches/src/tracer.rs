@@ -31,13 +31,15 @@ pub enum Entry {
     Packet4,
     /// `intersect_packet::<8>` and `occluded_packet::<8>`.
     Packet8,
+    /// `intersect_packet::<16>` and `occluded_packet::<16>`.
+    Packet16,
     /// `intersect_many` and `occluded_many`.
     Batch,
 }
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Single, Self::Packet4, Self::Packet8, Self::Batch];
+    pub const ALL: [Self; 5] = [Self::Single, Self::Packet4, Self::Packet8, Self::Packet16, Self::Batch];
 
     /// A short name.
     pub fn name(self) -> &'static str {
@@ -45,6 +47,7 @@ impl Entry {
             Self::Single => "single",
             Self::Packet4 => "packet4",
             Self::Packet8 => "packet8",
+            Self::Packet16 => "packet16",
             Self::Batch => "batch",
         }
     }
@@ -55,6 +58,7 @@ impl Entry {
             Self::Single => Box::new(Single(tree)),
             Self::Packet4 => Box::new(Packets::<4>(tree)),
             Self::Packet8 => Box::new(Packets::<8>(tree)),
+            Self::Packet16 => Box::new(Packets::<16>(tree)),
             Self::Batch => Box::new(Batch(tree)),
         }
     }

@@ -36,14 +36,21 @@ impl<const N: usize> RayPacket<N> {
     /// Packs up to `N` rays, `N` at most 32; lanes beyond them are inactive, and further rays are ignored.
     pub fn from_rays(rays: &[Ray]) -> Self {
         const { assert!(N <= 32, "a mask has 32 bits") };
-        let ray = |i: usize| rays.get(i).copied().unwrap_or(bytemuck::Zeroable::zeroed());
-        Self {
-            origin: core::array::from_fn(|axis| core::array::from_fn(|i| ray(i).origin[axis])),
-            direction: core::array::from_fn(|axis| core::array::from_fn(|i| ray(i).direction[axis])),
-            t_min: core::array::from_fn(|i| ray(i).t_min),
-            t_max: core::array::from_fn(|i| ray(i).t_max),
-            active: (0..N.min(rays.len())).fold(0, |active, i| active | 1 << i),
+        let mut packet = Self {
+            origin: [[0.0; N]; 3],
+            direction: [[0.0; N]; 3],
+            t_min: [0.0; N],
+            t_max: [0.0; N],
+            active: (1u64 << N.min(rays.len())).wrapping_sub(1) as u32,
+        };
+        for (lane, ray) in rays.iter().take(N).enumerate() {
+            for axis in 0..3 {
+                packet.origin[axis][lane] = ray.origin[axis];
+                packet.direction[axis][lane] = ray.direction[axis];
+            }
+            (packet.t_min[lane], packet.t_max[lane]) = (ray.t_min, ray.t_max);
         }
+        packet
     }
 
     /// The lanes of the active rays.

@@ -38,6 +38,13 @@ pub(crate) enum Axis {
 
 impl Axis {
     const CYCLE: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::X, Self::Y];
+
+    /// The order of [`Line::axes`] for a ray that runs fastest along axis `z`, 0 to 2.
+    #[inline(always)]
+    pub(crate) fn course(z: usize, negative: bool) -> [Self; 3] {
+        let [x, y, z] = [Self::CYCLE[z + 1], Self::CYCLE[z + 2], Self::CYCLE[z]];
+        if negative { [y, x, z] } else { [x, y, z] }
+    }
 }
 
 /// What boxes are tested with, in the order x, y, z.
@@ -108,12 +115,11 @@ impl RaySetup {
             2
         };
         let (d, o) = (ray.direction.to_array(), ray.origin.to_array());
-        let [x, y, z] = [Axis::CYCLE[z + 1], Axis::CYCLE[z + 2], Axis::CYCLE[z]];
-        let axes = if d[z as usize] < 0.0 { [y, x, z] } else { [x, y, z] };
+        let axes = Axis::course(z, d[z] < 0.0);
 
         let inverse = d.map(|d| 1.0 / raise(d, largest * LEAST_COMPONENT));
         let reach = (scene.min - ray.origin).abs().max((scene.max - ray.origin).abs());
-        let pad = (reach + reach[z as usize]) * NODE_PAD + ray.origin.abs() * NODE_ORIGIN_PAD;
+        let pad = (reach + reach[z]) * NODE_PAD + ray.origin.abs() * NODE_ORIGIN_PAD;
         let mut slabs = Slabs { inverse, near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] };
         for axis in 0..3 {
             let pad = pad[axis].copysign(d[axis]);
@@ -130,14 +136,6 @@ impl RaySetup {
             shear: [d[x] * inverse[z], d[y] * inverse[z]],
         };
         Some(Self { slabs, line })
-    }
-}
-
-impl RaySetup {
-    /// The part that selects code paths and memory: rays of one packet share it.
-    #[inline(always)]
-    pub(crate) fn course(&self) -> ([Axis; 3], [bool; 3]) {
-        (self.line.axes, self.slabs.negative)
     }
 }
 

@@ -6,6 +6,7 @@
 use core::arch::x86_64::*;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
+use super::twice::Twice;
 use super::{Children, Lanes, Mask, Simd};
 
 /// AVX2, FMA and BMI.
@@ -15,6 +16,7 @@ pub(crate) struct Avx2;
 impl Simd for Avx2 {
     type F4 = wide::f32x4;
     type F8 = F32x8;
+    type F16 = Twice<F32x8>;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -139,6 +141,15 @@ impl Mask for Mask8 {
     fn bits(self) -> u32 {
         // SAFETY: AVX is there, see the module.
         unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        // SAFETY: AVX2 is there, see the module.
+        unsafe {
+            let of_lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), of_lanes);
+            Self(_mm256_castsi256_ps(_mm256_cmpeq_epi32(set, of_lanes)))
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! AVX-512 on eight lanes: masks in registers of their own, and a compression that needs no table.
+//! AVX-512 on eight and sixteen lanes: masks in registers of their own, and a compression that needs no table.
 //!
 //! Safety of this module: values of its types come into being only in kernels that [`dispatch`](super::dispatch) runs
 //! on this instruction set, after it has been detected or vouched for.
@@ -16,6 +16,7 @@ pub(crate) struct Avx512;
 impl Simd for Avx512 {
     type F4 = wide::f32x4;
     type F8 = F32x8;
+    type F16 = F32x16;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -132,6 +133,10 @@ impl Mask for Mask8 {
     fn bits(self) -> u32 {
         self.0.into()
     }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(bits as __mmask8)
+    }
 }
 
 impl Children for F32x8 {
@@ -156,5 +161,120 @@ impl Children for F32x8 {
             _mm256_storeu_ps(distances.as_mut_ptr(), _mm256_maskz_compress_ps(mask, near));
             mask.count_ones() as usize
         }
+    }
+}
+
+/// Sixteen lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct F32x16(__m512);
+
+/// Sixteen truth values.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask16(__mmask16);
+
+macro_rules! operator16 {
+    ($trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for F32x16 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: AVX-512 F is there, see the module.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+operator16!(Add, add, _mm512_add_ps);
+operator16!(Sub, sub, _mm512_sub_ps);
+operator16!(Mul, mul, _mm512_mul_ps);
+operator16!(Div, div, _mm512_div_ps);
+
+impl BitAnd for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Mask for Mask16 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.into()
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(bits as __mmask16)
+    }
+}
+
+impl Lanes<16> for F32x16 {
+    type Mask = Mask16;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f32; 16]) -> Self {
+        // SAFETY: AVX-512 F is there, see the module; the pointer is to sixteen floats.
+        Self(unsafe { _mm512_loadu_ps(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 16] {
+        let mut values = [0.0; 16];
+        // SAFETY: AVX-512 F is there, see the module; the pointer is to sixteen floats.
+        unsafe { _mm512_storeu_ps(values.as_mut_ptr(), self.0) };
+        values
+    }
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, minuend: Self) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_fmsub_ps(self.0, factor.0, minuend.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask16 {
+        // SAFETY: AVX-512 F is there, see the module.
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask16 {
+        // SAFETY: AVX-512 F is there, see the module.
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask16 {
+        // SAFETY: AVX-512 F is there, see the module.
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask16, yes: Self, no: Self) -> Self {
+        // SAFETY: AVX-512 F is there, see the module.
+        Self(unsafe { _mm512_mask_blend_ps(mask.0, no.0, yes.0) })
     }
 }

@@ -16,6 +16,7 @@ mod avx2;
 mod avx512;
 mod isa;
 mod portable;
+mod twice;
 #[cfg(test)]
 mod tests;
 
@@ -31,6 +32,8 @@ pub(crate) trait Simd: Copy {
     type F4: Lanes<4>;
     /// Eight lanes.
     type F8: Lanes<8> + Children;
+    /// Sixteen lanes.
+    type F16: Lanes<16>;
 
     /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
     fn prefetch<const BYTES: usize>(start: *const u8);
@@ -75,6 +78,8 @@ pub(crate) trait Lanes<const N: usize>:
 pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Bit `i` is lane `i`.
     fn bits(self) -> u32;
+    /// The inverse of [`bits`](Self::bits); bits without a lane do not count.
+    fn from_bits(bits: u32) -> Self;
 }
 
 /// What traversal does with the eight children of a node.

@@ -1,5 +1,6 @@
 //! The backend for every target, by the crate `wide`: SSE2, NEON, wasm's simd128, or plain code where there is none.
 
+use super::twice::Twice;
 use super::{Children, Lanes, Mask, Simd};
 
 /// What the target always has.
@@ -9,6 +10,7 @@ pub(crate) struct Portable;
 impl Simd for Portable {
     type F4 = wide::f32x4;
     type F8 = wide::f32x8;
+    type F16 = Twice<wide::f32x8>;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -84,6 +86,14 @@ macro_rules! portable {
             #[inline(always)]
             fn bits(self) -> u32 {
                 self.to_bitmask()
+            }
+            #[inline(always)]
+            fn from_bits(bits: u32) -> Self {
+                let mut lanes = [0.0; $width];
+                for (lane, value) in lanes.iter_mut().enumerate() {
+                    *value = f32::from_bits((bits >> lane & 1).wrapping_neg());
+                }
+                Self::new(lanes)
             }
         }
     };

@@ -27,6 +27,7 @@ fn check<const N: usize, L: Lanes<N>>() {
             let bits = |mask: L::Mask, scalar: &dyn Fn(f32, f32) -> bool| {
                 let expected = (0..N).map(|k| (scalar(a[k], b[k]) as u32) << k).sum::<u32>();
                 assert_eq!(mask.bits(), expected);
+                assert_eq!(L::Mask::from_bits(expected | 1 << 31).bits(), expected);
             };
             bits(x.lt(y), &|p, q| p < q);
             bits(x.le(y), &|p, q| p <= q);
@@ -73,6 +74,7 @@ impl Work for Check {
     fn run<S: Simd>(self) {
         check::<4, S::F4>();
         check::<8, S::F8>();
+        check::<16, S::F16>();
         check_children::<S::F8>();
         S::prefetch::<320>(core::ptr::null());
     }

@@ -13,7 +13,6 @@ mod flock;
 mod packet;
 mod pending;
 pub mod reference;
-mod stack;
 #[cfg(test)]
 mod tests;
 mod visits;

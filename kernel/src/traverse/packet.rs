@@ -1,21 +1,21 @@
-//! Packets of rays that run alike: one box, or one triangle, against all rays at a time.
+//! Packets of rays that run alike: the boxes of a node against a hull of all rays first, then what it meets, and each
+//! triangle, against the rays, one a lane.
 //!
 //! Rays run alike if their directions have the same signs and the same fastest axis: then they enter boxes through the
-//! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. Packets of other rays
-//! are traced one by one, which is quicker for rays that go different ways anyhow.
+//! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is traced in as
+//! many parts as it has courses; rays that are alone, or whose `t_min` is negative, are traced one by one.
 
 use super::flight;
-use super::stack::Stack;
-use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup::{Axis, RaySetup};
+use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
+use crate::geometry::bundle::{Bundle, Course, Hull, greatest};
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, HitPacket, RayPacket};
-use crate::simd::{Lanes, Mask, Simd, Work, dispatch, lanes_of};
+use crate::simd::{Children, Lanes, Mask, Simd, Work, dispatch, lanes_of};
 
 /// `N` rays at a time.
 pub struct Width<const N: usize>;
 
-/// The widths that packets come in: 4 and 8.
+/// The widths that packets come in: 4, 8 and 16.
 pub trait PacketWidth<const N: usize>: sealed::Sealed {
     #[doc(hidden)]
     fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<N>, hits: &mut HitPacket<N>);
@@ -25,6 +25,7 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for super::Width<4> {}
     impl Sealed for super::Width<8> {}
+    impl Sealed for super::Width<16> {}
 }
 
 macro_rules! width {
@@ -47,133 +48,226 @@ macro_rules! width {
 
 width!(4, F4);
 width!(8, F8);
-
-/// A subtree to visit, the rays that meet its box, and where the first of them enters it.
-#[derive(Clone, Copy)]
-struct Entry {
-    child: u32,
-    rays: u32,
-    near: f32,
-}
+width!(16, F16);
 
 /// Writes the hits of the active rays; with `ANY` the first one found of each.
 #[inline(always)]
-fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
+pub(super) fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     tree: &BvhView,
     packet: &RayPacket<N>,
     hits: &mut HitPacket<N>,
 ) {
-    // Rays that can hit nothing are done with at once.
-    let mut setups = [None; N];
-    let mut live = 0;
-    for lane in packet.active_lanes() {
-        setups[lane] = RaySetup::new(&packet.ray(lane), &tree.bounds());
-        live |= (setups[lane].is_some() as u32) << lane;
-        hits.set(lane, Hit::MISS);
-    }
-    let Some(first) = setups.iter().flatten().next().copied() else {
-        return;
-    };
-    if setups.iter().flatten().any(|setup| setup.course() != first.course()) {
-        for lane in lanes_of(live) {
-            let ray = packet.ray(lane);
-            hits.set(lane, flight::trace::<ANY, S>(tree, &ray).unwrap_or(Hit::MISS));
-        }
-        return;
-    }
-    // Idle lanes compute something; nobody looks at it.
-    let traversal = Traversal::<L>::new(&setups.map(|setup| setup.unwrap_or(first)), &packet.t_min);
-    let mut best: [Hit; N] = core::array::from_fn(|lane| Hit::none_before(packet.t_max[lane]));
-    let mut stack = Stack::new(Entry { child: 0, rays: 0, near: 0.0 });
-    let mut next = Some(Entry { child: 0, rays: live, near: f32::NEG_INFINITY });
-    while let Some(entry) = next {
-        let rays = entry.rays & live;
-        if lanes_of(rays).any(|lane| entry.near <= best[lane].t) {
-            match Child::unpack(entry.child) {
-                Child::Empty => {}
-                Child::Node(index) => {
-                    if let Some(node) = tree.nodes().get(index as usize) {
-                        let t_max = L::load(&best.map(|hit| hit.t));
-                        let since = stack.height();
-                        for slot in 0..WIDTH {
-                            let (bits, near) = traversal.enter(node, slot, t_max);
-                            if bits & rays != 0 {
-                                let near =
-                                    lanes_of(bits & rays).fold(f32::INFINITY, |least, lane| least.min(near[lane]));
-                                let entry = Entry { child: node.children[slot], rays: bits & rays, near };
-                                stack.insert(entry, since, |other| !ANY && other.near < near);
-                            }
-                        }
-                    }
-                }
-                Child::Leaf { first, count } => {
-                    let range = first as usize..first as usize + count as usize;
-                    for block in tree.blocks().get(range).unwrap_or(&[]) {
-                        traversal.hit_block(block, rays, &mut best);
-                    }
-                    if ANY {
-                        live =
-                            lanes_of(live).filter(|&lane| !best[lane].is_hit()).fold(0, |live, lane| live | 1 << lane);
-                    }
-                }
+    let bundle = Bundle::<L>::new(packet, &tree.bounds());
+    let mut best = Best::none(L::load(&packet.t_max));
+    let ahead = L::splat(0.0).le(bundle.t_min).bits();
+    let mut waiting = bundle.live;
+    while waiting != 0 {
+        let (course, mut rays) = bundle.course(packet, waiting);
+        rays &= ahead | rays & rays.wrapping_neg();
+        waiting &= !rays;
+        if rays & rays.wrapping_sub(1) == 0 {
+            let lane = rays.trailing_zeros() as usize % N;
+            if let Some(hit) = flight::trace::<ANY, S>(tree, &packet.ray(lane)) {
+                best.take(L::Mask::from_bits(rays), &Best::splat(&hit));
             }
+        } else {
+            Convoy::new(&bundle, course, rays, tree).trace::<ANY, N, S>(tree, rays, &mut best);
         }
-        next = stack.pop();
     }
-    for (lane, setup) in setups.iter().enumerate() {
-        if setup.is_some() {
-            hits.set(lane, best[lane].found().unwrap_or(Hit::MISS));
+    best.write(bundle.live, packet.active, hits);
+}
+
+/// The best hits so far, a ray a lane; `prim_id` by its bits.
+struct Best<L> {
+    t: L,
+    u: L,
+    v: L,
+    prim_id: L,
+}
+
+impl<L: Copy> Best<L> {
+    /// None up to `t_max`.
+    #[inline(always)]
+    fn none<const N: usize>(t_max: L) -> Self
+    where
+        L: Lanes<N>,
+    {
+        let zero = L::splat(0.0);
+        Self { t: t_max, u: zero, v: zero, prim_id: L::splat(f32::from_bits(Hit::NO_PRIM)) }
+    }
+
+    /// The same hit in all lanes.
+    #[inline(always)]
+    fn splat<const N: usize>(hit: &Hit) -> Self
+    where
+        L: Lanes<N>,
+    {
+        let prim_id = L::splat(f32::from_bits(hit.prim_id));
+        Self { t: L::splat(hit.t), u: L::splat(hit.u), v: L::splat(hit.v), prim_id }
+    }
+
+    /// Takes other hits in the lanes of `mask`.
+    #[inline(always)]
+    fn take<const N: usize>(&mut self, mask: L::Mask, other: &Self)
+    where
+        L: Lanes<N>,
+    {
+        self.t = L::select(mask, other.t, self.t);
+        self.u = L::select(mask, other.u, self.u);
+        self.v = L::select(mask, other.v, self.v);
+        self.prim_id = L::select(mask, other.prim_id, self.prim_id);
+    }
+
+    /// Of `lanes`, in which a hit is as near as the best one, those whose best one is of a triangle after `prim_id`.
+    #[cold]
+    #[inline(never)]
+    fn after<const N: usize>(&self, prim_id: u32, lanes: u32) -> u32
+    where
+        L: Lanes<N>,
+    {
+        let best = self.prim_id.store();
+        lanes_of(lanes).filter(|&lane| prim_id < best[lane].to_bits()).fold(0, |bits, lane| bits | 1 << lane)
+    }
+
+    /// Writes the lanes of `active`: those of `live` that found something, and misses.
+    #[inline(always)]
+    fn write<const N: usize>(&self, live: u32, active: u32, hits: &mut HitPacket<N>)
+    where
+        L: Lanes<N>,
+    {
+        let (t, u, v, prim_id) = (self.t.store(), self.u.store(), self.v.store(), self.prim_id.store());
+        for lane in 0..N {
+            let prim_id = prim_id[lane].to_bits();
+            if active >> lane & 1 != 0 {
+                let found = live >> lane & 1 != 0 && prim_id != Hit::NO_PRIM;
+                hits.set(lane, if found { Hit { t: t[lane], u: u[lane], v: v[lane], prim_id } } else { Hit::MISS });
+            }
         }
     }
 }
 
-/// What stays the same while a packet is traced: a ray a lane, all on one course.
-struct Traversal<L> {
-    axes: [Axis; 3],
-    negative: [bool; 3],
-    inverse: [L; 3],
-    near_shift: [L; 3],
-    far_shift: [L; 3],
+/// What validation allows, and room for the eight that a node writes, whether it keeps them or not.
+const ROOM: usize = MAX_STACK + WIDTH;
+
+/// Rays of one course under way together.
+struct Convoy<L> {
+    course: Course,
+    octant: usize,
+    hull: Hull,
     lines: LineLanes<L>,
     t_min: L,
 }
 
-impl<L: Copy> Traversal<L> {
+impl<L: Copy> Convoy<L> {
     #[inline(always)]
-    fn new<const N: usize>(rays: &[RaySetup; N], t_min: &[f32; N]) -> Self
+    fn new<const N: usize>(bundle: &Bundle<L>, course: Course, rays: u32, tree: &BvhView) -> Self
     where
         L: Lanes<N>,
     {
-        Self {
-            axes: rays[0].line.axes,
-            negative: rays[0].slabs.negative,
-            inverse: gather(rays, |ray| ray.slabs.inverse),
-            near_shift: gather(rays, |ray| ray.slabs.near_shift),
-            far_shift: gather(rays, |ray| ray.slabs.far_shift),
-            lines: LineLanes {
-                origin: gather(rays, |ray| ray.line.origin),
-                inverse: gather(rays, |ray| ray.line.inverse),
-                shear: gather(rays, |ray| ray.line.shear),
-            },
-            t_min: L::load(t_min),
+        let lines = bundle.lines(&course);
+        let hull = bundle.hull(&course, &lines, rays, &tree.bounds());
+        let [x, y, z] = course.negative.map(usize::from);
+        Self { course, octant: x | y << 1 | z << 2, hull, lines, t_min: bundle.t_min }
+    }
+
+    /// Finds hits for `rays` that precede the best ones; with `ANY` one each.
+    #[inline(always)]
+    fn trace<const ANY: bool, const N: usize, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut Best<L>)
+    where
+        L: Lanes<N>,
+    {
+        let mut live = rays;
+        let never = L::splat(f32::NEG_INFINITY);
+        let mut t_max = greatest(L::select(L::Mask::from_bits(live), best.t, never));
+        let mut children = [0u32; ROOM];
+        let mut near = [f32::NEG_INFINITY; ROOM];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (child, entry) = (children[height], near[height]);
+            // As near is not nearer: there may be a tie to decide.
+            if entry > t_max {
+                continue;
+            }
+            if Child::is_node(child) {
+                let room = (children.get_mut(height..).and_then(<[_]>::first_chunk_mut), near.get_mut(height..).and_then(<[_]>::first_chunk_mut));
+                if let (Some(node), (Some(children), Some(near))) = (tree.nodes().get(child as usize), room) {
+                    height += self.enter::<S>(node, t_max, children, near);
+                }
+                continue;
+            }
+            let mut found = 0;
+            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
+                let candidates = self.candidates::<S>(block, t_max);
+                found |= self.hit(block, candidates, live, best);
+            }
+            if found != 0 {
+                if ANY {
+                    live &= !found;
+                    if live == 0 {
+                        return;
+                    }
+                }
+                t_max = greatest(L::select(L::Mask::from_bits(live), best.t, never));
+            }
         }
     }
 
-    /// The rays that meet the box in `slot` within their intervals, and where.
+    /// Writes the children whose boxes the hull meets, and where, the nearest one last; gives their number.
     #[inline(always)]
-    fn enter<const N: usize>(&self, node: &Node, slot: usize, t_max: L) -> (u32, [f32; N])
+    fn enter<S: Simd>(&self, node: &Node, t_max: f32, children: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
+        let [x, y, z] = &node.planes;
+        let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], t_max);
+        S::F8::keep(enter, leave, node.order[self.octant & 7], &node.children, children, near)
+    }
+
+    /// The triangles of a block whose boxes the hull meets.
+    #[inline(always)]
+    fn candidates<S: Simd>(&self, block: &TriangleBlock, t_max: f32) -> u32 {
+        let (enter, leave) = self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], t_max);
+        enter.le(leave).bits()
+    }
+
+    /// Where the hull enters and leaves eight boxes, of which the lower and upper bounds are given.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, boxes: [[S::F8; 2]; 3], t_max: f32) -> (S::F8, S::F8) {
+        let (mut enter, mut leave) = (S::F8::splat(0.0), S::F8::splat(t_max));
+        for axis in 0..3 {
+            let [lower, upper] = boxes[axis];
+            let (near, far) = if self.course.negative[axis] { (upper, lower) } else { (lower, upper) };
+            let hull = &self.hull;
+            enter = enter.max(near.mul_sub(S::F8::splat(hull.near_inverse[axis]), S::F8::splat(hull.near_shift[axis])));
+            leave = leave.min(far.mul_sub(S::F8::splat(hull.far_inverse[axis]), S::F8::splat(hull.far_shift[axis])));
+        }
+        (enter, leave)
+    }
+
+    /// Tests triangles of a block in turn against `rays`. Gives those that found a better hit.
+    #[inline(always)]
+    fn hit<const N: usize>(&self, block: &TriangleBlock, candidates: u32, rays: u32, best: &mut Best<L>) -> u32
     where
         L: Lanes<N>,
     {
-        let (mut enter, mut leave) = (self.t_min, t_max);
-        for axis in 0..3 {
-            let negative = self.negative[axis];
-            let near = L::splat(node.planes[axis][usize::from(negative)][slot]);
-            let far = L::splat(node.planes[axis][usize::from(!negative)][slot]);
-            enter = enter.max(near.mul_sub(self.inverse[axis], self.near_shift[axis]));
-            leave = leave.min(far.mul_sub(self.inverse[axis], self.far_shift[axis]));
+        let mut found = 0;
+        for triangle in lanes_of(candidates) {
+            let triangle = triangle % WIDTH;
+            let corners =
+                [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
+            let Some(crossing) = triangle::cross(&self.lines, corners) else {
+                continue;
+            };
+            let within = (self.t_min.le(crossing.t) & crossing.t.le(best.t)).bits() & crossing.bits & rays;
+            if within == 0 {
+                continue;
+            }
+            let prim_id = block.prim_id[triangle];
+            let ties = crossing.t.eq(best.t).bits() & within;
+            let closer = if ties == 0 { within } else { within & !ties | best.after(prim_id, ties) };
+            let prim_id = L::splat(f32::from_bits(prim_id));
+            best.take(L::Mask::from_bits(closer), &Best { t: crossing.t, u: crossing.u, v: crossing.v, prim_id });
+            found |= closer;
         }
-        (enter.le(leave).bits(), enter.store())
+        found
     }
 
     /// A corner of one triangle, in the order of the course's axes.
@@ -182,51 +276,22 @@ impl<L: Copy> Traversal<L> {
     where
         L: Lanes<N>,
     {
-        let [x, y, z] = self.axes.map(|axis| axis as usize);
+        let [x, y, z] = self.course.axes.map(|axis| axis as usize);
         let axes = &block.corners[corner];
         [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
     }
-
-    /// Tests the block's triangles in turn against `rays`.
-    #[inline(always)]
-    fn hit_block<const N: usize>(&self, block: &TriangleBlock, rays: u32, best: &mut [Hit; N])
-    where
-        L: Lanes<N>,
-    {
-        for (triangle, &prim_id) in block.prim_id.iter().enumerate().filter(|&(_, &id)| id != Hit::NO_PRIM) {
-            let corners =
-                [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
-            let Some(crossing) = triangle::cross(&self.lines, corners) else {
-                continue;
-            };
-            let within = self.t_min.le(crossing.t).bits() & crossing.bits & rays;
-            if within == 0 {
-                continue;
-            }
-            let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
-            for lane in lanes_of(within) {
-                let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id };
-                if hit.precedes(&best[lane]) {
-                    best[lane] = hit;
-                }
-            }
-        }
-    }
 }
 
-/// The same part of all rays, turned into lanes.
+/// The lower and upper bounds of eight boxes along an axis.
 #[inline(always)]
-fn gather<const N: usize, const M: usize, L: Lanes<N>>(
-    rays: &[RaySetup; N],
-    part: impl Fn(&RaySetup) -> [f32; M],
-) -> [L; M] {
-    let mut lanes = [L::splat(0.0); M];
-    for (k, lanes) in lanes.iter_mut().enumerate() {
-        let mut values = [0.0; N];
-        for (value, ray) in values.iter_mut().zip(rays) {
-            *value = part(ray)[k];
-        }
-        *lanes = L::load(&values);
-    }
-    lanes
+fn bounds<S: Simd>(planes: &[[f32; WIDTH]; 2]) -> [S::F8; 2] {
+    [S::F8::load(&planes[0]), S::F8::load(&planes[1])]
+}
+
+/// The lower and upper bounds of a block's triangles along an axis.
+#[inline(always)]
+fn extent<S: Simd>(block: &TriangleBlock, axis: usize) -> [S::F8; 2] {
+    let [a, b, c] = &block.corners;
+    let (a, b, c) = (S::F8::load(&a[axis]), S::F8::load(&b[axis]), S::F8::load(&c[axis]));
+    [a.min(b).min(c), a.max(b).max(c)]
 }

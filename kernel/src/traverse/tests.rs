@@ -65,6 +65,7 @@ fn check_isa(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
     }
     check_packets::<4>(tree, rays, expected);
     check_packets::<8>(tree, rays, expected);
+    check_packets::<16>(tree, rays, expected);
     let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
     let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
     tree.intersect_many(rays, &mut hits);
@@ -80,7 +81,7 @@ where
 {
     let untouched = Hit { t: 12.5, u: -3.0, v: 8.0, prim_id: 77 };
     for (start, chunk) in rays.chunks(N).enumerate() {
-        for active in [u32::MAX, 0b0101_1010, 0b1000_0001] {
+        for active in [u32::MAX, 0b0110_0111_0101_1010, 0b1000_0001] {
             let mut packet = RayPacket::<N>::from_rays(chunk);
             packet.active &= active;
             let mut hits = HitPacket::MISS;
