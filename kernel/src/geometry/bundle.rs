@@ -1,17 +1,18 @@
 //! Rays in lanes made ready together: the numbers of [`RaySetup`](super::setup::RaySetup), bit for bit, where they run on
-//! one course, and a hull that no ray of them leaves.
+//! one course, and a shaft that no ray of them leaves.
 //!
-//! The hull is what Embree calls a frustum (Wald et al. 2014): for each axis the box of the origins, and the least and the
-//! greatest reciprocal of the directions. Along an axis on which all rays run upwards,
-//! `(plane - highest origin) * least inverse` is no later than any of them passes the plane, and
-//! `(plane - lowest origin) * greatest inverse` no earlier, if they pass it ahead of their origins; if the plane lies behind
-//! an origin, what comes out is not positive. So for `t_min >= 0` a box that the hull misses is missed by all rays. The
-//! pads are those of the rays, of which the rounding here uses a part that a ray's own test leaves.
+//! The shaft (Haines and Wallace 1991) is swept by a box that grows or shrinks from around the rays' origins to around
+//! their ends, which are at `t_max` or where they leave the scene: at the part `s` of their way all are in
+//! `(1 - s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It
+//! is as tight for rays that run together, to a light, as for those that spread.
+//!
+//! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's own
+//! box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
 
 use glam::Vec3;
 
 use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
+    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, raise,
 };
 use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
@@ -37,13 +38,15 @@ pub(crate) struct Bundle<L> {
     pub live: u32,
 }
 
-/// What boxes are tested with for all rays at once.
+/// What boxes are tested with for all rays at once. The upper side of the swept box passes a plane at
+/// `plane * inverse - shift`, and so does the lower side.
 #[derive(Clone, Copy)]
-pub(crate) struct Hull {
-    pub near_inverse: [f32; 3],
-    pub near_shift: [f32; 3],
-    pub far_inverse: [f32; 3],
-    pub far_shift: [f32; 3],
+pub(crate) struct Shaft {
+    /// Of the upper sides, along each axis, and of the lower ones.
+    pub inverse: [[f32; 3]; 2],
+    pub shift: [[f32; 3]; 2],
+    /// Whether the side rises on its way.
+    pub rises: [[bool; 3]; 2],
 }
 
 impl<L: Copy> Bundle<L> {
@@ -119,35 +122,51 @@ impl<L: Copy> Bundle<L> {
         L::splat(1.0) / L::select(d.abs().lt(least), signed, d)
     }
 
-    /// A hull of `rays`, which are on `course` and not none.
+    /// How far the rays go, at most: to `t_max`, or out of the scene along the fastest axis.
     #[inline(always)]
-    pub(crate) fn hull<const N: usize>(&self, course: &Course, lines: &LineLanes<L>, rays: u32, scene: &Aabb) -> Hull
+    pub(crate) fn lengths<const N: usize>(&self, course: &Course, lines: &LineLanes<L>, t_max: L, scene: &Aabb) -> L
+    where
+        L: Lanes<N>,
+    {
+        let z = course.axes[2] as usize;
+        let end = if course.negative[z] { scene.min[z] } else { scene.max[z] };
+        let (far, o) = (L::splat(end) - self.origin[z], self.origin[z].abs());
+        let pad = far.abs() * L::splat(4.0 * NODE_PAD) + o * L::splat(NODE_ORIGIN_PAD);
+        let pad = if course.negative[z] { L::splat(0.0) - pad } else { pad };
+        t_max.min((far + pad) * lines.inverse[2]).max(L::splat(0.0))
+    }
+
+    /// The shaft of `rays`, which are on `course` and not none, of the given lengths.
+    #[inline(always)]
+    pub(crate) fn shaft<const N: usize>(&self, course: &Course, lengths: L, rays: u32, scene: &Aabb) -> Shaft
     where
         L: Lanes<N>,
     {
         let rays = L::Mask::from_bits(rays);
-        let mut hull = Hull { near_inverse: [0.0; 3], near_shift: [0.0; 3], far_inverse: [0.0; 3], far_shift: [0.0; 3] };
-        let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
-        for k in 0..3 {
-            let axis = course.axes[k] as usize;
-            (low[axis], high[axis]) = range(rays, lines.origin[k]);
-            let (least, greatest) = range(rays, lines.inverse[k]);
-            (hull.near_inverse[axis], hull.far_inverse[axis]) =
-                if course.negative[axis] { (greatest, least) } else { (least, greatest) };
-        }
-        let reach = (scene.max - low).abs().max((scene.max - high).abs());
-        let reach = reach.max((scene.min - low).abs()).max((scene.min - high).abs());
-        let pad = (reach + reach[course.axes[2] as usize]) * NODE_PAD + low.abs().max(high.abs()) * NODE_ORIGIN_PAD;
+        let (mut origins, mut ends) = (Aabb::EMPTY, Aabb::EMPTY);
         for axis in 0..3 {
-            let (last, first) = if course.negative[axis] {
-                (low[axis] - pad[axis], high[axis] + pad[axis])
-            } else {
-                (high[axis] + pad[axis], low[axis] - pad[axis])
-            };
-            hull.near_shift[axis] = last * hull.near_inverse[axis] + UNDERFLOW_PAD;
-            hull.far_shift[axis] = first * hull.far_inverse[axis] - UNDERFLOW_PAD;
+            let origin = self.origin[axis];
+            (origins.min[axis], origins.max[axis]) = range(rays, origin);
+            (ends.min[axis], ends.max[axis]) = range(rays, origin + lengths * self.direction[axis]);
         }
-        hull
+        let reach = (scene.max - origins.min).abs().max((scene.max - origins.max).abs());
+        let reach = reach.max((scene.min - origins.min).abs()).max((scene.min - origins.max).abs());
+        let reach_z = reach[course.axes[2] as usize];
+        let pad = (reach + reach_z) * (2.0 * NODE_PAD)
+            + origins.min.abs().max(origins.max.abs()) * (2.0 * NODE_ORIGIN_PAD)
+            + Vec3::splat(f32::MIN_POSITIVE);
+        let sides = [(origins.max + pad, ends.max + pad), (origins.min - pad, ends.min - pad)];
+        let mut shaft = Shaft { inverse: [[0.0; 3]; 2], shift: [[0.0; 3]; 2], rises: [[false; 3]; 2] };
+        for (side, (from, to)) in sides.into_iter().enumerate() {
+            for axis in 0..3 {
+                let slope = raise(to[axis] - from[axis], pad[axis] * LEAST_COMPONENT);
+                let inverse = 1.0 / slope;
+                shaft.inverse[side][axis] = inverse;
+                shaft.shift[side][axis] = from[axis] * inverse;
+                shaft.rises[side][axis] = slope > 0.0;
+            }
+        }
+        shaft
     }
 }
 

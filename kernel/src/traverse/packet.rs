@@ -1,4 +1,4 @@
-//! Packets of rays that run alike: the boxes of a node against a hull of all rays first, then what it meets, and each
+//! Packets of rays that run alike: the boxes of a node against a shaft of all rays first, then what it meets, and each
 //! triangle, against the rays, one a lane.
 //!
 //! Rays run alike if their directions have the same signs and the same fastest axis: then they enter boxes through the
@@ -7,9 +7,9 @@
 
 use super::flight;
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
-use crate::geometry::bundle::{Bundle, Course, Hull, greatest};
+use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
 use crate::geometry::triangle::{self, LineLanes};
-use crate::geometry::{Hit, HitPacket, RayPacket};
+use crate::geometry::{Aabb, Hit, HitPacket, RayPacket};
 use crate::simd::{Children, Lanes, Mask, Simd, Work, dispatch, lanes_of};
 
 /// `N` rays at a time.
@@ -71,7 +71,7 @@ pub(super) fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
                 best.take(L::Mask::from_bits(rays), &Best::splat(&hit));
             }
         } else {
-            Convoy::new(&bundle, course, rays, tree).trace::<ANY, N, S>(tree, rays, &mut best);
+            Convoy::new(&bundle, course, rays, best.t, &tree.bounds()).trace::<ANY, N, S>(tree, rays, &mut best);
         }
     }
     best.write(bundle.live, packet.active, hits);
@@ -153,21 +153,35 @@ const ROOM: usize = MAX_STACK + WIDTH;
 struct Convoy<L> {
     course: Course,
     octant: usize,
-    hull: Hull,
+    shaft: Shaft,
     lines: LineLanes<L>,
     t_min: L,
+    /// Of each ray, one over its length.
+    inverse_lengths: L,
 }
 
 impl<L: Copy> Convoy<L> {
     #[inline(always)]
-    fn new<const N: usize>(bundle: &Bundle<L>, course: Course, rays: u32, tree: &BvhView) -> Self
+    fn new<const N: usize>(bundle: &Bundle<L>, course: Course, rays: u32, t_max: L, scene: &Aabb) -> Self
     where
         L: Lanes<N>,
     {
         let lines = bundle.lines(&course);
-        let hull = bundle.hull(&course, &lines, rays, &tree.bounds());
+        let lengths = bundle.lengths(&course, &lines, t_max, scene);
+        let shaft = bundle.shaft(&course, lengths, rays, scene);
+        let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
         let [x, y, z] = course.negative.map(usize::from);
-        Self { course, octant: x | y << 1 | z << 2, hull, lines, t_min: bundle.t_min }
+        Self { course, octant: x | y << 1 | z << 2, shaft, lines, t_min: bundle.t_min, inverse_lengths }
+    }
+
+    /// The part of the way that is left to the ray with the longest one.
+    #[inline(always)]
+    fn left<const N: usize>(&self, rays: u32, best: &Best<L>) -> f32
+    where
+        L: Lanes<N>,
+    {
+        let left = best.t * self.inverse_lengths;
+        greatest(L::select(L::Mask::from_bits(rays), left, L::splat(f32::NEG_INFINITY))).min(2.0)
     }
 
     /// Finds hits for `rays` that precede the best ones; with `ANY` one each.
@@ -177,8 +191,7 @@ impl<L: Copy> Convoy<L> {
         L: Lanes<N>,
     {
         let mut live = rays;
-        let never = L::splat(f32::NEG_INFINITY);
-        let mut t_max = greatest(L::select(L::Mask::from_bits(live), best.t, never));
+        let mut left = self.left(live, best);
         let mut children = [0u32; ROOM];
         let mut near = [f32::NEG_INFINITY; ROOM];
         let mut height = 1;
@@ -186,19 +199,20 @@ impl<L: Copy> Convoy<L> {
             height -= 1;
             let (child, entry) = (children[height], near[height]);
             // As near is not nearer: there may be a tie to decide.
-            if entry > t_max {
+            if entry > left {
                 continue;
             }
             if Child::is_node(child) {
-                let room = (children.get_mut(height..).and_then(<[_]>::first_chunk_mut), near.get_mut(height..).and_then(<[_]>::first_chunk_mut));
-                if let (Some(node), (Some(children), Some(near))) = (tree.nodes().get(child as usize), room) {
-                    height += self.enter::<S>(node, t_max, children, near);
+                let children = children.get_mut(height..).and_then(<[_]>::first_chunk_mut);
+                let near = near.get_mut(height..).and_then(<[_]>::first_chunk_mut);
+                if let (Some(node), Some(children), Some(near)) = (tree.nodes().get(child as usize), children, near) {
+                    height += self.enter::<S>(node, left, children, near);
                 }
                 continue;
             }
             let mut found = 0;
             for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                let candidates = self.candidates::<S>(block, t_max);
+                let candidates = self.candidates::<S>(block, left);
                 found |= self.hit(block, candidates, live, best);
             }
             if found != 0 {
@@ -208,36 +222,46 @@ impl<L: Copy> Convoy<L> {
                         return;
                     }
                 }
-                t_max = greatest(L::select(L::Mask::from_bits(live), best.t, never));
+                left = self.left(live, best);
             }
         }
     }
 
-    /// Writes the children whose boxes the hull meets, and where, the nearest one last; gives their number.
+    /// Writes the children whose boxes the shaft meets, and where, the nearest one last; gives their number.
     #[inline(always)]
-    fn enter<S: Simd>(&self, node: &Node, t_max: f32, children: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
+    fn enter<S: Simd>(&self, node: &Node, left: f32, children: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
         let [x, y, z] = &node.planes;
-        let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], t_max);
+        let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], left);
         S::F8::keep(enter, leave, node.order[self.octant & 7], &node.children, children, near)
     }
 
-    /// The triangles of a block whose boxes the hull meets.
+    /// The triangles of a block whose boxes the shaft meets.
     #[inline(always)]
-    fn candidates<S: Simd>(&self, block: &TriangleBlock, t_max: f32) -> u32 {
-        let (enter, leave) = self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], t_max);
+    fn candidates<S: Simd>(&self, block: &TriangleBlock, left: f32) -> u32 {
+        let (enter, leave) = self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], left);
         enter.le(leave).bits()
     }
 
-    /// Where the hull enters and leaves eight boxes, of which the lower and upper bounds are given.
+    /// Where the shaft enters and leaves eight boxes, of which the lower and upper bounds are given.
     #[inline(always)]
-    fn meet<S: Simd>(&self, boxes: [[S::F8; 2]; 3], t_max: f32) -> (S::F8, S::F8) {
-        let (mut enter, mut leave) = (S::F8::splat(0.0), S::F8::splat(t_max));
+    fn meet<S: Simd>(&self, boxes: [[S::F8; 2]; 3], left: f32) -> (S::F8, S::F8) {
+        let (mut enter, mut leave) = (S::F8::splat(0.0), S::F8::splat(left));
+        let Shaft { inverse, shift, rises } = &self.shaft;
         for axis in 0..3 {
+            // The upper side has to be above the lower bounds, the lower side below the upper ones.
             let [lower, upper] = boxes[axis];
-            let (near, far) = if self.course.negative[axis] { (upper, lower) } else { (lower, upper) };
-            let hull = &self.hull;
-            enter = enter.max(near.mul_sub(S::F8::splat(hull.near_inverse[axis]), S::F8::splat(hull.near_shift[axis])));
-            leave = leave.min(far.mul_sub(S::F8::splat(hull.far_inverse[axis]), S::F8::splat(hull.far_shift[axis])));
+            let above = lower.mul_sub(S::F8::splat(inverse[0][axis]), S::F8::splat(shift[0][axis]));
+            let below = upper.mul_sub(S::F8::splat(inverse[1][axis]), S::F8::splat(shift[1][axis]));
+            if rises[0][axis] {
+                enter = enter.max(above);
+            } else {
+                leave = leave.min(above);
+            }
+            if rises[1][axis] {
+                leave = leave.min(below);
+            } else {
+                enter = enter.max(below);
+            }
         }
         (enter, leave)
     }
