@@ -35,11 +35,13 @@ pub enum Entry {
     Packet16,
     /// `intersect_many` and `occluded_many`.
     Batch,
+    /// `intersect_gather` and `occluded_gather`.
+    Gather,
 }
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Single, Self::Packet4, Self::Packet8, Self::Packet16, Self::Batch];
+    pub const ALL: [Self; 6] = [Self::Single, Self::Packet4, Self::Packet8, Self::Packet16, Self::Batch, Self::Gather];
 
     /// A short name.
     pub fn name(self) -> &'static str {
@@ -49,6 +51,7 @@ impl Entry {
             Self::Packet8 => "packet8",
             Self::Packet16 => "packet16",
             Self::Batch => "batch",
+            Self::Gather => "gather",
         }
     }
 
@@ -60,6 +63,7 @@ impl Entry {
             Self::Packet8 => Box::new(Packets::<8>(tree)),
             Self::Packet16 => Box::new(Packets::<16>(tree)),
             Self::Batch => Box::new(Batch(tree)),
+            Self::Gather => Box::new(Gather(tree)),
         }
     }
 }
@@ -115,5 +119,17 @@ impl Tracer for Batch<'_> {
 
     fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
         self.0.occluded_many(rays, occluded);
+    }
+}
+
+struct Gather<'a>(BvhView<'a>);
+
+impl Tracer for Gather<'_> {
+    fn intersect(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.0.intersect_gather(rays, hits);
+    }
+
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.0.occluded_gather(rays, occluded);
     }
 }

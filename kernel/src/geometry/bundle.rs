@@ -12,7 +12,8 @@
 use glam::Vec3;
 
 use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, raise,
+    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
+    raise,
 };
 use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
@@ -47,6 +48,10 @@ pub(crate) struct Shaft {
     pub shift: [[f32; 3]; 2],
     /// Whether the side rises on its way.
     pub rises: [[bool; 3]; 2],
+    /// What the box around the origins was widened by.
+    pub pad: [f32; 3],
+    /// Whether all rays start at one point: then the shaft is hardly wider than they are together.
+    pub is_pointed: bool,
 }
 
 impl<L: Copy> Bundle<L> {
@@ -122,6 +127,28 @@ impl<L: Copy> Bundle<L> {
         L::splat(1.0) / L::select(d.abs().lt(least), signed, d)
     }
 
+    /// What nodes' boxes are tested with, in the order of the axes: the reciprocals, and the shifts to near and to far
+    /// planes of [`Slabs`](super::setup::Slabs), with the larger pad of the shaft.
+    #[inline(always)]
+    pub(crate) fn slabs<const N: usize>(
+        &self,
+        course: &Course,
+        lines: &LineLanes<L>,
+        shaft: &Shaft,
+    ) -> ([L; 3], [L; 3], [L; 3])
+    where
+        L: Lanes<N>,
+    {
+        let (mut near, mut far) = (lines.origin, lines.origin);
+        for k in 0..3 {
+            let axis = course.axes[k] as usize;
+            let pad = L::splat(if course.negative[axis] { -shaft.pad[axis] } else { shaft.pad[axis] });
+            near[k] = (lines.origin[k] + pad) * lines.inverse[k] + L::splat(UNDERFLOW_PAD);
+            far[k] = (lines.origin[k] - pad) * lines.inverse[k] - L::splat(UNDERFLOW_PAD);
+        }
+        (lines.inverse, near, far)
+    }
+
     /// How far the rays go, at most: to `t_max`, or out of the scene along the fastest axis.
     #[inline(always)]
     pub(crate) fn lengths<const N: usize>(&self, course: &Course, lines: &LineLanes<L>, t_max: L, scene: &Aabb) -> L
@@ -156,7 +183,13 @@ impl<L: Copy> Bundle<L> {
             + origins.min.abs().max(origins.max.abs()) * (2.0 * NODE_ORIGIN_PAD)
             + Vec3::splat(f32::MIN_POSITIVE);
         let sides = [(origins.max + pad, ends.max + pad), (origins.min - pad, ends.min - pad)];
-        let mut shaft = Shaft { inverse: [[0.0; 3]; 2], shift: [[0.0; 3]; 2], rises: [[false; 3]; 2] };
+        let mut shaft = Shaft {
+            inverse: [[0.0; 3]; 2],
+            shift: [[0.0; 3]; 2],
+            rises: [[false; 3]; 2],
+            pad: pad.to_array(),
+            is_pointed: origins.min == origins.max,
+        };
         for (side, (from, to)) in sides.into_iter().enumerate() {
             for axis in 0..3 {
                 let slope = raise(to[axis] - from[axis], pad[axis] * LEAST_COMPONENT);

@@ -16,9 +16,9 @@ mod avx2;
 mod avx512;
 mod isa;
 mod portable;
-mod twice;
 #[cfg(test)]
 mod tests;
+mod twice;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 

@@ -40,22 +40,31 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, ray: &Ray) -> Opti
     }
 }
 
-/// Replaces `best` by the block's nearest hit, if that precedes it.
+/// Replaces `best` by the block's nearest hit, if that precedes it; tells whether it did.
 #[inline(always)]
-fn hit_block<L: Lanes<WIDTH>>(block: &TriangleBlock, ray: &LineLanes<L>, axes: [Axis; 3], t_min: f32, best: &mut Hit) {
+pub(super) fn hit_block<L: Lanes<WIDTH>>(
+    block: &TriangleBlock,
+    ray: &LineLanes<L>,
+    axes: [Axis; 3],
+    t_min: f32,
+    best: &mut Hit,
+) -> bool {
     let Some(crossing) = triangle::cross(ray, corners(block, axes)) else {
-        return;
+        return false;
     };
     let within = L::splat(t_min).le(crossing.t) & crossing.t.le(L::splat(best.t));
     let bits = within.bits() & crossing.bits;
     if bits == 0 {
-        return;
+        return false;
     }
+    let mut found = false;
     let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
     for lane in lanes_of(bits) {
         let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: block.prim_id[lane] };
         if hit.precedes(best) {
             *best = hit;
+            found = true;
         }
     }
+    found
 }

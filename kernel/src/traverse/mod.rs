@@ -3,13 +3,15 @@
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
 //! | one | [`BvhView::intersect`] | [`BvhView::occluded`] |
-//! | 4 or 8 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
+//! | 4, 8 or 16 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
+//! | a slice, of one origin | [`BvhView::intersect_gather`] | [`BvhView::occluded_gather`] |
 //!
 //! Nothing here allocates or panics.
 
 mod flight;
 mod flock;
+mod gather;
 mod packet;
 mod pending;
 pub mod reference;
@@ -106,6 +108,51 @@ impl BvhView<'_> {
             };
             dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
         }
+    }
+}
+
+impl BvhView<'_> {
+    /// Like [`intersect_many`](Self::intersect_many), and quicker for rays that share an origin and go many ways, as those
+    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets.
+    pub fn intersect_gather(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let rays = &rays[..rays.len().min(hits.len())];
+        if self.isa().level() == Level::Scalar {
+            return self.intersect_many(rays, hits);
+        }
+        let land = |number: usize, hit: Hit| {
+            if let Some(place) = hits.get_mut(number) {
+                *place = hit;
+            }
+        };
+        dispatch(self.isa(), Gather::<false, _> { tree: self, rays, land });
+    }
+
+    /// Like [`occluded_many`](Self::occluded_many), and quicker for rays that share an origin, likewise.
+    pub fn occluded_gather(&self, rays: &[Ray], occluded: &mut [bool]) {
+        let rays = &rays[..rays.len().min(occluded.len())];
+        if self.isa().level() == Level::Scalar {
+            return self.occluded_many(rays, occluded);
+        }
+        let land = |number: usize, hit: Hit| {
+            if let Some(place) = occluded.get_mut(number) {
+                *place = hit.is_hit();
+            }
+        };
+        dispatch(self.isa(), Gather::<true, _> { tree: self, rays, land });
+    }
+}
+
+struct Gather<'a, const ANY: bool, F> {
+    tree: &'a BvhView<'a>,
+    rays: &'a [Ray],
+    land: F,
+}
+
+impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
     }
 }
 

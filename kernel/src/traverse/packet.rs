@@ -9,7 +9,7 @@ use super::flight;
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
 use crate::geometry::triangle::{self, LineLanes};
-use crate::geometry::{Aabb, Hit, HitPacket, RayPacket};
+use crate::geometry::{Hit, HitPacket, RayPacket};
 use crate::simd::{Children, Lanes, Mask, Simd, Work, dispatch, lanes_of};
 
 /// `N` rays at a time.
@@ -58,162 +58,126 @@ pub(super) fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     hits: &mut HitPacket<N>,
 ) {
     let bundle = Bundle::<L>::new(packet, &tree.bounds());
-    let mut best = Best::none(L::load(&packet.t_max));
+    let mut best = HitPacket { t: packet.t_max, ..HitPacket::MISS };
     let ahead = L::splat(0.0).le(bundle.t_min).bits();
     let mut waiting = bundle.live;
     while waiting != 0 {
         let (course, mut rays) = bundle.course(packet, waiting);
-        rays &= ahead | rays & rays.wrapping_neg();
+        let first = rays & rays.wrapping_neg();
+        rays = if first & ahead == 0 { first } else { rays & ahead };
         waiting &= !rays;
         if rays & rays.wrapping_sub(1) == 0 {
             let lane = rays.trailing_zeros() as usize % N;
-            if let Some(hit) = flight::trace::<ANY, S>(tree, &packet.ray(lane)) {
-                best.take(L::Mask::from_bits(rays), &Best::splat(&hit));
-            }
+            best.set(lane, flight::trace::<ANY, S>(tree, &packet.ray(lane)).unwrap_or(Hit::MISS));
         } else {
-            Convoy::new(&bundle, course, rays, best.t, &tree.bounds()).trace::<ANY, N, S>(tree, rays, &mut best);
+            Convoy::<N, L>::new(&bundle, course, rays, &packet.t_max, tree).trace::<ANY, S>(tree, rays, &mut best);
         }
     }
-    best.write(bundle.live, packet.active, hits);
-}
-
-/// The best hits so far, a ray a lane; `prim_id` by its bits.
-struct Best<L> {
-    t: L,
-    u: L,
-    v: L,
-    prim_id: L,
-}
-
-impl<L: Copy> Best<L> {
-    /// None up to `t_max`.
-    #[inline(always)]
-    fn none<const N: usize>(t_max: L) -> Self
-    where
-        L: Lanes<N>,
-    {
-        let zero = L::splat(0.0);
-        Self { t: t_max, u: zero, v: zero, prim_id: L::splat(f32::from_bits(Hit::NO_PRIM)) }
-    }
-
-    /// The same hit in all lanes.
-    #[inline(always)]
-    fn splat<const N: usize>(hit: &Hit) -> Self
-    where
-        L: Lanes<N>,
-    {
-        let prim_id = L::splat(f32::from_bits(hit.prim_id));
-        Self { t: L::splat(hit.t), u: L::splat(hit.u), v: L::splat(hit.v), prim_id }
-    }
-
-    /// Takes other hits in the lanes of `mask`.
-    #[inline(always)]
-    fn take<const N: usize>(&mut self, mask: L::Mask, other: &Self)
-    where
-        L: Lanes<N>,
-    {
-        self.t = L::select(mask, other.t, self.t);
-        self.u = L::select(mask, other.u, self.u);
-        self.v = L::select(mask, other.v, self.v);
-        self.prim_id = L::select(mask, other.prim_id, self.prim_id);
-    }
-
-    /// Of `lanes`, in which a hit is as near as the best one, those whose best one is of a triangle after `prim_id`.
-    #[cold]
-    #[inline(never)]
-    fn after<const N: usize>(&self, prim_id: u32, lanes: u32) -> u32
-    where
-        L: Lanes<N>,
-    {
-        let best = self.prim_id.store();
-        lanes_of(lanes).filter(|&lane| prim_id < best[lane].to_bits()).fold(0, |bits, lane| bits | 1 << lane)
-    }
-
-    /// Writes the lanes of `active`: those of `live` that found something, and misses.
-    #[inline(always)]
-    fn write<const N: usize>(&self, live: u32, active: u32, hits: &mut HitPacket<N>)
-    where
-        L: Lanes<N>,
-    {
-        let (t, u, v, prim_id) = (self.t.store(), self.u.store(), self.v.store(), self.prim_id.store());
-        for lane in 0..N {
-            let prim_id = prim_id[lane].to_bits();
-            if active >> lane & 1 != 0 {
-                let found = live >> lane & 1 != 0 && prim_id != Hit::NO_PRIM;
-                hits.set(lane, if found { Hit { t: t[lane], u: u[lane], v: v[lane], prim_id } } else { Hit::MISS });
-            }
-        }
+    for lane in packet.active_lanes() {
+        let hit = best.hit(lane);
+        hits.set(lane, if bundle.live >> lane & 1 != 0 && hit.is_hit() { hit } else { Hit::MISS });
     }
 }
 
-/// What validation allows, and room for the eight that a node writes, whether it keeps them or not.
-const ROOM: usize = MAX_STACK + WIDTH;
+/// A subtree to visit, the rays that may meet its box, and which part of the way the first of them has gone by then.
+#[derive(Clone, Copy)]
+struct Entry {
+    child: u32,
+    rays: u32,
+    near: f32,
+}
+
+/// From this visit on, rays of one origin are no longer thought to keep together, and boxes are tested with each.
+const COHERENT: u32 = 4;
 
 /// Rays of one course under way together.
-struct Convoy<L> {
+struct Convoy<const N: usize, L> {
     course: Course,
     octant: usize,
     shaft: Shaft,
     lines: LineLanes<L>,
+    /// The same numbers, for when few rays are left.
+    line: LineLanes<[f32; N]>,
+    /// For the nodes' boxes, as in [`Slabs`](crate::geometry::setup::Slabs), in the order of the axes.
+    inverse: [L; 3],
+    near_shift: [L; 3],
+    far_shift: [L; 3],
     t_min: L,
     /// Of each ray, one over its length.
     inverse_lengths: L,
 }
 
-impl<L: Copy> Convoy<L> {
+impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
     #[inline(always)]
-    fn new<const N: usize>(bundle: &Bundle<L>, course: Course, rays: u32, t_max: L, scene: &Aabb) -> Self
-    where
-        L: Lanes<N>,
-    {
+    fn new(bundle: &Bundle<L>, course: Course, rays: u32, t_max: &[f32; N], tree: &BvhView) -> Self {
+        let scene = &tree.bounds();
         let lines = bundle.lines(&course);
-        let lengths = bundle.lengths(&course, &lines, t_max, scene);
+        let lengths = bundle.lengths(&course, &lines, L::load(t_max), scene);
         let shaft = bundle.shaft(&course, lengths, rays, scene);
         let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
         let [x, y, z] = course.negative.map(usize::from);
-        Self { course, octant: x | y << 1 | z << 2, shaft, lines, t_min: bundle.t_min, inverse_lengths }
+        let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
+        let line = LineLanes {
+            origin: [a.store(), b.store(), c.store()],
+            inverse: [d.store(), e.store(), f.store()],
+            shear: [g.store(), h.store()],
+        };
+        let (inverse, near_shift, far_shift) = bundle.slabs(&course, &lines, &shaft);
+        let t_min = bundle.t_min;
+        let octant = x | y << 1 | z << 2;
+        Self { course, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
     }
 
     /// The part of the way that is left to the ray with the longest one.
     #[inline(always)]
-    fn left<const N: usize>(&self, rays: u32, best: &Best<L>) -> f32
-    where
-        L: Lanes<N>,
-    {
-        let left = best.t * self.inverse_lengths;
+    fn left(&self, rays: u32, best: &HitPacket<N>) -> f32 {
+        let left = L::load(&best.t) * self.inverse_lengths;
         greatest(L::select(L::Mask::from_bits(rays), left, L::splat(f32::NEG_INFINITY))).min(2.0)
     }
 
     /// Finds hits for `rays` that precede the best ones; with `ANY` one each.
     #[inline(always)]
-    fn trace<const ANY: bool, const N: usize, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut Best<L>)
-    where
-        L: Lanes<N>,
-    {
+    fn trace<const ANY: bool, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut HitPacket<N>) {
         let mut live = rays;
         let mut left = self.left(live, best);
-        let mut children = [0u32; ROOM];
-        let mut near = [f32::NEG_INFINITY; ROOM];
+        // All zeros, which are written quicker than any other value.
+        let mut stack = [Entry { child: 0, rays: 0, near: 0.0 }; MAX_STACK];
+        stack[0].rays = rays;
         let mut height = 1;
+        let mut visits = if self.shaft.is_pointed { 0 } else { COHERENT };
         while height > 0 {
             height -= 1;
-            let (child, entry) = (children[height], near[height]);
+            let Entry { child, rays, near } = stack[height];
+            let rays = rays & live;
             // As near is not nearer: there may be a tie to decide.
-            if entry > left {
+            if rays == 0 || near > left {
                 continue;
             }
             if Child::is_node(child) {
-                let children = children.get_mut(height..).and_then(<[_]>::first_chunk_mut);
-                let near = near.get_mut(height..).and_then(<[_]>::first_chunk_mut);
-                if let (Some(node), Some(children), Some(near)) = (tree.nodes().get(child as usize), children, near) {
-                    height += self.enter::<S>(node, left, children, near);
+                let Some(node) = tree.nodes().get(child as usize) else { continue };
+                let (mut slots, mut near) = ([0; WIDTH], [0.0; WIDTH]);
+                let count = self.enter::<S>(node, left, &mut slots, &mut near);
+                let loose = visits >= COHERENT;
+                visits += 1;
+                let t_max = L::load(&best.t);
+                for (&slot, &near) in slots.iter().zip(&near).take(count) {
+                    let slot = slot as usize % WIDTH;
+                    let rays = if loose { rays & self.meet_box(node, slot, t_max) } else { rays };
+                    if let Some(entry) = stack.get_mut(height) {
+                        *entry = Entry { child: node.children[slot], rays, near };
+                        height += usize::from(rays != 0);
+                    }
                 }
                 continue;
             }
             let mut found = 0;
             for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
                 let candidates = self.candidates::<S>(block, left);
-                found |= self.hit(block, candidates, live, best);
+                found |= if rays.count_ones() < candidates.count_ones() {
+                    self.hit_each::<S>(block, rays, best)
+                } else {
+                    self.hit(block, candidates, rays, best)
+                };
             }
             if found != 0 {
                 if ANY {
@@ -227,18 +191,34 @@ impl<L: Copy> Convoy<L> {
         }
     }
 
-    /// Writes the children whose boxes the shaft meets, and where, the nearest one last; gives their number.
+    /// Writes the slots whose boxes the shaft meets, and where, the nearest one last; gives their number.
     #[inline(always)]
-    fn enter<S: Simd>(&self, node: &Node, left: f32, children: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
+    fn enter<S: Simd>(&self, node: &Node, left: f32, slots: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
         let [x, y, z] = &node.planes;
         let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], left);
-        S::F8::keep(enter, leave, node.order[self.octant & 7], &node.children, children, near)
+        S::F8::keep(enter, leave, node.order[self.octant & 7], &[0, 1, 2, 3, 4, 5, 6, 7], slots, near)
+    }
+
+    /// The rays that meet the box in `slot` within their intervals.
+    #[inline(always)]
+    fn meet_box(&self, node: &Node, slot: usize, t_max: L) -> u32 {
+        let (mut enter, mut leave) = (self.t_min, t_max);
+        for k in 0..3 {
+            let axis = self.course.axes[k] as usize;
+            let negative = self.course.negative[axis];
+            let near = L::splat(node.planes[axis][usize::from(negative)][slot]);
+            let far = L::splat(node.planes[axis][usize::from(!negative)][slot]);
+            enter = enter.max(near.mul_sub(self.inverse[k], self.near_shift[k]));
+            leave = leave.min(far.mul_sub(self.inverse[k], self.far_shift[k]));
+        }
+        enter.le(leave).bits()
     }
 
     /// The triangles of a block whose boxes the shaft meets.
     #[inline(always)]
     fn candidates<S: Simd>(&self, block: &TriangleBlock, left: f32) -> u32 {
-        let (enter, leave) = self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], left);
+        let (enter, leave) =
+            self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], left);
         enter.le(leave).bits()
     }
 
@@ -246,7 +226,7 @@ impl<L: Copy> Convoy<L> {
     #[inline(always)]
     fn meet<S: Simd>(&self, boxes: [[S::F8; 2]; 3], left: f32) -> (S::F8, S::F8) {
         let (mut enter, mut leave) = (S::F8::splat(0.0), S::F8::splat(left));
-        let Shaft { inverse, shift, rises } = &self.shaft;
+        let Shaft { inverse, shift, rises, .. } = &self.shaft;
         for axis in 0..3 {
             // The upper side has to be above the lower bounds, the lower side below the upper ones.
             let [lower, upper] = boxes[axis];
@@ -266,12 +246,9 @@ impl<L: Copy> Convoy<L> {
         (enter, leave)
     }
 
-    /// Tests triangles of a block in turn against `rays`. Gives those that found a better hit.
+    /// Tests triangles of a block in turn against all of `rays`. Gives those that found a better hit.
     #[inline(always)]
-    fn hit<const N: usize>(&self, block: &TriangleBlock, candidates: u32, rays: u32, best: &mut Best<L>) -> u32
-    where
-        L: Lanes<N>,
-    {
+    fn hit(&self, block: &TriangleBlock, candidates: u32, rays: u32, best: &mut HitPacket<N>) -> u32 {
         let mut found = 0;
         for triangle in lanes_of(candidates) {
             let triangle = triangle % WIDTH;
@@ -280,30 +257,67 @@ impl<L: Copy> Convoy<L> {
             let Some(crossing) = triangle::cross(&self.lines, corners) else {
                 continue;
             };
-            let within = (self.t_min.le(crossing.t) & crossing.t.le(best.t)).bits() & crossing.bits & rays;
-            if within == 0 {
-                continue;
+            let (t_max, prim_id) = (L::load(&best.t), block.prim_id[triangle]);
+            let within = self.t_min.le(crossing.t).bits() & crossing.bits & rays;
+            let ties = crossing.t.eq(t_max).bits() & within;
+            let mut closer = crossing.t.lt(t_max).bits() & within;
+            if ties != 0 {
+                closer |= earlier(prim_id, ties, &best.prim_id);
             }
-            let prim_id = block.prim_id[triangle];
-            let ties = crossing.t.eq(best.t).bits() & within;
-            let closer = if ties == 0 { within } else { within & !ties | best.after(prim_id, ties) };
-            let prim_id = L::splat(f32::from_bits(prim_id));
-            best.take(L::Mask::from_bits(closer), &Best { t: crossing.t, u: crossing.u, v: crossing.v, prim_id });
+            let mask = L::Mask::from_bits(closer);
+            best.t = L::select(mask, crossing.t, t_max).store();
+            best.u = L::select(mask, crossing.u, L::load(&best.u)).store();
+            best.v = L::select(mask, crossing.v, L::load(&best.v)).store();
+            let prim_ids = L::load(bytemuck::cast_ref(&best.prim_id));
+            best.prim_id = bytemuck::cast(L::select(mask, L::splat(f32::from_bits(prim_id)), prim_ids).store());
             found |= closer;
+        }
+        found
+    }
+
+    /// Tests `rays` in turn against all triangles of a block. Gives those that found a better hit.
+    #[inline(always)]
+    fn hit_each<S: Simd>(&self, block: &TriangleBlock, rays: u32, best: &mut HitPacket<N>) -> u32 {
+        let (t_min, mut found) = (self.t_min.store(), 0);
+        for lane in lanes_of(rays) {
+            let lane = lane % N;
+            let mut hit = best.hit(lane);
+            let line = &self.line;
+            let ray = LineLanes::<S::F8> {
+                origin: [
+                    S::F8::splat(line.origin[0][lane]),
+                    S::F8::splat(line.origin[1][lane]),
+                    S::F8::splat(line.origin[2][lane]),
+                ],
+                inverse: [
+                    S::F8::splat(line.inverse[0][lane]),
+                    S::F8::splat(line.inverse[1][lane]),
+                    S::F8::splat(line.inverse[2][lane]),
+                ],
+                shear: [S::F8::splat(line.shear[0][lane]), S::F8::splat(line.shear[1][lane])],
+            };
+            if flight::hit_block(block, &ray, self.course.axes, t_min[lane], &mut hit) {
+                best.set(lane, hit);
+                found |= 1 << lane;
+            }
         }
         found
     }
 
     /// A corner of one triangle, in the order of the course's axes.
     #[inline(always)]
-    fn corner<const N: usize>(&self, block: &TriangleBlock, corner: usize, triangle: usize) -> [L; 3]
-    where
-        L: Lanes<N>,
-    {
+    fn corner(&self, block: &TriangleBlock, corner: usize, triangle: usize) -> [L; 3] {
         let [x, y, z] = self.course.axes.map(|axis| axis as usize);
         let axes = &block.corners[corner];
         [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
     }
+}
+
+/// Those of `lanes` whose triangle comes after `prim_id`.
+#[cold]
+#[inline(never)]
+fn earlier<const N: usize>(prim_id: u32, lanes: u32, prim_ids: &[u32; N]) -> u32 {
+    lanes_of(lanes).filter(|&lane| prim_id < prim_ids[lane % N]).fold(0, |bits, lane| bits | 1 << lane)
 }
 
 /// The lower and upper bounds of eight boxes along an axis.

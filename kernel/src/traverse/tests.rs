@@ -73,6 +73,13 @@ fn check_isa(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
     for ((hit, occluded), expected) in hits.iter().zip(occluded).zip(expected) {
         assert_eq!((bits(hit.found()), occluded), (bits(*expected), expected.is_some()), "{level}, many");
     }
+    let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
+    let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
+    tree.intersect_gather(rays, &mut hits);
+    tree.occluded_gather(rays, &mut occluded);
+    for ((hit, occluded), expected) in hits.iter().zip(occluded).zip(expected) {
+        assert_eq!((bits(hit.found()), occluded), (bits(*expected), expected.is_some()), "{level}, gather");
+    }
 }
 
 fn check_packets<const N: usize>(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>])

@@ -1,0 +1,79 @@
+//! Rays that start at one point, or close to it, and go anywhere: sorted by direction into packets, whose hits go back to
+//! where their rays came from.
+//!
+//! A hemisphere's rays have up to 24 courses. In the order of their strata a packet would straddle two or three, and fall
+//! apart; sorted, packets are full, and as their rays start at one point they need not spread much to share a shaft.
+
+use super::packet;
+use crate::bvh::BvhView;
+use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
+use crate::simd::{Lanes, Simd};
+
+/// Rays that are sorted together.
+const CHUNK: usize = 256;
+/// Rays of a packet.
+const PACKET: usize = 16;
+/// Directions are told apart by octant and fastest axis, and by a grid of 4 × 4 cells on that face of the cube.
+const KEYS: usize = 3 * 8 * 16;
+
+/// Gives `land` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
+#[inline(always)]
+pub(super) fn trace<const ANY: bool, S: Simd, L: Lanes<PACKET>>(
+    tree: &BvhView,
+    rays: &[Ray],
+    mut land: impl FnMut(usize, Hit),
+) {
+    for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
+        let order = sorted(rays);
+        for numbers in order[..rays.len().min(CHUNK)].chunks(PACKET) {
+            let mut sorted = [rays[0]; PACKET];
+            for (ray, &number) in sorted.iter_mut().zip(numbers) {
+                *ray = rays[usize::from(number) % rays.len()];
+            }
+            let mut hits = HitPacket::MISS;
+            packet::trace::<ANY, PACKET, S, L>(tree, &RayPacket::from_rays(&sorted[..numbers.len()]), &mut hits);
+            for (lane, &number) in numbers.iter().enumerate() {
+                land(chunk * CHUNK + usize::from(number), hits.hit(lane));
+            }
+        }
+    }
+}
+
+/// The numbers of up to 256 rays in the order of their keys, and of equal ones in their own.
+#[inline(always)]
+fn sorted(rays: &[Ray]) -> [u8; CHUNK] {
+    let (mut keys, mut ends) = ([0u16; CHUNK], [0u16; KEYS + 1]);
+    for (key, ray) in keys.iter_mut().zip(rays) {
+        *key = key_of(ray);
+        ends[usize::from(*key) + 1] += 1;
+    }
+    for key in 0..KEYS {
+        ends[key + 1] += ends[key];
+    }
+    let mut order = [0; CHUNK];
+    for (number, &key) in (0..=u8::MAX).zip(&keys).take(rays.len()) {
+        let place = &mut ends[usize::from(key)];
+        order[usize::from(*place) % CHUNK] = number;
+        *place += 1;
+    }
+    order
+}
+
+/// Less than [`KEYS`], for NaN too: the octant, the fastest axis, and where the ray meets that face of the unit cube.
+#[inline(always)]
+fn key_of(ray: &Ray) -> u16 {
+    let d = ray.direction.to_array();
+    let size = d.map(f32::abs);
+    let z = if size[0] >= size[1] && size[0] >= size[2] {
+        0
+    } else if size[1] >= size[2] {
+        1
+    } else {
+        2
+    };
+    let octant = d.iter().enumerate().fold(0, |octant, (axis, d)| octant | (d.to_bits() >> 31) << axis);
+    // Saturates, and makes zero of NaN.
+    let cell = |axis: usize| ((size[axis] / size[z] * 4.0) as u32).min(3);
+    let (x, y) = (cell((z + 1) % 3), cell((z + 2) % 3));
+    ((octant * 3 + z as u32) * 16 + (x & 1 | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2)) as u16
+}
