@@ -34,7 +34,7 @@ static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| {
     let needle = |i: u32| {
         let (sin, cos) = (i as f32).sin_cos();
         let place = vec3(148_376.0, 1234.0, -223_423.0);
-        [place, place + vec3(sin, cos, 0.5) * 100.0, place + vec3(sin, cos, 0.500_01) * 100.0]
+        [place, place + vec3(sin, cos, 0.5) * 100.0, place + vec3(sin, cos, 0.501) * 100.0]
     };
     let shell = |i: i32| [Vec3::NEG_ONE, vec3(2.0, -1.0, 1.0), vec3(-1.0, 2.0, 0.5)].map(|p| p * 2f32.powi(i));
     [grid.collect(), (0..60).map(needle).collect(), (-50..40).map(shell).collect()].map(Scene::new)
