@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
     let mut bytes = Bytes(data);
-    let triangles = bytes.triangles(200);
-    let rays = bytes.rays(&triangles, 16);
+    let triangles = bytes.triangles(100);
+    let rays = bytes.rays(&triangles, 8);
     check(&triangles, &rays);
 });
