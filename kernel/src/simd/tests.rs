@@ -33,7 +33,7 @@ fn subnormals_are_flushed_where_it_is_asked_for_and_only_there() {
 fn check<const N: usize, L: Lanes<N>>() {
     let values = [0.0, -0.0, 1.0, -1.5, 1e-40, -3e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1, 7.0, 1e30];
     for i in 0..values.len() {
-        for j in 0..values.len() {
+        for j in (0..values.len()).step_by(if cfg!(miri) { 5 } else { 1 }) {
             let a: [f32; N] = core::array::from_fn(|k| values[(i + k) % values.len()]);
             let b: [f32; N] = core::array::from_fn(|k| values[(j + 3 * k) % values.len()]);
             let (x, y) = (L::load(&a), L::load(&b));
@@ -107,6 +107,9 @@ impl Work for Check {
 #[test]
 fn lanes_compute_as_scalars_do() {
     dispatch(Isa::PORTABLE, Check);
+    if cfg!(miri) {
+        return;
+    }
     dispatch(Isa::detect(), Check);
     #[cfg(feature = "std")]
     Level::ALL.into_iter().filter_map(Isa::new).for_each(|isa| dispatch(isa, Check));
