@@ -54,3 +54,4 @@ pub use geometry::{
     triangle_normal,
 };
 pub use simd::{Isa, Level};
+pub use traverse::Verdict;
