@@ -52,8 +52,8 @@ pub use bvh::BvhView;
 pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
 pub use error::{Error, InvalidTree};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
-    triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
+    offset_origin, triangle_normal,
 };
 pub use simd::{Isa, Level};
-pub use traverse::Verdict;
+pub use traverse::{Facing, Hits, Verdict};
