@@ -49,8 +49,8 @@ pub mod traverse;
 
 pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use error::{Error, InvalidTree};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use error::{Error, InvalidTree, RefitError};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
     offset_origin, triangle_normal,
