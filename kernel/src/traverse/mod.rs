@@ -34,7 +34,7 @@ mod query_tests;
 pub mod reference;
 mod stack;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod visits;
 
 pub use facing::Facing;
