@@ -33,9 +33,9 @@ impl Bvh {
     /// those of a tree built anew, bit for bit, but perhaps not as quick to find.
     ///
     /// # Errors
-    /// [`Error::Refit`] if the triangles that can be hit are not just those in the tree: one of them is missing, is now out of
-    /// limits or has two equal corners, or one that was left out when the tree was built could be hit now. The tree is
-    /// then as it was.
+    /// [`Error::Refit`] if the triangles that can be hit are not just those in the tree: one of them is missing, is now out
+    /// of limits or has two equal corners, or one that was left out when the tree was built could be hit now. The tree
+    /// is then as it was.
     pub fn refit(&mut self, triangles: &[Triangle]) -> Result<Refit, Error> {
         self.check_refit(triangles)?;
         for block in &mut self.blocks {

@@ -255,6 +255,24 @@ fn of_equally_close_triangles_the_first_counts() {
 }
 
 #[test]
+fn boxes_as_close_as_their_triangles_are_not_left_out() {
+    // Walls that are their own boxes, of numbers that are rounded, and points straight above corners, edges and insides:
+    // there is no room for error between a box's distance and a triangle's, and several triangles are equally close.
+    let mut triangles = Vec::new();
+    for i in 0..12 {
+        for j in 0..12 {
+            let p = |x: i32, y: i32| vec3(x as f32 * 0.1, y as f32 * 0.7, 0.3);
+            triangles.push([p(i + 1, j + 1), p(i, j), p(i + 1, j)]);
+            triangles.push([p(i, j + 1), p(i, j), p(i + 1, j + 1)]);
+        }
+    }
+    triangles.extend_from_within(..100);
+    let above = |i: usize| vec3((i % 25) as f32 * 0.05, (i / 25) as f32 * 0.35, [0.3, 1.7, -8.9, 1e4][i % 4]);
+    let points: Vec<_> = (0..625).map(above).collect();
+    assert_eq!(check_closest(&triangles, &points, f32::INFINITY), points.len());
+}
+
+#[test]
 fn closest_points_of_what_is_huge_tiny_or_no_number() {
     let mut random = Random(36);
     for scale in [4e12, 1e10, 1e-12, 1e-17] {
