@@ -38,7 +38,12 @@
 //! # Numeric limits
 //! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
 //! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
-//! anywhere, hit nothing.
+//! anywhere, hit nothing. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries of a traversal's
+//! stack. What is beyond is an [`Error`]; nothing here panics for it.
+//!
+//! # Trees in files and in flash
+//! `Bvh::to_bytes` gives a tree as bytes, which [`BvhView::from_bytes`] borrows and traces where they lie: see
+//! [`bvh::blob`] for the format, and [`include_blob!`] for bytes that are part of the program.
 //!
 //! # Features
 //! - `std` (default): detects the processor's instruction sets; implies `alloc`.

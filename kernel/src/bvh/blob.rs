@@ -11,7 +11,7 @@
 //! | 20 | 4 | entries that a traversal's stack needs |
 //! | 24, 28 | 4, 4 | numbers of nodes and of blocks |
 //! | 32, 44 | 12, 12 | lower and upper corner of the scene's box |
-//! | 56 | 4 | [expected cost](super::TreeStatistics::cost) |
+//! | 56 | 4 | expected cost of a random ray, as in `TreeStatistics` |
 //! | 60 | 4 | CRC-32 (ISO-HDLC, as in PNG and zip) of all bytes but these four |
 //!
 //! Numbers are in the order of the machine that wrote them. Reading it elsewhere is refused, as turning them round would

@@ -3,13 +3,14 @@
 //! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
 //! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
 //! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
-//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies, [bytes](BvhView::from_bytes) included.
+//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies; as a [`blob`] it can be written to a file and
+//! traced from there.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
 #[cfg(any(feature = "alloc", test))]
 mod bins;
-mod blob;
+pub mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]

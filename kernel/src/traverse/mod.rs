@@ -29,7 +29,8 @@ mod hits;
 mod overlap;
 mod packet;
 mod pending;
-#[cfg(test)]
+// Miri would take hours.
+#[cfg(all(test, not(miri)))]
 mod query_tests;
 pub mod reference;
 mod stack;
