@@ -18,6 +18,18 @@
 //! # }
 //! ```
 //!
+//! # What can be asked
+//! | of a tree | by |
+//! | --- | --- |
+//! | the nearest hit, or whether there is any: of a ray, a packet, a batch | [`BvhView::intersect`], [`BvhView::occluded`] and their kin |
+//! | the same through a filter, or one side only | [`BvhView::intersect_filtered`], [`BvhView::intersect_facing`] |
+//! | all hits, the nearest few, the `n`-th, their number | [`BvhView::hits`], [`BvhView::nearest_hits`] |
+//! | the closest point of the surface | [`BvhView::closest_point`] |
+//! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
+//! | to follow triangles that move | `Bvh::refit` |
+//!
+//! [`traverse`] has them all; [`offset_origin`] says where the next ray may start.
+//!
 //! # What a hit is
 //! The hit of a ray with a triangle depends on these two alone: not on the tree, on other triangles, on the width of
 //! the lanes or on the instruction set. Among equally near hits the lowest `prim_id` wins. All of `t`, `u`, `v` and
@@ -54,10 +66,11 @@ pub mod traverse;
 
 pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use error::{Error, InvalidTree};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use error::{Error, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
-    triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
+    offset_origin, triangle_normal,
 };
 pub use simd::{Isa, Level};
+pub use traverse::{Facing, Hits, Verdict};

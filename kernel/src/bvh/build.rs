@@ -20,6 +20,8 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<TriangleBlock>,
     pub(super) cost: f32,
+    /// The cost before any triangle was moved.
+    pub(super) built_cost: f32,
     /// Entries that the stack of a traversal needs.
     pub(super) stack: u32,
 }
@@ -126,7 +128,7 @@ impl Bvh {
                 result => return Ok((result?, report)),
             }
         }
-        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0, stack: 1 }, report))
+        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0, built_cost: 0.0, stack: 1 }, report))
     }
 
     fn attempt<E: Executor>(
@@ -141,7 +143,7 @@ impl Bvh {
             tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
         let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2)?;
         let stack = validate::validate(&nodes, &blocks)?;
-        Ok(Self { nodes, blocks, cost, stack })
+        Ok(Self { nodes, blocks, cost, built_cost: cost, stack })
     }
 
     /// Borrows the tree for tracing.
@@ -199,6 +201,11 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     }
     report.kept = prims.len();
     prims
+}
+
+/// Whether a ray can hit the triangle.
+pub(super) fn is_usable(triangle: &Triangle) -> bool {
+    in_range(triangle) && !is_degenerate(triangle)
 }
 
 fn in_range(triangle: &Triangle) -> bool {
