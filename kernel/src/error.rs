@@ -66,6 +66,16 @@ pub enum InvalidTree {
         /// Its lane.
         lane: u32,
     },
+    /// A leaf names an item that there is not, or that has no box.
+    BadItem {
+        /// The place in the list of items.
+        place: u32,
+    },
+    /// There are no keys, or they are not of one number of triangles, boxes or nodes, or not of one shape.
+    BadKeys {
+        /// How many keys there are said to be.
+        keys: usize,
+    },
     /// Traversal would need a larger stack than it has.
     TooDeep {
         /// Entries needed.
@@ -112,6 +122,13 @@ impl fmt::Display for InvalidTree {
             }
             Self::BadTriangle { block, lane } => {
                 write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+            }
+            Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
+            Self::BadKeys { keys } => {
+                write!(
+                    f,
+                    "a tree of {keys} keys needs one at least, and all of one shape with the same number of parts"
+                )
             }
             Self::TooDeep { needed, allowed } => {
                 write!(f, "the tree is too deep: it needs a stack of {needed} entries, and there are {allowed}")

@@ -23,6 +23,7 @@
 //! and add in the nodes' test.
 
 mod aabb;
+pub(crate) mod moment;
 mod offset;
 mod packet;
 mod ray;
