@@ -2,6 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::fmt;
 
 use super::binary::MAX_DEPTH;
 use super::collapse::{self, Collapsed};
@@ -17,9 +18,11 @@ use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 /// A tree that owns its memory.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
-    blocks: Vec<TriangleBlock>,
-    cost: f32,
+    pub(super) nodes: Vec<Node>,
+    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) cost: f32,
+    /// Entries that the stack of a traversal needs.
+    pub(super) stack: u32,
 }
 
 /// What a build left out, and why.
@@ -30,7 +33,9 @@ pub struct BuildReport {
     pub kept: usize,
     /// Triangles with two equal corners, which no ray hits.
     pub degenerate: usize,
-    /// Triangles with a NaN or infinite coordinate, or one beyond [`MAX_COORDINATE`].
+    /// Triangles with a coordinate that is NaN or infinite.
+    pub not_finite: usize,
+    /// Triangles with a coordinate beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
     /// Trees that were too deep, before one that was built with less regard for cost.
     pub too_deep: u32,
@@ -53,6 +58,34 @@ pub struct TreeStatistics {
     pub cost: f32,
     /// Memory of nodes and blocks in bytes.
     pub bytes: usize,
+    /// Entries that the stack of a traversal needs, of [`MAX_STACK`].
+    pub stack: u32,
+}
+
+impl BuildReport {
+    /// Triangles that are not in the tree, for whatever reason.
+    pub fn dropped(&self) -> usize {
+        self.degenerate + self.not_finite + self.out_of_range
+    }
+}
+
+impl fmt::Display for BuildReport {
+    /// Such as `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.kept == 1 { "" } else { "s" };
+        write!(f, "{} triangle{plural} kept, {} dropped", self.kept, self.dropped())?;
+        let reasons = [
+            (self.degenerate, "with two equal corners"),
+            (self.not_finite, "not finite"),
+            (self.out_of_range, "too far away"),
+        ];
+        let mut separator = ": ";
+        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
+            write!(f, "{separator}{count} {reason}")?;
+            separator = ", ";
+        }
+        Ok(())
+    }
 }
 
 impl Bvh {
@@ -86,7 +119,7 @@ impl Bvh {
         let tree = build_tree(executor, triangles, prims, options.quality)?;
         report.too_deep = tree.too_deep;
         let Collapsed { nodes, blocks, cost } = tree.collapsed;
-        Ok((Self { nodes, blocks, cost }, report))
+        Ok((Self { nodes, blocks, cost, stack: tree.stack }, report))
     }
 
     /// Borrows the tree for tracing.
@@ -117,13 +150,15 @@ impl Bvh {
             depth,
             cost: self.cost,
             bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            stack: self.stack,
         }
     }
 }
 
-/// A tree, and how many before it were too deep.
+/// A tree, the entries that the stack of a traversal needs, and how many trees before it were too deep.
 pub(super) struct Built<B> {
     pub collapsed: Collapsed<B>,
+    pub stack: u32,
     pub too_deep: u32,
 }
 
@@ -144,10 +179,11 @@ pub(super) fn build_tree<E: Executor, C: Contents + ?Sized>(
         executor.advance(0.05);
         match attempt(executor, contents, prims, effort) {
             Err(InvalidTree::TooDeep { .. }) => too_deep += 1,
-            result => return Ok(Built { collapsed: result?, too_deep }),
+            result => return result.map(|(collapsed, stack)| Built { collapsed, stack, too_deep }),
         }
     }
-    Ok(Built { collapsed: Collapsed { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 }, too_deep })
+    let collapsed = Collapsed { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 };
+    Ok(Built { collapsed, stack: 1, too_deep })
 }
 
 fn attempt<E: Executor, C: Contents + ?Sized>(
@@ -155,13 +191,13 @@ fn attempt<E: Executor, C: Contents + ?Sized>(
     contents: &C,
     prims: Vec<Primitive>,
     effort: Effort,
-) -> Result<Collapsed<C::Block>, InvalidTree> {
+) -> Result<(Collapsed<C::Block>, u32), InvalidTree> {
     let mut tree = top_down::build(executor, prims, effort.splitting, C::SHAPE.lanes as usize, 0.45);
     reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
     let tree = tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
     let collapsed = collapse::collapse(executor, &tree, contents, 0.2)?;
-    contents.validate(&collapsed.nodes, &collapsed.blocks)?;
-    Ok(collapsed)
+    let stack = contents.validate(&collapsed.nodes, &collapsed.blocks)?;
+    Ok((collapsed, stack))
 }
 
 pub(super) fn check_count(count: usize) -> Result<(), Error> {
@@ -174,7 +210,9 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
     let mut prims = Vec::with_capacity(triangles.len());
     for (prim_id, triangle) in (0..).zip(triangles) {
-        if !in_range(triangle) {
+        if !triangle.iter().all(|p| p.is_finite()) {
+            report.not_finite += 1;
+        } else if !in_range(triangle) {
             report.out_of_range += 1;
         } else if is_degenerate(triangle) {
             report.degenerate += 1;
@@ -198,7 +236,36 @@ fn is_degenerate([a, b, c]: &Triangle) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
+
+    #[test]
+    fn what_is_dropped_is_told_by_reason() {
+        let with = |corner: Vec3| [Vec3::X, Vec3::Y, corner];
+        let next = |x: f32| f32::from_bits(x.to_bits() + 1);
+        let triangles = [
+            with(Vec3::Z),
+            with(Vec3::Z * MAX_COORDINATE),
+            with(-Vec3::Z * MAX_COORDINATE),
+            with(-Vec3::Z * next(MAX_COORDINATE)),
+            with(Vec3::Z * f32::MAX),
+            with(Vec3::X),
+            with(Vec3::Z * f32::INFINITY),
+            with(Vec3::NAN),
+            with(Vec3::new(0.0, f32::NEG_INFINITY, f32::MAX)),
+        ];
+        let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
+        let expected = BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, too_deep: 0 };
+        assert_eq!((report, report.dropped(), bvh.statistics().triangles), (expected, 6, 3));
+        assert_eq!(
+            alloc::format!("{report}"),
+            "3 triangles kept, 6 dropped: 1 with two equal corners, 3 not finite, 2 too far away"
+        );
+        let one = BuildReport { kept: 1, not_finite: 2, ..BuildReport::default() };
+        assert_eq!(alloc::format!("{one}"), "1 triangle kept, 2 dropped: 2 not finite");
+        assert_eq!(alloc::format!("{}", BuildReport::default()), "0 triangles kept, 0 dropped");
+    }
 
     #[test]
     fn one_triangle_too_many_is_refused() {
