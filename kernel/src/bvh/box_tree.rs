@@ -67,6 +67,11 @@ impl BoxTree {
         Ok((Self { nodes, items, keys }, report))
     }
 
+    /// Memory of nodes and numbers in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.items[..])
+    }
+
     /// Borrows the tree.
     pub fn view(&self) -> BoxTreeView<'_> {
         BoxTreeView::trusted(&self.nodes, &self.items, self.keys)

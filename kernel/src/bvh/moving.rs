@@ -83,6 +83,11 @@ impl MovingBvh {
         Ok((tree, report))
     }
 
+    /// Memory of nodes and blocks in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+    }
+
     /// Borrows the tree for tracing.
     pub fn view(&self) -> MovingView<'_> {
         MovingView::trusted(&self.nodes, &self.blocks, self.keys)

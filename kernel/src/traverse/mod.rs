@@ -12,6 +12,7 @@
 mod filter;
 pub(crate) mod flight;
 mod flock;
+pub(crate) mod moving;
 mod packet;
 mod pending;
 pub mod reference;
@@ -23,6 +24,7 @@ mod visits;
 pub use filter::Verdict;
 use flight::Collector;
 pub use packet::{PacketWidth, Width};
+pub(crate) use pending::Pending;
 pub use visits::Visits;
 
 use core::ops::ControlFlow;
@@ -135,7 +137,8 @@ impl<C: Collector> Work for Walk<'_, C> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        flight::walk::<S, C>(self.tree, self.ray, self.collector)
+        let mut pending = Pending::EMPTY;
+        flight::walk::<S, C>(self.tree, self.ray, &mut pending, self.collector)
     }
 }
 
