@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Aabb, Triangle};
+use super::Aabb;
 
 /// A time between two keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +35,6 @@ impl Moment {
     /// The box between those of two keys.
     pub(crate) fn aabb(self, from: &Aabb, to: &Aabb) -> Aabb {
         Aabb { min: self.vector(from.min, to.min), max: self.vector(from.max, to.max) }
-    }
-
-    /// The triangle between those of two keys.
-    pub(crate) fn triangle(self, from: &Triangle, to: &Triangle) -> Triangle {
-        [0, 1, 2].map(|corner| self.vector(from[corner], to[corner]))
     }
 
     #[inline(always)]

@@ -18,7 +18,7 @@ mod pending;
 pub mod reference;
 mod stack;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod visits;
 
 pub use filter::Verdict;
