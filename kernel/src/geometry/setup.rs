@@ -90,7 +90,8 @@ impl RaySetup {
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
-        if !is_in_limits(ray) || !(ray.t_min <= ray.t_max) || scene.is_empty() {
+        let valid = is_in_limits(ray) && ray.t_min <= ray.t_max && !scene.is_empty();
+        if !valid {
             return None;
         }
         let size = ray.direction.abs();

@@ -26,7 +26,7 @@ impl Shape for Spheres<'_> {
 
     fn bounds(&self, prim_id: u32) -> Aabb {
         let Sphere { center, radius } = self.0[prim_id as usize];
-        if !(radius > 0.0) {
+        if radius.is_nan() || radius <= 0.0 {
             return Aabb::EMPTY;
         }
         let (min, max) = ((center - radius).to_array(), (center + radius).to_array());

@@ -263,6 +263,10 @@ fn image(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
     if local.is_empty() {
         return Aabb::EMPTY;
     }
+    if !(local.min.is_finite() && local.max.is_finite()) {
+        // Zero times infinity would be no number, and the box seem empty.
+        return Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+    }
     let (linear, translation) = (linear(transform), translation(transform));
     let (mut min, mut max, mut size) = (translation, translation, translation.abs());
     for axis in 0..3 {
@@ -329,7 +333,7 @@ mod tests {
         assert_eq!(error_of(Placement::moving(&half)), Some(InvalidScene::Singular { key: 0 }));
         let mirrored = [Affine3A::IDENTITY, Affine3A::from_scale(vec3(1.0, -1.0, 1.0))];
         assert_eq!(error_of(Placement::moving(&mirrored)), Some(InvalidScene::Singular { key: 0 }));
-        let quarters = [turn(0.0), turn(1.57), turn(3.14)];
+        let quarters = [turn(0.0), turn(1.5), turn(3.0)];
         assert_eq!(error_of(Placement::moving(&quarters)), None);
     }
 
@@ -342,7 +346,7 @@ mod tests {
             let most = (0..=10_000)
                 .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4), DVec3::ZERO).unwrap().inverse))
                 .fold(0.0, f64::max);
-            assert!(most <= bound && bound <= 4.0 * most, "{angle}: {most} {bound}");
+            assert!(most <= bound * (1.0 + 1e-12) && bound <= 4.0 * most, "{angle}: {most} {bound}");
         }
     }
 
