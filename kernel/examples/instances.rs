@@ -1,6 +1,7 @@
 //! Ten thousand instances of a ball of a million triangles, which share its memory:
 //! `cargo run --release -p halfdome-kernel --example instances -- full`. Without `full`, a hundredth of both.
 
+use std::f32::consts::{PI, TAU};
 use std::time::Instant;
 
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -10,7 +11,7 @@ use halfdome_kernel::{Bvh, Error, Quality, Ray, Triangle};
 /// A bumpy ball of about `2 * rings * rings` triangles.
 fn ball(rings: usize) -> Vec<Triangle> {
     let point = |i: usize, j: usize| {
-        let (latitude, longitude) = (i as f32 / rings as f32 * 3.141_592_7, j as f32 / rings as f32 * 6.283_185_5);
+        let (latitude, longitude) = (i as f32 / rings as f32 * PI, j as f32 / rings as f32 * TAU);
         let (ring, height) = latitude.sin_cos();
         vec3(ring * longitude.cos(), ring * longitude.sin(), height) * (1.0 + 0.03 * (9.0 * longitude).sin() * ring)
     };

@@ -1,6 +1,8 @@
 //! Spheres of the caller's own among triangles, drawn as a PGM picture:
 //! `cargo run --release -p halfdome-kernel --example spheres > spheres.pgm`.
 
+use std::f32::consts::TAU;
+
 use glam::{Affine3A, Vec3, vec3};
 use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay, Shape, Sphere, Spheres};
 use halfdome_kernel::{Aabb, Bvh, Error, Hit, Quality, Ray, triangle_normal};
@@ -30,7 +32,7 @@ impl Shape for Beads<'_> {
 fn main() -> Result<(), Error> {
     let ring = |count: usize, distance: f32, radius: f32| {
         (0..count).map(move |i| {
-            let (sin, cos) = (i as f32 / count as f32 * 6.283_185_5).sin_cos();
+            let (sin, cos) = (i as f32 / count as f32 * TAU).sin_cos();
             Sphere { center: vec3(cos, sin, 0.0) * distance, radius }
         })
     };

@@ -3,7 +3,7 @@
 //!
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`Error`] → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
+//! validating) → [`traverse`] (walking it) → [`scene`] (instances, motion, masks, geometry of the caller's). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
 //! hemisphere of rays says of a point and of those around it) stand beside.
 //!
 //! ```
@@ -26,7 +26,8 @@
 //! # Numeric limits
 //! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
 //! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
-//! anywhere, hit nothing.
+//! anywhere, hit nothing. In scenes this holds in every space that a transform takes a ray to, and a transform may
+//! distort by [`scene::MAX_CONDITION`].
 //!
 //! # Features
 //! - `std` (default): detects the processor's instruction sets; implies `alloc`.
@@ -56,5 +57,8 @@ pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
     triangle_normal,
 };
+#[cfg(any(feature = "alloc", test))]
+pub use scene::Scene;
+pub use scene::{Item, SceneHit, SceneRay, SceneView};
 pub use simd::{Isa, Level};
 pub use traverse::Verdict;
