@@ -19,6 +19,8 @@ pub enum Error {
     InvalidTree(InvalidTree),
     /// The items are not a scene that can be traced.
     InvalidScene(InvalidScene),
+    /// A tree cannot be refitted to these triangles.
+    Refit(RefitError),
     /// The bytes do not begin as a blob does.
     NotABlob,
     /// The blob was written by a machine with another order of bytes.
@@ -189,9 +191,40 @@ impl fmt::Display for InvalidScene {
     }
 }
 
+/// Why a tree cannot be refitted: the triangles that can be hit are not those that are in the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RefitError {
+    /// A triangle of the tree is not among those given.
+    Missing {
+        /// Its index.
+        prim_id: u32,
+        /// How many are given.
+        count: usize,
+    },
+    /// A triangle of the tree has now a coordinate out of limits, or two equal corners.
+    Vanished {
+        /// Its index.
+        prim_id: u32,
+    },
+    /// There are more triangles that can be hit than those in the tree.
+    Appeared {
+        /// How many more.
+        count: usize,
+    },
+}
+
 impl core::error::Error for Error {}
 
+impl core::error::Error for RefitError {}
+
 impl core::error::Error for InvalidTree {}
+
+impl From<RefitError> for Error {
+    fn from(error: RefitError) -> Self {
+        Self::Refit(error)
+    }
+}
 
 impl From<InvalidTree> for Error {
     fn from(error: InvalidTree) -> Self {
@@ -207,6 +240,7 @@ impl fmt::Display for Error {
             }
             Self::InvalidTree(error) => error.fmt(f),
             Self::InvalidScene(error) => error.fmt(f),
+            Self::Refit(error) => error.fmt(f),
             Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
             Self::OtherByteOrder => {
                 let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
@@ -229,6 +263,27 @@ impl fmt::Display for Error {
                 write!(f, "the tree is damaged: its checksum should be {stored:08x} and is {computed:08x}")
             }
             Self::BadHeader { field } => write!(f, "the tree's header is wrong: its {field} cannot be"),
+        }
+    }
+}
+
+impl fmt::Display for RefitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing { prim_id, count } => {
+                write!(
+                    f,
+                    "triangle {prim_id} is in the tree, but there are only {count}; give all that it was built from"
+                )
+            }
+            Self::Vanished { prim_id } => write!(
+                f,
+                "triangle {prim_id} is in the tree, but has now two equal corners, or a coordinate beyond \
+                 ±{MAX_COORDINATE:e} or none; build the tree again"
+            ),
+            Self::Appeared { count } => {
+                write!(f, "there are {count} triangles that are not in the tree and could be hit; build it again")
+            }
         }
     }
 }

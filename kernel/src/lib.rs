@@ -51,14 +51,14 @@ pub mod traverse;
 
 pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use error::{Error, InvalidScene, InvalidTree};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use error::{Error, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
-    triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
+    offset_origin, triangle_normal,
 };
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
 pub use scene::{Item, SceneHit, SceneRay, SceneView};
 pub use simd::{Isa, Level};
-pub use traverse::Verdict;
+pub use traverse::{Facing, Hits, Verdict};

@@ -21,6 +21,8 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<TriangleBlock>,
     pub(super) cost: f32,
+    /// The cost before any triangle was moved.
+    pub(super) built_cost: f32,
     /// Entries that the stack of a traversal needs.
     pub(super) stack: u32,
 }
@@ -119,7 +121,7 @@ impl Bvh {
         let tree = build_tree(executor, triangles, prims, options.quality)?;
         report.too_deep = tree.too_deep;
         let Collapsed { nodes, blocks, cost } = tree.collapsed;
-        Ok((Self { nodes, blocks, cost, stack: tree.stack }, report))
+        Ok((Self { nodes, blocks, cost, built_cost: cost, stack: tree.stack }, report))
     }
 
     /// Borrows the tree for tracing.
@@ -222,6 +224,11 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     }
     report.kept = prims.len();
     prims
+}
+
+/// Whether a ray can hit the triangle.
+pub(super) fn is_usable(triangle: &Triangle) -> bool {
+    in_range(triangle) && !is_degenerate(triangle)
 }
 
 pub(super) fn in_range(triangle: &Triangle) -> bool {

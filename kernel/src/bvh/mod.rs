@@ -2,8 +2,8 @@
 //!
 //! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
 //! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
-//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the
-//! result, from wherever it lies, [bytes](BvhView::from_bytes) included.
+//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
+//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies, [bytes](BvhView::from_bytes) included.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
@@ -34,6 +34,8 @@ mod plan;
 #[cfg(any(feature = "alloc", test))]
 mod primitive;
 #[cfg(any(feature = "alloc", test))]
+mod refit;
+#[cfg(any(feature = "alloc", test))]
 mod reinsertion;
 #[cfg(any(feature = "alloc", test))]
 mod top_down;
@@ -56,6 +58,8 @@ pub use moving_view::MovingView;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality};
+#[cfg(any(feature = "alloc", test))]
+pub use refit::Refit;
 pub use view::BvhView;
 
 #[cfg(test)]

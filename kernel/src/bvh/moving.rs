@@ -8,9 +8,9 @@ use super::contents::{Contents, LeafShape};
 use super::executor::{Executor, Serial};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
-use super::{MovingView, Node, TriangleBlock, WIDTH, fit, validate};
+use super::{MovingView, Node, TriangleBlock, fit, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::{Aabb, Hit, Triangle};
+use crate::geometry::{Aabb, Triangle};
 
 /// A tree of moving triangles that owns its memory.
 #[derive(Clone, Debug)]
@@ -74,9 +74,9 @@ impl MovingBvh {
         };
         for triangles in keys {
             let mut blocks = first.clone();
-            blocks.iter_mut().for_each(|block| place(block, triangles));
+            blocks.iter_mut().for_each(|block| block.place(triangles));
             let mut nodes = shape.clone();
-            fit::fit(&mut nodes, |leaf| blocks[leaf].iter().map(block_bounds).fold(Aabb::EMPTY, |a, b| a.union(&b)));
+            fit::fit(&mut nodes, |leaf| TriangleBlock::bounds_of(&blocks[leaf]));
             tree.nodes.append(&mut nodes);
             tree.blocks.append(&mut blocks);
         }
@@ -97,25 +97,6 @@ impl MovingBvh {
 /// Whether the same two corners are one point at all keys, and so at all times.
 fn never_has_area<'a>(keys: impl Iterator<Item = &'a Triangle> + Clone) -> bool {
     [(0, 1), (1, 2), (2, 0)].iter().any(|&(i, j)| keys.clone().all(|corners| corners[i] == corners[j]))
-}
-
-/// The lanes of a block that hold triangles.
-fn used(block: &TriangleBlock) -> impl Iterator<Item = usize> + use<> {
-    let ids = block.prim_id;
-    (0..WIDTH).filter(move |&lane| ids[lane] != Hit::NO_PRIM)
-}
-
-/// Moves a block's triangles to where they are at a key.
-fn place(block: &mut TriangleBlock, triangles: &[Triangle]) {
-    for lane in used(block) {
-        let prim_id = block.prim_id[lane];
-        block.set(lane, &triangles[prim_id as usize], prim_id);
-    }
-}
-
-/// The box around a block's triangles.
-fn block_bounds(block: &TriangleBlock) -> Aabb {
-    used(block).fold(Aabb::EMPTY, |bounds, lane| bounds.union(&Aabb::around(&block.triangle(lane))))
 }
 
 /// Triangles at the first key, in nodes that are made to fit later.

@@ -19,7 +19,7 @@ use super::executor::{Executor, Serial};
 use super::node::WIDTH;
 
 /// Cost of visiting a node; the unit.
-const NODE: f32 = 1.0;
+pub(super) const NODE: f32 = 1.0;
 /// Subtrees of at least so many nodes are a piece of work of their own.
 const TASK: usize = 1 << 12;
 

@@ -81,10 +81,16 @@ pub(crate) fn intersect_side(ray: &Ray, triangle: &Triangle) -> Option<(Hit, boo
     if t > far {
         t = far + 0.0;
     }
-    (near <= far && ray.t_min <= t && t <= ray.t_max).then_some((Hit { t, u: v, v: w, prim_id: 0 }, front))
+    (near <= far && ray.t_min <= t && t <= ray.t_max).then(|| (Hit { t, u: unit(v), v: unit(w), prim_id: 0 }, front))
 }
 
-/// Weights with which the mean of the 2D `corners` is nearer to the origin: it is moved along the longest edge.
+/// A weight in 0..=1, never a negative zero.
+fn unit(weight: f32) -> f32 {
+    weight.clamp(0.0, 1.0) + 0.0
+}
+
+/// Weights with which the mean of the 2D `corners` is nearer to the origin: it is moved along the longest edge. One may
+/// be slightly below zero.
 fn refine(corners: [(f32, f32); 3], weights: [f32; 3]) -> (f32, f32, f32) {
     let [(ax, ay), (bx, by), (cx, cy)] = corners;
     let [u, v, w] = weights;
@@ -104,7 +110,5 @@ fn refine(corners: [(f32, f32); 3], weights: [f32; 3]) -> (f32, f32, f32) {
     let mut refined = [u, v, w];
     refined[longest] += shift;
     refined[(longest + 1) % 3] -= shift;
-    // Never a negative zero.
-    let [u, v, w] = refined.map(|weight| weight.clamp(0.0, 1.0) + 0.0);
-    (u, v, w)
+    refined.into()
 }

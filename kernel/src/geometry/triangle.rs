@@ -84,7 +84,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     let t = L::select(t.lt(near), near + zero, t);
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
-    Some(Crossing { bits, front, t, u: v, v: w })
+    Some(Crossing { bits, front, t, u: unit(v), v: unit(w) })
 }
 
 /// The lanes whose line passes inside of their triangle's edges, or on one as far as `f32` can tell: where there may be
@@ -123,7 +123,7 @@ fn reach<const N: usize, L: Lanes<N>>(a: L, b: L, c: L) -> L {
     a.abs().max(b.abs()).max(c.abs())
 }
 
-/// Weights with which the corners' mean is nearer to the ray. The areas of a needle are small differences, and along it
+/// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are small differences, and along it
 /// the mean strays by a rounding times length over width: it is moved back along the longest edge.
 #[inline(always)]
 fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w]: [L; 3]) -> (L, L, L) {
@@ -140,7 +140,7 @@ fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w
     let to_u = L::select(ab_longest, shift, L::select(bc_longest, zero, zero - shift));
     let to_v = L::select(ab_longest, zero - shift, L::select(bc_longest, shift, zero));
     let to_w = L::select(ab_longest, zero, L::select(bc_longest, zero - shift, shift));
-    (unit(u + to_u), unit(v + to_v), unit(w + to_w))
+    (u + to_u, v + to_v, w + to_w)
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 //! other way to trace a scene gives the same hits bit for bit.
 
 use super::{MAX_LEVELS, Object, SceneHit, SceneRay, SceneView, shape};
-use crate::bvh::{TriangleBlock, WIDTH};
+use crate::bvh::TriangleBlock;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
 use crate::traverse::Verdict;
@@ -81,11 +81,11 @@ fn all_hits(
 /// Shows the hits with triangles a `fraction` of the way from those in one slice to those in the other.
 fn loop_over(from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32, ray: &Ray, see: &mut dyn FnMut(Hit)) {
     for (from, to) in from.iter().zip(to) {
-        for lane in (0..WIDTH).filter(|&lane| from.prim_id[lane] != Hit::NO_PRIM) {
+        for (lane, prim_id) in from.used_lanes() {
             let (a, b) = (from.triangle(lane), to.triangle(lane));
             let corner = |i: usize| if fraction == 0.0 { a[i] } else { a[i] * (1.0 - fraction) + b[i] * fraction };
             if let Some(hit) = intersect_triangle(ray, &[corner(0), corner(1), corner(2)]) {
-                see(Hit { prim_id: from.prim_id[lane], ..hit });
+                see(Hit { prim_id, ..hit });
             }
         }
     }

@@ -339,9 +339,12 @@ mod tests {
 
     #[test]
     fn the_norm_on_the_way_is_a_bound_that_is_not_wasteful() {
-        for angle in [0.0f64, 0.5, 1.5, 3.0] {
-            let from = DMat3::IDENTITY;
-            let to = DMat3::from_rotation_y(angle) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.5));
+        let from = DMat3::IDENTITY;
+        let to = |angle: f64| DMat3::from_rotation_y(angle) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.5));
+        // The determinant in x and z is negative halfway.
+        assert_eq!(inverse_norm_between(&from, &to(3.0)), None);
+        for angle in [0.0, 0.5, 1.5, 2.0] {
+            let to = to(angle);
             let bound = inverse_norm_between(&from, &to).unwrap();
             let most = (0..=10_000)
                 .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4), DVec3::ZERO).unwrap().inverse))

@@ -6,23 +6,42 @@
 //! | 4 or 8 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
 //! | one, with a filter | [`BvhView::intersect_filtered`] | [`BvhView::occluded_filtered`] |
+//! | one, through one-sided triangles | [`BvhView::intersect_facing`] | [`BvhView::occluded_facing`] |
+//!
+//! | question | method |
+//! | --- | --- |
+//! | all hits of a ray, in any order | [`BvhView::for_each_hit`] |
+//! | all hits of a ray, nearest first | [`BvhView::hits`] |
+//! | the nearest few, into a slice | [`BvhView::nearest_hits`] |
+//! | the `n`-th | [`BvhView::nth_hit`] |
+//! | how many | [`BvhView::count_hits`] |
+//! | the closest point of the surface | [`BvhView::closest_point`] |
+//! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
 //!
 //! Nothing here allocates or panics.
 
+mod closest;
+mod facing;
 mod filter;
 pub(crate) mod flight;
 mod flock;
+mod hits;
 pub(crate) mod moving;
+mod overlap;
 mod packet;
 mod pending;
+#[cfg(test)]
+mod query_tests;
 pub mod reference;
 mod stack;
 #[cfg(test)]
 pub(crate) mod tests;
 mod visits;
 
+pub use facing::Facing;
 pub use filter::Verdict;
 use flight::Collector;
+pub use hits::Hits;
 pub use packet::{PacketWidth, Width};
 pub(crate) use pending::Pending;
 pub use visits::Visits;

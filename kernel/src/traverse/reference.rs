@@ -3,9 +3,12 @@
 
 use core::ops::ControlFlow;
 
+use glam::Vec3;
+
 use super::flight::Collector;
-use crate::bvh::{BvhView, Child, MAX_STACK, WIDTH};
-use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_side, intersect_triangle};
+use crate::bvh::{BvhView, Child, MAX_STACK, TriangleBlock, WIDTH};
+use crate::geometry::closest::{self, Foot};
+use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_side, intersect_triangle, overlaps};
 
 /// What [`BvhView::intersect`] gives.
 pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
@@ -77,6 +80,52 @@ pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -
         }
     }
     ControlFlow::Continue(())
+}
+
+/// What [`BvhView::closest_point`] gives, if it precedes `best`: a loop over the triangles as they lie.
+pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: Foot) -> Foot {
+    for (triangle, prim_id) in triangles(tree.blocks()) {
+        let foot = Foot { prim_id, ..closest::closest_point(point, &triangle) };
+        if foot.precedes(&best) {
+            best = foot;
+        }
+    }
+    best
+}
+
+/// What [`BvhView::for_each_overlap`] does: a walk that leaves out no box.
+pub(crate) fn for_each_overlap(
+    tree: &BvhView,
+    aabb: &Aabb,
+    visit: &mut impl FnMut(u32) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut stack = [0u32; MAX_STACK];
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        match Child::unpack(stack[height]) {
+            Child::Empty => {}
+            Child::Node(index) => {
+                let children = tree.nodes()[index as usize].children;
+                for &child in children.iter().rev().filter(|&&child| Child::unpack(child) != Child::Empty) {
+                    stack[height] = child;
+                    height += 1;
+                }
+            }
+            Child::Leaf { first, count } => {
+                let blocks = &tree.blocks()[first as usize..][..count as usize];
+                let mut overlapping = triangles(blocks).filter(|(triangle, _)| overlaps(triangle, aabb));
+                overlapping.try_for_each(|(_, prim_id)| visit(prim_id))?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// The triangles of blocks as they lie, and their indices.
+fn triangles(blocks: &[TriangleBlock]) -> impl Iterator<Item = (Triangle, u32)> {
+    let lanes = blocks.iter().flat_map(|block| (0..WIDTH).map(|lane| (block.triangle(lane), block.prim_id[lane])));
+    lanes.filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
 }
 
 /// The nearest hit of `ray` among all `triangles`; `prim_id` is the index.
