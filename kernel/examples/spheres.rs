@@ -54,7 +54,7 @@ fn main() -> Result<(), Error> {
     let rays: Vec<SceneRay> = (0..width * height)
         .map(|i| {
             let (x, y) = ((i % width) as f32 / width as f32 - 0.5, 0.5 - (i / width) as f32 / height as f32);
-            Ray::new(vec3(0.0, -9.0, 8.0), vec3(x * 1.1, 1.0, -0.9) + vec3(0.0, 0.67, 0.74) * y * 0.7).into()
+            Ray::new(vec3(0.0, -10.0, 8.5), vec3(x * 1.1, 1.0, -0.9) + vec3(0.0, 0.67, 0.74) * y * 0.7).into()
         })
         .collect();
     let mut hits = vec![SceneHit::MISS; rays.len()];

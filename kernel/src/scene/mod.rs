@@ -52,9 +52,11 @@ pub use sphere::{Sphere, Spheres};
 pub use transform::MAX_CONDITION;
 pub use view::{Part, SceneView};
 
-use crate::simd::{Level, Simd, Work, dispatch};
-use crate::traverse::{Pending, Verdict};
-use walk::{Search, Visit};
+use core::slice;
+
+use crate::simd::{Level, dispatch};
+use crate::traverse::Verdict;
+use walk::Trace;
 
 impl SceneView<'_> {
     /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.
@@ -72,15 +74,10 @@ impl SceneView<'_> {
     /// The filter sees those hits that precede the nearest one accepted so far: each triangle and each primitive of a
     /// shape at most once for each way to it, roughly from near to far. The order is the same on all instruction sets but
     /// [`Isa::SCALAR`](crate::Isa::SCALAR).
-    pub fn intersect_filtered(&self, ray: &SceneRay, filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
-        match self.isa().level() {
-            Level::Scalar => reference::intersect_filtered(self, ray, filter),
-            _ => {
-                let mut search = Search::new(ray, filter);
-                dispatch(self.isa(), One { scene: self, ray, search: &mut search });
-                search.found()
-            }
-        }
+    pub fn intersect_filtered(&self, ray: &SceneRay, mut filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
+        let mut result = None;
+        self.trace(slice::from_ref(ray), &mut filter, &mut |_, found| result = found);
+        result
     }
 
     /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but quicker. The
@@ -95,68 +92,28 @@ impl SceneView<'_> {
 
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
-        let results = rays.iter().zip(hits);
-        self.each(results, Verdict::Accept, |hit, found| *hit = found.unwrap_or(SceneHit::MISS));
+        let rays = &rays[..rays.len().min(hits.len())];
+        self.trace(rays, &mut |_| Verdict::Accept, &mut |number, found| hits[number] = found.unwrap_or(SceneHit::MISS));
     }
 
     /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
     pub fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
-        let results = rays.iter().zip(occluded);
-        self.each(results, Verdict::Stop, |occluded, found| *occluded = found.is_some());
+        let rays = &rays[..rays.len().min(occluded.len())];
+        self.trace(rays, &mut |_| Verdict::Stop, &mut |number, found| occluded[number] = found.is_some());
     }
 
-    /// Traces each ray with the same verdict on all hits, and has the result written.
-    fn each<'a, T: 'a>(
+    /// Traces rays, and has `land` hear of the result of each, by its number.
+    fn trace(
         &self,
-        rays: impl Iterator<Item = (&'a SceneRay, &'a mut T)>,
-        verdict: Verdict,
-        write: impl Fn(&mut T, Option<SceneHit>),
+        rays: &[SceneRay],
+        filter: &mut dyn FnMut(&SceneHit) -> Verdict,
+        land: &mut dyn FnMut(usize, Option<SceneHit>),
     ) {
         match self.isa().level() {
-            Level::Scalar => {
-                rays.for_each(|(ray, result)| write(result, reference::intersect_filtered(self, ray, |_| verdict)));
-            }
-            _ => dispatch(self.isa(), Many { scene: self, rays, verdict, write }),
-        }
-    }
-}
-
-struct One<'a, F> {
-    scene: &'a SceneView<'a>,
-    ray: &'a SceneRay,
-    search: &'a mut Search<F>,
-}
-
-impl<F: FnMut(&SceneHit) -> Verdict> Work for One<'_, F> {
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        let mut pending = Pending::EMPTY;
-        Visit::outermost(self.scene, self.ray, self.search, &mut pending).trace::<S>();
-    }
-}
-
-struct Many<'a, R, W> {
-    scene: &'a SceneView<'a>,
-    rays: R,
-    verdict: Verdict,
-    write: W,
-}
-
-impl<'a, T: 'a, R, W> Work for Many<'_, R, W>
-where
-    R: Iterator<Item = (&'a SceneRay, &'a mut T)>,
-    W: Fn(&mut T, Option<SceneHit>),
-{
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        let mut pending = Pending::EMPTY;
-        let verdict = self.verdict;
-        for (ray, result) in self.rays {
-            let mut search = Search::new(ray, |_: &SceneHit| verdict);
-            Visit::outermost(self.scene, ray, &mut search, &mut pending).trace::<S>();
-            (self.write)(result, search.found());
+            Level::Scalar => rays.iter().enumerate().for_each(|(number, ray)| {
+                land(number, reference::intersect_filtered(self, ray, &mut *filter));
+            }),
+            _ => dispatch(self.isa(), Trace { scene: self, rays, filter, land }),
         }
     }
 }

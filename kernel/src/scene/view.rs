@@ -94,6 +94,7 @@ impl<'a> SceneView<'a> {
     }
 
     /// The same scene, traced with the instructions of `isa` instead of those of [`Isa::detect`], whatever the trees in it say.
+    /// With [`Isa::SCALAR`] that is a loop over all triangles, for small scenes.
     #[must_use]
     #[inline]
     pub fn with_isa(self, isa: Isa) -> Self {

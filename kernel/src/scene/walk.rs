@@ -11,54 +11,63 @@ use crate::simd::{Isa, Simd, Work, dispatch};
 use crate::traverse::flight::{self, Collector, Ground};
 use crate::traverse::{Pending, Verdict, moving};
 
-/// The nearest hit so far that is accepted.
-pub(super) struct Search<F> {
-    best: SceneHit,
-    filter: F,
+/// Rays to be traced one after the other, and who hears of what. Not generic, so that a program has this once for each
+/// instruction set: a filter is called a few times a ray.
+pub(super) struct Trace<'a> {
+    pub scene: &'a SceneView<'a>,
+    pub rays: &'a [SceneRay],
+    pub filter: &'a mut dyn FnMut(&SceneHit) -> Verdict,
+    /// Hears of the result of each ray, by its number.
+    pub land: &'a mut dyn FnMut(usize, Option<SceneHit>),
 }
 
-impl<F: FnMut(&SceneHit) -> Verdict> Search<F> {
-    pub(super) fn new(ray: &SceneRay, filter: F) -> Self {
-        let nothing = Hit { t: ray.ray.t_max, ..Hit::MISS };
-        Self { best: SceneHit { hit: nothing, ..SceneHit::MISS }, filter }
-    }
-
-    /// Sees a hit within the ray's interval. `Break` if it ends the search.
+impl Work for Trace<'_> {
+    type Output = ();
     #[inline(always)]
-    pub(super) fn see(&mut self, hit: SceneHit) -> ControlFlow<()> {
-        if !hit.precedes(&self.best) {
-            return ControlFlow::Continue(());
+    fn run<S: Simd>(self) {
+        let (mut items, mut triangles) = (Pending::EMPTY, Pending::EMPTY);
+        for (number, ray) in self.rays.iter().enumerate() {
+            let nothing = SceneHit { hit: Hit { t: ray.ray.t_max, ..Hit::MISS }, ..SceneHit::MISS };
+            let mut search = Search { best: nothing, filter: &mut *self.filter };
+            let visit = Visit {
+                scene: self.scene,
+                isa: self.scene.isa(),
+                ray: *ray,
+                instances: SceneHit::MISS.instances,
+                depth: 0,
+                search: &mut search,
+                triangles: &mut triangles,
+            };
+            // Whether the search was ended early does not matter.
+            let _ = visit.walk::<S>(&mut items);
+            (self.land)(number, search.best.is_hit().then_some(search.best));
         }
-        let verdict = (self.filter)(&hit);
-        if verdict != Verdict::Reject {
-            self.best = hit;
-        }
-        if verdict == Verdict::Stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
+}
 
-    pub(super) fn found(self) -> Option<SceneHit> {
-        self.best.is_hit().then_some(self.best)
-    }
+/// The nearest hit so far that is accepted.
+struct Search<'a> {
+    best: SceneHit,
+    filter: &'a mut dyn FnMut(&SceneHit) -> Verdict,
 }
 
 /// A ray in a scene, on the way to which it went through others.
-pub(super) struct Visit<'a, F> {
+struct Visit<'a, 'f> {
     scene: &'a SceneView<'a>,
     isa: Isa,
     ray: SceneRay,
     instances: [u32; MAX_LEVELS],
     depth: usize,
-    search: &'a mut Search<F>,
-    /// For the trees of triangles: one at a time.
-    pending: &'a mut Pending,
+    search: &'a mut Search<'f>,
+    /// Memory for walks through trees of triangles, one at a time.
+    triangles: &'a mut Pending,
 }
 
-impl<F: FnMut(&SceneHit) -> Verdict> Work for Visit<'_, F> {
-    type Output = ControlFlow<()>;
-
-    /// Shows the search the hits of the ray that may precede its best one. `Break` if the search was ended.
+impl Visit<'_, '_> {
+    /// Shows the search the hits of the ray that may precede its best one. `Break` if the search was ended. `pending` is
+    /// memory, whatever is in it.
     #[inline(always)]
-    fn run<S: Simd>(self) -> ControlFlow<()> {
+    fn walk<S: Simd>(self, pending: &mut Pending) -> ControlFlow<()> {
         let Visit { scene, ray, .. } = self;
         let tree = scene.tree();
         let (Some(mut setup), Some(moment)) =
@@ -69,45 +78,32 @@ impl<F: FnMut(&SceneHit) -> Verdict> Work for Visit<'_, F> {
         let reach = (scene.reach().min - ray.ray.origin).abs().max((scene.reach().max - ray.ray.origin).abs());
         // The second term is for the rounding of this sum.
         setup.slabs.widen(scene.error() * reach.max_element() + ray.ray.origin.abs() * NODE_ORIGIN_PAD);
-        let mut items = Items { visit: self, moment };
-        let mut pending = Pending::EMPTY;
-        flight::descend::<S, _>(&mut items, &setup.slabs, ray.ray.t_min, &mut pending)
-    }
-}
-
-impl<'a, F: FnMut(&SceneHit) -> Verdict> Visit<'a, F> {
-    /// A ray in a scene that lies in no other. `pending` is memory, whatever is in it.
-    #[inline(always)]
-    pub(super) fn outermost(
-        scene: &'a SceneView<'a>,
-        ray: &SceneRay,
-        search: &'a mut Search<F>,
-        pending: &'a mut Pending,
-    ) -> Self {
-        let instances = [SceneHit::NO_INSTANCE; MAX_LEVELS];
-        Self { scene, isa: scene.isa(), ray: *ray, instances, depth: 0, search, pending }
-    }
-
-    /// Runs the search; whether it was ended early does not matter.
-    #[inline(always)]
-    pub(super) fn trace<S: Simd>(self) {
-        let _ = self.run::<S>();
+        flight::descend::<S, _>(&mut Items { visit: self, moment }, &setup.slabs, ray.ray.t_min, pending)
     }
 }
 
 /// Enters a scene that lies in another. Not inlined: this is where the recursion turns.
 #[inline(never)]
-fn enter<F: FnMut(&SceneHit) -> Verdict>(isa: Isa, visit: Visit<F>) -> ControlFlow<()> {
-    dispatch(isa, visit)
+fn enter(visit: Visit) -> ControlFlow<()> {
+    dispatch(visit.isa, visit)
+}
+
+impl Work for Visit<'_, '_> {
+    type Output = ControlFlow<()>;
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        let mut pending = Pending::EMPTY;
+        self.walk::<S>(&mut pending)
+    }
 }
 
 /// The items of a scene at a moment.
-struct Items<'a, F> {
-    visit: Visit<'a, F>,
+struct Items<'a, 'f> {
+    visit: Visit<'a, 'f>,
     moment: Moment,
 }
 
-impl<F: FnMut(&SceneHit) -> Verdict> Ground for Items<'_, F> {
+impl Ground for Items<'_, '_> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.visit.search.best.hit.t
@@ -140,7 +136,7 @@ impl<F: FnMut(&SceneHit) -> Verdict> Ground for Items<'_, F> {
     }
 }
 
-impl<F: FnMut(&SceneHit) -> Verdict> Visit<'_, F> {
+impl Visit<'_, '_> {
     /// Traces the ray through one item.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, item: &Item, index: u32, prim_id: u32) -> ControlFlow<()> {
@@ -150,8 +146,8 @@ impl<F: FnMut(&SceneHit) -> Verdict> Visit<'_, F> {
         };
         let mut found = Found { search: &mut *self.search, geometry_id: index, instances: self.instances };
         match item.object {
-            Object::Mesh(tree) => flight::walk::<S, _>(&tree, &ray, self.pending, &mut found),
-            Object::Moving(tree) => moving::walk::<S, _>(&tree, &ray, time, self.pending, &mut found),
+            Object::Mesh(tree) => flight::walk::<S, _>(&tree, &ray, self.triangles, &mut found),
+            Object::Moving(tree) => moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut found),
             Object::Shape(shape) => match shape::intersect(shape, prim_id, &ray, time) {
                 Some(hit) => found.see(hit, true),
                 None => ControlFlow::Continue(()),
@@ -162,21 +158,21 @@ impl<F: FnMut(&SceneHit) -> Verdict> Visit<'_, F> {
                     *place = index;
                 }
                 let ray = SceneRay { ray, time, mask };
-                let (search, pending) = (&mut *self.search, &mut *self.pending);
-                enter(self.isa, Visit { scene, isa: self.isa, ray, instances, depth: self.depth + 1, search, pending })
+                let (search, triangles) = (&mut *self.search, &mut *self.triangles);
+                enter(Visit { scene, isa: self.isa, ray, instances, depth: self.depth + 1, search, triangles })
             }
         }
     }
 }
 
 /// Hits with one item, on their way to the search.
-struct Found<'a, F> {
-    search: &'a mut Search<F>,
+struct Found<'a, 'f> {
+    search: &'a mut Search<'f>,
     geometry_id: u32,
     instances: [u32; MAX_LEVELS],
 }
 
-impl<F: FnMut(&SceneHit) -> Verdict> Collector for Found<'_, F> {
+impl Collector for Found<'_, '_> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.search.best.hit.t
@@ -184,6 +180,14 @@ impl<F: FnMut(&SceneHit) -> Verdict> Collector for Found<'_, F> {
 
     #[inline(always)]
     fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
-        self.search.see(SceneHit { hit, geometry_id: self.geometry_id, instances: self.instances })
+        let hit = SceneHit { hit, geometry_id: self.geometry_id, instances: self.instances };
+        if !hit.precedes(&self.search.best) {
+            return ControlFlow::Continue(());
+        }
+        let verdict = (self.search.filter)(&hit);
+        if verdict != Verdict::Reject {
+            self.search.best = hit;
+        }
+        if verdict == Verdict::Stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
