@@ -3,7 +3,7 @@
 //!
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`Error`] → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
+//! validating) → [`traverse`] (walking it) → [`scene`] (instances, motion, masks, geometry of the caller's). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
 //! hemisphere of rays says of a point and of those around it) stand beside.
 //!
 //! ```
@@ -38,7 +38,8 @@
 //! # Numeric limits
 //! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
 //! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
-//! anywhere, hit nothing. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries of a traversal's
+//! anywhere, hit nothing. In scenes this holds in every space that a transform takes a ray to, and a transform may
+//! distort by [`scene::MAX_CONDITION`]. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries of a traversal's
 //! stack. What is beyond is an [`Error`]; nothing here panics for it.
 //!
 //! # Trees in files and in flash
@@ -60,6 +61,7 @@ mod error;
 pub mod geometry;
 pub mod irradiance;
 pub mod sampling;
+pub mod scene;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;
 pub mod traverse;
@@ -67,10 +69,13 @@ pub mod traverse;
 pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
 pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
-pub use error::{Error, InvalidTree, RefitError};
+pub use error::{Error, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
     offset_origin, triangle_normal,
 };
+#[cfg(any(feature = "alloc", test))]
+pub use scene::Scene;
+pub use scene::{Item, SceneHit, SceneRay, SceneView};
 pub use simd::{Isa, Level};
 pub use traverse::{Facing, Hits, Verdict};

@@ -3,10 +3,12 @@
 //! the expected cost tells.
 
 use super::build::{Bvh, is_usable};
-use super::node::{Child, Node, TriangleBlock, WIDTH};
-use super::plan::{BLOCK, NODE};
+use super::contents::Contents;
+use super::fit;
+use super::node::{Child, Node, TriangleBlock};
+use super::plan::NODE;
 use crate::error::{Error, RefitError};
-use crate::geometry::{Aabb, Hit, Triangle};
+use crate::geometry::{Aabb, Triangle};
 
 /// What became of a tree that was refitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,26 +41,9 @@ impl Bvh {
     /// is then as it was.
     pub fn refit(&mut self, triangles: &[Triangle]) -> Result<Refit, Error> {
         self.check_refit(triangles)?;
-        for block in &mut self.blocks {
-            for (lane, prim_id) in used_lanes(block) {
-                block.set(lane, &triangles[prim_id as usize], prim_id);
-            }
-        }
-        // Children have greater indices than their parents.
-        for index in (0..self.nodes.len()).rev() {
-            let mut node = self.nodes[index];
-            for slot in 0..WIDTH {
-                let child = Child::unpack(node.children[slot]);
-                let aabb = match child {
-                    Child::Empty => continue,
-                    Child::Node(below) => self.nodes[below as usize].bounds(),
-                    Child::Leaf { first, count } => bounds(&self.blocks[first as usize..][..count as usize]),
-                };
-                node.set(slot, &aabb, child);
-            }
-            node.sort();
-            self.nodes[index] = node;
-        }
+        self.blocks.iter_mut().for_each(|block| block.place(triangles));
+        let blocks = &self.blocks;
+        fit::fit(&mut self.nodes, |leaf| TriangleBlock::bounds_of(&blocks[leaf]));
         self.cost = expected_cost(&self.nodes);
         let decay = if self.built_cost > 0.0 { self.cost / self.built_cost } else { 1.0 };
         Ok(Refit { cost: self.cost, decay })
@@ -66,7 +51,7 @@ impl Bvh {
 
     fn check_refit(&self, triangles: &[Triangle]) -> Result<(), RefitError> {
         let mut kept = 0;
-        for (_, prim_id) in self.blocks.iter().flat_map(used_lanes) {
+        for (_, prim_id) in self.blocks.iter().flat_map(TriangleBlock::used_lanes) {
             let triangle =
                 triangles.get(prim_id as usize).ok_or(RefitError::Missing { prim_id, count: triangles.len() })?;
             if !is_usable(triangle) {
@@ -79,17 +64,6 @@ impl Bvh {
     }
 }
 
-/// The lanes of a block that hold triangles, and which.
-fn used_lanes(block: &TriangleBlock) -> impl Iterator<Item = (usize, u32)> + use<> {
-    block.prim_id.into_iter().enumerate().filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
-}
-
-/// The box around the triangles of blocks.
-fn bounds(blocks: &[TriangleBlock]) -> Aabb {
-    let boxes = blocks.iter().flat_map(|block| used_lanes(block).map(|(lane, _)| Aabb::around(&block.triangle(lane))));
-    boxes.fold(Aabb::EMPTY, |bounds, aabb| bounds.union(&aabb))
-}
-
 /// The expected cost of a ray that meets the root's box: each node and block by the area of the box that it is in.
 fn expected_cost(nodes: &[Node]) -> f32 {
     let area = |aabb: Aabb| f64::from(aabb.half_area());
@@ -100,7 +74,9 @@ fn expected_cost(nodes: &[Node]) -> f32 {
             cost += match Child::unpack(child) {
                 Child::Empty => 0.0,
                 Child::Node(_) => f64::from(NODE) * area(node.aabb(slot)),
-                Child::Leaf { count, .. } => f64::from(BLOCK) * f64::from(count) * area(node.aabb(slot)),
+                Child::Leaf { count, .. } => {
+                    f64::from(<[Triangle]>::SHAPE.cost) * f64::from(count) * area(node.aabb(slot))
+                }
             };
         }
     }

@@ -25,6 +25,7 @@
 
 mod aabb;
 pub(crate) mod closest;
+pub(crate) mod moment;
 mod offset;
 pub(crate) mod overlap;
 mod packet;

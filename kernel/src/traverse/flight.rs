@@ -5,11 +5,11 @@
 //! that of memory. Backends round boxes differently, and so may visit subtrees that others leave out, but there are no
 //! hits in those: the hits that a collector sees, and their order, are the same on all.
 
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
 use super::pending::{Pending, corners};
 use crate::bvh::{BvhView, Child, TriangleBlock, WIDTH};
-use crate::geometry::setup::{Axis, RaySetup};
+use crate::geometry::setup::{Axis, RaySetup, Slabs};
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Mask, Simd, lanes_of};
@@ -48,20 +48,54 @@ impl<const ANY: bool> Collector for Nearest<ANY> {
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, ray: &Ray) -> Option<Hit> {
     let mut nearest = Nearest::<ANY> { best: Hit::none_before(ray.t_max) };
+    let mut pending = Pending::EMPTY;
     // Whether it was ended early does not matter.
-    let _ = walk::<S, _>(tree, ray, &mut nearest);
+    let _ = walk::<S, _>(tree, ray, &mut pending, &mut nearest);
     nearest.best.found()
 }
 
 /// Shows `collector` the hits of one ray, each at most once, and all that are not behind the collector's `t_max` at
-/// their turn. `Break` if the collector ended it.
+/// their turn. `Break` if the collector ended it. `pending` is memory, whatever is in it.
 #[inline(always)]
-pub(crate) fn walk<S: Simd, C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
+pub(crate) fn walk<S: Simd, C: Collector>(
+    tree: &BvhView,
+    ray: &Ray,
+    pending: &mut Pending,
+    collector: &mut C,
+) -> ControlFlow<()> {
     let Some(RaySetup { slabs, line }) = RaySetup::new(ray, &tree.bounds()) else {
         return ControlFlow::Continue(());
     };
-    let (octant, lanes) = (slabs.octant(), LineLanes::<S::F8>::splat(&line));
-    let mut pending = Pending::EMPTY;
+    let lanes = LineLanes::<S::F8>::splat(&line);
+    descend::<S, _>(
+        &mut Triangles { tree, lanes, axes: line.axes, t_min: ray.t_min, collector },
+        &slabs,
+        ray.t_min,
+        pending,
+    )
+}
+
+/// What a ray descends through: nodes, and what is in their leaves.
+pub(crate) trait Ground {
+    /// What has a greater `t` is of no interest.
+    fn t_max(&self) -> f32;
+
+    /// [Enters](Pending::enter) the node of this index.
+    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32);
+
+    /// Looks at a leaf's blocks. `Break` ends the search.
+    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()>;
+}
+
+/// Takes a ray through a tree, roughly from near to far.
+#[inline(always)]
+pub(crate) fn descend<S: Simd, G: Ground>(
+    ground: &mut G,
+    slabs: &Slabs,
+    t_min: f32,
+    pending: &mut Pending,
+) -> ControlFlow<()> {
+    let octant = slabs.octant();
     pending.start();
     loop {
         let (child, near) = pending.take();
@@ -69,25 +103,51 @@ pub(crate) fn walk<S: Simd, C: Collector>(tree: &BvhView, ray: &Ray, collector: 
             return ControlFlow::Continue(());
         }
         // A nearer hit may have been found since. As near is not nearer: there may be a tie to decide.
-        let t_max = collector.t_max();
-        if near > t_max {
+        if near > ground.t_max() {
             continue;
         }
         if Child::is_node(child) {
-            if let Some(node) = tree.nodes().get(child as usize) {
-                pending.enter::<S>(node, &slabs, octant, ray.t_min, t_max);
-            }
+            ground.enter::<S>(child, pending, slabs, octant, t_min);
         } else {
-            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                hit_block(block, &lanes, line.axes, ray.t_min, collector)?;
-            }
+            ground.look::<S>(Child::leaf_blocks(child))?;
         }
+    }
+}
+
+/// Triangles that stand still, and who hears of the hits.
+struct Triangles<'a, L, C> {
+    tree: &'a BvhView<'a>,
+    lanes: LineLanes<L>,
+    axes: [Axis; 3],
+    t_min: f32,
+    collector: &'a mut C,
+}
+
+impl<L: Lanes<WIDTH>, C: Collector> Ground for Triangles<'_, L, C> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.collector.t_max()
+    }
+
+    #[inline(always)]
+    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
+        if let Some(node) = self.tree.nodes().get(node as usize) {
+            pending.enter::<S>(node, slabs, octant, t_min, self.t_max());
+        }
+    }
+
+    #[inline(always)]
+    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
+        for block in self.tree.blocks().get(blocks).unwrap_or(&[]) {
+            hit_block(block, &self.lanes, self.axes, self.t_min, self.collector)?;
+        }
+        ControlFlow::Continue(())
     }
 }
 
 /// Shows `collector` the hits with the triangles of one block.
 #[inline(always)]
-fn hit_block<L: Lanes<WIDTH>, C: Collector>(
+pub(super) fn hit_block<L: Lanes<WIDTH>, C: Collector>(
     block: &TriangleBlock,
     ray: &LineLanes<L>,
     axes: [Axis; 3],

@@ -26,6 +26,7 @@ mod filter;
 pub(crate) mod flight;
 mod flock;
 mod hits;
+pub(crate) mod moving;
 mod overlap;
 mod packet;
 mod pending;
@@ -43,6 +44,7 @@ pub use filter::Verdict;
 use flight::Collector;
 pub use hits::Hits;
 pub use packet::{PacketWidth, Width};
+pub(crate) use pending::Pending;
 pub use visits::Visits;
 
 use core::ops::ControlFlow;
@@ -155,7 +157,8 @@ impl<C: Collector> Work for Walk<'_, C> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        flight::walk::<S, C>(self.tree, self.ray, self.collector)
+        let mut pending = Pending::EMPTY;
+        flight::walk::<S, C>(self.tree, self.ray, &mut pending, self.collector)
     }
 }
 

@@ -49,7 +49,7 @@ fn check(triangles: &[Triangle], rays: &[Ray]) -> usize {
 }
 
 /// Every level that this machine has.
-pub(super) fn isas() -> impl Iterator<Item = Isa> {
+pub(crate) fn isas() -> impl Iterator<Item = Isa> {
     #[cfg(feature = "std")]
     return crate::Level::ALL.into_iter().filter_map(Isa::new);
     #[cfg(not(feature = "std"))]
@@ -101,7 +101,7 @@ where
 }
 
 /// Rays of all kinds towards triangles: random, along axes and diagonals, through corners and edges, side by side.
-pub(super) fn rays_at(triangles: &[Triangle], random: &mut Random, count: usize) -> Vec<Ray> {
+pub(crate) fn rays_at(triangles: &[Triangle], random: &mut Random, count: usize) -> Vec<Ray> {
     let bounds = triangles
         .iter()
         .flatten()
@@ -140,7 +140,7 @@ pub(super) fn rays_at(triangles: &[Triangle], random: &mut Random, count: usize)
     rays
 }
 
-pub(super) fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
+pub(crate) fn soup(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
     (0..if cfg!(miri) { count.min(40) } else { count })
         .map(|_| {
             let center = random.vector();
