@@ -2,8 +2,8 @@
 //! at a time, with SIMD and with the same hits everywhere.
 //!
 //! Data flows one way, and a module imports only from those above it:
-//! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
-//! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
+//! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`Error`] → [`bvh`] (the tree's memory, its view, building and
+//! validating) → [`traverse`] (walking it) → [`scene`] (instances, motion, masks, geometry of the caller's). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
 //! hemisphere of rays says of a point and of those around it) stand beside.
 //!
 //! ```
@@ -18,6 +18,18 @@
 //! # }
 //! ```
 //!
+//! # What can be asked
+//! | of a tree | by |
+//! | --- | --- |
+//! | the nearest hit, or whether there is any: of a ray, a packet, a batch | [`BvhView::intersect`], [`BvhView::occluded`] and their kin |
+//! | the same through a filter, or one side only | [`BvhView::intersect_filtered`], [`BvhView::intersect_facing`] |
+//! | all hits, the nearest few, the `n`-th, their number | [`BvhView::hits`], [`BvhView::nearest_hits`] |
+//! | the closest point of the surface | [`BvhView::closest_point`] |
+//! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
+//! | to follow triangles that move | `Bvh::refit` |
+//!
+//! [`traverse`] has them all; [`offset_origin`] says where the next ray may start.
+//!
 //! # What a hit is
 //! The hit of a ray with a triangle depends on these two alone: not on the tree, on other triangles, on the width of
 //! the lanes or on the instruction set. Among equally near hits the lowest `prim_id` wins. All of `t`, `u`, `v` and
@@ -26,7 +38,13 @@
 //! # Numeric limits
 //! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
 //! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
-//! anywhere, hit nothing.
+//! anywhere, hit nothing. In scenes this holds in every space that a transform takes a ray to, and a transform may
+//! distort by [`scene::MAX_CONDITION`]. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries of a traversal's
+//! stack. What is beyond is an [`Error`]; nothing here panics for it.
+//!
+//! # Trees in files and in flash
+//! `Bvh::to_bytes` gives a tree as bytes, which [`BvhView::from_bytes`] borrows and traces where they lie: see
+//! [`bvh::blob`] for the format, and [`include_blob!`] for bytes that are part of the program.
 //!
 //! # Features
 //! - `std` (default): detects the processor's instruction sets; implies `alloc`.
@@ -39,18 +57,25 @@
 extern crate alloc;
 
 pub mod bvh;
+mod error;
 pub mod geometry;
 pub mod irradiance;
 pub mod sampling;
+pub mod scene;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;
 pub mod traverse;
 
+pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use bvh::{BvhView, InvalidTree};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use error::{Error, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
-    triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
+    offset_origin, triangle_normal,
 };
+#[cfg(any(feature = "alloc", test))]
+pub use scene::Scene;
+pub use scene::{Item, SceneHit, SceneRay, SceneView};
 pub use simd::{Isa, Level};
+pub use traverse::{Facing, Hits, Verdict};

@@ -2,19 +2,31 @@
 //!
 //! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
 //! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
-//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the
-//! result, from wherever it lies.
+//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
+//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies; as a [`blob`] it can be written to a file and
+//! traced from there.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
 #[cfg(any(feature = "alloc", test))]
 mod bins;
+pub mod blob;
+#[cfg(any(feature = "alloc", test))]
+mod box_tree;
+mod box_view;
 #[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]
 mod collapse;
 #[cfg(any(feature = "alloc", test))]
+mod contents;
+#[cfg(any(feature = "alloc", test))]
 mod executor;
+#[cfg(any(feature = "alloc", test))]
+mod fit;
+#[cfg(any(feature = "alloc", test))]
+mod moving;
+mod moving_view;
 mod node;
 #[cfg(any(feature = "alloc", test))]
 mod options;
@@ -23,6 +35,8 @@ mod plan;
 #[cfg(any(feature = "alloc", test))]
 mod primitive;
 #[cfg(any(feature = "alloc", test))]
+mod refit;
+#[cfg(any(feature = "alloc", test))]
 mod reinsertion;
 #[cfg(any(feature = "alloc", test))]
 mod top_down;
@@ -30,13 +44,23 @@ mod validate;
 mod view;
 
 #[cfg(any(feature = "alloc", test))]
-pub use build::{BuildError, BuildReport, Bvh, TreeStatistics};
+pub use blob::Blob;
+pub use blob::{Aligned, BLOB_ALIGNMENT, BLOB_VERSION};
+#[cfg(any(feature = "alloc", test))]
+pub use box_tree::BoxTree;
+pub use box_view::BoxTreeView;
+#[cfg(any(feature = "alloc", test))]
+pub use build::{BuildReport, Bvh, TreeStatistics};
 #[cfg(any(feature = "alloc", test))]
 pub use executor::{Executor, Serial};
+#[cfg(any(feature = "alloc", test))]
+pub use moving::MovingBvh;
+pub use moving_view::MovingView;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality};
-pub use validate::InvalidTree;
+#[cfg(any(feature = "alloc", test))]
+pub use refit::Refit;
 pub use view::BvhView;
 
 #[cfg(test)]

@@ -192,6 +192,26 @@ impl TriangleBlock {
         self.prim_id[lane] = prim_id;
     }
 
+    /// The lanes that hold triangles, and which.
+    pub(crate) fn used_lanes(&self) -> impl Iterator<Item = (usize, u32)> + use<> {
+        self.prim_id.into_iter().enumerate().filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
+    }
+
+    /// Moves the triangles to where they are in `triangles`, which has all of them.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) fn place(&mut self, triangles: &[Triangle]) {
+        for (lane, prim_id) in self.used_lanes() {
+            self.set(lane, &triangles[prim_id as usize], prim_id);
+        }
+    }
+
+    /// The box around the triangles of blocks.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) fn bounds_of(blocks: &[Self]) -> Aabb {
+        let triangles = blocks.iter().flat_map(|block| block.used_lanes().map(|(lane, _)| block.triangle(lane)));
+        triangles.fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&Aabb::around(&triangle)))
+    }
+
     /// The triangle in `lane`, which is less than [`WIDTH`].
     pub fn triangle(&self, lane: usize) -> Triangle {
         self.corners.map(|axes| glam::Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]))

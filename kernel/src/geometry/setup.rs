@@ -97,16 +97,12 @@ impl RaySetup {
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
-        let size = ray.direction.abs();
-        let largest = size.max_element();
-        let valid = ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
-            && ray.direction.is_finite()
-            && (MIN_DIRECTION..=MAX_DIRECTION).contains(&largest)
-            && ray.t_min <= ray.t_max
-            && !scene.is_empty();
+        let valid = is_in_limits(ray) && ray.t_min <= ray.t_max && !scene.is_empty();
         if !valid {
             return None;
         }
+        let size = ray.direction.abs();
+        let largest = size.max_element();
         let z = if size.x == largest {
             0
         } else if size.y == largest {
@@ -137,6 +133,26 @@ impl RaySetup {
         };
         Some(Self { slabs, line })
     }
+}
+
+impl Slabs {
+    /// Widens boxes by `pad` besides, along each axis.
+    #[inline(always)]
+    pub(crate) fn widen(&mut self, pad: Vec3) {
+        for axis in 0..3 {
+            let distance = pad[axis] * self.inverse[axis].abs();
+            self.near_shift[axis] += distance;
+            self.far_shift[axis] -= distance;
+        }
+    }
+}
+
+/// Whether origin and direction are within the [numeric limits](crate#numeric-limits).
+#[inline(always)]
+pub(crate) fn is_in_limits(ray: &Ray) -> bool {
+    ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
+        && ray.direction.is_finite()
+        && (MIN_DIRECTION..=MAX_DIRECTION).contains(&ray.direction.abs().max_element())
 }
 
 /// `value`, or `least` with its sign if that is larger.

@@ -66,9 +66,10 @@ impl Isa {
         self.0
     }
 
-    /// The proof for `level`, if this processor is known to have it: without `std` nothing is detected.
+    /// The proof for `level`, if this processor is known to have it: without `std` nothing is detected, and Miri
+    /// interprets what every target has.
     pub fn new(level: Level) -> Option<Self> {
-        #[cfg(all(feature = "std", target_arch = "x86_64"))]
+        #[cfg(all(feature = "std", target_arch = "x86_64", not(miri)))]
         {
             use std::arch::is_x86_feature_detected as has;
             let avx2 =

@@ -17,7 +17,7 @@ mod avx512;
 mod isa;
 mod portable;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod twice;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};

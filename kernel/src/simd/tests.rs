@@ -2,12 +2,38 @@
 
 use super::*;
 
+/// Runs `work` while the processor takes subnormal numbers for zero and gives zero in place of them, as audio programs and
+/// engines have it: bits 15 (FTZ) and 6 (DAZ) of MXCSR.
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+pub(crate) fn flushing_subnormals<T>(work: impl FnOnce() -> T) -> T {
+    let mut usual = 0u32;
+    // SAFETY: writes four bytes to the variable.
+    unsafe { core::arch::asm!("stmxcsr [{}]", in(reg) &raw mut usual, options(nostack)) };
+    let flushing = usual | 1 << 15 | 1 << 6;
+    // SAFETY: sets two bits that every processor with 64 bits has. The compiler assumes that they are not set: what it
+    // computes itself differs, which the test's numbers are kept from by `black_box`.
+    unsafe { core::arch::asm!("ldmxcsr [{}]", in(reg) &raw const flushing, options(nostack)) };
+    let result = work();
+    // SAFETY: sets the register to what it was.
+    unsafe { core::arch::asm!("ldmxcsr [{}]", in(reg) &raw const usual, options(nostack)) };
+    result
+}
+
+#[test]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+fn subnormals_are_flushed_where_it_is_asked_for_and_only_there() {
+    let half = |x: f32| core::hint::black_box(x) * 0.5;
+    let sum = |x: f32| core::hint::black_box(x) + core::hint::black_box(1e-40);
+    assert_eq!(flushing_subnormals(|| [half(f32::MIN_POSITIVE), sum(0.0)]), [0.0, 0.0]);
+    assert!(half(f32::MIN_POSITIVE) > 0.0 && sum(0.0) > 0.0);
+}
+
 /// Every operation against the same operation on scalars, over pairs that include zeros, infinities and NaN.
 #[inline(always)]
 fn check<const N: usize, L: Lanes<N>>() {
     let values = [0.0, -0.0, 1.0, -1.5, 1e-40, -3e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 0.1, 7.0, 1e30];
     for i in 0..values.len() {
-        for j in 0..values.len() {
+        for j in (0..values.len()).step_by(if cfg!(miri) { 5 } else { 1 }) {
             let a: [f32; N] = core::array::from_fn(|k| values[(i + k) % values.len()]);
             let b: [f32; N] = core::array::from_fn(|k| values[(j + 3 * k) % values.len()]);
             let (x, y) = (L::load(&a), L::load(&b));
@@ -83,6 +109,9 @@ impl Work for Check {
 #[test]
 fn lanes_compute_as_scalars_do() {
     dispatch(Isa::PORTABLE, Check);
+    if cfg!(miri) {
+        return;
+    }
     dispatch(Isa::detect(), Check);
     #[cfg(feature = "std")]
     Level::ALL.into_iter().filter_map(Isa::new).for_each(|isa| dispatch(isa, Check));

@@ -5,7 +5,7 @@
 //! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is traced in as
 //! many parts as it has courses; rays that are alone, or whose `t_min` is negative, are traced one by one.
 
-use super::flight;
+use super::flight::{self, Nearest};
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
 use crate::geometry::triangle::{self, LineLanes};
@@ -281,7 +281,8 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         let (t_min, mut found) = (self.t_min.store(), 0);
         for lane in lanes_of(rays) {
             let lane = lane % N;
-            let mut hit = best.hit(lane);
+            let before = best.hit(lane);
+            let mut nearest = Nearest::<false> { best: before };
             let line = &self.line;
             let ray = LineLanes::<S::F8> {
                 origin: [
@@ -296,8 +297,10 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
                 ],
                 shear: [S::F8::splat(line.shear[0][lane]), S::F8::splat(line.shear[1][lane])],
             };
-            if flight::hit_block(block, &ray, self.course.axes, t_min[lane], &mut hit) {
-                best.set(lane, hit);
+            // This collector never breaks off.
+            let _ = flight::hit_block(block, &ray, self.course.axes, t_min[lane], &mut nearest);
+            if nearest.best.precedes(&before) {
+                best.set(lane, nearest.best);
                 found |= 1 << lane;
             }
         }

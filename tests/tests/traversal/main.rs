@@ -1,15 +1,17 @@
 //! Every way to trace, against a loop over all triangles and against answers that were found apart.
 
-mod check;
+mod axes;
 mod closed;
+mod known_failures;
+mod limits;
 mod malformed;
 mod oracle;
 mod strategies;
 
-use check::check;
 use glam::Vec3;
 use halfdome_kernel::geometry::intersect_triangle;
 use halfdome_kernel::{Hit, Ray, Triangle};
+use halfdome_tests::check::check;
 use halfdome_tests::random::Pcg;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;

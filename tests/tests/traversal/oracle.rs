@@ -2,9 +2,8 @@
 
 use glam::Vec3;
 use halfdome_kernel::{Ray, Triangle};
+use halfdome_tests::check::check;
 use halfdome_tests::random::Pcg;
-
-use crate::check::check;
 
 /// Where the line of a ray crosses the plane of a triangle.
 struct Crossing {

@@ -1,11 +1,19 @@
-//! All ways to trace, compared bit for bit.
+//! All ways to trace, on every instruction set that the machine has, compared bit for bit.
 
 use glam::Vec3;
 use halfdome_kernel::traverse::{PacketWidth, Width, reference};
-use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket, Triangle};
+use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Isa, Level, Quality, Ray, RayPacket, Triangle};
+
+/// Rays that are enough for a batch to be traced as one.
+const BATCH: usize = 70;
+
+/// What this machine can trace with, the scalar reference first.
+pub fn isas() -> impl Iterator<Item = Isa> {
+    Level::ALL.into_iter().filter_map(Isa::new)
+}
 
 /// Bits of a hit, so that zeros of different signs tell.
-pub(crate) fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
+pub fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
     hit.map(|hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.prim_id])
 }
 
@@ -21,16 +29,16 @@ fn kept(tree: &BvhView, count: usize) -> Vec<Triangle> {
     triangles
 }
 
-/// What every ray hits, by the loop; all ways to trace agree with it.
-pub(crate) fn check(triangles: &[Triangle], rays: &[Ray]) -> Vec<Option<Hit>> {
+/// What every ray hits, by the loop; all ways to trace agree with it, in trees of all qualities and in their blobs.
+pub fn check(triangles: &[Triangle], rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut expected = Vec::new();
     for quality in Quality::ALL {
-        let (bvh, report) = Bvh::build(triangles, &quality.into()).unwrap();
-        let tree = bvh.view();
-        assert_eq!(BvhView::new(tree.nodes(), tree.blocks()).err(), None);
+        let (bvh, report) = Bvh::build(triangles, &quality.into()).expect("there are few");
+        let blob = bvh.to_bytes();
+        let tree = BvhView::from_bytes(&blob).expect("what is built is valid");
         let kept = kept(&tree, triangles.len());
         let left_out = kept.iter().filter(|triangle| triangle[0].is_nan()).count();
-        assert_eq!((report.kept, report.degenerate + report.out_of_range), (kept.len() - left_out, left_out));
+        assert_eq!((report.kept, report.dropped()), (kept.len() - left_out, left_out));
         for (triangle, kept) in triangles.iter().zip(&kept) {
             assert!(triangle == kept || kept[0].is_nan() && !is_plain(triangle), "{triangle:?} is missing");
         }
@@ -47,20 +55,34 @@ fn is_plain(triangle: &Triangle) -> bool {
     triangle.iter().all(|p| p.abs().max_element() < 1e12) && (b - a).cross(c - a).length() > 1e-6 * edges
 }
 
-pub(crate) fn check_tree(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
-    let mut hits = vec![Hit::MISS; rays.len()];
-    let mut occluded = vec![false; rays.len()];
-    tree.intersect_many(rays, &mut hits);
-    tree.occluded_many(rays, &mut occluded);
-    for (i, (ray, &expected)) in rays.iter().zip(expected).enumerate() {
-        assert_eq!(bits(reference::intersect(tree, ray)), bits(expected), "reference, {ray:?}");
-        assert_eq!(bits(tree.intersect(ray)), bits(expected), "single, {ray:?}");
-        assert_eq!(bits(Some(hits[i])), bits(Some(expected.unwrap_or(Hit::MISS))), "many, {ray:?}");
-        assert_eq!([tree.occluded(ray), occluded[i]], [expected.is_some(); 2], "occluded, {ray:?}");
-        if let Some(hit) = expected {
+/// All ways to trace `rays` give what is `expected`.
+pub fn check_tree(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
+    for (ray, &hit) in rays.iter().zip(expected) {
+        assert_eq!(bits(reference::intersect(tree, ray)), bits(hit), "reference, {ray:?}");
+        if let Some(hit) = hit {
             assert!(ray.t_min <= hit.t && hit.t <= ray.t_max, "{hit:?}");
             assert!(hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.000_001, "{hit:?}");
         }
+    }
+    let batch = rays.len().max(if rays.is_empty() { 0 } else { BATCH });
+    let batch: Vec<Ray> = rays.iter().copied().cycle().take(batch).collect();
+    isas().for_each(|isa| check_isa(&tree.with_isa(isa), rays, &batch, expected));
+}
+
+/// `batch` is the rays over and over.
+fn check_isa(tree: &BvhView, rays: &[Ray], batch: &[Ray], expected: &[Option<Hit>]) {
+    let level = tree.isa().level();
+    for (ray, &hit) in rays.iter().zip(expected) {
+        assert_eq!(bits(tree.intersect(ray)), bits(hit), "{level}, single, {ray:?}");
+        assert_eq!(tree.occluded(ray), hit.is_some(), "{level}, any, {ray:?}");
+    }
+    let mut hits = vec![Hit::MISS; batch.len()];
+    let mut occluded = vec![false; batch.len()];
+    tree.intersect_many(batch, &mut hits);
+    tree.occluded_many(batch, &mut occluded);
+    for (i, (ray, &expected)) in batch.iter().zip(expected.iter().cycle()).enumerate() {
+        assert_eq!(bits(Some(hits[i])), bits(Some(expected.unwrap_or(Hit::MISS))), "{level}, many, {ray:?}");
+        assert_eq!(occluded[i], expected.is_some(), "{level}, many, any, {ray:?}");
     }
     check_packets::<4>(tree, rays, expected);
     check_packets::<8>(tree, rays, expected);
@@ -71,6 +93,7 @@ fn check_packets<const N: usize>(tree: &BvhView, rays: &[Ray], expected: &[Optio
 where
     Width<N>: PacketWidth<N>,
 {
+    let level = tree.isa().level();
     let untouched = Hit { t: -7.25, u: 3.0, v: -1.0, prim_id: 4321 };
     for (rays, expected) in rays.chunks(N).zip(expected.chunks(N)) {
         let count = rays.len();
@@ -87,8 +110,8 @@ where
             for lane in 0..N {
                 let active = packet.active >> lane & 1 == 1;
                 let right = if active { expected[order[lane]].unwrap_or(Hit::MISS) } else { untouched };
-                assert_eq!(bits(Some(hits.hit(lane))), bits(Some(right)), "lane {lane} of {N}, {packet:?}");
-                assert_eq!(occluded >> lane & 1 == 1, active && right.is_hit());
+                assert_eq!(bits(Some(hits.hit(lane))), bits(Some(right)), "{level}, lane {lane} of {N}, {packet:?}");
+                assert_eq!(occluded >> lane & 1 == 1, active && right.is_hit(), "{level}, lane {lane} of {N}");
             }
         }
     }

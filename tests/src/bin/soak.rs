@@ -1,0 +1,195 @@
+//! Random rays through small scenes, by all ways to trace in turn, against the scalar loop over all triangles:
+//!
+//!     cargo run --release -p halfdome-tests --bin soak -- RAYS [THREADS]
+//!
+//! The rays depend on their number alone. Progress goes to stderr, differences to stdout; the exit code is 5 if there is
+//! one, and 1 for arguments that make no sense.
+#![forbid(unsafe_code)]
+
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::Instant;
+
+use glam::{DVec3, Vec3};
+use halfdome_kernel::traverse::{PacketWidth, Width, reference};
+use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Isa, Quality, Ray, RayPacket, Triangle};
+use halfdome_tests::check::{bits, isas};
+use halfdome_tests::random::Pcg;
+
+/// Rays that are traced together.
+const BATCH: usize = 128;
+/// Batches in a scene.
+const BATCHES: usize = 32;
+/// Rays in a scene.
+const RAYS: u64 = (BATCH * BATCHES) as u64;
+/// Differences that are printed.
+const SHOWN: u64 = 20;
+
+fn main() -> ExitCode {
+    let arguments: Option<Vec<u64>> = std::env::args().skip(1).map(|argument| argument.parse().ok()).collect();
+    let (rays, threads) = match arguments.as_deref() {
+        Some([rays]) => (*rays, thread::available_parallelism().map_or(1, |threads| threads.get() as u64)),
+        Some([rays, threads @ 1..=1024]) => (*rays, *threads),
+        _ => {
+            eprintln!("error: give a number of rays, and if you like of threads\n  help: soak 1000000000 2");
+            return ExitCode::from(1);
+        }
+    };
+    let scenes = rays.div_ceil(RAYS);
+    let isas: Vec<Isa> = isas().collect();
+    let start = Instant::now();
+    let (next, done, hits, differences) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= scenes {
+                        break;
+                    }
+                    let found = soak(seed, &isas, &differences);
+                    hits.fetch_add(found, Ordering::Relaxed);
+                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    if done * 100 / scenes != (done - 1) * 100 / scenes {
+                        eprintln!(
+                            "{:3} %, {} rays, {} hits, {} differences, {:.0} s",
+                            done * 100 / scenes,
+                            done * RAYS,
+                            hits.load(Ordering::Relaxed),
+                            differences.load(Ordering::Relaxed),
+                            start.elapsed().as_secs_f64()
+                        );
+                    }
+                }
+            });
+        }
+    });
+    let differences = differences.into_inner();
+    println!("{} rays, {} hits, {differences} differences", scenes * RAYS, hits.into_inner());
+    ExitCode::from(if differences == 0 { 0 } else { 5 })
+}
+
+/// Traces the rays of one scene; gives how many of them hit something.
+fn soak(seed: u64, isas: &[Isa], differences: &AtomicU64) -> u64 {
+    let mut random = Pcg::new(seed);
+    let triangles = scene(&mut random);
+    let quality = Quality::ALL[seed as usize % 3];
+    let (bvh, _) = Bvh::build(&triangles, &quality.into()).expect("there are few");
+    let mut found = 0;
+    for batch in 0..BATCHES {
+        let rays: Vec<Ray> = (0..BATCH).map(|_| ray(&mut random, &triangles)).collect();
+        let expected: Vec<Option<Hit>> = rays.iter().map(|ray| reference::intersect_all(&triangles, ray)).collect();
+        found += expected.iter().flatten().count() as u64;
+        // Every way on every instruction set comes round; the scalar reference, which is slow, once.
+        let (scalar, others) = isas.split_first().expect("scalar code runs everywhere");
+        let isa = if batch == 0 { *scalar } else { others[batch % others.len()] };
+        let (hits, occluded) = trace(&bvh.view().with_isa(isa), &rays, batch / others.len());
+        for (i, expected) in expected.into_iter().enumerate() {
+            if bits(hits[i]) == bits(expected) && occluded[i] == expected.is_some() {
+                continue;
+            }
+            if differences.fetch_add(1, Ordering::Relaxed) < SHOWN {
+                println!(
+                    "scene {seed}, batch {batch}, ray {i}, {}: {:?} {:?} instead of {expected:?}",
+                    isa.level(),
+                    hits[i],
+                    occluded[i]
+                );
+            }
+        }
+    }
+    found
+}
+
+/// The hits of rays, and whether they hit anything, by one of the ways.
+fn trace(tree: &BvhView, rays: &[Ray], way: usize) -> (Vec<Option<Hit>>, Vec<bool>) {
+    match way % 4 {
+        0 => {
+            let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+            tree.intersect_many(rays, &mut hits);
+            tree.occluded_many(rays, &mut occluded);
+            (hits.into_iter().map(|hit| Some(hit).filter(Hit::is_hit)).collect(), occluded)
+        }
+        1 => packets::<4>(tree, rays),
+        2 => packets::<8>(tree, rays),
+        _ => rays.iter().map(|ray| (tree.intersect(ray), tree.occluded(ray))).unzip(),
+    }
+}
+
+fn packets<const N: usize>(tree: &BvhView, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>)
+where
+    Width<N>: PacketWidth<N>,
+{
+    let mut all = (Vec::new(), Vec::new());
+    for rays in rays.chunks(N) {
+        let packet = RayPacket::<N>::from_rays(rays);
+        let mut hits = HitPacket::MISS;
+        tree.intersect_packet(&packet, &mut hits);
+        let occluded = tree.occluded_packet(&packet);
+        all.0.extend((0..rays.len()).map(|lane| Some(hits.hit(lane)).filter(Hit::is_hit)));
+        all.1.extend((0..rays.len()).map(|lane| occluded >> lane & 1 == 1));
+    }
+    all
+}
+
+/// A few triangles: anywhere, thin, on a grid, or over shared corners, of all sizes and at all distances.
+fn scene(random: &mut Pcg) -> Vec<Triangle> {
+    let count = 1 + random.below(24);
+    let scale = [1.0, 1.0, 1e-6, 1e4, 1e9][random.below(5)];
+    let shift = [0.0, 0.0, 1.0, 1e3, 1e5][random.below(5)] * scale * random.in_cube();
+    let kind = random.below(4);
+    let pool: Vec<DVec3> = (0..4 + random.below(8)).map(|_| random.in_cube()).collect();
+    let triangle = |random: &mut Pcg| match kind {
+        0 => {
+            let center = random.in_cube();
+            [(); 3].map(|()| center + 0.5 * random.in_cube())
+        }
+        1 => {
+            let (a, b) = (random.in_cube(), random.in_cube());
+            [a, b, a.lerp(b, random.unit()) + 1e-5 * random.in_cube()]
+        }
+        2 => [(); 3].map(|()| (random.in_cube() * 2.5).round()),
+        _ => [(); 3].map(|()| pool[random.below(pool.len())]),
+    };
+    (0..count).map(|_| triangle(random).map(|p| (p * scale + shift).as_vec3())).filter(has_corners).collect()
+}
+
+/// Others are left out of trees, but not of the loop; no ray hits them either way.
+fn has_corners([a, b, c]: &Triangle) -> bool {
+    a != b && b != c && c != a
+}
+
+/// A ray to a corner, an edge, a face or past it, from afar, from nearby or from another triangle's corner, aslant, along
+/// an axis or a diagonal.
+fn ray(random: &mut Pcg, triangles: &[Triangle]) -> Ray {
+    let Some(triangle) = triangles.get(random.below(triangles.len().max(1))) else {
+        return Ray::new(random.in_cube().as_vec3(), random.on_sphere().as_vec3());
+    };
+    let [a, b, c] = triangle.map(Vec3::as_dvec3);
+    let size = (b - a).length().max((c - a).length());
+    let target = match random.below(5) {
+        0 => a,
+        1 => b.lerp(c, random.unit()),
+        2 => 0.5 * (a + b),
+        _ => {
+            let (u, v) = (random.unit(), random.unit());
+            a + u * (b - a) + v * (c - a)
+        }
+    };
+    let steps = [-1.0, 0.0, 1.0, -0.0];
+    let direction = match random.below(4) {
+        0 => DVec3::from([0; 3].map(|_| steps[random.below(4)])),
+        1 => triangles[random.below(triangles.len())][random.below(3)].as_dvec3() - target,
+        _ => random.in_cube() * size,
+    };
+    let origin = (target - direction * [1.0, 1.0, 10.0, 1e4][random.below(4)]).as_vec3();
+    let direction = if random.below(2) == 0 { direction.as_vec3() } else { target.as_vec3() - origin };
+    let (t_min, t_max) = match random.below(8) {
+        0 => (0.0, 1.0),
+        1 => (f32::NEG_INFINITY, f32::INFINITY),
+        2 => (random.unit() as f32, 1.0 + random.unit() as f32),
+        _ => (0.0, f32::INFINITY),
+    };
+    Ray { origin, t_min, direction: direction * [1.0, 1e-3, 1e6][random.below(3)], t_max }
+}
