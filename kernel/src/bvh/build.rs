@@ -2,7 +2,6 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::fmt;
 
 use super::binary::MAX_DEPTH;
 use super::collapse::{self, Collapsed};
@@ -10,7 +9,8 @@ use super::executor::{Executor, Serial};
 use super::node::{Child, Node, TriangleBlock, WIDTH};
 use super::options::{BuildOptions, Effort};
 use super::primitive::Primitive;
-use super::{BvhView, InvalidTree, reinsertion, top_down};
+use super::{BvhView, MAX_STACK, reinsertion, top_down, validate};
+use crate::error::{Error, InvalidTree};
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 
 /// A tree that owns its memory.
@@ -35,19 +35,6 @@ pub struct BuildReport {
     pub too_deep: u32,
 }
 
-/// Why no tree could be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// There are more triangles than a tree can address.
-    TooManyTriangles {
-        /// How many there are.
-        count: usize,
-    },
-    /// The tree is not valid; only [`InvalidTree::TooLarge`] can occur.
-    Invalid(InvalidTree),
-}
-
 /// A tree in figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeStatistics {
@@ -68,13 +55,17 @@ pub struct TreeStatistics {
 }
 
 impl Bvh {
+    /// The most triangles that a tree can hold: 2²⁹ - 1, if all blocks but the last are full.
+    pub const MAX_TRIANGLES: usize = Child::MAX_INDEX as usize * WIDTH - 1;
+
     /// Builds a tree over `triangles` on this thread; a hit's `prim_id` is an index into them.
     ///
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
-    /// [`BuildError::TooManyTriangles`] from 2²⁹ triangles on, and [`BuildError::Invalid`] if even fewer do not fit.
-    pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), BuildError> {
+    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if even
+    /// fewer do not fit, as few share a block.
+    pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, triangles, options)
     }
 
@@ -87,10 +78,8 @@ impl Bvh {
         executor: &E,
         triangles: &[Triangle],
         options: &BuildOptions,
-    ) -> Result<(Self, BuildReport), BuildError> {
-        if triangles.len() >= Child::MAX_INDEX as usize * WIDTH {
-            return Err(BuildError::TooManyTriangles { count: triangles.len() });
-        }
+    ) -> Result<(Self, BuildReport), Error> {
+        check_count(triangles.len())?;
         let mut report = BuildReport::default();
         // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
         for effort in [options.quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
@@ -100,7 +89,7 @@ impl Bvh {
             }
             executor.advance(0.05);
             match Self::attempt(executor, triangles, prims, effort) {
-                Err(BuildError::Invalid(InvalidTree::TooDeep { .. })) => report.too_deep += 1,
+                Err(InvalidTree::TooDeep { .. }) => report.too_deep += 1,
                 result => return Ok((result?, report)),
             }
         }
@@ -112,12 +101,13 @@ impl Bvh {
         triangles: &[Triangle],
         prims: Vec<Primitive>,
         effort: Effort,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self, InvalidTree> {
         let mut tree = top_down::build(executor, prims, effort.splitting, 0.45);
         reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
-        let tree = tree.in_order().ok_or(BuildError::Invalid(InvalidTree::TooDeep { needed: MAX_DEPTH as u32 }))?;
-        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2);
-        BvhView::new(&nodes, &blocks).map_err(BuildError::Invalid)?;
+        let tree =
+            tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
+        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2)?;
+        validate::validate(&nodes, &blocks)?;
         Ok(Self { nodes, blocks, cost })
     }
 
@@ -153,6 +143,11 @@ impl Bvh {
     }
 }
 
+fn check_count(count: usize) -> Result<(), Error> {
+    let limit = Bvh::MAX_TRIANGLES;
+    if count > limit { Err(Error::TooManyTriangles { count, limit }) } else { Ok(()) }
+}
+
 /// The triangles that a ray can hit; counts them and the others.
 fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
@@ -180,19 +175,16 @@ fn is_degenerate([a, b, c]: &Triangle) -> bool {
     a == b || b == c || c == a
 }
 
-impl core::error::Error for BuildError {}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooManyTriangles { count } => {
-                write!(
-                    f,
-                    "{count} triangles are too many: a tree holds fewer than {}",
-                    Child::MAX_INDEX as usize * WIDTH
-                )
-            }
-            Self::Invalid(error) => error.fmt(f),
-        }
+    #[test]
+    fn one_triangle_too_many_is_refused() {
+        assert_eq!(Bvh::MAX_TRIANGLES, (1 << 29) - 1);
+        assert_eq!(check_count(Bvh::MAX_TRIANGLES), Ok(()));
+        let error = check_count(Bvh::MAX_TRIANGLES + 1).unwrap_err();
+        assert_eq!(error, Error::TooManyTriangles { count: 1 << 29, limit: (1 << 29) - 1 });
+        assert_eq!(alloc::format!("{error}"), "536870912 triangles are too many: a tree holds 536870911 at most");
     }
 }

@@ -30,13 +30,12 @@ mod validate;
 mod view;
 
 #[cfg(any(feature = "alloc", test))]
-pub use build::{BuildError, BuildReport, Bvh, TreeStatistics};
+pub use build::{BuildReport, Bvh, TreeStatistics};
 #[cfg(any(feature = "alloc", test))]
 pub use executor::{Executor, Serial};
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality};
-pub use validate::InvalidTree;
 pub use view::BvhView;
 
 #[cfg(test)]

@@ -1,0 +1,121 @@
+//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked before.
+
+use core::fmt;
+
+use crate::geometry::MAX_COORDINATE;
+
+/// Why there is no tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// There are more triangles than a tree can hold.
+    TooManyTriangles {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// The nodes and blocks are not a tree that can be traced.
+    InvalidTree(InvalidTree),
+}
+
+/// What is wrong with a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InvalidTree {
+    /// There is no node; even an empty tree has a root.
+    NoRoot,
+    /// There are more nodes or blocks than an index can tell apart.
+    TooLarge {
+        /// How many there may be of each.
+        limit: u32,
+    },
+    /// A child that is out of range or not where a depth-first walk meets it.
+    BadChild {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// An order of children that does not name each once.
+    BadOrder {
+        /// The node that has it.
+        node: u32,
+    },
+    /// A node that no other refers to.
+    ForgottenNode {
+        /// Its index.
+        node: u32,
+    },
+    /// A block that no leaf refers to.
+    ForgottenBlock {
+        /// Its index.
+        block: u32,
+    },
+    /// A box that does not enclose its contents, or is not finite.
+    BadBox {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
+    BadTriangle {
+        /// The block that has it.
+        block: u32,
+        /// Its lane.
+        lane: u32,
+    },
+    /// Traversal would need a larger stack than it has.
+    TooDeep {
+        /// Entries needed.
+        needed: u32,
+        /// Entries that there are.
+        allowed: u32,
+    },
+}
+
+impl core::error::Error for Error {}
+
+impl core::error::Error for InvalidTree {}
+
+impl From<InvalidTree> for Error {
+    fn from(error: InvalidTree) -> Self {
+        Self::InvalidTree(error)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyTriangles { count, limit } => {
+                write!(f, "{count} triangles are too many: a tree holds {limit} at most")
+            }
+            Self::InvalidTree(error) => error.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for InvalidTree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRoot => write!(f, "the tree has no root node"),
+            Self::TooLarge { limit } => write!(f, "the tree has more than {limit} nodes or blocks"),
+            Self::BadChild { node, slot } => {
+                write!(f, "child {slot} of node {node} is out of range or out of order")
+            }
+            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
+            Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
+            Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
+            Self::BadBox { node, slot } => {
+                write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
+            }
+            Self::BadTriangle { block, lane } => {
+                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+            }
+            Self::TooDeep { needed, allowed } => {
+                write!(f, "the tree is too deep: it needs a stack of {needed} entries, and there are {allowed}")
+            }
+        }
+    }
+}
