@@ -17,6 +17,48 @@ pub enum Error {
     },
     /// The nodes and blocks are not a tree that can be traced.
     InvalidTree(InvalidTree),
+    /// The bytes do not begin as a blob does.
+    NotABlob,
+    /// The blob was written by a machine with another order of bytes.
+    OtherByteOrder,
+    /// The blob is older or newer than what can be read.
+    OtherVersion {
+        /// The version that it has.
+        found: u32,
+        /// The only one that can be read.
+        readable: u32,
+    },
+    /// The blob's end is missing.
+    Truncated {
+        /// The length that it should have, or at least that of its header, in bytes.
+        needed: u64,
+        /// The length that it has.
+        found: u64,
+    },
+    /// There is more than the blob.
+    TrailingBytes {
+        /// The length that it should have in bytes.
+        needed: u64,
+        /// The length that it has.
+        found: u64,
+    },
+    /// The blob begins at an address where it cannot be traced.
+    Misaligned {
+        /// What the address should be a multiple of.
+        alignment: usize,
+    },
+    /// The blob has changed since it was written.
+    Damaged {
+        /// The checksum that it should have.
+        stored: u32,
+        /// The checksum that it has.
+        computed: u32,
+    },
+    /// The blob's header does not describe its tree.
+    BadHeader {
+        /// What is wrong in it.
+        field: &'static str,
+    },
 }
 
 /// What is wrong with a tree.
@@ -92,6 +134,28 @@ impl fmt::Display for Error {
                 write!(f, "{count} triangles are too many: a tree holds {limit} at most")
             }
             Self::InvalidTree(error) => error.fmt(f),
+            Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
+            Self::OtherByteOrder => {
+                let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
+                write!(f, "the tree was written on a {theirs}-endian machine, and this one is {ours}-endian")
+            }
+            Self::OtherVersion { found, readable } => {
+                let age = if found < readable { "older" } else { "newer" };
+                write!(f, "the tree is of version {found}, {age} than {readable}, the only one that can be read here")
+            }
+            Self::Truncated { needed, found } => {
+                write!(f, "the tree is cut off: {found} bytes of at least {needed} are there")
+            }
+            Self::TrailingBytes { needed, found } => {
+                write!(f, "the tree has {needed} bytes, and {} more follow it", found - needed)
+            }
+            Self::Misaligned { alignment } => {
+                write!(f, "the tree begins at an address that is not a multiple of {alignment}")
+            }
+            Self::Damaged { stored, computed } => {
+                write!(f, "the tree is damaged: its checksum should be {stored:08x} and is {computed:08x}")
+            }
+            Self::BadHeader { field } => write!(f, "the tree's header is wrong: its {field} cannot be"),
         }
     }
 }

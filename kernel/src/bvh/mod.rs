@@ -3,12 +3,13 @@
 //! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
 //! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
 //! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the
-//! result, from wherever it lies.
+//! result, from wherever it lies, [bytes](BvhView::from_bytes) included.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
 #[cfg(any(feature = "alloc", test))]
 mod bins;
+mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]
@@ -29,6 +30,9 @@ mod top_down;
 mod validate;
 mod view;
 
+#[cfg(any(feature = "alloc", test))]
+pub use blob::Blob;
+pub use blob::{Aligned, BLOB_ALIGNMENT, BLOB_VERSION};
 #[cfg(any(feature = "alloc", test))]
 pub use build::{BuildReport, Bvh, TreeStatistics};
 #[cfg(any(feature = "alloc", test))]

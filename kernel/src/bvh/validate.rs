@@ -10,8 +10,9 @@ use super::{MAX_STACK, Node, TriangleBlock};
 use crate::error::InvalidTree;
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE};
 
-/// Checks a tree; see [`BvhView::new`](super::BvhView::new).
-pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), InvalidTree> {
+/// Checks a tree; see [`BvhView::new`](super::BvhView::new). Gives the number of entries that the stack of a traversal
+/// needs, whatever the order in which it visits children.
+pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, InvalidTree> {
     if nodes.is_empty() {
         return Err(InvalidTree::NoRoot);
     }
@@ -22,6 +23,8 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
     let mut stack = [(0u32, 0usize); MAX_STACK];
     let mut height = 1;
     let (mut next_node, mut next_block) = (1, 0);
+    // The root is an entry.
+    let mut most_needed = 1;
     while height > 0 {
         height -= 1;
         let (index, held) = stack[height];
@@ -34,6 +37,7 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
         if needed > MAX_STACK {
             return Err(InvalidTree::TooDeep { needed: needed as u32, allowed: MAX_STACK as u32 });
         }
+        most_needed = most_needed.max(needed);
         let first_inner = next_node;
         for slot in 0..WIDTH {
             let bad_child = InvalidTree::BadChild { node: index, slot: slot as u32 };
@@ -72,7 +76,7 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
     if next_block as usize != blocks.len() {
         return Err(InvalidTree::ForgottenBlock { block: next_block });
     }
-    Ok(())
+    Ok(most_needed as u32)
 }
 
 /// The box around a leaf's triangles.
