@@ -1,0 +1,84 @@
+//! Trees as bytes: saved, and opened again where they lie.
+
+use halfdome_kernel::bvh::BLOB_ALIGNMENT;
+use halfdome_kernel::{Bvh, BvhView};
+
+use crate::border::{elements, handle, make, room, room_for_one};
+use crate::status::hd_status::*;
+use crate::status::{Failure, guard, hd_status};
+use crate::tree::{Memory, hd_tree};
+
+/// What the address of a blob must be a multiple of, if it is to be traced where it lies.
+pub const HD_BLOB_ALIGNMENT: usize = 64;
+
+const _: () = assert!(HD_BLOB_ALIGNMENT == BLOB_ALIGNMENT);
+
+/// Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
+/// is 0 only the length is written.
+///
+/// # Safety
+/// The tree is one of this library's; capacity bytes and *size can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_tree_save(
+    tree: Option<&hd_tree>,
+    bytes: *mut u8,
+    capacity: usize,
+    size: *mut usize,
+) -> hd_status {
+    guard(|| {
+        let owned;
+        let blob: &[u8] = match &handle("tree", tree)?.0 {
+            Memory::Own(bvh) => {
+                owned = bvh.to_bytes();
+                &owned
+            }
+            Memory::Borrowed { blob, .. } => blob,
+        };
+        if bytes.is_null() && capacity == 0 {
+            // SAFETY: the caller's promise.
+            *unsafe { room_for_one("size", size) }? = blob.len();
+            return Ok(());
+        }
+        if capacity < blob.len() {
+            let message = format!("capacity is {capacity}, and the blob takes {} bytes", blob.len());
+            return Err(Failure::new(HD_ERROR_SIZE, message));
+        }
+        // SAFETY: the caller's promise.
+        let (bytes, size) = unsafe { (room("bytes", bytes, blob.len())?, room_for_one("size", size)?) };
+        bytes.copy_from_slice(blob);
+        *size = blob.len();
+        Ok(())
+    })
+}
+
+/// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
+/// stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
+///
+/// # Safety
+/// size bytes can be read until the tree is freed, and nobody changes them; *tree can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
+    guard(|| {
+        let open = || {
+            // SAFETY: the caller's promise, which is for as long as the tree lives.
+            let blob: &'static [u8] = unsafe { elements("bytes", bytes, size) }?;
+            Ok(hd_tree(Memory::Borrowed { view: BvhView::from_bytes(blob)?, blob }))
+        };
+        // SAFETY: the caller's promise.
+        unsafe { make("tree", tree, open) }
+    })
+}
+
+/// Makes a tree of a blob, which is copied and may lie anywhere.
+///
+/// # Safety
+/// size bytes can be read; *tree can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_tree_load(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let load = || Ok(hd_tree(Memory::Own(Bvh::from_bytes(unsafe { elements("bytes", bytes, size) }?)?)));
+        // SAFETY: the caller's promise.
+        unsafe { make("tree", tree, load) }
+    })
+}
