@@ -21,19 +21,9 @@
 #include <stdint.h>
 
 /**
- * What the address of a blob must be a multiple of, if it is to be traced where it lies.
- */
-#define HD_BLOB_ALIGNMENT 64
-
-/**
  * The version of this interface: what a program compiled with this header needs.
  */
 #define HD_ABI_VERSION 1
-
-/**
- * The prim_id of a ray that hits nothing.
- */
-#define HD_NO_PRIM 4294967295
 
 /**
  * What the library thinks best: HD_QUALITY_HIGH.
@@ -54,6 +44,16 @@
  * Traced quickly.
  */
 #define HD_QUALITY_HIGH 3
+
+/**
+ * The prim_id of a ray that hits nothing.
+ */
+#define HD_NO_PRIM 4294967295
+
+/**
+ * What the address of a blob must be a multiple of, if it is to be traced where it lies.
+ */
+#define HD_BLOB_ALIGNMENT 64
 
 /**
  * What became of a call.
@@ -114,53 +114,9 @@ typedef int32_t hd_status;
 typedef struct hd_tree hd_tree;
 
 /**
- * The points origin + t direction, from t_min to t_max.
- */
-typedef struct {
-    /**
-     * Where t is 0.
-     */
-    float origin[3];
-    /**
-     * The least t that counts.
-     */
-    float t_min;
-    /**
-     * Where the ray goes. It need not have unit length; t counts in its lengths.
-     */
-    float direction[3];
-    /**
-     * The greatest t that counts; may be infinite.
-     */
-    float t_max;
-} hd_ray;
-
-/**
- * Where a ray meets a triangle: at origin + t direction, which is (1 - u - v) v0 + u v1 + v v2.
- */
-typedef struct {
-    /**
-     * Distance in lengths of the direction; infinite if nothing was hit.
-     */
-    float t;
-    /**
-     * Weight of the triangle's second corner.
-     */
-    float u;
-    /**
-     * Weight of the triangle's third corner.
-     */
-    float v;
-    /**
-     * The triangle's number in its mesh; HD_NO_PRIM if nothing was hit.
-     */
-    uint32_t prim_id;
-} hd_hit;
-
-/**
  * Triangles.
  */
-typedef struct {
+typedef struct hd_mesh {
     /**
      * sizeof(hd_mesh)
      */
@@ -190,7 +146,7 @@ typedef struct {
 /**
  * How to build a tree.
  */
-typedef struct {
+typedef struct hd_build_options {
     /**
      * sizeof(hd_build_options)
      */
@@ -208,7 +164,7 @@ typedef struct {
 /**
  * A tree in figures.
  */
-typedef struct {
+typedef struct hd_tree_info {
     /**
      * sizeof(hd_tree_info)
      */
@@ -235,35 +191,53 @@ typedef struct {
     float bounds_max[3];
 } hd_tree_info;
 
+/**
+ * The points origin + t direction, from t_min to t_max.
+ */
+typedef struct hd_ray {
+    /**
+     * Where t is 0.
+     */
+    float origin[3];
+    /**
+     * The least t that counts.
+     */
+    float t_min;
+    /**
+     * Where the ray goes. It need not have unit length; t counts in its lengths.
+     */
+    float direction[3];
+    /**
+     * The greatest t that counts; may be infinite.
+     */
+    float t_max;
+} hd_ray;
+
+/**
+ * Where a ray meets a triangle: at origin + t direction, which is (1 - u - v) v0 + u v1 + v v2.
+ */
+typedef struct hd_hit {
+    /**
+     * Distance in lengths of the direction; infinite if nothing was hit.
+     */
+    float t;
+    /**
+     * Weight of the triangle's second corner.
+     */
+    float u;
+    /**
+     * Weight of the triangle's third corner.
+     */
+    float v;
+    /**
+     * The triangle's number in its mesh; HD_NO_PRIM if nothing was hit.
+     */
+    uint32_t prim_id;
+} hd_hit;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
-
-/**
- * Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
- * is 0 only the length is written.
- *
- * # Safety
- * The tree is one of this library's; capacity bytes and *size can be written.
- */
-hd_status hd_tree_save(const hd_tree *tree, uint8_t *bytes, size_t capacity, size_t *size);
-
-/**
- * Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
- * stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
- *
- * # Safety
- * size bytes can be read until the tree is freed, and nobody changes them; *tree can be written.
- */
-hd_status hd_tree_open(const uint8_t *bytes, size_t size, hd_tree **tree);
-
-/**
- * Makes a tree of a blob, which is copied and may lie anywhere.
- *
- * # Safety
- * size bytes can be read; *tree can be written.
- */
-hd_status hd_tree_load(const uint8_t *bytes, size_t size, hd_tree **tree);
 
 /**
  * The HD_ABI_VERSION of this library. A program works with it if its own is the same.
@@ -282,37 +256,41 @@ const char *hd_last_error(void);
 const char *hd_status_name(int32_t status);
 
 /**
- * Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray without a direction, with one
- * of more than 1e18 or with t_min > t_max hits nothing.
- *
- * # Safety
- * The tree is one of this library's; *ray can be read, and *hit be written.
+ * Builds a tree of a mesh, which is copied. options may be NULL. The same triangles and options give the same tree on
+ * every machine. Hits have the numbers of the triangles in the mesh.
  */
-hd_status hd_intersect(const hd_tree *tree, const hd_ray *ray, hd_hit *hit);
+hd_status hd_tree_build(const struct hd_mesh *mesh, const struct hd_build_options *options, struct hd_tree **tree);
+
+/**
+ * Describes a tree.
+ */
+hd_status hd_tree_describe(const struct hd_tree *tree, struct hd_tree_info *info);
+
+/**
+ * Frees a tree, which nobody may be using. NULL is allowed.
+ */
+void hd_tree_free(struct hd_tree *tree);
+
+/**
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min > t_max,
+ * or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50 to 2^50.
+ */
+hd_status hd_intersect(const struct hd_tree *tree, const struct hd_ray *ray, struct hd_hit *hit);
 
 /**
  * Finds out whether a ray hits anything.
- *
- * # Safety
- * The tree is one of this library's; *ray can be read, and *occluded be written.
  */
-hd_status hd_occluded(const hd_tree *tree, const hd_ray *ray, bool *occluded);
+hd_status hd_occluded(const struct hd_tree *tree, const struct hd_ray *ray, bool *occluded);
 
 /**
  * hd_intersect for many rays: several times as quick as one by one. If a ray has a NaN none is traced.
- *
- * # Safety
- * The tree is one of this library's; count rays can be read, and count hits be written.
  */
-hd_status hd_intersect_many(const hd_tree *tree, const hd_ray *rays, hd_hit *hits, size_t count);
+hd_status hd_intersect_many(const struct hd_tree *tree, const struct hd_ray *rays, struct hd_hit *hits, size_t count);
 
 /**
  * hd_occluded for many rays, likewise.
- *
- * # Safety
- * The tree is one of this library's; count rays can be read, and count truth values be written.
  */
-hd_status hd_occluded_many(const hd_tree *tree, const hd_ray *rays, bool *occluded, size_t count);
+hd_status hd_occluded_many(const struct hd_tree *tree, const struct hd_ray *rays, bool *occluded, size_t count);
 
 /**
  * The instruction set that rays are traced with: "avx512", "avx2", "sse2", "portable" or "scalar". The environment
@@ -321,26 +299,21 @@ hd_status hd_occluded_many(const hd_tree *tree, const hd_ray *rays, bool *occlud
 const char *hd_instruction_set(void);
 
 /**
- * Builds a tree of a mesh, which is copied. options may be NULL. The same triangles and options give the same tree on
- * every machine. Hits have the numbers of the triangles in the mesh.
- *
- * # Safety
- * The mesh and what it points to are there for as many elements as it says; *tree can be written.
+ * Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
+ * is 0 only the length is written.
  */
-hd_status hd_tree_build(const hd_mesh *mesh, const hd_build_options *options, hd_tree **tree);
+hd_status hd_tree_save(const struct hd_tree *tree, uint8_t *bytes, size_t capacity, size_t *size);
 
 /**
- * Describes a tree.
- *
- * # Safety
- * The tree is one of this library's; *info can be written, and its struct_size is set.
+ * Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
+ * stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
  */
-hd_status hd_tree_describe(const hd_tree *tree, hd_tree_info *info);
+hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
 /**
- * Frees a tree, which nobody may be using. NULL is allowed.
+ * Makes a tree of a blob, which is copied and may lie anywhere.
  */
-void hd_tree_free(hd_tree *tree);
+hd_status hd_tree_load(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -3,7 +3,7 @@
 use halfdome_kernel::bvh::BLOB_ALIGNMENT;
 use halfdome_kernel::{Bvh, BvhView};
 
-use crate::border::{elements, handle, make, room, room_for_one};
+use crate::border::{check, elements, handle, make, room, room_for_one};
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 use crate::tree::{Memory, hd_tree};
@@ -15,9 +15,6 @@ const _: () = assert!(HD_BLOB_ALIGNMENT == BLOB_ALIGNMENT);
 
 /// Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
 /// is 0 only the length is written.
-///
-/// # Safety
-/// The tree is one of this library's; capacity bytes and *size can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_save(
     tree: Option<&hd_tree>,
@@ -43,6 +40,7 @@ pub unsafe extern "C" fn hd_tree_save(
             let message = format!("capacity is {capacity}, and the blob takes {} bytes", blob.len());
             return Err(Failure::new(HD_ERROR_SIZE, message));
         }
+        check("size", size, 1)?;
         // SAFETY: the caller's promise.
         let (bytes, size) = unsafe { (room("bytes", bytes, blob.len())?, room_for_one("size", size)?) };
         bytes.copy_from_slice(blob);
@@ -53,9 +51,6 @@ pub unsafe extern "C" fn hd_tree_save(
 
 /// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
 /// stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
-///
-/// # Safety
-/// size bytes can be read until the tree is freed, and nobody changes them; *tree can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {
@@ -70,9 +65,6 @@ pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut 
 }
 
 /// Makes a tree of a blob, which is copied and may lie anywhere.
-///
-/// # Safety
-/// size bytes can be read; *tree can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_load(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {

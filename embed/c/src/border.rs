@@ -12,7 +12,7 @@ fn fail<T>(status: hd_status, message: String) -> Result<T, Failure> {
 }
 
 /// Checks that `count` elements may lie at `pointer`, which is not looked into.
-fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Failure> {
+pub(crate) fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Failure> {
     if pointer.is_null() {
         return fail(HD_ERROR_NULL, format!("{name} is NULL"));
     }
@@ -55,11 +55,7 @@ pub(crate) unsafe fn element<'a, T: AnyBitPattern>(name: &str, pointer: *const T
 ///
 /// # Safety
 /// If `pointer` is not null, there is memory for `count` elements, which nobody else uses during `'a`.
-pub(crate) unsafe fn room<'a, T: Zeroable>(
-    name: &str,
-    pointer: *mut T,
-    count: usize,
-) -> Result<&'a mut [T], Failure> {
+pub(crate) unsafe fn room<'a, T: Zeroable>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [T], Failure> {
     if count == 0 {
         return Ok(&mut []);
     }

@@ -5,9 +5,15 @@
 //!
 //! Names are C's, with the prefix `hd_`, as they stand in the header.
 #![allow(non_camel_case_types, reason = "names as they stand in the header")]
+#![allow(clippy::missing_safety_doc, reason = "the header's first lines say what holds of all pointers")]
+
+mod border;
+
+// In the order of the header.
+pub mod status;
+
+pub mod tree;
+
+pub mod trace;
 
 pub mod blob;
-mod border;
-pub mod status;
-pub mod trace;
-pub mod tree;

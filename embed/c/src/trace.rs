@@ -51,11 +51,8 @@ pub(crate) fn checked(rays: &[hd_ray]) -> Result<&[Ray], Failure> {
     }
 }
 
-/// Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray without a direction, with one
-/// of more than 1e18 or with t_min > t_max hits nothing.
-///
-/// # Safety
-/// The tree is one of this library's; *ray can be read, and *hit be written.
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min > t_max,
+/// or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50 to 2^50.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_intersect(tree: Option<&hd_tree>, ray: *const hd_ray, hit: *mut hd_hit) -> hd_status {
     guard(|| {
@@ -70,9 +67,6 @@ pub unsafe extern "C" fn hd_intersect(tree: Option<&hd_tree>, ray: *const hd_ray
 }
 
 /// Finds out whether a ray hits anything.
-///
-/// # Safety
-/// The tree is one of this library's; *ray can be read, and *occluded be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_occluded(tree: Option<&hd_tree>, ray: *const hd_ray, occluded: *mut bool) -> hd_status {
     guard(|| {
@@ -86,9 +80,6 @@ pub unsafe extern "C" fn hd_occluded(tree: Option<&hd_tree>, ray: *const hd_ray,
 }
 
 /// hd_intersect for many rays: several times as quick as one by one. If a ray has a NaN none is traced.
-///
-/// # Safety
-/// The tree is one of this library's; count rays can be read, and count hits be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_intersect_many(
     tree: Option<&hd_tree>,
@@ -108,9 +99,6 @@ pub unsafe extern "C" fn hd_intersect_many(
 }
 
 /// hd_occluded for many rays, likewise.
-///
-/// # Safety
-/// The tree is one of this library's; count rays can be read, and count truth values be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_occluded_many(
     tree: Option<&hd_tree>,

@@ -14,7 +14,10 @@ pub struct hd_tree(pub(crate) Memory);
 pub(crate) enum Memory {
     Own(Bvh),
     /// A blob in the program's memory, which it keeps as long as the tree.
-    Borrowed { view: BvhView<'static>, blob: &'static [u8] },
+    Borrowed {
+        view: BvhView<'static>,
+        blob: &'static [u8],
+    },
 }
 
 impl hd_tree {
@@ -100,9 +103,6 @@ unsafe impl Versioned for hd_tree_info {
 
 /// Builds a tree of a mesh, which is copied. options may be NULL. The same triangles and options give the same tree on
 /// every machine. Hits have the numbers of the triangles in the mesh.
-///
-/// # Safety
-/// The mesh and what it points to are there for as many elements as it says; *tree can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_build(
     mesh: *const hd_mesh,
@@ -195,9 +195,6 @@ fn checked(number: usize, corners: Triangle) -> Result<Triangle, Failure> {
 }
 
 /// Describes a tree.
-///
-/// # Safety
-/// The tree is one of this library's; *info can be written, and its struct_size is set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_describe(tree: Option<&hd_tree>, info: *mut hd_tree_info) -> hd_status {
     guard(|| {
