@@ -17,6 +17,8 @@ pub enum Error {
     },
     /// The nodes and blocks are not a tree that can be traced.
     InvalidTree(InvalidTree),
+    /// The items are not a scene that can be traced.
+    InvalidScene(InvalidScene),
     /// The bytes do not begin as a blob does.
     NotABlob,
     /// The blob was written by a machine with another order of bytes.
@@ -108,6 +110,16 @@ pub enum InvalidTree {
         /// Its lane.
         lane: u32,
     },
+    /// A leaf names an item that there is not, or that has no box.
+    BadItem {
+        /// The place in the list of items.
+        place: u32,
+    },
+    /// There are no keys, or they are not of one number of triangles, boxes or nodes, or not of one shape.
+    BadKeys {
+        /// How many keys there are said to be.
+        keys: usize,
+    },
     /// Traversal would need a larger stack than it has.
     TooDeep {
         /// Entries needed.
@@ -115,6 +127,66 @@ pub enum InvalidTree {
         /// Entries that there are.
         allowed: u32,
     },
+}
+
+/// What is wrong with an item or a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InvalidScene {
+    /// Something that moves needs a key at least.
+    NoKeys,
+    /// A transform with an element that is infinite or NaN.
+    NotFinite {
+        /// The transform's index; 0 if it stands still.
+        key: usize,
+    },
+    /// A transform without an inverse, or so near to one that the inverse is noise.
+    Singular {
+        /// The transform's index; it is this one, or one on the way to the next.
+        key: usize,
+    },
+    /// An item whose transform distorts so much, together with those in it, that rounding gets out of hand.
+    Imprecise {
+        /// The item's index.
+        item: usize,
+    },
+    /// Scenes lie one in the other, too many of them.
+    TooNested {
+        /// The index of an item that has too many.
+        item: usize,
+        /// How many.
+        levels: usize,
+        /// How many there may be.
+        allowed: usize,
+    },
+}
+
+impl core::error::Error for InvalidScene {}
+
+impl From<InvalidScene> for Error {
+    fn from(error: InvalidScene) -> Self {
+        Self::InvalidScene(error)
+    }
+}
+
+impl fmt::Display for InvalidScene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoKeys => write!(f, "what moves needs a key at least, and has none"),
+            Self::NotFinite { key } => write!(f, "transform {key} has an element that is infinite or not a number"),
+            Self::Singular { key } => write!(
+                f,
+                "transform {key} has no useful inverse, or loses it on the way to the next: it should not flatten what it \
+                 moves, and keys of a rotation should be less than half a turn apart"
+            ),
+            Self::Imprecise { item } => {
+                write!(f, "item {item} is distorted so much, with the scenes in it, that its place cannot be told")
+            }
+            Self::TooNested { item, levels, allowed } => {
+                write!(f, "item {item} holds scenes in scenes {levels} deep, and {allowed} are allowed")
+            }
+        }
+    }
 }
 
 impl core::error::Error for Error {}
@@ -134,6 +206,7 @@ impl fmt::Display for Error {
                 write!(f, "{count} triangles are too many: a tree holds {limit} at most")
             }
             Self::InvalidTree(error) => error.fmt(f),
+            Self::InvalidScene(error) => error.fmt(f),
             Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
             Self::OtherByteOrder => {
                 let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
@@ -176,6 +249,13 @@ impl fmt::Display for InvalidTree {
             }
             Self::BadTriangle { block, lane } => {
                 write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+            }
+            Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
+            Self::BadKeys { keys } => {
+                write!(
+                    f,
+                    "a tree of {keys} keys needs one at least, and all of one shape with the same number of parts"
+                )
             }
             Self::TooDeep { needed, allowed } => {
                 write!(f, "the tree is too deep: it needs a stack of {needed} entries, and there are {allowed}")

@@ -43,6 +43,7 @@ mod error;
 pub mod geometry;
 pub mod irradiance;
 pub mod sampling;
+pub mod scene;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
 mod simd;
 pub mod traverse;
@@ -50,9 +51,10 @@ pub mod traverse;
 pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
 pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use error::{Error, InvalidTree};
+pub use error::{Error, InvalidScene, InvalidTree};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
     triangle_normal,
 };
 pub use simd::{Isa, Level};
+pub use traverse::Verdict;

@@ -1,14 +1,13 @@
 //! Splitting many primitives by bins: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies", on all
-//! three axes, with the cost of blocks of eight:
+//! three axes, with the cost of blocks of `b` primitives:
 //!
 //! ```text
-//! cost(split) = A(left) ceil(left / 8) + A(right) ceil(right / 8)
+//! cost(split) = A(left) ceil(left / b) + A(right) ceil(right / b)
 //! ```
 
 use glam::Vec3A;
 
 use super::executor::Executor;
-use super::node::WIDTH;
 use super::primitive::{Bounds, Extent, Primitive};
 
 /// The most bins along an axis.
@@ -98,9 +97,9 @@ impl Bins {
         }
     }
 
-    /// The cheapest split; `None` if all are in one bin along each axis. Of equally cheap ones the most balanced.
-    pub(super) fn best(&self, binning: &Binning) -> Option<Split> {
-        let blocks = |prims: u32| prims.div_ceil(WIDTH as u32) as f32;
+    /// The cheapest split if `lanes` primitives fill a block; `None` if all are in one bin along each axis. Of equally cheap ones the most balanced.
+    pub(super) fn best(&self, binning: &Binning, lanes: u32) -> Option<Split> {
+        let blocks = |prims: u32| prims.div_ceil(lanes) as f32;
         let count = binning.count;
         // Cost and box of what is right of each bin.
         let mut right = [[(0.0, Bounds::EMPTY); 3]; MAX_BINS];

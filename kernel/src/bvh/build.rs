@@ -6,11 +6,12 @@ use core::fmt;
 
 use super::binary::MAX_DEPTH;
 use super::collapse::{self, Collapsed};
+use super::contents::Contents;
 use super::executor::{Executor, Serial};
 use super::node::{Child, Node, TriangleBlock, WIDTH};
-use super::options::{BuildOptions, Effort};
+use super::options::{BuildOptions, Effort, Quality};
 use super::primitive::Primitive;
-use super::{BvhView, MAX_STACK, reinsertion, top_down, validate};
+use super::{BvhView, MAX_STACK, reinsertion, top_down};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 
@@ -114,34 +115,11 @@ impl Bvh {
     ) -> Result<(Self, BuildReport), Error> {
         check_count(triangles.len())?;
         let mut report = BuildReport::default();
-        // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
-        for effort in [options.quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
-            let prims = usable(triangles, &mut report);
-            if prims.is_empty() {
-                break;
-            }
-            executor.advance(0.05);
-            match Self::attempt(executor, triangles, prims, effort) {
-                Err(InvalidTree::TooDeep { .. }) => report.too_deep += 1,
-                result => return Ok((result?, report)),
-            }
-        }
-        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0, stack: 1 }, report))
-    }
-
-    fn attempt<E: Executor>(
-        executor: &E,
-        triangles: &[Triangle],
-        prims: Vec<Primitive>,
-        effort: Effort,
-    ) -> Result<Self, InvalidTree> {
-        let mut tree = top_down::build(executor, prims, effort.splitting, 0.45);
-        reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
-        let tree =
-            tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
-        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2)?;
-        let stack = validate::validate(&nodes, &blocks)?;
-        Ok(Self { nodes, blocks, cost, stack })
+        let prims = || usable(triangles, &mut report);
+        let tree = build_tree(executor, triangles, prims, options.quality)?;
+        report.too_deep = tree.too_deep;
+        let Collapsed { nodes, blocks, cost } = tree.collapsed;
+        Ok((Self { nodes, blocks, cost, stack: tree.stack }, report))
     }
 
     /// Borrows the tree for tracing.
@@ -177,7 +155,52 @@ impl Bvh {
     }
 }
 
-fn check_count(count: usize) -> Result<(), Error> {
+/// A tree, the entries that the stack of a traversal needs, and how many trees before it were too deep.
+pub(super) struct Built<B> {
+    pub collapsed: Collapsed<B>,
+    pub stack: u32,
+    pub too_deep: u32,
+}
+
+/// Builds a tree over those of `contents` that `prims` gives, and gives anew if a tree is too deep.
+pub(super) fn build_tree<E: Executor, C: Contents + ?Sized>(
+    executor: &E,
+    contents: &C,
+    mut prims: impl FnMut() -> Vec<Primitive>,
+    quality: Quality,
+) -> Result<Built<C::Block>, InvalidTree> {
+    let mut too_deep = 0;
+    // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
+    for effort in [quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
+        let prims = prims();
+        if prims.is_empty() {
+            break;
+        }
+        executor.advance(0.05);
+        match attempt(executor, contents, prims, effort) {
+            Err(InvalidTree::TooDeep { .. }) => too_deep += 1,
+            result => return result.map(|(collapsed, stack)| Built { collapsed, stack, too_deep }),
+        }
+    }
+    let collapsed = Collapsed { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 };
+    Ok(Built { collapsed, stack: 1, too_deep })
+}
+
+fn attempt<E: Executor, C: Contents + ?Sized>(
+    executor: &E,
+    contents: &C,
+    prims: Vec<Primitive>,
+    effort: Effort,
+) -> Result<(Collapsed<C::Block>, u32), InvalidTree> {
+    let mut tree = top_down::build(executor, prims, effort.splitting, C::SHAPE.lanes as usize, 0.45);
+    reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
+    let tree = tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
+    let collapsed = collapse::collapse(executor, &tree, contents, 0.2)?;
+    let stack = contents.validate(&collapsed.nodes, &collapsed.blocks)?;
+    Ok((collapsed, stack))
+}
+
+pub(super) fn check_count(count: usize) -> Result<(), Error> {
     let limit = Bvh::MAX_TRIANGLES;
     if count > limit { Err(Error::TooManyTriangles { count, limit }) } else { Ok(()) }
 }
@@ -201,7 +224,7 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     prims
 }
 
-fn in_range(triangle: &Triangle) -> bool {
+pub(super) fn in_range(triangle: &Triangle) -> bool {
     triangle.iter().all(|p| p.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all())
 }
 

@@ -7,19 +7,19 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::binary::BinaryTree;
+use super::contents::Contents;
 use super::executor::Executor;
-use super::node::{Child, Node, TriangleBlock, WIDTH};
-use super::plan::{MAX_LEAF, Plan};
+use super::node::{Child, Node, WIDTH};
+use super::plan::Plan;
 use crate::error::InvalidTree;
-use crate::geometry::Triangle;
 
 /// Nodes or leaves that are one piece of work.
 const TASK: usize = 1 << 10;
 
 /// The wide tree and its expected cost.
-pub(super) struct Collapsed {
+pub(super) struct Collapsed<B> {
     pub nodes: Vec<Node>,
-    pub blocks: Vec<TriangleBlock>,
+    pub blocks: Vec<B>,
     /// Expected cost of a random ray that meets the root's box.
     pub cost: f32,
 }
@@ -32,20 +32,20 @@ struct Leaf {
 }
 
 /// What leaves are filled from.
-struct Source<'a> {
+struct Source<'a, C: ?Sized> {
     tree: &'a BinaryTree,
-    triangles: &'a [Triangle],
+    contents: &'a C,
 }
 
 /// Collapses `tree`, whose nodes are [in order](BinaryTree::in_order); this is `work` of the whole build.
 /// Fails if there are more nodes or blocks than a child can name.
-pub(super) fn collapse<E: Executor>(
+pub(super) fn collapse<E: Executor, C: Contents + ?Sized>(
     executor: &E,
     tree: &BinaryTree,
-    triangles: &[Triangle],
+    contents: &C,
     work: f32,
-) -> Result<Collapsed, InvalidTree> {
-    let plan = Plan::new(executor, tree);
+) -> Result<Collapsed<C::Block>, InvalidTree> {
+    let plan = Plan::new(executor, tree, C::SHAPE);
     executor.advance(0.4 * work);
     let mut nodes = vec![Node::EMPTY];
     let mut leaves = Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn collapse<E: Executor>(
         for (slot, &root) in roots[..count].iter().enumerate() {
             let contents = if plan.is_leaf(root) {
                 leaves.push(Leaf { source: root as u32, first: blocks });
-                let count = plan.prims(root).div_ceil(WIDTH as u32);
+                let count = C::SHAPE.blocks_of(plan.prims(root));
                 let first = blocks;
                 blocks += count;
                 Child::Leaf { first, count }
@@ -83,8 +83,8 @@ pub(super) fn collapse<E: Executor>(
     let cost = plan.expected_cost();
     drop(plan);
     executor.advance(0.2 * work);
-    let mut filled = vec![TriangleBlock::EMPTY; blocks as usize];
-    executor.join(|| sort(executor, &mut nodes), || Source { tree, triangles }.fill(executor, &leaves, &mut filled));
+    let mut filled = vec![C::EMPTY; blocks as usize];
+    executor.join(|| sort(executor, &mut nodes), || Source { tree, contents }.fill(executor, &leaves, &mut filled));
     executor.advance(0.4 * work);
     Ok(Collapsed { nodes, blocks: filled, cost })
 }
@@ -99,31 +99,31 @@ fn sort<E: Executor>(executor: &E, nodes: &mut [Node]) {
     }
 }
 
-impl Source<'_> {
+impl<C: Contents + ?Sized> Source<'_, C> {
     /// Fills the blocks of leaves, which lie in order.
-    fn fill<E: Executor>(&self, executor: &E, leaves: &[Leaf], blocks: &mut [TriangleBlock]) {
+    fn fill<E: Executor>(&self, executor: &E, leaves: &[Leaf], blocks: &mut [C::Block]) {
         if leaves.len() > TASK {
             let (a, b) = leaves.split_at(leaves.len() / 2);
             let (c, d) = blocks.split_at_mut((b[0].first - a[0].first) as usize);
             executor.join(|| self.fill(executor, a, c), || self.fill(executor, b, d));
             return;
         }
-        let mut prim_ids = Vec::with_capacity(MAX_LEAF as usize);
+        let mut prim_ids = Vec::with_capacity(C::SHAPE.most() as usize);
         let mut blocks = blocks.iter_mut();
         for leaf in leaves {
             prim_ids.clear();
             self.collect(leaf.source as usize, &mut prim_ids);
             // The lowest index first.
             prim_ids.sort_unstable();
-            for (ids, block) in prim_ids.chunks(WIDTH).zip(&mut blocks) {
+            for (ids, block) in prim_ids.chunks(C::SHAPE.lanes as usize).zip(&mut blocks) {
                 for (lane, &id) in ids.iter().enumerate() {
-                    block.set(lane, &self.triangles[id as usize], id);
+                    self.contents.put(block, lane, id);
                 }
             }
         }
     }
 
-    /// Appends the triangles below a binary node.
+    /// Appends the primitives below a binary node.
     fn collect(&self, index: usize, prim_ids: &mut Vec<u32>) {
         let node = &self.tree.nodes[index];
         if node.is_leaf() {

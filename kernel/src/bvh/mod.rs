@@ -11,11 +11,21 @@ mod binary;
 mod bins;
 mod blob;
 #[cfg(any(feature = "alloc", test))]
+mod box_tree;
+mod box_view;
+#[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]
 mod collapse;
 #[cfg(any(feature = "alloc", test))]
+mod contents;
+#[cfg(any(feature = "alloc", test))]
 mod executor;
+#[cfg(any(feature = "alloc", test))]
+mod fit;
+#[cfg(any(feature = "alloc", test))]
+mod moving;
+mod moving_view;
 mod node;
 #[cfg(any(feature = "alloc", test))]
 mod options;
@@ -34,9 +44,15 @@ mod view;
 pub use blob::Blob;
 pub use blob::{Aligned, BLOB_ALIGNMENT, BLOB_VERSION};
 #[cfg(any(feature = "alloc", test))]
+pub use box_tree::BoxTree;
+pub use box_view::BoxTreeView;
+#[cfg(any(feature = "alloc", test))]
 pub use build::{BuildReport, Bvh, TreeStatistics};
 #[cfg(any(feature = "alloc", test))]
 pub use executor::{Executor, Serial};
+#[cfg(any(feature = "alloc", test))]
+pub use moving::MovingBvh;
+pub use moving_view::MovingView;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality};

@@ -5,7 +5,7 @@
 //! most `i` roots of wide subtrees; `A` is a node's surface area:
 //!
 //! ```text
-//! cost(n, 1) = min( A(n) NODE + split(n, 8),  A(n) BLOCK ceil(prims(n) / 8) if prims(n) <= MAX_LEAF )
+//! cost(n, 1) = min( A(n) NODE + split(n, 8),  A(n) BLOCK blocks(n) if the primitives of n fit into a leaf )
 //! cost(n, i) = min( split(n, i), cost(n, i - 1) )
 //! split(n, i) = min over 0 < k < i of cost(left, k) + cost(right, i - k)
 //! ```
@@ -14,15 +14,12 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::binary::BinaryTree;
+use super::contents::LeafShape;
 use super::executor::{Executor, Serial};
 use super::node::WIDTH;
 
 /// Cost of visiting a node; the unit.
 const NODE: f32 = 1.0;
-/// Cost of testing a block of triangles.
-const BLOCK: f32 = 0.6;
-/// Triangles in a leaf, at most.
-pub(super) const MAX_LEAF: u32 = 2 * WIDTH as u32;
 /// Subtrees of at least so many nodes are a piece of work of their own.
 const TASK: usize = 1 << 12;
 
@@ -47,9 +44,9 @@ struct Choice {
 
 impl<'a> Plan<'a> {
     /// Runs the dynamic program over a tree whose nodes are [in order](BinaryTree::in_order).
-    pub(super) fn new<E: Executor>(executor: &E, tree: &'a BinaryTree) -> Self {
+    pub(super) fn new<E: Executor>(executor: &E, tree: &'a BinaryTree, leaf: LeafShape) -> Self {
         let mut choices = vec![Choice::NONE; tree.nodes.len()];
-        choices[0] = choose(executor, tree, 0, &mut choices[1..]);
+        choices[0] = choose(executor, tree, leaf, 0, &mut choices[1..]);
         Self { tree, choices }
     }
 
@@ -107,11 +104,11 @@ impl<'a> Plan<'a> {
 }
 
 /// The choice for the node at `index`, having made those for all below it: its children's come first.
-fn choose<E: Executor>(executor: &E, tree: &BinaryTree, index: usize, below: &mut [Choice]) -> Choice {
+fn choose<E: Executor>(executor: &E, tree: &BinaryTree, leaf: LeafShape, index: usize, below: &mut [Choice]) -> Choice {
     let node = &tree.nodes[index];
     let area = node.bounds().half_area();
     if node.is_leaf() {
-        let cost = leaf_cost(area, node.count.into());
+        let cost = leaf_cost(leaf, area, node.count.into());
         return Choice { cost: [cost; WIDTH - 1], is_leaf: true, prims: node.count.into(), ..Choice::NONE };
     }
     let [left, right] = node.children();
@@ -123,14 +120,14 @@ fn choose<E: Executor>(executor: &E, tree: &BinaryTree, index: usize, below: &mu
         ref right => right.first as usize - (node.first as usize + 2),
     };
     let (below_left, below_right) = rest.split_at_mut(first);
-    let left = || choose(executor, tree, left, below_left);
-    let right = || choose(executor, tree, right, below_right);
+    let left = || choose(executor, tree, leaf, left, below_left);
+    let right = || choose(executor, tree, leaf, right, below_right);
     (*left_choice, *right_choice) = if size < TASK { Serial.join(left, right) } else { executor.join(left, right) };
-    Choice::of_inner(area, left_choice, right_choice)
+    Choice::of_inner(leaf, area, left_choice, right_choice)
 }
 
-fn leaf_cost(area: f32, prims: u32) -> f32 {
-    prims.div_ceil(WIDTH as u32) as f32 * area * BLOCK
+fn leaf_cost(leaf: LeafShape, area: f32, prims: u32) -> f32 {
+    leaf.blocks_of(prims) as f32 * area * leaf.cost
 }
 
 impl Choice {
@@ -138,11 +135,11 @@ impl Choice {
         Self { cost: [f32::INFINITY; WIDTH - 1], left: [0; WIDTH - 1], node_left: 0, is_leaf: false, prims: 0 };
 
     /// The choice for a node of this area, given its children's.
-    fn of_inner(area: f32, left: &Self, right: &Self) -> Self {
+    fn of_inner(leaf: LeafShape, area: f32, left: &Self, right: &Self) -> Self {
         let mut choice = Self { prims: left.prims + right.prims, ..Self::NONE };
         let (children, node_left) = Self::split(left, right, WIDTH);
         let as_node = area * NODE + children;
-        let as_leaf = if choice.prims <= MAX_LEAF { leaf_cost(area, choice.prims) } else { f32::INFINITY };
+        let as_leaf = if choice.prims <= leaf.most() { leaf_cost(leaf, area, choice.prims) } else { f32::INFINITY };
         choice.node_left = node_left;
         choice.is_leaf = as_leaf <= as_node;
         choice.cost[0] = as_leaf.min(as_node);

@@ -172,7 +172,7 @@ fn area(tree: &BinaryTree) -> f32 {
 fn reinsertion_keeps_leaves_and_saves_area() {
     let triangles = soup(20_000, 0.05);
     let prims = (0..).zip(&triangles).map(|(id, triangle)| Primitive::new(&Aabb::around(triangle), id)).collect();
-    let mut tree = top_down::build(&Serial, prims, Quality::Fast.effort().splitting, 1.0);
+    let mut tree = top_down::build(&Serial, prims, Quality::Fast.effort().splitting, WIDTH, 1.0);
     let leaves = |tree: &BinaryTree| {
         let mut leaves: Vec<_> =
             tree.nodes.iter().filter(|node| node.is_leaf()).map(|node| (node.first, node.count)).collect();

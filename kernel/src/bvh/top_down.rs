@@ -1,7 +1,8 @@
 //! Builds a binary tree from the root down, splitting where the surface area heuristic says.
 //!
-//! Leaves hold up to eight triangles, one block; in small trees, where memory does not matter, up to four. Where nothing tells primitives apart, and below so many levels that
-//! something is odd, ranges are halved instead, so that no tree is much deeper than it needs to be.
+//! Leaves hold one block of primitives; in small trees, where memory does not matter, up to half of one. Where nothing
+//! tells primitives apart, and below so many levels that something is odd, ranges are halved instead, so that no tree is
+//! much deeper than it needs to be.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -32,21 +33,24 @@ pub(super) struct Splitting {
 struct Builder<'a, E> {
     executor: &'a E,
     splitting: Splitting,
+    /// Primitives a block.
+    lanes: usize,
     /// Primitives in a leaf, at most.
     leaf: usize,
     /// What one primitive is of the whole build.
     share: f32,
 }
 
-/// Builds a tree over `prims`, of which there is at least one; this is `work` of the whole build.
+/// Builds a tree over `prims`, of which there is at least one and `lanes` fill a block; this is `work` of the whole build.
 pub(super) fn build<E: Executor>(
     executor: &E,
     mut prims: Vec<Primitive>,
     splitting: Splitting,
+    lanes: usize,
     work: f32,
 ) -> BinaryTree {
-    let leaf = if prims.len() <= SMALL { WIDTH / 2 } else { WIDTH };
-    let builder = Builder { executor, splitting, leaf, share: work / prims.len() as f32 };
+    let leaf = if prims.len() <= SMALL { lanes.div_ceil(2) } else { lanes };
+    let builder = Builder { executor, splitting, lanes, leaf, share: work / prims.len() as f32 };
     let extent = builder.extent(&prims);
     let nodes = builder.tree(&mut prims, 0, &extent, splitting.levels);
     BinaryTree { nodes, prims }
@@ -113,9 +117,9 @@ impl<E: Executor> Builder<'_, E> {
     fn split(&self, prims: &mut [Primitive], extent: &Extent, levels: u32) -> (usize, [Extent; 2]) {
         if levels > 0 {
             // As many bins as there are blocks, and some more.
-            let count = (4 + prims.len() / WIDTH).min(self.splitting.bins);
+            let count = (4 + prims.len() / self.lanes).min(self.splitting.bins);
             let binning = Binning::new(&extent.centers, count);
-            if let Some(split) = Bins::fill(self.executor, &binning, prims).best(&binning) {
+            if let Some(split) = Bins::fill(self.executor, &binning, prims).best(&binning, self.lanes as u32) {
                 return split.partition(self.executor, &binning, prims);
             }
         }

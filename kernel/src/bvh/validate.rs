@@ -13,10 +13,19 @@ use crate::geometry::{Aabb, Hit, MAX_COORDINATE};
 /// Checks a tree; see [`BvhView::new`](super::BvhView::new). Gives the number of entries that the stack of a traversal
 /// needs, whatever the order in which it visits children.
 pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, InvalidTree> {
+    validate_nodes(nodes, blocks.len(), |first, end| leaf_bounds(&blocks[first..end], first as u32))
+}
+
+/// Checks a tree of any blocks, `bounds` of which gives the box around a range that exists.
+pub(super) fn validate_nodes(
+    nodes: &[Node],
+    blocks: usize,
+    mut bounds: impl FnMut(usize, usize) -> Result<Aabb, InvalidTree>,
+) -> Result<u32, InvalidTree> {
     if nodes.is_empty() {
         return Err(InvalidTree::NoRoot);
     }
-    if nodes.len() > Child::MAX_INDEX as usize || blocks.len() > Child::MAX_INDEX as usize {
+    if nodes.len() > Child::MAX_INDEX as usize || blocks > Child::MAX_INDEX as usize {
         return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX });
     }
     // Nodes to visit, each with the number of entries that a traversal may hold when it gets there.
@@ -52,7 +61,10 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, 
                 Child::Node(_) => return Err(bad_child),
                 Child::Leaf { first, count } if first == next_block => {
                     next_block += count;
-                    leaf_bounds(blocks.get(first as usize..next_block as usize).ok_or(bad_child)?, first)?
+                    if next_block as usize > blocks {
+                        return Err(bad_child);
+                    }
+                    bounds(first as usize, next_block as usize)?
                 }
                 Child::Leaf { .. } => return Err(bad_child),
             };
@@ -73,7 +85,7 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, 
     if next_node as usize != nodes.len() {
         return Err(InvalidTree::ForgottenNode { node: next_node });
     }
-    if next_block as usize != blocks.len() {
+    if next_block as usize != blocks {
         return Err(InvalidTree::ForgottenBlock { block: next_block });
     }
     Ok(most_needed as u32)

@@ -23,6 +23,7 @@
 //! and add in the nodes' test.
 
 mod aabb;
+pub(crate) mod moment;
 mod offset;
 mod packet;
 mod ray;
@@ -34,6 +35,7 @@ pub use aabb::Aabb;
 pub use offset::{offset_origin, triangle_normal};
 pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};
+pub(crate) use reference::intersect_side;
 pub use reference::intersect_triangle;
 pub use setup::{MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION};
 

@@ -90,16 +90,11 @@ impl RaySetup {
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {
-        let size = ray.direction.abs();
-        let largest = size.max_element();
-        let valid = ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
-            && ray.direction.is_finite()
-            && (MIN_DIRECTION..=MAX_DIRECTION).contains(&largest)
-            && ray.t_min <= ray.t_max
-            && !scene.is_empty();
-        if !valid {
+        if !is_in_limits(ray) || !(ray.t_min <= ray.t_max) || scene.is_empty() {
             return None;
         }
+        let size = ray.direction.abs();
+        let largest = size.max_element();
         let z = if size.x == largest {
             0
         } else if size.y == largest {
@@ -133,12 +128,32 @@ impl RaySetup {
     }
 }
 
+impl Slabs {
+    /// Widens boxes by `pad` besides, along each axis.
+    #[inline(always)]
+    pub(crate) fn widen(&mut self, pad: Vec3) {
+        for axis in 0..3 {
+            let distance = pad[axis] * self.inverse[axis].abs();
+            self.near_shift[axis] += distance;
+            self.far_shift[axis] -= distance;
+        }
+    }
+}
+
 impl RaySetup {
     /// The part that selects code paths and memory: rays of one packet share it.
     #[inline(always)]
     pub(crate) fn course(&self) -> ([Axis; 3], [bool; 3]) {
         (self.line.axes, self.slabs.negative)
     }
+}
+
+/// Whether origin and direction are within the [numeric limits](crate#numeric-limits).
+#[inline(always)]
+pub(crate) fn is_in_limits(ray: &Ray) -> bool {
+    ray.origin.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
+        && ray.direction.is_finite()
+        && (MIN_DIRECTION..=MAX_DIRECTION).contains(&ray.direction.abs().max_element())
 }
 
 /// `value`, or `least` with its sign if that is larger.

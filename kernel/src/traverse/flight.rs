@@ -1,61 +1,174 @@
 //! One ray on its way through the tree: a step at a time against the eight boxes of a node, or the eight triangles of a
-//! block.
+//! block. What becomes of the hits, a [`Collector`] decides.
+//!
+//! Children are visited in the order that each node keeps for the octant of the ray's direction, blocks and triangles in
+//! that of memory. Backends round boxes differently, and so may visit subtrees that others leave out, but there are no
+//! hits in those: the hits that a collector sees, and their order, are the same on all.
+
+use core::ops::{ControlFlow, Range};
 
 use super::pending::{Pending, corners};
 use crate::bvh::{BvhView, Child, TriangleBlock, WIDTH};
-use crate::geometry::setup::{Axis, RaySetup};
+use crate::geometry::setup::{Axis, RaySetup, Slabs};
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Mask, Simd, lanes_of};
 
+/// What becomes of the hits that a ray finds.
+pub(crate) trait Collector {
+    /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
+    fn t_max(&self) -> f32;
+
+    /// Sees a hit between the ray's `t_min` and [`t_max`](Self::t_max), and whether it is from the front. `Break` ends
+    /// the search.
+    fn see(&mut self, hit: Hit, front: bool) -> ControlFlow<()>;
+}
+
+/// The nearest hit; with `ANY` the first one seen.
+struct Nearest<const ANY: bool> {
+    best: Hit,
+}
+
+impl<const ANY: bool> Collector for Nearest<ANY> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.best.t
+    }
+
+    #[inline(always)]
+    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+        if hit.precedes(&self.best) {
+            self.best = hit;
+        }
+        if ANY { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
 /// The nearest hit of one ray, or with `ANY` the first one found.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, ray: &Ray) -> Option<Hit> {
-    let RaySetup { slabs, line } = RaySetup::new(ray, &tree.bounds())?;
-    let (octant, lanes) = (slabs.octant(), LineLanes::<S::F8>::splat(&line));
-    let mut best = Hit::none_before(ray.t_max);
+    let mut nearest = Nearest::<ANY> { best: Hit::none_before(ray.t_max) };
     let mut pending = Pending::EMPTY;
+    // Whether it was ended early does not matter.
+    let _ = walk::<S, _>(tree, ray, &mut pending, &mut nearest);
+    nearest.best.found()
+}
+
+/// Shows `collector` the hits of one ray, each at most once, and all that are not behind the collector's `t_max` at
+/// their turn. `Break` if the collector ended it. `pending` is memory, whatever is in it.
+#[inline(always)]
+pub(crate) fn walk<S: Simd, C: Collector>(
+    tree: &BvhView,
+    ray: &Ray,
+    pending: &mut Pending,
+    collector: &mut C,
+) -> ControlFlow<()> {
+    let Some(RaySetup { slabs, line }) = RaySetup::new(ray, &tree.bounds()) else {
+        return ControlFlow::Continue(());
+    };
+    let lanes = LineLanes::<S::F8>::splat(&line);
+    descend::<S, _>(
+        &mut Triangles { tree, lanes, axes: line.axes, t_min: ray.t_min, collector },
+        &slabs,
+        ray.t_min,
+        pending,
+    )
+}
+
+/// What a ray descends through: nodes, and what is in their leaves.
+pub(crate) trait Ground {
+    /// What has a greater `t` is of no interest.
+    fn t_max(&self) -> f32;
+
+    /// [Enters](Pending::enter) the node of this index.
+    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32);
+
+    /// Looks at a leaf's blocks. `Break` ends the search.
+    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()>;
+}
+
+/// Takes a ray through a tree, roughly from near to far.
+#[inline(always)]
+pub(crate) fn descend<S: Simd, G: Ground>(
+    ground: &mut G,
+    slabs: &Slabs,
+    t_min: f32,
+    pending: &mut Pending,
+) -> ControlFlow<()> {
+    let octant = slabs.octant();
     pending.start();
     loop {
         let (child, near) = pending.take();
         if child == Pending::NONE {
-            return best.found();
+            return ControlFlow::Continue(());
         }
-        // Another hit may have come nearer since. As near is not nearer: there may be a tie to decide.
-        if !ANY && near > best.t {
+        // A nearer hit may have been found since. As near is not nearer: there may be a tie to decide.
+        if near > ground.t_max() {
             continue;
         }
         if Child::is_node(child) {
-            if let Some(node) = tree.nodes().get(child as usize) {
-                pending.enter::<S>(node, &slabs, octant, ray.t_min, best.t);
-            }
+            ground.enter::<S>(child, pending, slabs, octant, t_min);
         } else {
-            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                hit_block(block, &lanes, line.axes, ray.t_min, &mut best);
-                if ANY && best.is_hit() {
-                    return Some(best);
-                }
-            }
+            ground.look::<S>(Child::leaf_blocks(child))?;
         }
     }
 }
 
-/// Replaces `best` by the block's nearest hit, if that precedes it.
+/// Triangles that stand still, and who hears of the hits.
+struct Triangles<'a, L, C> {
+    tree: &'a BvhView<'a>,
+    lanes: LineLanes<L>,
+    axes: [Axis; 3],
+    t_min: f32,
+    collector: &'a mut C,
+}
+
+impl<L: Lanes<WIDTH>, C: Collector> Ground for Triangles<'_, L, C> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.collector.t_max()
+    }
+
+    #[inline(always)]
+    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
+        if let Some(node) = self.tree.nodes().get(node as usize) {
+            pending.enter::<S>(node, slabs, octant, t_min, self.t_max());
+        }
+    }
+
+    #[inline(always)]
+    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
+        for block in self.tree.blocks().get(blocks).unwrap_or(&[]) {
+            hit_block(block, &self.lanes, self.axes, self.t_min, self.collector)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Shows `collector` the hits with the triangles of one block.
 #[inline(always)]
-fn hit_block<L: Lanes<WIDTH>>(block: &TriangleBlock, ray: &LineLanes<L>, axes: [Axis; 3], t_min: f32, best: &mut Hit) {
+pub(super) fn hit_block<L: Lanes<WIDTH>, C: Collector>(
+    block: &TriangleBlock,
+    ray: &LineLanes<L>,
+    axes: [Axis; 3],
+    t_min: f32,
+    collector: &mut C,
+) -> ControlFlow<()> {
     let Some(crossing) = triangle::cross(ray, corners(block, axes)) else {
-        return;
+        return ControlFlow::Continue(());
     };
-    let within = L::splat(t_min).le(crossing.t) & crossing.t.le(L::splat(best.t));
+    let within = L::splat(t_min).le(crossing.t) & crossing.t.le(L::splat(collector.t_max()));
     let bits = within.bits() & crossing.bits;
     if bits == 0 {
-        return;
+        return ControlFlow::Continue(());
     }
     let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
     for lane in lanes_of(bits) {
-        let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: block.prim_id[lane] };
-        if hit.precedes(best) {
-            *best = hit;
+        // The lanes before this one may have lowered it.
+        if t[lane] <= collector.t_max() {
+            let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: block.prim_id[lane] };
+            collector.see(hit, crossing.front >> lane & 1 != 0)?;
         }
     }
+    ControlFlow::Continue(())
 }

@@ -5,11 +5,14 @@
 //! | one | [`BvhView::intersect`] | [`BvhView::occluded`] |
 //! | 4 or 8 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
+//! | one, with a filter | [`BvhView::intersect_filtered`] | [`BvhView::occluded_filtered`] |
 //!
 //! Nothing here allocates or panics.
 
-mod flight;
+mod filter;
+pub(crate) mod flight;
 mod flock;
+pub(crate) mod moving;
 mod packet;
 mod pending;
 pub mod reference;
@@ -18,8 +21,13 @@ mod stack;
 mod tests;
 mod visits;
 
+pub use filter::Verdict;
+use flight::Collector;
 pub use packet::{PacketWidth, Width};
+pub(crate) use pending::Pending;
 pub use visits::Visits;
+
+use core::ops::ControlFlow;
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
@@ -107,6 +115,30 @@ impl BvhView<'_> {
             };
             dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
         }
+    }
+
+    /// Shows `collector` the hits of `ray`.
+    fn collect<C: Collector>(&self, ray: &Ray, collector: &mut C) {
+        // Whether it was ended early, the collector knows.
+        let _ = match self.isa().level() {
+            Level::Scalar => reference::walk(self, ray, collector),
+            _ => dispatch(self.isa(), Walk { tree: self, ray, collector }),
+        };
+    }
+}
+
+struct Walk<'a, C> {
+    tree: &'a BvhView<'a>,
+    ray: &'a Ray,
+    collector: &'a mut C,
+}
+
+impl<C: Collector> Work for Walk<'_, C> {
+    type Output = ControlFlow<()>;
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        let mut pending = Pending::EMPTY;
+        flight::walk::<S, C>(self.tree, self.ray, &mut pending, self.collector)
     }
 }
 

@@ -15,7 +15,7 @@ const _: () = assert!(MAX_STACK + 1 + WIDTH <= 256);
 const AS_THEY_ARE: u32 = 0o76543210;
 
 /// A stack of subtrees. At its bottom lies [`Pending::NONE`], which is never taken.
-pub(super) struct Pending {
+pub(crate) struct Pending {
     height: u8,
     /// The next one last.
     children: [u32; ROOM],
@@ -27,7 +27,7 @@ impl Pending {
     /// What is on top when nothing is left. No node keeps it: it stands for a box that is inside out.
     pub(super) const NONE: u32 = u32::MAX;
     /// Nothing left to visit.
-    pub(super) const EMPTY: Self = Self { height: 1, children: [Self::NONE; ROOM], near: [f32::INFINITY; ROOM] };
+    pub(crate) const EMPTY: Self = Self { height: 1, children: [Self::NONE; ROOM], near: [f32::INFINITY; ROOM] };
 
     /// Leaves the root alone to visit.
     #[inline(always)]
@@ -69,7 +69,7 @@ impl Pending {
 
     /// Puts the children whose boxes the ray meets within its interval on top, the nearest one last.
     #[inline(always)]
-    pub(super) fn enter<S: Simd>(&mut self, node: &Node, ray: &Slabs, octant: u8, t_min: f32, t_max: f32) {
+    pub(crate) fn enter<S: Simd>(&mut self, node: &Node, ray: &Slabs, octant: u8, t_min: f32, t_max: f32) {
         let (near_x, far_x) = slab::<S>(node, ray, 0);
         let (near_y, far_y) = slab::<S>(node, ray, 1);
         let (near_z, far_z) = slab::<S>(node, ray, 2);

@@ -1,0 +1,99 @@
+//! Scenes as plain as can be: loops over all items and all triangles, one after the other, without any tree. Slow; every
+//! other way to trace a scene gives the same hits bit for bit.
+
+use super::{MAX_LEVELS, Object, SceneHit, SceneRay, SceneView, shape};
+use crate::bvh::{TriangleBlock, WIDTH};
+use crate::geometry::moment::Moment;
+use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
+use crate::traverse::Verdict;
+
+/// What [`SceneView::intersect`] gives.
+pub fn intersect(scene: &SceneView, ray: &SceneRay) -> Option<SceneHit> {
+    intersect_filtered(scene, ray, |_| Verdict::Accept)
+}
+
+/// What [`SceneView::intersect_filtered`] gives, but for filters that stop: the order in which hits come is another.
+pub fn intersect_filtered(
+    scene: &SceneView,
+    ray: &SceneRay,
+    mut filter: impl FnMut(&SceneHit) -> Verdict,
+) -> Option<SceneHit> {
+    let mut best: Option<SceneHit> = None;
+    let mut stopped = false;
+    all_hits(scene, ray, &mut [SceneHit::NO_INSTANCE; MAX_LEVELS], 0, &mut |hit| {
+        let order = |hit: &SceneHit| (hit.geometry_id, hit.hit.prim_id, hit.instances);
+        let is_better = match &best {
+            Some(best) if hit.hit.t == best.hit.t => order(&hit) < order(best),
+            Some(best) => hit.hit.t < best.hit.t,
+            None => true,
+        };
+        if is_better && !stopped {
+            let verdict = filter(&hit);
+            if verdict != Verdict::Reject {
+                best = Some(hit);
+            }
+            stopped = verdict == Verdict::Stop;
+        }
+    });
+    best
+}
+
+/// Shows all hits of a ray within its interval.
+fn all_hits(
+    scene: &SceneView,
+    ray: &SceneRay,
+    instances: &mut [u32; MAX_LEVELS],
+    depth: usize,
+    see: &mut dyn FnMut(SceneHit),
+) {
+    let SceneRay { ray, time, mask } = *ray;
+    if !can_hit(&ray) || time.is_nan() {
+        return;
+    }
+    for &number in scene.tree().items() {
+        let part = scene.parts()[number as usize];
+        let item = &scene.items()[part.item as usize];
+        if item.mask & mask == 0 {
+            continue;
+        }
+        let Some(local) = item.placement.to_local(&ray, time) else {
+            continue;
+        };
+        let mut see_here = |hit| see(SceneHit { hit, geometry_id: part.item, instances: *instances });
+        match item.object {
+            Object::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0, &local, &mut see_here),
+            Object::Moving(tree) => {
+                if let Some(Moment { key, fraction }) = Moment::new(time, tree.keys()) {
+                    let to = if fraction == 0.0 { key } else { key + 1 };
+                    loop_over(tree.blocks(key), tree.blocks(to), fraction, &local, &mut see_here);
+                }
+            }
+            Object::Shape(shape) => shape::intersect(shape, part.prim_id, &local, time).into_iter().for_each(see_here),
+            Object::Scene(inner) => {
+                instances[depth] = part.item;
+                all_hits(inner, &SceneRay { ray: local, time, mask }, instances, depth + 1, see);
+                instances[depth] = SceneHit::NO_INSTANCE;
+            }
+        }
+    }
+}
+
+/// Shows the hits with triangles a `fraction` of the way from those in one slice to those in the other.
+fn loop_over(from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32, ray: &Ray, see: &mut dyn FnMut(Hit)) {
+    for (from, to) in from.iter().zip(to) {
+        for lane in (0..WIDTH).filter(|&lane| from.prim_id[lane] != Hit::NO_PRIM) {
+            let (a, b) = (from.triangle(lane), to.triangle(lane));
+            let corner = |i: usize| if fraction == 0.0 { a[i] } else { a[i] * (1.0 - fraction) + b[i] * fraction };
+            if let Some(hit) = intersect_triangle(ray, &[corner(0), corner(1), corner(2)]) {
+                see(Hit { prim_id: from.prim_id[lane], ..hit });
+            }
+        }
+    }
+}
+
+/// Whether a ray is within the limits.
+fn can_hit(ray: &Ray) -> bool {
+    let near = ray.origin.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
+    let longest = ray.direction.to_array().iter().fold(0.0, |longest: f32, x| longest.max(x.abs()));
+    near && ray.direction.is_finite() && (MIN_DIRECTION..=MAX_DIRECTION).contains(&longest)
+}

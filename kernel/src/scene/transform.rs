@@ -1,0 +1,373 @@
+//! Where an item is: an affine transform from its own space to the scene's, `p = M q + T`, standing still or moving.
+//!
+//! A ray goes the other way: `o' = M⁻¹ (o - T)` and `d' = M⁻¹ d`, computed in `f64` and rounded once. Its direction keeps
+//! the length that this gives it, so `t` is the same in both spaces. Between two keys the elements of `M` and `T` are
+//! interpolated, and the result inverted, in `f64` too; every point of the item then moves in a straight line, and a box that
+//! is interpolated between boxes that enclose the item at the keys encloses it in between.
+//!
+//! # Error bounds
+//! With `u = 2⁻²⁴`, the local ray's point at `t` is off by `u (|o'| + t |d'|)`, and a hit there lies in the item's local
+//! boxes widened by `e' ρ'`, where `ρ'` is the greatest distance along an axis from `o'` to anything in local space, the
+//! local origin included, and `e'` is `23 u` for triangles and shapes (twice `OWN_PAD`, and rounding) or the
+//! [error](Placement::error) of a scene. Back in the outer space that is `|M| (e' + 3u) ρ'`, and `ρ'` is at most `|M⁻¹| ρ`. So
+//! a hit is off the item's box, along axis `k`, by at most `ρ` times
+//!
+//! ```text
+//! error_k = (Σ_j |M_kj|) ‖M⁻¹‖ (e' + 32 u)          ‖.‖: greatest row sum of absolute values
+//! ```
+//!
+//! and the traversal of a scene widens its boxes by the greatest error of its items times the ray's own `ρ`: no hit is lost at
+//! an instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
+//! 6e-6 at most.
+
+use glam::{Affine3A, DMat3, DVec3, Vec3};
+
+use crate::error::{Error, InvalidScene};
+use crate::geometry::moment::Moment;
+use crate::geometry::{Aabb, Ray};
+
+/// The greatest `‖M‖ ‖M⁻¹‖`: about the ratio of the longest to the shortest image of a unit vector.
+pub const MAX_CONDITION: f64 = 65536.0;
+
+/// The greatest error of a scene's boxes, in units of the reach of a ray.
+pub(super) const MAX_ERROR: f32 = 0.25;
+
+/// Rounding in one change of spaces, and of hits within their own boxes.
+const ROUNDING: f64 = 32.0 / (1u32 << 24) as f64;
+
+/// Boxes that move are widened by this times their largest coordinate: for the rounding of fractions of time and of
+/// interpolation.
+pub(super) const MOVING_PAD: f64 = 16.0 / (1u32 << 24) as f64;
+
+/// Where an item is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Placement<'a> {
+    /// Where its own coordinates say.
+    AsItIs,
+    /// Where a transform takes it.
+    Still { to_scene: Affine3A, to_local: Inverse, inverse_norm: f32 },
+    /// Where transforms at evenly spaced times take it; the inverse's norm is a bound for all times.
+    Moving { keys: &'a [Affine3A], inverse_norm: f32 },
+}
+
+/// A transform and its inverse.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inverse {
+    translation: DVec3,
+    inverse: DMat3,
+}
+
+impl Inverse {
+    /// `None` if the matrix has no inverse.
+    fn new(linear: DMat3, translation: DVec3) -> Option<Self> {
+        let [a, b, c] = linear.to_cols_array_2d().map(DVec3::from_array);
+        let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+        let determinant = dot(a, bc);
+        let inverse = DMat3::from_cols(bc / determinant, ca / determinant, ab / determinant).transpose();
+        let good = determinant != 0.0 && inverse.is_finite() && translation.is_finite();
+        good.then_some(Self { translation, inverse })
+    }
+
+    /// The ray in the item's space.
+    fn ray(&self, ray: &Ray) -> Ray {
+        let origin = self.rotate(ray.origin.as_dvec3() - self.translation);
+        Ray { origin: origin.as_vec3(), direction: self.rotate(ray.direction.as_dvec3()).as_vec3(), ..*ray }
+    }
+
+    fn rotate(&self, v: DVec3) -> DVec3 {
+        let [x, y, z] = self.inverse.to_cols_array_2d().map(DVec3::from_array);
+        x * v.x + y * v.y + z * v.z
+    }
+}
+
+// Written out, as these decide where hits are: the same operations everywhere.
+fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+fn dot(a: DVec3, b: DVec3) -> f64 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+fn linear(transform: &Affine3A) -> DMat3 {
+    let [x, y, z] = transform.matrix3.to_cols_array_2d().map(|c| Vec3::from_array(c).as_dvec3());
+    DMat3::from_cols(x, y, z)
+}
+
+fn translation(transform: &Affine3A) -> DVec3 {
+    Vec3::from(transform.translation).as_dvec3()
+}
+
+/// Sums of absolute values along the rows.
+fn row_sums(matrix: &DMat3) -> DVec3 {
+    let [x, y, z] = matrix.to_cols_array_2d().map(DVec3::from_array);
+    x.abs() + y.abs() + z.abs()
+}
+
+fn norm(matrix: &DMat3) -> f64 {
+    row_sums(matrix).max_element()
+}
+
+impl<'a> Placement<'a> {
+    /// By a transform that stands still.
+    ///
+    /// # Errors
+    /// [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`].
+    pub(super) fn still(to_scene: &Affine3A) -> Result<Self, Error> {
+        if !to_scene.is_finite() {
+            return Err(InvalidScene::NotFinite { key: 0 }.into());
+        }
+        let singular = InvalidScene::Singular { key: 0 };
+        let to_local = Inverse::new(linear(to_scene), translation(to_scene)).ok_or(singular)?;
+        let inverse_norm = norm(&to_local.inverse);
+        if inverse_norm * norm(&linear(to_scene)) > MAX_CONDITION {
+            return Err(singular.into());
+        }
+        Ok(Self::Still { to_scene: *to_scene, to_local, inverse_norm: round_up(inverse_norm) })
+    }
+
+    /// By transforms at evenly spaced times.
+    ///
+    /// # Errors
+    /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is singular
+    /// between keys, as halfway through half a turn.
+    pub(super) fn moving(keys: &'a [Affine3A]) -> Result<Self, Error> {
+        if let [only] = keys {
+            return Self::still(only);
+        }
+        if keys.is_empty() {
+            return Err(InvalidScene::NoKeys.into());
+        }
+        if let Some(key) = keys.iter().position(|transform| !transform.is_finite()) {
+            return Err(InvalidScene::NotFinite { key }.into());
+        }
+        let mut largest = 0.0f64;
+        for (key, pair) in keys.windows(2).enumerate() {
+            let [from, to] = [linear(&pair[0]), linear(&pair[1])];
+            largest = largest.max(inverse_norm_between(&from, &to).ok_or(InvalidScene::Singular { key })?);
+        }
+        Ok(Self::Moving { keys, inverse_norm: round_up(largest) })
+    }
+
+    /// The number of keys at which the transform is given.
+    pub(super) fn keys(&self) -> usize {
+        match self {
+            Self::AsItIs | Self::Still { .. } => 1,
+            Self::Moving { keys, .. } => keys.len(),
+        }
+    }
+
+    /// The ray in the item's space, at a time in 0..=1 or moved there; `None` if the time is NaN.
+    pub(super) fn to_local(self, ray: &Ray, time: f32) -> Option<Ray> {
+        match self {
+            Self::AsItIs => Some(*ray),
+            Self::Still { to_local, .. } => Some(to_local.ray(ray)),
+            Self::Moving { keys, .. } => {
+                let (linear, translation) = between(keys, time)?;
+                Some(Inverse::new(linear, translation)?.ray(ray))
+            }
+        }
+    }
+
+    /// The transform to the scene's space at a time, rounded.
+    pub(super) fn to_scene(self, time: f32) -> Option<Affine3A> {
+        match self {
+            Self::AsItIs => Some(Affine3A::IDENTITY),
+            Self::Still { to_scene, .. } => Some(to_scene),
+            Self::Moving { keys, .. } => {
+                let (linear, translation) = between(keys, time)?;
+                Some(Affine3A::from_mat3_translation(linear.as_mat3(), translation.as_vec3()))
+            }
+        }
+    }
+
+    /// A box around the image of `local` at a key.
+    pub(super) fn aabb(&self, key: usize, local: &Aabb) -> Aabb {
+        match self {
+            Self::AsItIs => *local,
+            Self::Still { to_scene, .. } => image(to_scene, local, 0.0),
+            Self::Moving { keys, .. } => {
+                let images = keys.iter().map(|transform| image(transform, local, 0.0));
+                let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
+                image(&keys[key], local, f64::from(largest.max_element()) * MOVING_PAD)
+            }
+        }
+    }
+
+    /// What a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
+    pub(super) fn reach(&self, local: &Aabb) -> Aabb {
+        if matches!(self, Self::AsItIs) {
+            return *local;
+        }
+        let with_origin = local.union(&Aabb { min: Vec3::ZERO, max: Vec3::ZERO });
+        (0..self.keys()).fold(Aabb::EMPTY, |reach, key| reach.union(&self.aabb(key, &with_origin)))
+    }
+
+    /// A bound of how far, in units of a ray's reach, a hit may be off the item's box if it may be off local boxes by
+    /// `local`: see the module's error bounds.
+    pub(super) fn error(&self, local: f32) -> Vec3 {
+        let sums = |transform: &Affine3A| row_sums(&linear(transform));
+        let (sums, inverse_norm) = match self {
+            Self::AsItIs => return Vec3::splat(local),
+            Self::Still { to_scene, inverse_norm, .. } => (sums(to_scene), inverse_norm),
+            Self::Moving { keys, inverse_norm } => (keys.iter().map(sums).fold(DVec3::ZERO, DVec3::max), inverse_norm),
+        };
+        let error = sums * f64::from(*inverse_norm) * (f64::from(local) + ROUNDING);
+        Vec3::from_array(error.to_array().map(round_up))
+    }
+}
+
+/// The elements at a time.
+fn between(keys: &[Affine3A], time: f32) -> Option<(DMat3, DVec3)> {
+    let Moment { key, fraction } = Moment::new(time, keys.len())?;
+    let (from, to) = (keys.get(key)?, keys.get(key + 1).unwrap_or(keys.get(key)?));
+    let fraction = f64::from(fraction);
+    let mix = |a: DVec3, b: DVec3| a * (1.0 - fraction) + b * fraction;
+    let (a, b) = (linear(from), linear(to));
+    let linear = DMat3::from_cols(mix(a.x_axis, b.x_axis), mix(a.y_axis, b.y_axis), mix(a.z_axis, b.z_axis));
+    Some((linear, mix(translation(from), translation(to))))
+}
+
+/// A bound of the inverse's norm on the way from one matrix to another; `None` if the condition gets too large.
+///
+/// If `A` is the inverse of `M` and `h ‖A D‖ <= 1/2`, then that of `M + h D` has at most twice the norm of `A`.
+fn inverse_norm_between(from: &DMat3, to: &DMat3) -> Option<f64> {
+    let change = *to - *from;
+    let size = norm(from).max(norm(to));
+    let (mut start, mut length, mut largest) = (0.0, 1.0, 0.0f64);
+    while start < 1.0 {
+        let middle = *from + change * (start + 0.5 * length);
+        let inverse = Inverse::new(middle, DVec3::ZERO)?.inverse;
+        let step = 0.5 * length * norm(&(inverse * change));
+        let bound = norm(&inverse) / (1.0 - step);
+        if norm(&inverse) * size > MAX_CONDITION {
+            return None;
+        }
+        if step <= 0.5 && bound * size <= MAX_CONDITION {
+            largest = largest.max(bound);
+            start += length;
+            length = (2.0 * length).min(1.0 - start);
+        } else {
+            length *= 0.5;
+            // Shorter than any fraction of time that matters: too near to singular.
+            if length < 1e-9 {
+                return None;
+            }
+        }
+    }
+    Some(largest)
+}
+
+/// A box around the image of a box, widened by `pad`.
+fn image(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
+    if local.is_empty() {
+        return Aabb::EMPTY;
+    }
+    let (linear, translation) = (linear(transform), translation(transform));
+    let (mut min, mut max, mut size) = (translation, translation, translation.abs());
+    for axis in 0..3 {
+        let (low, high) =
+            (linear.col(axis) * f64::from(local.min[axis]), linear.col(axis) * f64::from(local.max[axis]));
+        min += low.min(high);
+        max += low.max(high);
+        size += low.abs().max(high.abs());
+    }
+    // The sums are rounded, and then once more to `f32`.
+    let pad = size * (8.0 * f64::EPSILON) + pad;
+    let (min, max) = ((min - pad).to_array(), (max + pad).to_array());
+    Aabb {
+        min: Vec3::from_array(min.map(|x| (x as f32).next_down())),
+        max: Vec3::from_array(max.map(|x| (x as f32).next_up())),
+    }
+}
+
+fn round_up(x: f64) -> f32 {
+    (x as f32).next_up()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Mat3, Quat, vec3};
+
+    use super::*;
+
+    fn error_of(result: Result<Placement, Error>) -> Option<InvalidScene> {
+        match result {
+            Ok(_) => None,
+            Err(Error::InvalidScene(error)) => Some(error),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn transforms_without_an_inverse_are_refused() {
+        let flat = Affine3A::from_scale(vec3(1.0, 0.0, 1.0));
+        let skewed = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::Y, vec3(1.0, 1.0, 0.0)));
+        let nearly = Affine3A::from_scale(vec3(1.0, 1e-5, 1.0));
+        for bad in [flat, skewed, nearly, Affine3A::from_scale(Vec3::ZERO)] {
+            assert_eq!(error_of(Placement::still(&bad)), Some(InvalidScene::Singular { key: 0 }));
+            let keys = [Affine3A::IDENTITY, Affine3A::IDENTITY, bad];
+            assert_eq!(error_of(Placement::moving(&keys)), Some(InvalidScene::Singular { key: 1 }));
+        }
+        for bad in [f32::NAN, f32::INFINITY] {
+            let bad = Affine3A::from_translation(vec3(0.0, bad, 0.0));
+            assert_eq!(error_of(Placement::still(&bad)), Some(InvalidScene::NotFinite { key: 0 }));
+            let keys = [Affine3A::IDENTITY, bad];
+            assert_eq!(error_of(Placement::moving(&keys)), Some(InvalidScene::NotFinite { key: 1 }));
+        }
+        assert_eq!(error_of(Placement::moving(&[])), Some(InvalidScene::NoKeys));
+        // Small, large and mirrored ones have an inverse.
+        for scale in [vec3(1e-12, 1e-12, 2e-12), Vec3::splat(1e15), vec3(-1.0, 1.0, 1e-4)] {
+            assert_eq!(error_of(Placement::still(&Affine3A::from_scale(scale))), None);
+        }
+    }
+
+    #[test]
+    fn a_turn_that_collapses_between_keys_is_refused() {
+        let turn = |angle: f32| Affine3A::from_quat(Quat::from_rotation_z(angle));
+        let half = [turn(0.0), turn(core::f32::consts::PI)];
+        assert_eq!(error_of(Placement::moving(&half)), Some(InvalidScene::Singular { key: 0 }));
+        let mirrored = [Affine3A::IDENTITY, Affine3A::from_scale(vec3(1.0, -1.0, 1.0))];
+        assert_eq!(error_of(Placement::moving(&mirrored)), Some(InvalidScene::Singular { key: 0 }));
+        let quarters = [turn(0.0), turn(1.57), turn(3.14)];
+        assert_eq!(error_of(Placement::moving(&quarters)), None);
+    }
+
+    #[test]
+    fn the_norm_on_the_way_is_a_bound_that_is_not_wasteful() {
+        for angle in [0.0f64, 0.5, 1.5, 3.0] {
+            let from = DMat3::IDENTITY;
+            let to = DMat3::from_rotation_y(angle) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.5));
+            let bound = inverse_norm_between(&from, &to).unwrap();
+            let most = (0..=10_000)
+                .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4), DVec3::ZERO).unwrap().inverse))
+                .fold(0.0, f64::max);
+            assert!(most <= bound && bound <= 4.0 * most, "{angle}: {most} {bound}");
+        }
+    }
+
+    #[test]
+    fn rays_go_where_points_come_from() {
+        let transform = Affine3A::from_scale_rotation_translation(
+            vec3(0.5, 4.0, -1.0),
+            Quat::from_rotation_x(0.7),
+            vec3(3.0, -1e5, 2.0),
+        );
+        let placement = Placement::still(&transform).unwrap();
+        let local = Ray::new(vec3(0.3, 0.2, -0.7), vec3(1.0, -2.0, 0.5));
+        let exact = |p: Vec3| linear(&transform) * p.as_dvec3() + translation(&transform);
+        let ray = Ray {
+            origin: exact(local.origin).as_vec3(),
+            direction: (linear(&transform) * local.direction.as_dvec3()).as_vec3(),
+            ..local
+        };
+        let back = placement.to_local(&ray, 0.0).unwrap();
+        // The scene's ray was rounded at coordinates of 1e5.
+        assert!((back.origin - local.origin).abs().max_element() < 0.02);
+        assert!((back.direction - local.direction).abs().max_element() < 1e-6);
+        // Powers of two and whole translations are exact.
+        let exact = Affine3A::from_scale_rotation_translation(Vec3::splat(0.25), Quat::IDENTITY, vec3(7.0, 0.0, -2.0));
+        let back = Placement::still(&exact).unwrap().to_local(&Ray::new(vec3(8.0, 1.0, 1.0), Vec3::X), 0.0).unwrap();
+        assert_eq!(back, Ray::new(vec3(4.0, 4.0, 12.0), vec3(4.0, 0.0, 0.0)));
+    }
+}
