@@ -66,6 +66,7 @@ impl fmt::Display for Report {
 ///
 /// # Errors
 /// Those of `out`.
+#[inline(never)]
 pub fn draw(tree: &BvhView, out: &mut impl Write, mut clock: impl FnMut() -> u64) -> Result<Report, fmt::Error> {
     let triangles = triangles(tree);
     let mut report = Report { closest: Traced::default(), any: Traced::default(), checksum: 0xCBF2_9CE4_8422_2325 };
