@@ -56,6 +56,16 @@
 #define HD_BLOB_ALIGNMENT 64
 
 /**
+ * How many scenes may lie one in the other below the outermost.
+ */
+#define HD_MAX_LEVELS 8
+
+/**
+ * What stands in hd_scene_hit.instances where there is none.
+ */
+#define HD_NO_INSTANCE 4294967295
+
+/**
  * What became of a call.
  */
 enum hd_status
@@ -107,6 +117,11 @@ typedef enum hd_status hd_status;
 typedef int32_t hd_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+/**
+ * A scene, ready to be traced.
+ */
+typedef struct hd_scene hd_scene;
 
 /**
  * A tree of triangles, ready to be traced.
@@ -235,6 +250,79 @@ typedef struct hd_hit {
     uint32_t prim_id;
 } hd_hit;
 
+/**
+ * Something in a scene: either a tree or a scene, of which there may be many instances.
+ */
+typedef struct hd_item {
+    /**
+     * sizeof(hd_item)
+     */
+    size_t struct_size;
+    /**
+     * The tree, or NULL.
+     */
+    const struct hd_tree *tree;
+    /**
+     * The scene, or NULL.
+     */
+    const struct hd_scene *scene;
+    /**
+     * Twelve numbers for each key: the three rows of a matrix of three rows and four columns that takes the item's points
+     * (x, y, z, 1) to the scene. NULL: where its own coordinates say.
+     */
+    const float *transforms;
+    /**
+     * How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
+     * elements are interpolated.
+     */
+    size_t transform_count;
+    /**
+     * Rays see it whose mask has a bit in common with it. 0 stands for all bits.
+     */
+    uint32_t mask;
+    /**
+     * 0
+     */
+    uint32_t reserved;
+} hd_item;
+
+/**
+ * A ray with what a scene asks of it besides.
+ */
+typedef struct hd_scene_ray {
+    /**
+     * The ray.
+     */
+    struct hd_ray ray;
+    /**
+     * When, from 0 to 1; less counts as 0, and more as 1.
+     */
+    float time;
+    /**
+     * Which items it sees: those whose mask has a bit in common with it, at every level. 0xFFFFFFFF: all.
+     */
+    uint32_t mask;
+} hd_scene_ray;
+
+/**
+ * Where a ray meets a triangle of a scene.
+ */
+typedef struct hd_scene_hit {
+    /**
+     * Where, and which triangle of its mesh. t is the same in all spaces.
+     */
+    struct hd_hit hit;
+    /**
+     * The item that has the mesh: its number in the scene that has the item.
+     */
+    uint32_t geometry_id;
+    /**
+     * On the way there, the items that are scenes, the outermost first: their numbers each in the scene that has them.
+     * HD_NO_INSTANCE in unused places.
+     */
+    uint32_t instances[HD_MAX_LEVELS];
+} hd_scene_hit;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -283,12 +371,12 @@ hd_status hd_intersect(const struct hd_tree *tree, const struct hd_ray *ray, str
 hd_status hd_occluded(const struct hd_tree *tree, const struct hd_ray *ray, bool *occluded);
 
 /**
- * hd_intersect for many rays: several times as quick as one by one. If a ray has a NaN none is traced.
+ * hd_intersect for count rays: several times as quick as one by one. If a ray has a NaN none is traced.
  */
 hd_status hd_intersect_many(const struct hd_tree *tree, const struct hd_ray *rays, struct hd_hit *hits, size_t count);
 
 /**
- * hd_occluded for many rays, likewise.
+ * hd_occluded for count rays, likewise.
  */
 hd_status hd_occluded_many(const struct hd_tree *tree, const struct hd_ray *rays, bool *occluded, size_t count);
 
@@ -306,14 +394,56 @@ hd_status hd_tree_save(const struct hd_tree *tree, uint8_t *bytes, size_t capaci
 
 /**
  * Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
- * stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
+ * stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it holds is safe to trace.
  */
-hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree);
+hd_status hd_tree_open(const uint8_t *bytes,
+                       size_t size,
+                       struct hd_tree **tree);
 
 /**
  * Makes a tree of a blob, which is copied and may lie anywhere.
  */
 hd_status hd_tree_load(const uint8_t *bytes, size_t size, struct hd_tree **tree);
+
+/**
+ * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
+ * in it can be freed before it; blobs that trees were opened in have to stay.
+ */
+hd_status hd_scene_build(const struct hd_item *items,
+                         size_t count,
+                         const struct hd_build_options *options,
+                         struct hd_scene **scene);
+
+/**
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then instances.
+ */
+hd_status hd_scene_intersect(const struct hd_scene *scene, const struct hd_scene_ray *ray, struct hd_scene_hit *hit);
+
+/**
+ * Finds out whether a ray hits anything.
+ */
+hd_status hd_scene_occluded(const struct hd_scene *scene, const struct hd_scene_ray *ray, bool *occluded);
+
+/**
+ * hd_scene_intersect for count rays. If a ray has a NaN none is traced.
+ */
+hd_status hd_scene_intersect_many(const struct hd_scene *scene,
+                                  const struct hd_scene_ray *rays,
+                                  struct hd_scene_hit *hits,
+                                  size_t count);
+
+/**
+ * hd_scene_occluded for count rays, likewise.
+ */
+hd_status hd_scene_occluded_many(const struct hd_scene *scene,
+                                 const struct hd_scene_ray *rays,
+                                 bool *occluded,
+                                 size_t count);
+
+/**
+ * Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.
+ */
+void hd_scene_free(struct hd_scene *scene);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -24,12 +24,12 @@ pub unsafe extern "C" fn hd_tree_save(
 ) -> hd_status {
     guard(|| {
         let owned;
-        let blob: &[u8] = match &handle("tree", tree)?.0 {
+        let blob: &[u8] = match &handle("tree", tree)?.memory {
             Memory::Own(bvh) => {
                 owned = bvh.to_bytes();
                 &owned
             }
-            Memory::Borrowed { blob, .. } => blob,
+            Memory::Blob(blob) => blob,
         };
         if bytes.is_null() && capacity == 0 {
             // SAFETY: the caller's promise.
@@ -50,14 +50,14 @@ pub unsafe extern "C" fn hd_tree_save(
 }
 
 /// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
-/// stays as it is until the tree is freed. The blob is checked once, so that whatever it holds is safe to trace.
+/// stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it holds is safe to trace.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {
         let open = || {
             // SAFETY: the caller's promise, which is for as long as the tree lives.
             let blob: &'static [u8] = unsafe { elements("bytes", bytes, size) }?;
-            Ok(hd_tree(Memory::Borrowed { view: BvhView::from_bytes(blob)?, blob }))
+            Ok(hd_tree { view: BvhView::from_bytes(blob)?, memory: Memory::Blob(blob) })
         };
         // SAFETY: the caller's promise.
         unsafe { make("tree", tree, open) }
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut 
 pub unsafe extern "C" fn hd_tree_load(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {
         // SAFETY: the caller's promise.
-        let load = || Ok(hd_tree(Memory::Own(Bvh::from_bytes(unsafe { elements("bytes", bytes, size) }?)?)));
+        let load = || Ok(Bvh::from_bytes(unsafe { elements("bytes", bytes, size) }?)?.into());
         // SAFETY: the caller's promise.
         unsafe { make("tree", tree, load) }
     })

@@ -42,15 +42,6 @@ pub(crate) unsafe fn elements<'a, T: AnyBitPattern>(
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
 }
 
-/// The one element that a function reads.
-///
-/// # Safety
-/// That of [`elements`].
-pub(crate) unsafe fn element<'a, T: AnyBitPattern>(name: &str, pointer: *const T) -> Result<&'a T, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { elements(name, pointer, 1) }.map(|elements| &elements[0])
-}
-
 /// Room for the elements that a function writes, filled with zeros: what lay there need not have been any.
 ///
 /// # Safety
@@ -97,6 +88,15 @@ pub(crate) unsafe fn make<T>(
     // SAFETY: as before.
     unsafe { place.write(made) };
     Ok(())
+}
+
+/// A reference that outlives what it is told to.
+///
+/// # Safety
+/// What it refers to stays where and as it is for as long as the reference, or anything made of it, is used.
+pub(crate) unsafe fn forever<T: ?Sized>(reference: &T) -> &'static T {
+    // SAFETY: the caller's promise.
+    unsafe { &*std::ptr::from_ref(reference) }
 }
 
 /// A structure that may grow with later versions of the header.

@@ -17,3 +17,5 @@ pub mod tree;
 pub mod trace;
 
 pub mod blob;
+
+pub mod scene;

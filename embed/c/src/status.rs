@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use halfdome_kernel::{Error, InvalidTree};
+use halfdome_kernel::{Error, InvalidScene, InvalidTree};
 
 /// The version of this interface: what a program compiled with this header needs.
 pub const HD_ABI_VERSION: u32 = 1;
@@ -48,6 +48,11 @@ impl Failure {
         Self { status, message: message.into() }
     }
 
+    /// The same, with the number of the item that is wrong.
+    pub(crate) fn at(self, item: usize) -> Self {
+        Self { message: format!("item {item}: {}", self.message), ..self }
+    }
+
     fn of_panic(panic: Box<dyn Any + Send>) -> Self {
         let said = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
         let failure = Self::new(HD_ERROR_INTERNAL, format!("internal error: {}", said.unwrap_or("no message")));
@@ -61,6 +66,8 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match error {
             Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
+            Error::InvalidScene(InvalidScene::TooNested { .. }) => HD_ERROR_LIMIT,
+            Error::InvalidScene(_) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
             Error::OtherByteOrder | Error::OtherVersion { .. } => HD_ERROR_VERSION,
             _ => HD_ERROR_BLOB,

@@ -1,31 +1,46 @@
 //! Trees: made of triangles, described and freed.
 
+use std::any::Any;
+use std::sync::Arc;
+
 use glam::Vec3;
 use halfdome_kernel::{BuildOptions, Bvh, BvhView, MAX_COORDINATE, Quality, Triangle};
 
-use crate::border::{Versioned, elements, handle, make, versioned, versioned_room};
+use crate::border::{Versioned, elements, forever, handle, make, versioned, versioned_room};
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 
 /// A tree of triangles, ready to be traced.
-pub struct hd_tree(pub(crate) Memory);
+pub struct hd_tree {
+    /// Borrows the memory.
+    pub(crate) view: BvhView<'static>,
+    pub(crate) memory: Memory,
+}
 
 /// Where a tree lies.
 pub(crate) enum Memory {
-    Own(Bvh),
-    /// A blob in the program's memory, which it keeps as long as the tree.
-    Borrowed {
-        view: BvhView<'static>,
-        blob: &'static [u8],
-    },
+    /// Here; shared with the scenes that the tree is in.
+    Own(Arc<Bvh>),
+    /// In a blob of the program's, which it keeps as long as the tree and those scenes.
+    Blob(&'static [u8]),
 }
 
-impl hd_tree {
-    pub(crate) fn view(&self) -> BvhView<'_> {
-        match &self.0 {
-            Memory::Own(bvh) => bvh.view(),
-            Memory::Borrowed { view, .. } => *view,
+impl Memory {
+    /// What a scene has to keep.
+    pub(crate) fn shared(&self) -> Option<Arc<dyn Any + Send + Sync>> {
+        match self {
+            Self::Own(bvh) => Some(bvh.clone()),
+            Self::Blob(_) => None,
         }
+    }
+}
+
+impl From<Bvh> for hd_tree {
+    fn from(bvh: Bvh) -> Self {
+        let bvh = Arc::new(bvh);
+        // SAFETY: the tree keeps its memory beside the view, and whoever copies the view shares the memory.
+        let view = unsafe { forever(&*bvh) }.view();
+        Self { view, memory: Memory::Own(bvh) }
     }
 }
 
@@ -116,7 +131,7 @@ pub unsafe extern "C" fn hd_tree_build(
             // SAFETY: the caller's promise.
             let triangles = unsafe { triangles(&mesh) }?;
             let (bvh, _) = Bvh::build(&triangles, &options)?;
-            Ok(hd_tree(Memory::Own(bvh)))
+            Ok(bvh.into())
         };
         // SAFETY: the caller's promise.
         unsafe { make("tree", tree, build) }
@@ -125,7 +140,7 @@ pub unsafe extern "C" fn hd_tree_build(
 
 /// # Safety
 /// That of [`versioned`].
-unsafe fn build_options(options: *const hd_build_options) -> Result<BuildOptions, Failure> {
+pub(crate) unsafe fn build_options(options: *const hd_build_options) -> Result<BuildOptions, Failure> {
     if options.is_null() {
         return Ok(BuildOptions::default());
     }
@@ -198,7 +213,7 @@ fn checked(number: usize, corners: Triangle) -> Result<Triangle, Failure> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_describe(tree: Option<&hd_tree>, info: *mut hd_tree_info) -> hd_status {
     guard(|| {
-        let tree = handle("tree", tree)?.view();
+        let tree = handle("tree", tree)?.view;
         // SAFETY: the caller's promise.
         let info = unsafe { versioned_room("info", info) }?;
         let used = tree.blocks().iter().flat_map(|block| block.prim_id).filter(|&id| id != crate::trace::HD_NO_PRIM);
