@@ -18,7 +18,7 @@ out=$(mktemp -d)
 trap 'rm -r "$out"' EXIT
 
 # The tree in flash is the one that halfdome bakes today.
-cargo run --release --manifest-path ../../Cargo.toml -p halfdome -- tree cornell -o "$out/cornell.bvh"
+(cd ../.. && cargo run --release -p halfdome -- tree cornell -o "$out/cornell.bvh")
 [ "${1:-}" != bake ] || cp "$out/cornell.bvh" cornell.bvh
 cmp "$out/cornell.bvh" cornell.bvh
 

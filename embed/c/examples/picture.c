@@ -60,7 +60,7 @@ int main(void) {
         const hd_ray ray = {{0.5f, 2.5f, -6}, 0, {0, 0, 1}, INFINITY};
         rays[i] = ray;
         rays[i].direction[0] = 0.9f * ((float)(i % WIDTH) + 0.5f - WIDTH / 2) / WIDTH;
-        rays[i].direction[1] = -0.3f - 0.75f * ((float)(i / WIDTH) + 0.5f - HEIGHT / 2) / HEIGHT;
+        rays[i].direction[1] = -0.42f - 0.62f * ((float)(i / WIDTH) + 0.5f - HEIGHT / 2) / HEIGHT;
     }
     stop_if(hd_intersect_many(tree, rays, hits, HEIGHT * WIDTH));
 
@@ -80,7 +80,8 @@ int main(void) {
     for (int i = 0; i < HEIGHT * WIDTH; i++) {
         char shade = ' ';
         if (hits[i].prim_id != HD_NO_PRIM) {
-            shade = shadowed[i] ? '.' : ":-=+*%#@"[(int)(7.99f * brightness(hits[i].prim_id, rays[i].direction))];
+            const float paint = hits[i].prim_id < 2 ? 0.5f : 1.0f;
+            shade = shadowed[i] ? '.' : ":-=+*%#@"[(int)(7.99f * paint * brightness(hits[i].prim_id, rays[i].direction))];
         }
         putchar(shade);
         if (i % WIDTH == WIDTH - 1) {

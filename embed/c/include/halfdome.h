@@ -394,11 +394,10 @@ hd_status hd_tree_save(const struct hd_tree *tree, uint8_t *bytes, size_t capaci
 
 /**
  * Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
- * stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it holds is safe to trace.
+ * stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it
+ * holds is safe to trace.
  */
-hd_status hd_tree_open(const uint8_t *bytes,
-                       size_t size,
-                       struct hd_tree **tree);
+hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
 /**
  * Makes a tree of a blob, which is copied and may lie anywhere.

@@ -50,7 +50,8 @@ pub unsafe extern "C" fn hd_tree_save(
 }
 
 /// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
-/// stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it holds is safe to trace.
+/// stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it
+/// holds is safe to trace.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {
