@@ -267,8 +267,8 @@ typedef struct hd_item {
      */
     const struct hd_scene *scene;
     /**
-     * Twelve numbers for each key: the three rows of a matrix of three rows and four columns that takes the item's points
-     * (x, y, z, 1) to the scene. NULL: where its own coordinates say.
+     * Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
+     * to the scene. NULL: where its own coordinates say.
      */
     const float *transforms;
     /**
