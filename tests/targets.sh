@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The kernel's unit tests on the targets that this machine is not: 64-bit Arm in an emulator, and WebAssembly, plain and
-# with SIMD. They hold checksums of hits and of random numbers, so passing them is giving the same ones on each target.
+# The kernel's tests on the targets that this machine is not: 64-bit Arm in an emulator, and WebAssembly, plain and with
+# SIMD. Among them are the checksums of hits, trees and numbers in tests/checksums, which are the same on each target.
 #
 #     tests/targets.sh [filter of tests]
 #
@@ -25,10 +25,10 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch
 CARGO_TARGET_WASM32_WASIP1_RUNNER="node --no-warnings $PWD/tests/wasi.mjs"
 export CARGO_TARGET_WASM32_WASIP1_RUNNER
 
-# The unit tests on a target, with further flags for the compiler.
+# The tests on a target, with further flags for the compiler.
 run() {
     printf '\n== %s %s\n' "$1" "$2"
-    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --target "$1" -- "${filter[@]}"
+    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --test checksums --target "$1" -- "${filter[@]}"
 }
 
 filter=("$@")

@@ -5,6 +5,16 @@ use core::str::FromStr;
 
 use super::{Portable, Simd};
 
+/// Whether this processor is known to have a feature: detected if that is possible, else what the compiler was told.
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+use std::arch::is_x86_feature_detected as has;
+#[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+macro_rules! has {
+    ($feature:tt) => {
+        cfg!(target_feature = $feature)
+    };
+}
+
 /// A level of instruction sets. Hits are equal on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -66,22 +76,15 @@ impl Isa {
         self.0
     }
 
-    /// The proof for `level`, if this processor is known to have it: without `std` nothing is detected, and Miri
-    /// interprets what every target has.
+    /// The proof for `level`, if this processor is known to have it: detected with `std`, and without what the compiler
+    /// was told (`-C target-feature=+avx2,+fma,…`, `-C target-cpu=…`). Under Miri only what every target has.
     pub fn new(level: Level) -> Option<Self> {
-        #[cfg(all(feature = "std", target_arch = "x86_64", not(miri)))]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            let avx2 =
-                || has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt");
-            let avx512 = || has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq");
-            match level {
-                Level::Avx2 if avx2() => return Some(Self(level)),
-                Level::Avx512 if avx2() && avx512() => return Some(Self(level)),
-                _ => {}
-            }
-        }
-        matches!(level, Level::Scalar | Level::Portable).then_some(Self(level))
+        let has = match level {
+            Level::Scalar | Level::Portable => true,
+            Level::Avx2 => has_avx2(),
+            Level::Avx512 => has_avx2() && has_avx512(),
+        };
+        has.then_some(Self(level))
     }
 
     /// The best level that this processor has or, if the environment variable `HALFDOME_ISA` names one that it has,
@@ -91,25 +94,53 @@ impl Isa {
         static FOUND: std::sync::OnceLock<Isa> = std::sync::OnceLock::new();
         *FOUND.get_or_init(|| {
             let wanted = std::env::var("HALFDOME_ISA").ok().and_then(|name| name.parse().ok()).and_then(Self::new);
-            let best = Level::ALL.into_iter().rev().find_map(Self::new);
-            wanted.or(best).unwrap_or(Self::PORTABLE)
+            wanted.unwrap_or_else(Self::best)
         })
     }
 
-    /// [`Isa::PORTABLE`]: without `std` nothing is detected.
+    /// The best level that this processor is known to have. Without `std` that is what the compiler was told: who knows
+    /// better says so by [`Isa::assume`].
     #[cfg(not(feature = "std"))]
     pub fn detect() -> Self {
-        Self::PORTABLE
+        Self::best()
     }
 
-    /// The proof for `level` on the caller's word; for where nothing can be detected.
+    fn best() -> Self {
+        Level::ALL.into_iter().rev().find_map(Self::new).unwrap_or(Self::PORTABLE)
+    }
+
+    /// The proof for `level` on the caller's word; for where nothing can be detected. Where the target has no code for
+    /// that level, the proof is for [`Level::Portable`].
+    ///
+    /// There is code for AVX2 and AVX-512 on x86-64 if floats are passed in registers. `x86_64-unknown-none` passes them
+    /// in integers, so that a system's kernel need not save the vector registers, and the compiler makes no vector
+    /// instruction for it at all: the kernel runs there in software floats, with the same hits. A program without an
+    /// operating system that may use the registers is built without the standard library for a target that has them,
+    /// such as `x86_64-unknown-linux-musl`.
     ///
     /// # Safety
-    /// The processor, and the operating system's handling of its registers, must support every extension that
-    /// [`Level`] names for `level` and those below it.
-    pub unsafe fn assume(level: Level) -> Self {
-        Self(level)
+    /// The processor must support every extension that [`Level`] names for `level` and those below it, and whoever
+    /// switches contexts (an operating system; the start-up code by `CR4.OSXSAVE` and `XCR0`) must have enabled and keep
+    /// the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
+    pub const unsafe fn assume(level: Level) -> Self {
+        match level {
+            Level::Avx2 | Level::Avx512 if !HAS_VECTOR_CODE => Self::PORTABLE,
+            _ => Self(level),
+        }
     }
+}
+
+/// Whether AVX2 and AVX-512 are compiled: x86-64, with floats in registers.
+const HAS_VECTOR_CODE: bool = cfg!(all(target_arch = "x86_64", target_feature = "sse2"));
+
+/// Whether this processor is known to have the instructions of [`Level::Avx2`].
+fn has_avx2() -> bool {
+    HAS_VECTOR_CODE && !cfg!(miri) && (has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt"))
+}
+
+/// Whether it is known to have what [`Level::Avx512`] adds.
+fn has_avx512() -> bool {
+    has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq")
 }
 
 /// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it calls.
@@ -123,22 +154,22 @@ pub(crate) trait Work {
 pub(crate) fn dispatch<W: Work>(isa: Isa, work: W) -> W::Output {
     match isa.0 {
         // SAFETY: an `Isa` is proof of its level.
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
         Level::Avx2 => unsafe { on_avx2(work) },
         // SAFETY: an `Isa` is proof of its level.
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
         Level::Avx512 => unsafe { on_avx512(work) },
         _ => work.run::<Portable>(),
     }
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx2<W: Work>(work: W) -> W::Output {
     work.run::<super::avx2::Avx2>()
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx512<W: Work>(work: W) -> W::Output {
     work.run::<super::avx512::Avx512>()

@@ -10,9 +10,9 @@
 //! bit on all backends. The exceptions are [`min`](Lanes::min) and [`max`](Lanes::max) on NaN or on zeros of both
 //! signs, and [`mul_sub`](Lanes::mul_sub), which may be fused: no kernel lets such a difference reach a result.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod avx512;
 mod isa;
 mod portable;

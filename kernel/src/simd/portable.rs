@@ -14,9 +14,9 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
         super::avx2::prefetch::<BYTES>(start);
-        #[cfg(not(target_arch = "x86_64"))]
+        #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
         let _ = start;
     }
 

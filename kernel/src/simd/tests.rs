@@ -1,5 +1,7 @@
 //! Every backend that this machine has against plain numbers.
 
+use alloc::vec::Vec;
+
 use super::*;
 
 /// Runs `work` while the processor takes subnormal numbers for zero and gives zero in place of them, as audio programs and
@@ -131,4 +133,17 @@ fn set_lanes_are_listed_in_order() {
     assert!(lanes_of(0b1010_0001).eq([0, 5, 7]));
     assert!(lanes_of(0).next().is_none());
     assert!(lanes_of(u32::MAX).eq(0..32));
+}
+
+#[test]
+fn proofs_are_for_code_that_is_there() {
+    // SAFETY: nothing runs on these.
+    let assumed = Level::ALL.map(|level| unsafe { Isa::assume(level) }.level());
+    if cfg!(all(target_arch = "x86_64", target_feature = "sse2")) {
+        assert_eq!(assumed, Level::ALL);
+    } else {
+        assert_eq!(assumed, [Level::Scalar, Level::Portable, Level::Portable, Level::Portable]);
+    }
+    let known: Vec<Level> = Level::ALL.into_iter().filter(|&level| Isa::new(level).is_some()).collect();
+    assert!(known.starts_with(&[Level::Scalar, Level::Portable]) && known.iter().all(|level| assumed.contains(level)));
 }

@@ -1,0 +1,239 @@
+//! Scenes: trees and other scenes, each where a transform puts it, standing still or moving.
+//!
+//! A scene shares the memory of what is in it, so handles can be freed in any order.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec3};
+use halfdome_kernel::scene::{Item, MAX_LEVELS, Object, Scene, SceneHit, SceneRay, SceneView};
+
+use crate::border::{Versioned, check, elements, forever, make, versioned};
+use crate::status::hd_status::*;
+use crate::status::{Failure, guard, hd_status};
+use crate::trace::{Traceable, any, closest, hd_hit, hd_ray};
+use crate::tree::{build_options, hd_build_options, hd_tree};
+
+/// A scene, ready to be traced.
+pub struct hd_scene(Arc<Level>);
+
+/// A scene, its tree, and what keeps that alive which it borrows.
+struct Level {
+    view: SceneView<'static>,
+    _scene: Arc<Scene<'static>>,
+    _items: Vec<Arc<dyn Any + Send + Sync>>,
+}
+
+/// How many scenes may lie one in the other below the outermost.
+pub const HD_MAX_LEVELS: usize = 8;
+
+/// What stands in hd_scene_hit.instances where there is none.
+pub const HD_NO_INSTANCE: u32 = 0xFFFF_FFFF;
+
+const _: () = assert!(HD_MAX_LEVELS == MAX_LEVELS && HD_NO_INSTANCE == SceneHit::NO_INSTANCE);
+
+/// Something in a scene: either a tree or a scene, of which there may be many instances.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct hd_item {
+    /// sizeof(hd_item)
+    pub struct_size: usize,
+    /// The tree, or NULL.
+    pub tree: *const hd_tree,
+    /// The scene, or NULL.
+    pub scene: *const hd_scene,
+    /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
+    /// to the scene. NULL: where its own coordinates say.
+    pub transforms: *const f32,
+    /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
+    /// elements are interpolated.
+    pub transform_count: usize,
+    /// Rays see it whose mask has a bit in common with it. 0 stands for all bits.
+    pub mask: u32,
+    /// 0
+    pub reserved: u32,
+}
+
+// SAFETY: struct_size comes first; numbers and pointers may have any bits.
+unsafe impl Versioned for hd_item {
+    const NAME: &'static str = "hd_item";
+}
+
+/// A ray with what a scene asks of it besides.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct hd_scene_ray {
+    /// The ray.
+    pub ray: hd_ray,
+    /// When, from 0 to 1; less counts as 0, and more as 1.
+    pub time: f32,
+    /// Which items it sees: those whose mask has a bit in common with it, at every level. 0xFFFFFFFF: all.
+    pub mask: u32,
+}
+
+/// Where a ray meets a triangle of a scene.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct hd_scene_hit {
+    /// Where, and which triangle of its mesh. t is the same in all spaces.
+    pub hit: hd_hit,
+    /// The item that has the mesh: its number in the scene that has the item.
+    pub geometry_id: u32,
+    /// On the way there, the items that are scenes, the outermost first: their numbers each in the scene that has them.
+    /// HD_NO_INSTANCE in unused places.
+    pub instances: [u32; HD_MAX_LEVELS],
+}
+
+impl Traceable for hd_scene {
+    const NAME: &'static str = "scene";
+    const FLOATS: usize = 9;
+    type Ray = hd_scene_ray;
+    type Hit = hd_scene_hit;
+    type KernelRay = SceneRay;
+    type KernelHit = SceneHit;
+
+    fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
+        self.0.view.intersect_many(rays, hits);
+    }
+    fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
+        self.0.view.occluded_many(rays, occluded);
+    }
+}
+
+/// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
+/// in it can be freed before it; blobs that trees were opened in have to stay.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_build(
+    items: *const hd_item,
+    count: usize,
+    options: *const hd_build_options,
+    scene: *mut *mut hd_scene,
+) -> hd_status {
+    guard(|| {
+        let build = || {
+            if count > 0 {
+                check("items", items, count)?;
+            }
+            // SAFETY: the caller's promise.
+            let options = unsafe { build_options(options) }?;
+            let (mut placed, mut memory) = (Vec::new(), Vec::new());
+            for number in 0..count {
+                // SAFETY: the caller's promise; what an item borrows, the level keeps.
+                let made = unsafe { item(&format!("items[{number}]"), items.add(number), &mut memory) };
+                placed.push(made.map_err(|failure| failure.at(number))?);
+            }
+            let (scene, _) = Scene::build(placed, &options)?;
+            let scene = Arc::new(scene);
+            // SAFETY: the level keeps the scene beside the view, which it never gives away for longer.
+            let view = unsafe { forever(&*scene) }.view();
+            Ok(hd_scene(Arc::new(Level { view, _scene: scene, _items: memory })))
+        };
+        // SAFETY: the caller's promise.
+        unsafe { make("scene", scene, build) }
+    })
+}
+
+/// What the kernel makes of an item. It borrows what is added to `memory`.
+///
+/// # Safety
+/// If `item` is not null, an item lies there whose pointers are null or to as much as it says.
+unsafe fn item(
+    name: &str,
+    item: *const hd_item,
+    memory: &mut Vec<Arc<dyn Any + Send + Sync>>,
+) -> Result<Item<'static>, Failure> {
+    // SAFETY: the caller's promise.
+    let (item, tree, scene) = unsafe {
+        let item = versioned(name, item)?;
+        (item, item.tree.as_ref(), item.scene.as_ref())
+    };
+    let object = match (tree, scene) {
+        (Some(tree), None) => {
+            memory.extend(tree.memory.shared());
+            Object::Mesh(tree.view)
+        }
+        (None, Some(hd_scene(level))) => {
+            memory.push(level.clone());
+            // SAFETY: the memory keeps the level.
+            Object::Scene(unsafe { forever(&level.view) })
+        }
+        (None, None) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
+        (Some(_), Some(_)) => return Err(Failure::new(HD_ERROR_VALUE, "it has both a tree and a scene")),
+    };
+    let floats = item.transform_count.saturating_mul(12);
+    // SAFETY: the caller's promise.
+    let floats = unsafe { elements("its transforms", item.transforms, floats) }?;
+    let keys: Arc<[Affine3A]> = floats.as_chunks().0.iter().map(transform).collect();
+    let placed = match *keys {
+        [] => Item::new(object),
+        [only] => Item::new(object).placed(&only)?,
+        _ => {
+            memory.push(Arc::new(keys.clone()));
+            // SAFETY: the memory keeps the keys.
+            Item::new(object).moving(unsafe { forever(&*keys) })?
+        }
+    };
+    Ok(placed.with_mask(if item.mask == 0 { u32::MAX } else { item.mask }))
+}
+
+/// The transform whose matrix has these rows.
+fn transform(rows: &[f32; 12]) -> Affine3A {
+    let column = |k: usize| Vec3::new(rows[k], rows[4 + k], rows[8 + k]);
+    Affine3A {
+        matrix3: glam::Mat3A::from_cols(column(0).into(), column(1).into(), column(2).into()),
+        translation: column(3).into(),
+    }
+}
+
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then instances.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_intersect(
+    scene: Option<&hd_scene>,
+    ray: *const hd_scene_ray,
+    hit: *mut hd_scene_hit,
+) -> hd_status {
+    // SAFETY: the caller's promise.
+    unsafe { closest(scene, ["ray", "hit"], ray, hit, 1) }
+}
+
+/// Finds out whether a ray hits anything.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_occluded(
+    scene: Option<&hd_scene>,
+    ray: *const hd_scene_ray,
+    occluded: *mut bool,
+) -> hd_status {
+    // SAFETY: the caller's promise.
+    unsafe { any(scene, ["ray", "occluded"], ray, occluded, 1) }
+}
+
+/// hd_scene_intersect for count rays. If a ray has a NaN none is traced.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_intersect_many(
+    scene: Option<&hd_scene>,
+    rays: *const hd_scene_ray,
+    hits: *mut hd_scene_hit,
+    count: usize,
+) -> hd_status {
+    // SAFETY: the caller's promise.
+    unsafe { closest(scene, ["rays", "hits"], rays, hits, count) }
+}
+
+/// hd_scene_occluded for count rays, likewise.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_occluded_many(
+    scene: Option<&hd_scene>,
+    rays: *const hd_scene_ray,
+    occluded: *mut bool,
+    count: usize,
+) -> hd_status {
+    // SAFETY: the caller's promise.
+    unsafe { any(scene, ["rays", "occluded"], rays, occluded, count) }
+}
+
+/// Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.
+#[unsafe(no_mangle)]
+pub extern "C" fn hd_scene_free(scene: Option<Box<hd_scene>>) {
+    drop(scene);
+}

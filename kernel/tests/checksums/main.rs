@@ -1,0 +1,51 @@
+//! What the kernel gives, in checksums that are kept in the repository: hits, trees and numbers are equal bit for bit on
+//! every instruction set of this machine, and on every target that runs this (`tests/targets.sh`).
+//!
+//! After a change that is meant, `HALFDOME_CHECKSUMS=write cargo test -p halfdome-kernel --test checksums` writes them
+//! anew; what became different is to be read in the diff.
+
+mod hits;
+mod numbers;
+mod scenes;
+
+use halfdome_kernel::{Isa, Level};
+
+/// The 64-bit FNV-1a hash of the bytes of little-endian words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Checksum(u64);
+
+impl Checksum {
+    pub(crate) fn of(words: impl IntoIterator<Item = u32>) -> Self {
+        let bytes = words.into_iter().flat_map(u32::to_le_bytes);
+        Self(bytes.fold(0xCBF2_9CE4_8422_2325, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)))
+    }
+
+    pub(crate) fn of_floats(floats: impl IntoIterator<Item = f32>) -> Self {
+        Self::of(floats.into_iter().map(f32::to_bits))
+    }
+}
+
+impl std::fmt::Display for Checksum {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
+
+/// Every level that this machine has.
+pub(crate) fn isas() -> impl Iterator<Item = Isa> {
+    Level::ALL.into_iter().filter_map(Isa::new)
+}
+
+/// Compares lines with those that are kept in `tests/checksums/{name}.txt`, or writes them there.
+pub(crate) fn compare(name: &str, kept: &str, lines: &[String]) {
+    let found: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    if std::env::var("HALFDOME_CHECKSUMS").is_ok_and(|what| what == "write") {
+        let path = format!("{}/../tests/checksums/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+        std::fs::write(path, found).unwrap();
+        return;
+    }
+    for (kept, found) in kept.lines().zip(found.lines()) {
+        assert_eq!(kept, found, "tests/checksums/{name}.txt (left) keeps something else");
+    }
+    assert_eq!(kept.lines().count(), lines.len(), "tests/checksums/{name}.txt has lines of its own");
+}
