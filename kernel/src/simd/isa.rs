@@ -135,7 +135,9 @@ const HAS_VECTOR_CODE: bool = cfg!(all(target_arch = "x86_64", target_feature = 
 
 /// Whether this processor is known to have the instructions of [`Level::Avx2`].
 fn has_avx2() -> bool {
-    HAS_VECTOR_CODE && !cfg!(miri) && (has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt"))
+    HAS_VECTOR_CODE
+        && !cfg!(miri)
+        && (has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt"))
 }
 
 /// Whether it is known to have what [`Level::Avx512`] adds.
