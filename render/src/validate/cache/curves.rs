@@ -15,12 +15,15 @@ pub struct Kind {
 
 /// The split-sphere without gradients, with the rotational one, and with both; its bounded form, and the Hessian.
 pub const KINDS: [Kind; 5] = [
-    Kind { label: "no gradients", metric: Metric::SplitSphere, gradients: Gradients::Off },
+    Kind { label: NO_GRADIENTS, metric: Metric::SplitSphere, gradients: Gradients::Off },
     Kind { label: "rotation", metric: Metric::SplitSphere, gradients: Gradients::Rotation },
-    Kind { label: "rotation and translation", metric: Metric::SplitSphere, gradients: Gradients::Both },
+    Kind { label: GRADIENTS, metric: Metric::SplitSphere, gradients: Gradients::Both },
     Kind { label: "bounded", metric: Metric::Bounded, gradients: Gradients::Both },
-    Kind { label: "Hessian", metric: Metric::Hessian, gradients: Gradients::Both },
+    Kind { label: HESSIAN, metric: Metric::Hessian, gradients: Gradients::Both },
 ];
+pub(super) const NO_GRADIENTS: &str = "no gradients";
+pub(super) const GRADIENTS: &str = "rotation and translation";
+pub(super) const HESSIAN: &str = "Hessian";
 /// Paths in figures.
 const PATHS: &str = "path tracing";
 
@@ -66,6 +69,11 @@ impl Curves {
         Some(curves)
     }
 
+    /// The runs by paths.
+    pub(super) fn by_paths(&self) -> &[Run] {
+        &self.paths
+    }
+
     /// The runs of the kind with this label.
     pub(super) fn of(&self, label: &str) -> &[Run] {
         KINDS.iter().zip(&self.caches).find(|(kind, _)| kind.label == label).map_or(&[], |(_, runs)| runs)
@@ -100,6 +108,11 @@ pub(super) fn records_for(runs: &[Run], error: f64) -> f64 {
 /// See [`records_for`].
 pub(super) fn error_of(runs: &[Run], records: f64) -> f64 {
     along(runs.iter().map(|run| (run.records as f64, run.error)).collect(), records)
+}
+
+/// How many rays it takes for an error; see [`records_for`].
+pub(super) fn rays_for(runs: &[Run], error: f64) -> f64 {
+    along(runs.iter().map(|run| (run.error, run.rays)).collect(), error)
 }
 
 /// The value at `x` of the curve through two or more points of positive coordinates.

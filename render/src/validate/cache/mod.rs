@@ -7,13 +7,14 @@ mod curves;
 mod study;
 mod walls;
 
+use super::plot::Figure;
 use super::room::furnished_room;
 use super::scenes::world;
 use super::{Experiment, Family, Interrupted, Lab, Outcome};
 use crate::scene::{Scene, cornell_box};
 use crate::settings::{CachedOptions, Gradients, Metric};
 use crate::world::World;
-use curves::{error_of, records_for};
+use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
 
 pub use curves::{Curves, KINDS, Kind, Plan};
 pub use study::{Reference, Run, Study};
@@ -26,16 +27,16 @@ pub(super) const FAMILY: Family = Family {
         Experiment {
             name: "cache-cornell",
             about: "Records with gradients, relative to those without for the same error, in the Cornell box",
-            run: |lab| gradients(lab, "cache-cornell", "Cornell box", cornell_box()),
+            run: gradients,
         },
         Experiment {
             name: "cache-room",
-            about: "Records with gradients, relative to those without for the same error, in a furnished room",
-            run: |lab| gradients(lab, "cache-room", "Furnished room", furnished_room()),
+            about: "Rays of a cache, relative to those of path tracing for the same error, in a furnished room",
+            run: paths,
         },
         Experiment {
             name: "cache-hessian",
-            about: "Error of 1700 records by the Hessian, relative to that by the bounded split-sphere",
+            about: "Error of 550 records by the Hessian, relative to that by the bounded split-sphere",
             run: hessian,
         },
         Experiment {
@@ -46,28 +47,48 @@ pub(super) const FAMILY: Family = Family {
     ],
 };
 
-/// Records that both metrics have when they are compared, as Schwarzhaupt et al. (2012) did.
-const RECORDS: f64 = 1700.0;
+/// Records that both metrics have when they are compared. With more, the noise of the gathers is most of the Hessian's
+/// error: of 1700 records of 4096 rays, as many as Schwarzhaupt et al. (2012) compare, it has two thirds of the error.
+const RECORDS: f64 = 550.0;
 
-/// A study of a scene with the lab's random numbers.
-fn study<'a>(lab: &'a Lab, world: &'a World) -> Result<Study<'a>, Interrupted> {
-    let study = Study::new(world, lab.share(128).clamp(8, 16), lab.share(32_768), lab.seed(), lab.watch());
+/// A study of a scene with the lab's random numbers. A quick one looks at fewer surfaces, whose light must be known as well.
+fn study<'a>(lab: &Lab<'a>, world: &'a World) -> Result<Study<'a>, Interrupted> {
+    let study = Study::new(world, lab.share(16).max(10), lab.share(32_768).max(16_384), lab.seed(), lab.watch());
     if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
 }
 
-fn gradients(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<Outcome, Interrupted> {
+/// The curves of a scene, and their figure.
+fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
     let world = world(scene);
     let study = study(lab, &world)?;
-    let plan = Plan { paths: &[16, 64, 256, 1024], errors: &[0.8, 0.57, 0.4, 0.28], rays: lab.share(4096) };
+    let errors: &[f32] = if lab.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
+    let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
     let curves = Curves::measure(&study, &plan, |_, _, _| !lab.watch().stop()).ok_or(Interrupted)?;
-    // Where the records with gradients are most, those without would have to be more than were made: the law goes on.
-    let (off, both) = (curves.of(KINDS[0].label), curves.of(KINDS[2].label));
-    let finest = both[both.len() - 1];
-    let measured = finest.records as f64 / records_for(off, finest.error);
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     let figure = curves.figure(name, &format!("{title}: indirect light ({reference})"));
-    let quantity = "records for the same error".to_owned();
+    Ok((curves, figure))
+}
+
+fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
+    // Without gradients nothing measured may be as good: then the last two say how many more records it takes.
+    let finest = finest(curves.of(GRADIENTS)).ok_or(Interrupted)?;
+    let measured = finest.records as f64 / records_for(curves.of(NO_GRADIENTS), finest.error);
+    let quantity = format!("records for an error of {:.1}%", 100.0 * finest.error);
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
+}
+
+fn paths(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(lab, "cache-room", "Furnished room", furnished_room())?;
+    let finest = finest(curves.of(HESSIAN)).ok_or(Interrupted)?;
+    let measured = finest.rays / rays_for(curves.by_paths(), finest.error);
+    let quantity = format!("rays for an error of {:.1}%", 100.0 * finest.error);
+    Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.1, figure: Some(figure) })
+}
+
+/// The run with the least error.
+fn finest(runs: &[Run]) -> Option<&Run> {
+    runs.iter().min_by(|a, b| a.error.total_cmp(&b.error))
 }
 
 fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {
@@ -80,7 +101,7 @@ fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {
         });
         if lab.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
     };
-    let (bounded, hessian) = (error(Metric::Bounded, [0.4, 0.28])?, error(Metric::Hessian, [0.5, 0.35])?);
+    let (bounded, hessian) = (error(Metric::Bounded, [0.8, 0.5])?, error(Metric::Hessian, [0.9, 0.7])?);
     let quantity = format!("error, relative to {:.1}%", 100.0 * bounded);
-    Ok(Outcome { quantity, measured: hessian / bounded, expected: 0.0, tolerance: 1.0 / 3.0, figure: None })
+    Ok(Outcome { quantity, measured: hessian / bounded, expected: 0.0, tolerance: 0.5, figure: None })
 }

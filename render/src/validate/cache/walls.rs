@@ -1,12 +1,14 @@
-//! Sensors on three walls of the Cornell box: 96 x 96 on the floor, on the back wall and on the red one.
+//! Sensors on three walls of the Cornell box: 96 x 96 on the back wall, on the red one and on the green one.
 
-use glam::{Vec3, vec3};
+use glam::Vec3;
 
 use super::Reference;
 use crate::cache::Cache;
 use crate::driver::Watch;
 use crate::irradiance::{Irradiance, Part, Request, Sensor, by_cache};
+use crate::scene::{Mesh, cornell_box};
 use crate::settings::CachedOptions;
+use crate::validate::scenes::world as prepared;
 use crate::validate::{Interrupted, Lab, Outcome, worst};
 use crate::world::World;
 
@@ -20,13 +22,15 @@ pub struct Walls {
 const SIDE: u32 = 96;
 /// One in so many along a side has a reference.
 const STEP: u32 = 6;
-/// Samples of direct light at a sensor, and rays of a record.
-pub(super) const SETTINGS: (u32, u32) = (128, 768);
+/// Samples of direct light at a sensor, and rays and error of records.
+const SETTINGS: (u32, u32, f32) = (128, 2048, 0.55);
 
 impl Walls {
     /// With references of twice `spp` paths.
     pub fn new(world: &World, spp: u32, seed: u64, watch: &dyn Watch) -> Self {
-        let sensors: Vec<Sensor> = (0..3).flat_map(|wall| (0..SIDE * SIDE).map(move |i| sensor(wall, i))).collect();
+        let scene = cornell_box();
+        let walls = scene.meshes.iter().filter(|mesh| mesh.name.ends_with(" wall"));
+        let sensors: Vec<Sensor> = walls.flat_map(|wall| (0..SIDE * SIDE).map(|i| sensor(wall, i))).collect();
         let walls = sensors.chunks_exact((SIDE * SIDE) as usize);
         let references = walls.map(|wall| {
             let some: Vec<Sensor> = referenced().map(|i| wall[i]).collect();
@@ -51,9 +55,15 @@ impl Walls {
         walls.map(|(wall, reference)| reference.error_of(referenced().map(|i| wall[i]))).collect()
     }
 
-    /// What a cache with these settings reads: samples of direct light, and rays of a record.
-    pub fn by_cache(&self, world: &World, spp: u32, rays: u32, seed: u64, watch: &dyn Watch) -> Irradiance {
-        let options = CachedOptions { rays, ..CachedOptions::default() };
+    /// What a cache reads with so many samples of direct light, rays of a record and this error.
+    pub fn by_cache(
+        &self,
+        world: &World,
+        (spp, rays, error): (u32, u32, f32),
+        seed: u64,
+        watch: &dyn Watch,
+    ) -> Irradiance {
+        let options = CachedOptions { rays, error, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
         by_cache(world, &self.sensors, cache, &Request { spp, seed, part: Part::Total }, watch)
     }
@@ -66,21 +76,19 @@ fn referenced() -> impl Iterator<Item = usize> {
         .flat_map(|row| (STEP / 2..SIDE).step_by(STEP as usize).map(move |column| (row * SIDE + column) as usize))
 }
 
-/// Sensor `i` of a wall, in the middle of its part of the wall.
-fn sensor(wall: u32, i: u32) -> Sensor {
+/// Sensor `i` of the quadrilateral wall of this name, in the middle of its part of the wall.
+fn sensor(wall: &Mesh, i: u32) -> Sensor {
     let [u, v] = [i % SIDE, i / SIDE].map(|place| (place as f32 + 0.5) / SIDE as f32);
-    match wall {
-        0 => Sensor { position: vec3(0.5496 * u, 0.0, 0.5592 * v), normal: Vec3::Y },
-        1 => Sensor { position: vec3(0.5496 * u, 0.5488 * v, 0.5592), normal: Vec3::NEG_Z },
-        _ => Sensor { position: vec3(0.0, 0.5488 * u, 0.5592 * v), normal: Vec3::X },
-    }
+    let [a, b, c, d] = [0, 1, 2, 3].map(|corner| wall.positions[corner]);
+    // The triangle that the place is on: the red wall's two are not in one plane.
+    let (along, across) = if v <= u { (b - a, c - b) } else { (c - d, d - a) };
+    Sensor { position: a + u * along + v * across, normal: along.cross(across).normalize() }
 }
 
 pub(super) fn experiment(lab: &Lab) -> Result<Outcome, Interrupted> {
-    let world = crate::validate::scenes::world(crate::scene::cornell_box());
+    let world = prepared(cornell_box());
     let walls = Walls::new(&world, lab.share(65_536), !lab.seed(), lab.watch());
-    let (spp, rays) = SETTINGS;
-    let found = walls.by_cache(&world, spp, rays, lab.seed(), lab.watch());
+    let found = walls.by_cache(&world, SETTINGS, lab.seed(), lab.watch());
     if lab.watch().stop() {
         return Err(Interrupted);
     }
