@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures, in some four minutes on two cores. The kitchen is the model that ships inside the source of the
+# Makes the README's pictures, in some six minutes on two cores. The kitchen is the model that ships inside the source of the
 # crate obvhs, with a lamp put under its ceiling; needs python3 and zstd to unpack it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,8 +11,16 @@ trap 'rm -rf "$work"' EXIT
 (cd "$work" && "$halfdome" --version && "$halfdome")
 cp "$work/cornell.png" docs/cornell.png
 
-"$halfdome" validate --plots "$work/figures" furnace convergence
-for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata; do
+# Where the ceiling has its light from the room alone: few records, without gradients and with them.
+for gradients in off both; do
+    "$halfdome" render cornell --integrator cached --metric split-sphere --cache-error 1 --record-rays 4096 \
+        --gradients $gradients --eye 0.278,0.2,-0.25 --target 0.278,0.42,0.35 --vfov 62 --size 400x320 --spp 256 \
+        --exposure 2 -o docs/gradients-$gradients.png
+done
+
+"$halfdome" validate --plots "$work/figures" furnace convergence cache-cornell cache-room
+for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata \
+    cache-cornell cache-room; do
     cp "$work/figures/$figure.svg" "docs/validate-${figure#furnace-}.svg"
 done
 
@@ -51,6 +59,8 @@ spp = 512
 radiance = [2.0, 2.4, 3.0]
 SCENE
 "$halfdome" render "$work/kitchen.toml" -o docs/kitchen.png --tone neutral --exposure 0.5
+cargo run --release -p halfdome-benches --bin irradiance_curves -- "$work/kitchen.toml" --record-rays 2048 --reference 16384 --plots "$work"
+cp "$work/cache-kitchen.svg" docs/validate-cache-kitchen.svg
 "$halfdome" cache build "$work/kitchen.toml" -o "$work/kitchen.cache"
 "$halfdome" cache show "$work/kitchen.toml" "$work/kitchen.cache" -o docs/records.png
 

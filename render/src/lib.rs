@@ -15,7 +15,7 @@ pub mod output;
 pub mod scene;
 pub mod settings;
 mod threads;
-mod validate;
+pub mod validate;
 pub mod world;
 
 pub use threads::Threads;

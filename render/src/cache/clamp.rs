@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::STRETCH;
 use super::octree::Octree;
 use super::record::Record;
 use crate::settings::{CachedOptions, Metric};
@@ -22,14 +21,16 @@ const DARKEST: f32 = 0.1;
 /// Bounds the radii of a new record, and the gradient that goes with them (Křivánek et al. 2008, 4.3):
 ///
 /// - by the gradient: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give nothing or less than nothing.
-///   The bounded metric has it multiplied by the error, as it has the other radius, the Hessian one by one half, as
-///   records are used up to twice their radius; the split-sphere metric is without it;
+///   The bounded metric has it multiplied by the error, as it has the other radius, the Hessian one by one half; the
+///   split-sphere metric is without it;
+/// - with the Hessian by half the mean distance of what is seen: a gradient's noise is that of the irradiance over this
+///   distance, about, and grows with the way;
 /// - by `bounds`; where that makes a radius longer, the gradient becomes as much weaker.
 pub(crate) fn bound(record: &mut Record, options: &CachedOptions, bounds: Bounds) {
     let limit = match options.metric {
         Metric::SplitSphere => f32::INFINITY,
         Metric::Bounded => options.error * gradient_radius(record),
-        Metric::Hessian => gradient_radius(record) / STRETCH,
+        Metric::Hessian => 0.5 * gradient_radius(record).min(record.mean_distance),
     };
     record.radii = record.radii.map(|radius| radius.min(limit));
     let shortest = record.radii[0];

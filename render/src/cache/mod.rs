@@ -17,6 +17,8 @@ mod order;
 mod record;
 mod weight;
 
+use std::f32::consts::SQRT_2;
+
 use glam::Vec3;
 
 use crate::settings::{CachedOptions, Gradients, Metric};
@@ -30,9 +32,6 @@ pub(crate) use fill::{Pass, Place};
 pub use file::CacheFileError;
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
-
-/// By how much farther records are used than they keep other records away.
-const STRETCH: f32 = 2.0;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]
@@ -93,7 +92,7 @@ impl Cache {
         for (record, factor) in records.iter_mut().zip(factors) {
             record.radii = record.radii.map(|radius| radius * factor);
         }
-        let weighting = self.weighting(STRETCH);
+        let weighting = self.weighting(self.stretch());
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
         self.records = records;
     }
@@ -109,6 +108,15 @@ impl Cache {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => self.options.error,
             Metric::Hessian => 1.0,
+        }
+    }
+
+    /// By how much farther records are used than they keep other records away. Where the Hessian says so, all of that way
+    /// has the error that was asked for; then less of it is better.
+    fn stretch(&self) -> f32 {
+        match self.options.metric {
+            Metric::SplitSphere | Metric::Bounded => 2.0,
+            Metric::Hessian => SQRT_2,
         }
     }
 
@@ -128,9 +136,15 @@ impl Cache {
 
     /// The irradiance at a point with a unit normal; `None` where no record is valid.
     pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        let weighting = self.weighting(STRETCH);
-        let rotation = self.options.gradients != Gradients::Off;
-        let translation = self.options.gradients == Gradients::Both;
+        self.interpolate_by(self.options.gradients, position, normal)
+    }
+
+    /// The same by other gradients than those of the options.
+    #[inline]
+    pub(crate) fn interpolate_by(&self, gradients: Gradients, position: Vec3, normal: Vec3) -> Option<Interpolated> {
+        let weighting = self.weighting(self.stretch());
+        let rotation = gradients != Gradients::Off;
+        let translation = gradients == Gradients::Both;
         let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
         self.tree.query(position, |i| {
             let record = &self.records[i];

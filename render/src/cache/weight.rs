@@ -7,9 +7,9 @@
 //! - bounded (Tabellion and Lamorlette 2004): the tent `1 - max(t, sqrt(1 - c)/sqrt(1 - cos 10°))`.
 //! - Hessian (Schwarzhaupt, Wann Jensen and Jarosz 2012): `(1 - t)(c - cos 10°)/(1 - cos 10°)`.
 //!
-//! Records are placed where none has a weight, and used with a *stretch* of 2: `e`, `t` and the angles count half. So a
-//! record's neighbours reach over it, and a point between points that had records has some, too (Tabellion and
-//! Lamorlette again).
+//! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count half
+//! (Tabellion and Lamorlette again), or of √2 with the Hessian. So a record's neighbours reach over it, and a point
+//! between points that had records has some, too.
 //!
 //! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
 //! own: the point must not be above or below the surface that the record and it could share, by the mean of the

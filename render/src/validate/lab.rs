@@ -51,6 +51,16 @@ impl<'a> Lab<'a> {
         Self { seed: bytes.fold(0xCBF2_9CE4_8422_2325, hash), renders: Cell::new(0), ..*self }
     }
 
+    /// Selects the random numbers of experiments that need more than renders.
+    pub(super) fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Who watches, and may stop an experiment.
+    pub(super) fn watch(&self) -> &'a dyn Watch {
+        self.watch
+    }
+
     /// `full`, or an eighth of it for a quick look, at least one.
     pub(super) fn share(&self, full: u32) -> u32 {
         match self.effort {

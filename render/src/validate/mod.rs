@@ -4,6 +4,7 @@
 //! Where it measures many, as in a series over bounces, the number is the largest distance from the exact values in
 //! standard errors. Results depend on the seed and the effort alone.
 
+mod cache;
 mod convergence;
 mod exact;
 mod furnace;
@@ -12,6 +13,7 @@ mod lights;
 mod materials;
 mod plot;
 mod report;
+mod room;
 mod scenes;
 mod statistics;
 
@@ -21,6 +23,8 @@ pub(crate) use lab::{Effort, Interrupted, Lab};
 pub(crate) use plot::{Figure, csv, svg};
 pub(crate) use report::{Row, json, list};
 
+pub use cache::{Curves, KINDS, Kind, Plan, Reference, Run, Study, Walls};
+pub use room::furnished_room;
 use statistics::Sample;
 
 /// Experiments about one thing; their names begin with the family's and a hyphen.
@@ -58,7 +62,8 @@ pub(crate) struct Outcome {
 }
 
 /// Every family, in the order in which they run.
-pub(crate) const FAMILIES: [&Family; 4] = [&furnace::FAMILY, &lights::FAMILY, &convergence::FAMILY, &materials::FAMILY];
+pub(crate) const FAMILIES: [&Family; 5] =
+    [&furnace::FAMILY, &lights::FAMILY, &convergence::FAMILY, &materials::FAMILY, &cache::FAMILY];
 
 /// How many standard errors a mean may be off: one in 16,000 is, of those that are right.
 const MAX_Z: f64 = 4.0;

@@ -72,6 +72,7 @@ fn errors_are_small_and_fall_as_strata_double() {
         (20, 63, [[0.03, 0.12], [0.04, 0.2], [0.13, 0.7]]),
         (40, 126, [[0.008, 0.04], [0.014, 0.07], [0.05, 0.32]]),
         (80, 251, [[0.003, 0.02], [0.005, 0.03], [0.03, 0.2]]),
+        (128, 402, [[0.0012, 0.008], [0.002, 0.015], [0.016, 0.11]]),
     ];
     for (rings, sectors, bounds) in bounds {
         check(&format!("{rings} x {sectors}"), errors(&*stratified(rings, sectors), 400), bounds);
@@ -81,9 +82,11 @@ fn errors_are_small_and_fall_as_strata_double() {
 #[test]
 fn errors_are_small_and_fall_as_texels_double() {
     let bounds = [
-        (16, [[0.03, 0.16], [0.035, 0.18], [0.14, 0.7]]),
-        (32, [[0.008, 0.05], [0.012, 0.06], [0.06, 0.35]]),
-        (64, [[0.003, 0.02], [0.004, 0.02], [0.035, 0.2]]),
+        (20, [[0.03, 0.12], [0.04, 0.2], [0.13, 0.7]]),
+        // About as many cells as 40 x 126 and as 128 x 402 strata, and the same bounds.
+        (40, [[0.008, 0.04], [0.014, 0.07], [0.05, 0.32]]),
+        (64, [[0.003, 0.02], [0.005, 0.03], [0.03, 0.2]]),
+        (130, [[0.0012, 0.008], [0.002, 0.012], [0.016, 0.11]]),
     ];
     for (size, bounds) in bounds {
         check(&format!("hemicube of {size}"), errors(&*hemicube(size), 400), bounds);

@@ -40,6 +40,26 @@ fn caches_are_the_same_bytes_for_any_number_of_threads() {
     });
 }
 
+/// Nor do they depend on how many rays an instruction set takes at once, or on whether rays go in packets at all.
+#[test]
+fn caches_are_the_same_bytes_for_any_instruction_set() {
+    in_folder(|program| {
+        for options in ["", "--layout hemicube --metric bounded"] {
+            let build = |level: &str| {
+                let line = format!("cache build cornell -o a.cache --size 48x40 {SMALL} {options}");
+                let mut command = program.command(&line.split_whitespace().collect::<Vec<_>>());
+                assert!(command.env("HALFDOME_ISA", level).status().unwrap().success());
+                fs::read(program.folder.join("a.cache")).unwrap()
+            };
+            let scalar = build("scalar");
+            // What a processor lacks falls back on what it has.
+            for level in ["sse2", "avx2", "avx512"] {
+                assert!(build(level) == scalar, "{options}, {level}");
+            }
+        }
+    });
+}
+
 /// A picture from a file of records is the one that fills its cache itself.
 #[test]
 fn saved_caches_give_the_same_picture() {

@@ -2,4 +2,5 @@
 
 mod command;
 mod light;
+mod opening;
 mod records;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use halfdome::cache::{Cache, Record};
 use halfdome::driver;
 use halfdome::scene::{Scene, cornell_box};
-use halfdome::settings::{CachedOptions, Integrator, Metric, Settings};
+use halfdome::settings::{CachedOptions, GatherLayout, Integrator, Metric, Settings};
 use halfdome::world::World;
 use halfdome_tests::render::Patience;
 
@@ -37,10 +37,11 @@ fn scaled(length: f32, light: f32) -> Scene {
 /// No length or radiance is built in: powers of two scale every number of every record exactly.
 #[test]
 fn a_scaled_scene_has_the_same_records() {
-    for metric in Metric::ALL {
-        let options = CachedOptions { rays: 256, metric, ..CachedOptions::default() };
+    let stratified = Metric::ALL.map(|metric| (metric, GatherLayout::Stratified));
+    for (metric, layout) in stratified.into_iter().chain([(Metric::Hessian, GatherLayout::Hemicube)]) {
+        let options = CachedOptions { rays: 256, metric, layout, ..CachedOptions::default() };
         let plain = fill(&cornell_box(), options);
-        assert!(plain.len() > 50, "{metric:?}: {} records", plain.len());
+        assert!(plain.len() > 50, "{metric:?}, {layout:?}: {} records", plain.len());
         for (length, light) in [(1024.0, 1_048_576.0), (1.0 / 1024.0, 1.0 / 1_048_576.0)] {
             let records = fill(&scaled(length, light), options);
             assert_eq!(records.len(), plain.len(), "{metric:?}, {length}");

@@ -21,8 +21,11 @@ use crate::world::{Surface, World};
 
 /// Steps between the camera's candidates, in pixels.
 const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
-/// Bounds of a record's reach in pixels where the camera sees it.
-const PIXELS: [f32; 2] = [1.5, 40.0];
+/// The fewest pixels that a record reaches where the camera sees it, over the error: in a corner it is these that decide
+/// how many records there are, which should be as many times fewer as elsewhere where the error may be greater ...
+const LEAST_PIXELS: f32 = 6.0;
+/// ... and the most pixels.
+const MOST_PIXELS: f32 = 40.0;
 /// Parts of the scene's diagonal that make up the unit of spacing where there is no camera ...
 const PARTS: f32 = 1024.0;
 /// ... and the most units that a record reaches.
@@ -45,7 +48,7 @@ const LEVEL_SHIFT: u32 = 56;
 /// Adds to `cache` what a camera needs, and freezes it; gives the rays traced.
 pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> (Frozen, u64) {
     let camera = Camera::new(&world.camera, settings.width, settings.height);
-    let (candidates, passes, rays) = camera_candidates(world, settings, &camera);
+    let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
     let (frozen, traced) = fill(world, cache, settings.seed, &candidates, &passes, watch);
     (frozen, rays + traced)
 }
@@ -107,6 +110,7 @@ fn camera_candidates<'w>(
     world: &'w World,
     settings: &Settings,
     camera: &Camera,
+    error: f32,
 ) -> (Vec<Candidate<'w>>, Vec<Pass>, u64) {
     let (mut candidates, mut passes, mut traced) = (Vec::new(), Vec::new(), 0);
     for (number, step) in STEPS.into_iter().enumerate() {
@@ -118,7 +122,7 @@ fn camera_candidates<'w>(
         });
         let pixels: Vec<(u32, u32)> = grid.collect();
         let found: Vec<(Vec<Candidate>, u64)> =
-            pixels.par_chunks(1024).map(|pixels| seen_candidates(world, settings, camera, pixels)).collect();
+            pixels.par_chunks(1024).map(|pixels| seen_candidates(world, settings, camera, error, pixels)).collect();
         traced += found.iter().map(|(_, rays)| rays).sum::<u64>();
         candidates.extend(found.into_iter().flat_map(|(candidates, _)| candidates));
         let places = candidates.len();
@@ -141,6 +145,7 @@ fn seen_candidates<'w>(
     world: &'w World,
     settings: &Settings,
     camera: &Camera,
+    error: f32,
     pixels: &[(u32, u32)],
 ) -> (Vec<Candidate<'w>>, u64) {
     let view = |&(x, y): &(u32, u32)| View {
@@ -161,7 +166,7 @@ fn seen_candidates<'w>(
             let distance = distance + hit.t;
             if surface.material.diffuse != Vec3::ZERO {
                 let key = u64::from(depth) << DEPTH_SHIFT | pixel;
-                candidates.push(camera_candidate(camera, surface, ray, distance, key));
+                candidates.push(camera_candidate(camera, error, surface, ray, distance, key));
             }
             let sampler = Sampler::new(Pattern::Sobol, !settings.seed, *pixel as u32, depth);
             let bounce = surface.sample(ray.direction, sampler.uniform2(0));
@@ -179,7 +184,14 @@ fn seen_candidates<'w>(
 }
 
 /// The candidate that is seen at this distance from the camera.
-fn camera_candidate<'w>(camera: &Camera, surface: Surface<'w>, ray: &Ray, distance: f32, key: u64) -> Candidate<'w> {
+fn camera_candidate<'w>(
+    camera: &Camera,
+    error: f32,
+    surface: Surface<'w>,
+    ray: &Ray,
+    distance: f32,
+    key: u64,
+) -> Candidate<'w> {
     // The root of the area that a pixel covers; at most that of a surface seen under 6 degrees. What is seen in a mirror
     // counts as if it stood as far behind the mirror: a curved one would make of a pixel anything from nothing to all.
     let cosine = surface.normal.dot(ray.direction).abs().max(0.1);
@@ -187,7 +199,7 @@ fn camera_candidate<'w>(camera: &Camera, surface: Surface<'w>, ray: &Ray, distan
     Candidate {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
-        bounds: Bounds { lower: PIXELS[0] * spacing, upper: PIXELS[1] * spacing },
+        bounds: Bounds { lower: LEAST_PIXELS * error * spacing, upper: MOST_PIXELS * spacing },
     }
 }
 

@@ -1,0 +1,107 @@
+//! What the irradiance cache is worth: its error against path tracing, for the rays and the records that it takes.
+//!
+//! Unlike other experiments these have no closed form. Their references are long runs of path tracing, whose own error
+//! the figures' titles say and which does not count.
+
+mod curves;
+mod study;
+mod walls;
+
+use super::plot::Figure;
+use super::room::furnished_room;
+use super::scenes::world;
+use super::{Experiment, Family, Interrupted, Lab, Outcome};
+use crate::scene::{Scene, cornell_box};
+use crate::settings::{CachedOptions, Gradients, Metric};
+use crate::world::World;
+use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
+
+pub use curves::{Curves, KINDS, Kind, Plan};
+pub use study::{Reference, Run, Study};
+pub use walls::Walls;
+
+pub(super) const FAMILY: Family = Family {
+    name: "cache",
+    about: "What the irradiance cache is worth, against path tracing",
+    experiments: &[
+        Experiment {
+            name: "cache-cornell",
+            about: "Records with gradients, relative to those without for the same error, in the Cornell box",
+            run: gradients,
+        },
+        Experiment {
+            name: "cache-room",
+            about: "Rays of a cache, relative to those of path tracing for the same error, in a furnished room",
+            run: paths,
+        },
+        Experiment {
+            name: "cache-hessian",
+            about: "Error of 550 records by the Hessian, relative to that by the bounded split-sphere",
+            run: hessian,
+        },
+        Experiment {
+            name: "cache-walls",
+            about: "Greatest relative error of 96 x 96 sensors on a wall of the Cornell box, by cache",
+            run: walls::experiment,
+        },
+    ],
+};
+
+/// Records that both metrics have when they are compared. With more, the noise of the gathers is most of the Hessian's
+/// error: of 1700 records of 4096 rays, as many as Schwarzhaupt et al. (2012) compare, it has two thirds of the error.
+const RECORDS: f64 = 550.0;
+
+/// A study of a scene with the lab's random numbers. A quick one looks at fewer surfaces, whose light must be known as well.
+fn study<'a>(lab: &Lab<'a>, world: &'a World) -> Result<Study<'a>, Interrupted> {
+    let study = Study::new(world, lab.share(16).max(10), lab.share(32_768).max(16_384), lab.seed(), lab.watch());
+    if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
+}
+
+/// The curves of a scene, and their figure.
+fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
+    let world = world(scene);
+    let study = study(lab, &world)?;
+    let errors: &[f32] = if lab.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
+    let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
+    let curves = Curves::measure(&study, &plan, |_, _, _| !lab.watch().stop()).ok_or(Interrupted)?;
+    let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
+    let figure = curves.figure(name, &format!("{title}: indirect light ({reference})"));
+    Ok((curves, figure))
+}
+
+fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
+    // Without gradients nothing measured may be as good: then the last two say how many more records it takes.
+    let finest = finest(curves.of(GRADIENTS)).ok_or(Interrupted)?;
+    let measured = finest.records as f64 / records_for(curves.of(NO_GRADIENTS), finest.error);
+    let quantity = format!("records for an error of {:.1}%", 100.0 * finest.error);
+    Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
+}
+
+fn paths(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(lab, "cache-room", "Furnished room", furnished_room())?;
+    let finest = finest(curves.of(HESSIAN)).ok_or(Interrupted)?;
+    let measured = finest.rays / rays_for(curves.by_paths(), finest.error);
+    let quantity = format!("rays for an error of {:.1}%", 100.0 * finest.error);
+    Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.1, figure: Some(figure) })
+}
+
+/// The run with the least error.
+fn finest(runs: &[Run]) -> Option<&Run> {
+    runs.iter().min_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {
+    let world = world(cornell_box());
+    let study = study(lab, &world)?;
+    let error = |metric, errors: [f32; 2]| {
+        let runs = errors.map(|error| {
+            let options = CachedOptions { metric, error, rays: 4096, ..CachedOptions::default() };
+            study.cache(options, &[Gradients::Both])[0]
+        });
+        if lab.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
+    };
+    let (bounded, hessian) = (error(Metric::Bounded, [0.8, 0.5])?, error(Metric::Hessian, [0.9, 0.7])?);
+    let quantity = format!("error, relative to {:.1}%", 100.0 * bounded);
+    Ok(Outcome { quantity, measured: hessian / bounded, expected: 0.0, tolerance: 0.5, figure: None })
+}

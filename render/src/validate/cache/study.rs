@@ -1,0 +1,135 @@
+//! How wrong indirect light is where a camera sees it, by paths and by caches, for the rays that it takes.
+//!
+//! A study looks at some of the surfaces that the camera sees through the pixels of a picture. Their irradiance by many
+//! paths is the reference, which comes as two independent halves `a` and `b`: the variance of their mean is the mean of
+//! `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the reference, and
+//! without the reference's own variance.
+
+use glam::{DVec3, Vec3};
+
+use crate::cache::Cache;
+use crate::camera::Camera;
+use crate::driver::Watch;
+use crate::integrator::{fill_for_camera, fill_for_surfaces};
+use crate::irradiance::{Part, Request, Sensor, by_paths};
+use crate::settings::{CachedOptions, Gradients, Settings};
+use crate::world::World;
+
+/// Irradiance that is known well.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    values: Vec<DVec3>,
+    /// The mean of all channels.
+    mean: f64,
+    /// The variance of the values.
+    variance: f64,
+}
+
+impl Reference {
+    /// By `spp` paths at each sensor for each half. What it is of `part` counts.
+    pub fn by_paths(world: &World, sensors: &[Sensor], part: Part, spp: u32, seed: u64, watch: &dyn Watch) -> Self {
+        let half = |seed| by_paths(world, sensors, &Request { spp, seed, part }, watch).values;
+        let (first, second) = (half(seed), half(!seed));
+        let pairs = || first.iter().zip(&second).map(|(a, b)| (a.as_dvec3(), b.as_dvec3()));
+        let values: Vec<DVec3> = pairs().map(|(a, b)| 0.5 * (a + b)).collect();
+        let count = 3.0 * values.len() as f64;
+        let variance = pairs().map(|(a, b)| 0.25 * a.distance_squared(b)).sum::<f64>() / count;
+        let mean = values.iter().map(|value| value.element_sum()).sum::<f64>() / count;
+        Self { values, mean, variance }
+    }
+
+    /// Its own error, relative to its mean.
+    pub fn error(&self) -> f64 {
+        self.variance.sqrt() / self.mean
+    }
+
+    /// The relative error of other values for the same sensors.
+    pub fn error_of(&self, values: impl IntoIterator<Item = Vec3>) -> f64 {
+        let squares = self.values.iter().zip(values).map(|(exact, value)| exact.distance_squared(value.as_dvec3()));
+        let mean_square = squares.sum::<f64>() / (3.0 * self.values.len() as f64);
+        (mean_square - self.variance).max(0.0).sqrt() / self.mean
+    }
+}
+
+/// A view of a scene whose indirect light is known at some of the surfaces.
+pub struct Study<'a> {
+    world: &'a World,
+    settings: Settings,
+    sensors: Vec<Sensor>,
+    reference: Reference,
+    watch: &'a dyn Watch,
+}
+
+/// What an estimate took, and how wrong it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Records of the cache; none by paths.
+    pub records: usize,
+    /// Rays for all pixels.
+    pub rays: f64,
+    /// Relative error.
+    pub error: f64,
+}
+
+/// Pixels along a side of the picture.
+const SIDE: u32 = 256;
+
+impl<'a> Study<'a> {
+    /// A study of `side`² surfaces, fewer where the camera sees none, with a reference of twice `spp` paths at each.
+    pub fn new(world: &'a World, side: u32, spp: u32, seed: u64, watch: &'a dyn Watch) -> Self {
+        let settings = Settings { width: SIDE, height: SIDE, seed, ..Settings::default() };
+        let sensors = sensors(world, side);
+        let reference = Reference::by_paths(world, &sensors, Part::Indirect, spp, !(seed << 1), watch);
+        Self { world, settings, sensors, reference, watch }
+    }
+
+    /// The error of the reference itself, relative to its mean.
+    pub fn reference_error(&self) -> f64 {
+        self.reference.error()
+    }
+
+    /// How many pixels a surface of the study stands for.
+    pub fn pixels(&self) -> f64 {
+        f64::from(SIDE * SIDE) / self.sensors.len() as f64
+    }
+
+    /// By `spp` paths at each surface. The rays are those for all pixels.
+    pub fn paths(&self, spp: u32) -> Run {
+        let request = Request { spp, seed: self.settings.seed, part: Part::Indirect };
+        let found = by_paths(self.world, &self.sensors, &request, self.watch);
+        let rays = found.rays as f64 * self.pixels();
+        Run { records: 0, rays, error: self.reference.error_of(found.values) }
+    }
+
+    /// By a cache for the picture, read with each of `gradients`, on which its records do not depend. A surface that it
+    /// does not cover gets a record of its own, which counts.
+    pub fn cache(&self, options: CachedOptions, gradients: &[Gradients]) -> Vec<Run> {
+        let cache = Cache::new(options, self.world.surroundings_hash());
+        let (frozen, rays) = fill_for_camera(self.world, &self.settings, cache, self.watch);
+        let surfaces: Vec<_> =
+            self.sensors.iter().map(|sensor| self.world.sensor(sensor.position, sensor.normal)).collect();
+        let (frozen, more) = fill_for_surfaces(self.world, self.settings.seed, frozen.cache, &surfaces, self.watch);
+        let (records, rays) = (frozen.cache.records().len(), (rays + more) as f64);
+        let run = |&gradients: &Gradients| {
+            let read = |sensor: &Sensor| frozen.cache.interpolate_by(gradients, sensor.position, sensor.normal);
+            // Nothing is missing unless filling was interrupted.
+            let found = self.sensors.iter().map(|sensor| read(sensor).map_or(Vec3::ZERO, |found| found.irradiance));
+            Run { records, rays, error: self.reference.error_of(found) }
+        };
+        gradients.iter().map(run).collect()
+    }
+}
+
+/// A surface that the camera sees in each of `side`² equal parts of the picture, if it sees one that scatters light.
+fn sensors(world: &World, side: u32) -> Vec<Sensor> {
+    let camera = Camera::new(&world.camera, SIDE, SIDE);
+    let pixels = (0..side * side).map(|i| [i % side, i / side].map(|part| (2 * part + 1) * SIDE / (2 * side)));
+    // Every other pixel is a candidate for a record; what is an odd multiple of 2 along both axes is only in the last pass.
+    let rays = pixels.map(|[x, y]| camera.ray((x & !3) as f32 + 2.5, (y & !3) as f32 + 2.5));
+    let surfaces = rays.filter_map(|ray| {
+        let hit = world.tree().intersect(&ray)?;
+        Some(world.surface_at(&hit).facing(ray.direction))
+    });
+    let scattering = surfaces.filter(|surface| surface.material.diffuse != Vec3::ZERO);
+    scattering.map(|surface| Sensor { position: surface.position, normal: surface.shading_normal }).collect()
+}
