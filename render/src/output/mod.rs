@@ -9,7 +9,7 @@
 
 mod error;
 mod exr;
-mod false_color;
+pub(crate) mod false_color;
 mod file;
 mod hdr;
 mod ktx2;
