@@ -10,6 +10,7 @@ use super::CORNELL;
 use super::cache::CacheCommand;
 use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
+use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
 use crate::driver::MAX_BLOCK;
 use crate::output::{ToneCurve, ToneMapping};
@@ -67,7 +68,7 @@ pub(super) enum Command {
     /// Render a scene to pictures
     #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
     Render(Box<RenderArguments>),
-    /// Say what is in a scene, without rendering it
+    /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
     /// Find the irradiance at given points
@@ -76,6 +77,9 @@ pub(super) enum Command {
     /// Build, inspect, merge and draw irradiance caches
     #[command(subcommand, after_help = EXIT_CODES)]
     Cache(CacheCommand),
+    /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
+    #[command(after_help = EXIT_CODES)]
+    Tree(TreeArguments),
     /// Render scenes whose answer is known exactly, and compare
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
@@ -156,7 +160,7 @@ pub(super) struct CommonArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct InfoArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), `cornell` for the built-in scene, or a tree (.bvh)
     pub(super) scene: PathBuf,
 
     /// Print JSON instead of a table

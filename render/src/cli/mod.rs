@@ -12,6 +12,7 @@ mod preview;
 mod progress;
 mod render;
 mod summary;
+mod tree;
 mod validate;
 
 use std::io::{ErrorKind, IsTerminal};
@@ -63,6 +64,7 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
         Command::Cache(command) => (cache::run(&command), Mode::Auto),
+        Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
