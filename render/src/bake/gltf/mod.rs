@@ -12,6 +12,7 @@
 //! - [`Target::Bevy`]: a node's extras get `halfdome_lightmaps`, the file for each primitive of its mesh or `null`; Bevy
 //!   would load textures that the file names as colours.
 
+mod assembly;
 mod data;
 mod material;
 mod primitive;
@@ -22,9 +23,10 @@ use std::path::Path;
 
 use glam::Vec2;
 
+use self::assembly::Home;
 use self::data::Data;
 use self::material::Materials;
-use crate::scene::gltf::{Document, container::Chunks, open};
+use crate::scene::gltf::{Document, open};
 use crate::scene::{Mesh, SceneError};
 
 /// What of a mesh lies on one page of the lightmap.
@@ -85,6 +87,18 @@ pub fn patch(path: &Path, bytes: &[u8], parts: &[Part], pages: &[Page], target: 
     let Patch { document, data, warnings, .. } = patch;
     let bytes = home.assemble(&document, &chunks, root, &data)?;
     Ok(Patched { bytes, warnings })
+}
+
+/// The files that the file whose `bytes` these are names, as it spells them: who puts the new file into another folder
+/// must bring them along.
+///
+/// # Errors
+/// If the file is broken.
+pub fn external_files(path: &Path, bytes: &[u8]) -> Result<Vec<String>, SceneError> {
+    let (document, _) = open(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))?;
+    let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
+    let images = document.root.images.iter().filter_map(|image| image.uri.as_ref());
+    Ok(buffers.chain(images).filter(|uri| !uri.starts_with("data:")).cloned().collect())
 }
 
 /// The parts of each node's primitives.
@@ -213,81 +227,6 @@ impl Patch<'_> {
         let files: Vec<String> = pages.iter().map(file).collect();
         text::set_at(text, &["extras", "halfdome_lightmaps"], &format!("[{}]", files.join(",")))
     }
-}
-
-/// Where new binary data go.
-#[derive(Clone, Copy, PartialEq)]
-enum Home {
-    /// Behind the container's chunk, which is buffer 0, or is made.
-    Chunk,
-    /// Into one more buffer of a container.
-    BufferOfContainer,
-    /// Into one more buffer of a JSON file.
-    Buffer,
-}
-
-impl Home {
-    fn of(document: &Document, chunks: &Chunks, is_container: bool) -> Self {
-        let buffers = &document.root.buffers;
-        let in_chunk = chunks.binary.is_some() && buffers.first().is_some_and(|buffer| buffer.uri.is_none());
-        match is_container {
-            true if in_chunk || buffers.is_empty() => Self::Chunk,
-            true => Self::BufferOfContainer,
-            false => Self::Buffer,
-        }
-    }
-
-    fn data(self, document: &Document, chunks: &Chunks) -> Data {
-        match self {
-            Self::Chunk => Data::new(document, 0, chunks.binary.map_or(0, <[u8]>::len).next_multiple_of(4)),
-            _ => Data::new(document, document.root.buffers.len(), 0),
-        }
-    }
-
-    /// The file with this JSON and all data.
-    fn assemble(self, document: &Document, chunks: &Chunks, root: String, data: &Data) -> Result<Vec<u8>, SceneError> {
-        let (more, length) = data.finish();
-        let mut binary = chunks.binary.map(<[u8]>::to_vec);
-        let mut root = root;
-        if !data.is_empty() {
-            let (mut changed, mut new) = (BTreeMap::new(), Vec::new());
-            if self == Self::Chunk {
-                let buffers = text::elements(text::member(&root, "buffers").unwrap_or("[]"));
-                match buffers.first() {
-                    Some(old) => drop(changed.insert(0, text::set(old, "byteLength", &length.to_string()))),
-                    None => new.push(format!("{{\"byteLength\":{length}}}")),
-                }
-                let bytes = binary.get_or_insert_default();
-                bytes.resize(length - more.len(), 0);
-                bytes.extend(more);
-            } else {
-                new.push(data.as_data_uri());
-            }
-            root = text::change_member(&root, "buffers", &changed, &new);
-        }
-        if self == Self::Buffer {
-            return Ok(root.into_bytes());
-        }
-        container(root, binary, &chunks.others).ok_or_else(|| {
-            let remedy = "leave the pages beside the file, or split the model";
-            document.error("GLB container", "it would be larger than 4 GiB", remedy)
-        })
-    }
-}
-
-/// A GLB container (glTF 2.0, section 4.4); `None` if it would be too large for its lengths of 32 bits.
-fn container(root: String, binary: Option<Vec<u8>>, others: &[&[u8]]) -> Option<Vec<u8>> {
-    let chunk = |kind: &[u8; 4], mut data: Vec<u8>, padding: u8| {
-        data.resize(data.len().next_multiple_of(4), padding);
-        Some([&u32::try_from(data.len()).ok()?.to_le_bytes(), kind.as_slice(), &data].concat())
-    };
-    let mut chunks = chunk(b"JSON", root.into_bytes(), b' ')?;
-    if let Some(binary) = binary {
-        chunks.extend(chunk(b"BIN\0", binary, 0)?);
-    }
-    others.iter().for_each(|other| chunks.extend(*other));
-    let length = u32::try_from(12 + chunks.len()).ok()?;
-    Some([b"glTF".as_slice(), &2_u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat())
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde_json::Value;
 
+use super::assembly::container;
 use super::*;
 use crate::scene::Scene;
 use crate::scene::gltf::{read_binary, read_json};
@@ -262,6 +263,8 @@ fn pages_are_textures_for_three() {
     let start = view["byteOffset"].as_u64().unwrap() as usize;
     let binary = open(Path::new("a.glb"), &new.bytes).unwrap().1.binary.unwrap().to_vec();
     assert_eq!(&binary[start..start + view["byteLength"].as_u64().unwrap() as usize], b"EXR");
+    assert_eq!(external_files(Path::new("a.glb"), &new.bytes), Ok(vec!["light%200.hdr".to_owned()]));
+    assert_eq!(external_files(Path::new("a.glb"), &file), Ok(vec![]));
     let used = serde_json::json!(["EXT_unknown", "MOZ_lightmap", "MOZ_texture_rgbe"]);
     assert_eq!(root["extensionsUsed"], used);
     assert!(root["extensionsRequired"].is_null() && root["nodes"][0]["extras"]["halfdome_lightmaps"].is_null());
