@@ -56,13 +56,25 @@ pub(super) fn read<const N: usize>(
             ));
         }
     };
-    let size = N * component.size();
-    let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
     let element = |bytes: &[u8]| core::array::from_fn(|slot| number(&bytes[slot * component.size()..], component));
-    let mut elements: Vec<[Component; N]> = match accessor.buffer_view {
+    let bytes = elements(document, index, N * component.size(), user)?;
+    Ok(bytes.chunks_exact(N * component.size()).map(element).collect())
+}
+
+/// The bytes of all elements of an accessor, `size` of them each, with nothing in between. `user` is what refers to it.
+pub(crate) fn elements(
+    document: &Document,
+    index: Index<Accessor>,
+    size: usize,
+    user: &str,
+) -> Result<Vec<u8>, SceneError> {
+    let accessor = document.object(index, "accessor", user)?;
+    let place = format!("accessor {}", index.value());
+    let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
+    let mut bytes: Vec<u8> = match accessor.buffer_view {
         Some(view) => {
             let start = accessor.byte_offset.unwrap_or_default().0;
-            slices(document, view, start, count, size, &place)?.map(element).collect()
+            slices(document, view, start, count, size, &place)?.flatten().copied().collect()
         }
         None if count > MAX_ZEROS => {
             return Err(document.error(
@@ -71,7 +83,7 @@ pub(super) fn read<const N: usize>(
                 "give it a bufferView",
             ));
         }
-        None => vec![element(&[0; 16]); count],
+        None => vec![0; count * size],
     };
     if let Some(sparse) = &accessor.sparse {
         let replaced = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
@@ -88,14 +100,28 @@ pub(super) fn read<const N: usize>(
         let values = slices(document, view, start, replaced, size, &place)?;
         for (target, value) in targets.zip(values) {
             let target = number(target, kind).index();
-            let Some(target) = elements.get_mut(target as usize) else {
+            let Some(target) = bytes.chunks_exact_mut(size).nth(target as usize) else {
                 let problem = format!("a sparse index is {target}, and it has {count} elements");
                 return Err(document.error(place, problem, "keep sparse indices below the count"));
             };
-            *target = element(value);
+            target.copy_from_slice(value);
         }
     }
-    Ok(elements)
+    Ok(bytes)
+}
+
+/// The bytes of a buffer view; `place` is what refers to it.
+pub(super) fn view<'a>(document: &'a Document<'a>, view: Index<View>, place: &str) -> Result<&'a [u8], SceneError> {
+    let user = format!("bufferView {}", view.value());
+    let view = document.object(view, "bufferView", place)?;
+    document.object(view.buffer, "buffer", &user)?;
+    let buffer = &document.buffers[view.buffer.value()];
+    let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+    range(buffer, offset, length).ok_or_else(|| {
+        let (index, has) = (view.buffer.value(), buffer.len());
+        let problem = format!("it goes from byte {offset} for {length} bytes, but buffer {index} has {has}");
+        document.error(user, problem, "keep it within its buffer")
+    })
 }
 
 /// `count` slices of `size` bytes each, `start` bytes into a buffer view, at its stride. `place` is the accessor.
@@ -108,16 +134,9 @@ fn slices<'a>(
     place: &str,
 ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, SceneError> {
     let number = view.value();
-    let view = document.object(view, "bufferView", place)?;
-    let user = format!("bufferView {number}");
-    document.object(view.buffer, "buffer", &user)?;
-    let buffer = &document.buffers[view.buffer.value()];
-    let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-    let bytes = range(buffer, offset, length).ok_or_else(|| {
-        let (index, has) = (view.buffer.value(), buffer.len());
-        let problem = format!("it goes from byte {offset} for {length} bytes, but buffer {index} has {has}");
-        document.error(user.clone(), problem, "keep it within its buffer")
-    })?;
+    let bytes = self::view(document, view, place)?;
+    let (view, user) = (document.object(view, "bufferView", place)?, format!("bufferView {number}"));
+    let length = bytes.len();
     let stride = view.byte_stride.map_or(0, |stride| stride.0);
     let stride = if stride == 0 { size } else { stride };
     if stride < size {

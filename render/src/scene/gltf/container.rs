@@ -16,9 +16,11 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// The chunks of a GLB container.
-pub(super) struct Chunks<'a> {
-    pub(super) json: &'a [u8],
-    pub(super) binary: Option<&'a [u8]>,
+pub(crate) struct Chunks<'a> {
+    pub(crate) json: &'a [u8],
+    pub(crate) binary: Option<&'a [u8]>,
+    /// All other chunks, each with its length and type.
+    pub(crate) others: Vec<&'a [u8]>,
 }
 
 /// Splits a GLB container: magic, version and length, then chunks of length, type and data (glTF 2.0, section 4.4).
@@ -38,7 +40,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
     if length > bytes.len() {
         return Err(error(format!("the file is cut short: it announces {length} bytes and has {}", bytes.len())));
     }
-    let mut chunks = Chunks { json: &[], binary: None };
+    let mut chunks = Chunks { json: &[], binary: None, others: Vec::new() };
     let mut start = 12;
     while start < length {
         let (size, kind) = (u32::from_le_bytes(word(start)?) as usize, word(start + 4)?);
@@ -49,7 +51,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
             (b"JSON", 12) => chunks.json = chunk,
             (_, 12) => return Err(error("its first chunk is not JSON".to_owned())),
             (b"BIN\0", _) if chunks.binary.is_none() => chunks.binary = Some(chunk),
-            _ => {}
+            _ => chunks.others.push(&bytes[start..data + size]),
         }
         start = data + size;
     }
@@ -63,31 +65,12 @@ pub(super) fn buffers(path: &Path, root: &Root, binary: Option<&[u8]>) -> Result
 }
 
 fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, SceneError> {
-    let error =
-        |problem: &str, remedy: &str| SceneError::new(path, Place::Part(format!("buffer {index}")), problem, remedy);
+    let place = format!("buffer {index}");
+    let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.clone()), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
         (None, Some(binary)) => binary.to_vec(),
         (None, None) => return Err(error("it has no data", "give it a `uri`, or use a GLB file with a binary chunk")),
-        (Some(uri), _) => match uri.strip_prefix("data:") {
-            Some(data) => {
-                let data = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, data)| data);
-                let data =
-                    data.ok_or_else(|| error("its data URI is not base64", "write `data:;base64,` and the data"))?;
-                BASE64.decode(data).map_err(|cause| {
-                    error(
-                        &format!("its base64 is wrong: {}", lower_first(&cause.to_string())),
-                        "export the model again",
-                    )
-                })?
-            }
-            None => {
-                let name = relative(uri).ok_or_else(|| {
-                    error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
-                })?;
-                let file = path.parent().unwrap_or(Path::new("")).join(name);
-                std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))?
-            }
-        },
+        (Some(uri), _) => fetch(path, uri, &place)?,
     };
     let announced = buffer.byte_length.0;
     if (data.len() as u64) < announced {
@@ -95,6 +78,27 @@ fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Re
         return Err(error(&problem, "copy or export the model again, with the files beside it"));
     }
     Ok(data)
+}
+
+/// The bytes that `uri` stands for: its own, or those of a file beside the model at `path`. `place` is what names it.
+pub(super) fn fetch(path: &Path, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
+    let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.to_owned()), problem, remedy);
+    match uri.strip_prefix("data:") {
+        Some(data) => {
+            let data = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, data)| data);
+            let data = data.ok_or_else(|| error("its data URI is not base64", "write `data:;base64,` and the data"))?;
+            BASE64.decode(data).map_err(|cause| {
+                error(&format!("its base64 is wrong: {}", lower_first(&cause.to_string())), "export the model again")
+            })
+        }
+        None => {
+            let name = relative(uri).ok_or_else(|| {
+                error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
+            })?;
+            let file = path.parent().unwrap_or(Path::new("")).join(name);
+            std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))
+        }
+    }
 }
 
 /// The relative path that `uri` stands for, or `None` for an address, an absolute path and wrong percent-encoding.

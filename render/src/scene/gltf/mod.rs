@@ -4,20 +4,21 @@
 //! malformed file may have: here every index is looked up and every range checked.
 //!
 //! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
-//! first set of texture coordinates, materials without textures (`material.rs`), emission
-//! (`KHR_materials_emissive_strength`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
+//! first two sets of texture coordinates, materials (`material.rs`) with textures of colour and emission (`texture.rs`),
+//! emission (`KHR_materials_emissive_strength`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Textures, skins, morph targets, lights' ranges,
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Other textures, skins, morph targets, lights' ranges,
 //! orthographic cameras, points and lines are left out with a warning, animations without one.
 
-mod accessor;
+pub(crate) mod accessor;
 mod camera;
-mod container;
+pub(crate) mod container;
 mod hierarchy;
 mod light;
 mod material;
 mod primitive;
+mod texture;
 
 use std::path::Path;
 
@@ -28,13 +29,13 @@ use super::model::count;
 use super::{Material, Place, Scene, SceneError};
 
 /// Reads glTF as JSON text.
-pub(super) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
     let root = parse(path, text, |error| Place::Line(error.line()))?;
     read(path, root, None)
 }
 
 /// Reads a GLB container.
-pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
     let root = parse(path, chunks.json, |error| {
         Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
@@ -43,10 +44,21 @@ pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError
 }
 
 /// A glTF file with its buffers.
-struct Document<'a> {
+pub(crate) struct Document<'a> {
     path: &'a Path,
-    root: Root,
+    pub(crate) root: Root,
     buffers: Vec<Vec<u8>>,
+}
+
+/// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
+pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>, container::Chunks<'a>), SceneError> {
+    let chunks = match bytes.starts_with(b"glTF") {
+        true => container::split(path, bytes)?,
+        false => container::Chunks { json: bytes, binary: None, others: Vec::new() },
+    };
+    let root = parse(path, chunks.json, |error| Place::Line(error.line()))?;
+    let buffers = container::buffers(path, &root, chunks.binary)?;
+    Ok((Document { path, root, buffers }, chunks))
 }
 
 /// What was left out, for the warnings.
@@ -59,12 +71,18 @@ struct Skipped {
 }
 
 impl Document<'_> {
-    fn error(&self, part: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+    /// An error about a part of the file.
+    pub(crate) fn error(
+        &self,
+        part: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> SceneError {
         SceneError::new(self.path, Place::Part(part.into()), problem, remedy)
     }
 
     /// The object at `index`. `kind` names such objects ("mesh"), `user` what refers to it ("node 3").
-    fn object<T>(&self, index: Index<T>, kind: &str, user: &str) -> Result<&T, SceneError>
+    pub(crate) fn object<T>(&self, index: Index<T>, kind: &str, user: &str) -> Result<&T, SceneError>
     where
         Root: Get<T>,
     {
@@ -75,7 +93,7 @@ impl Document<'_> {
     }
 
     /// For errors: "node 5" or "node 5 (\"lamp\")".
-    fn node(&self, index: usize) -> String {
+    pub(crate) fn node(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
         name.map_or_else(|| format!("node {index}"), |name| format!("node {index} ({name:?})"))
     }
@@ -116,7 +134,8 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
     let mut warnings = check_extensions(path, &root)?;
     let buffers = container::buffers(path, &root, binary)?;
     let document = Document { path, root, buffers };
-    let mut scene = Scene { materials: material::read(&document, &mut warnings)?, ..Scene::default() };
+    let (materials, textures) = material::read(&document, &mut warnings)?;
+    let mut scene = Scene { materials, textures, ..Scene::default() };
     let mut skipped = Skipped::default();
     let mut cameras = Vec::new();
     for placed in hierarchy::walk(&document)? {
@@ -126,10 +145,12 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
             let mesh = document.object(index, "mesh", &place)?;
             let name = node.name.as_ref().or(mesh.name.as_ref()).cloned().unwrap_or_default();
             skipped.skinned += usize::from(node.skin.is_some());
+            let mirrored = placed.linear().determinant() < 0.0;
             for (number, primitive) in mesh.primitives.iter().enumerate() {
                 let place = format!("mesh {}, primitive {number}", index.value());
-                if let Some(mesh) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
-                    scene.meshes.push(super::Mesh { name: name.clone(), ..mesh });
+                if let Some(read) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
+                    let origin = super::Origin { node: placed.node, mesh: index.value(), primitive: number, mirrored };
+                    scene.meshes.push(super::Mesh { name: name.clone(), origin: Some(origin), ..read });
                 }
             }
         }
@@ -162,8 +183,13 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
 /// Refuses extensions that the file requires and that would change what is read here. Those about textures and about
 /// surfaces beyond their colour are harmless, since both are left out anyway.
 fn check_extensions(path: &Path, root: &Root) -> Result<Vec<String>, SceneError> {
-    const KNOWN: [&str; 4] =
-        ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission"];
+    const KNOWN: [&str; 5] = [
+        "KHR_lights_punctual",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_ior",
+        "KHR_materials_transmission",
+        "KHR_texture_transform",
+    ];
     const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
     let unknown: Vec<&str> =
         root.extensions_required.iter().map(String::as_str).filter(|name| !KNOWN.contains(name)).collect();
