@@ -1,6 +1,7 @@
 //! halfdome: a renderer for people who light scenes, on top of [`halfdome_kernel`].
 #![forbid(unsafe_code)]
 
+pub mod bake;
 mod bsdf;
 pub mod cache;
 mod camera;

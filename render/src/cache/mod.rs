@@ -28,7 +28,7 @@ pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
 
 pub use file::CacheFileError;
-pub(crate) use file::named;
+pub(crate) use file::{fnv, named};
 pub use record::{Record, SECTORS};
 
 /// By how much farther records are used than they keep other records away.
@@ -124,6 +124,18 @@ impl Cache {
             covered = covered || weighting.weight(&self.records[i], position, normal) > 0.0;
         });
         covered
+    }
+
+    /// Calls `mix` with the index and the weight of each record that is valid at a point with a unit normal, in the order
+    /// in which [`interpolate`](Self::interpolate) takes them.
+    pub(crate) fn weigh(&self, position: Vec3, normal: Vec3, mut mix: impl FnMut(usize, f32)) {
+        let weighting = self.weighting(STRETCH);
+        self.tree.query(position, |i| {
+            let weight = weighting.weight(&self.records[i], position, normal);
+            if weight > 0.0 {
+                mix(i, weight);
+            }
+        });
     }
 
     /// The irradiance at a point with a unit normal; `None` where no record is valid.

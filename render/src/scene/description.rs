@@ -34,10 +34,27 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate per position, or empty.
     pub texcoords: Vec<Vec2>,
+    /// One coordinate per position in a lightmap that the model was made for, or empty. They may be anything.
+    pub lightmap_texcoords: Vec<Vec2>,
     /// Three valid indices into `positions` each.
     pub triangles: Vec<[u32; 3]>,
     /// A valid index into [`Scene::materials`].
     pub material: usize,
+    /// Where in a glTF file it stands; `None` for other formats.
+    pub origin: Option<Origin>,
+}
+
+/// A mesh's place in a glTF file. Its vertices are the primitive's, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Origin {
+    /// The node that shows it.
+    pub node: usize,
+    /// The mesh.
+    pub mesh: usize,
+    /// Its primitive.
+    pub primitive: usize,
+    /// Whether the node mirrors it: the second and third corner of each triangle have changed places.
+    pub mirrored: bool,
 }
 
 /// How a surface reflects and emits.

@@ -11,7 +11,8 @@ impl Scene {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
         let Self { meshes, materials, lights, camera, sky: Sky { radiance }, warnings: _ } = self;
         hash.count(meshes.len());
-        for Mesh { name: _, positions, normals, texcoords, triangles, material } in meshes {
+        for mesh in meshes {
+            let Mesh { positions, normals, texcoords, triangles, material, .. } = mesh;
             hash.count(positions.len());
             positions.iter().for_each(|&p| hash.vector(p));
             hash.count(normals.len());

@@ -17,7 +17,7 @@ mod statement;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
-pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
+pub use description::{CameraPose, Gloss, Material, Mesh, Origin, PunctualLight, Scene, Sky, Specular};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;

@@ -126,10 +126,12 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
             let mesh = document.object(index, "mesh", &place)?;
             let name = node.name.as_ref().or(mesh.name.as_ref()).cloned().unwrap_or_default();
             skipped.skinned += usize::from(node.skin.is_some());
+            let mirrored = placed.linear().determinant() < 0.0;
             for (number, primitive) in mesh.primitives.iter().enumerate() {
                 let place = format!("mesh {}, primitive {number}", index.value());
-                if let Some(mesh) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
-                    scene.meshes.push(super::Mesh { name: name.clone(), ..mesh });
+                if let Some(read) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
+                    let origin = super::Origin { node: placed.node, mesh: index.value(), primitive: number, mirrored };
+                    scene.meshes.push(super::Mesh { name: name.clone(), origin: Some(origin), ..read });
                 }
             }
         }

@@ -43,14 +43,16 @@ pub(super) fn read(
         ));
     }
     let normals = attribute(Semantic::Normals).map(|index| vectors(document, index, place, "NORMAL")).transpose()?;
-    let texcoords = match attribute(Semantic::TexCoords(0)) {
-        Some(index) => {
-            let texcoords = accessor::read::<2>(document, index, place, "TEXCOORD_0", &[F32, U8, U16])?;
-            Some(texcoords.into_iter().map(|pair| Vec2::from(pair.map(accessor::Component::normalised))).collect())
-        }
-        None => None,
+    let coordinates = |set: u32| {
+        let Some(index) = attribute(Semantic::TexCoords(set)) else { return Ok(None) };
+        let name = format!("TEXCOORD_{set}");
+        let pairs = accessor::read::<2>(document, index, place, &name, &[F32, U8, U16])?;
+        let pairs = pairs.into_iter().map(|pair| Vec2::from(pair.map(accessor::Component::normalised)));
+        Ok(Some(pairs.collect::<Vec<Vec2>>()))
     };
+    let (texcoords, lightmap_texcoords) = (coordinates(0)?, coordinates(1)?);
     check_counts(document, place, positions.len(), normals.as_ref().map(Vec::len), texcoords.as_ref().map(Vec::len))?;
+    check_counts(document, place, positions.len(), None, lightmap_texcoords.as_ref().map(Vec::len))?;
     let indices = match primitive.indices {
         Some(index) => {
             let indices = accessor::read::<1>(document, index, place, "indices", &[U8, U16, U32])?;
@@ -85,8 +87,10 @@ pub(super) fn read(
         positions,
         normals: normals.unwrap_or_default(),
         texcoords: texcoords.unwrap_or_default(),
+        lightmap_texcoords: lightmap_texcoords.unwrap_or_default(),
         triangles: triangles(mode, &indices),
         material,
+        origin: None,
     };
     to_world(document, mesh, place, placed).map(Some)
 }
