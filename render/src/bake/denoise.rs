@@ -2,14 +2,13 @@
 //!
 //! A texel becomes the mean of the texels around it in the same chart that look alike, by 3 by 3 texels each, and face
 //! the same way: `w = exp(-max(0, d² - 2σ²)/h²)`, with `d²` the mean square of relative differences, corrected for the
-//! noise that both have. The noise σ of a chart is estimated from the second differences along its rows and columns, whose
-//! median is hardly moved by shadows' edges. No filter reaches into another chart.
+//! noise that both have, and σ the noise of the chart. No filter reaches into another chart.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::atlas::Page;
-use super::dilate::{Grid, Source};
+use super::dilate::Grid;
+use super::noise::{View, sigma};
 
 /// Texels around one that it may be mixed with.
 const REACH: i64 = 5;
@@ -17,8 +16,6 @@ const REACH: i64 = 5;
 const PATCH: i64 = 1;
 /// `h` in units of σ.
 const STRENGTH: f32 = 0.7;
-/// The median of |x| of a normal distribution is this part of its σ; a second difference has √6 times the σ.
-const MEDIAN: f32 = 0.6745 * 2.449_49;
 /// The cosine from which on normals face the same way.
 const FACING: f32 = 0.95;
 
@@ -26,11 +23,14 @@ const FACING: f32 = 0.95;
 pub(super) fn denoise(grid: &Grid, normals: &[Vec3], layers: &mut [Vec<Vec3>], charts: usize) {
     let Some(guide) = layers.first() else { return };
     let brightness: Vec<f32> = guide.iter().map(|value| value.element_sum()).collect();
-    let view = View { grid, normals, brightness: &brightness };
-    let noise = view.noise(charts);
+    let view = View { grid, brightness: &brightness };
+    let mut differences = vec![Vec::new(); charts];
+    view.differences(&mut differences);
+    let noise = differences.iter_mut().map(|differences| sigma(differences)).collect();
+    let filter = Filter { view, normals, noise };
     let weights: Vec<Vec<(u32, f32)>> = (0..grid.owners.len() as u32)
         .into_par_iter()
-        .map(|texel| if view.is_light(texel) { view.weights(texel, &noise) } else { Vec::new() })
+        .map(|texel| if filter.view.is_light(texel) { filter.weights(texel) } else { Vec::new() })
         .collect();
     for layer in layers {
         let before = layer.clone();
@@ -42,62 +42,23 @@ pub(super) fn denoise(grid: &Grid, normals: &[Vec3], layers: &mut [Vec<Vec3>], c
 }
 
 /// A page as the filter sees it.
-struct View<'a> {
-    grid: &'a Grid,
+struct Filter<'a> {
+    view: View<'a>,
     normals: &'a [Vec3],
-    brightness: &'a [f32],
+    /// The noise of each chart.
+    noise: Vec<f32>,
 }
 
-impl View<'_> {
-    fn is_light(&self, texel: u32) -> bool {
-        self.grid.sources[texel as usize] == Source::Light
-    }
-
-    /// The texel at a step from another, if it is one with light of the same chart.
-    fn at(&self, texel: u32, (dx, dy): (i64, i64)) -> Option<u32> {
-        let Page { width, height } = self.grid.page;
-        let (x, y) = (i64::from(texel % width) + dx, i64::from(texel / width) + dy);
-        if !(0..i64::from(width)).contains(&x) || !(0..i64::from(height)).contains(&y) {
-            return None;
-        }
-        let other = y as u32 * width + x as u32;
-        let is_own = self.grid.owners[other as usize] == self.grid.owners[texel as usize];
-        (is_own && self.is_light(other)).then_some(other)
-    }
-
-    /// The difference of two texels over their mean.
-    fn difference(&self, a: u32, b: u32) -> f32 {
-        let (a, b) = (self.brightness[a as usize], self.brightness[b as usize]);
-        if a + b > 0.0 { 2.0 * (a - b) / (a + b) } else { 0.0 }
-    }
-
-    /// The relative noise of each chart.
-    fn noise(&self, charts: usize) -> Vec<f32> {
-        let mut differences: Vec<Vec<f32>> = vec![Vec::new(); charts];
-        for texel in (0..self.grid.owners.len() as u32).filter(|&texel| self.is_light(texel)) {
-            for step in [(1, 0), (0, 1)] {
-                if let (Some(after), Some(before)) = (self.at(texel, step), self.at(texel, (-step.0, -step.1))) {
-                    let second = self.difference(texel, before) + self.difference(texel, after);
-                    differences[self.grid.owners[texel as usize] as usize].push(second.abs());
-                }
-            }
-        }
-        let median = |values: &mut Vec<f32>| match values.len() {
-            0 => 0.0,
-            length => *values.select_nth_unstable_by(length / 2, f32::total_cmp).1,
-        };
-        differences.iter_mut().map(|values| median(values) / MEDIAN).collect()
-    }
-
+impl Filter<'_> {
     /// The texels that a texel is mixed of.
-    fn weights(&self, texel: u32, noise: &[f32]) -> Vec<(u32, f32)> {
-        let sigma = noise[self.grid.owners[texel as usize] as usize];
+    fn weights(&self, texel: u32) -> Vec<(u32, f32)> {
+        let sigma = self.noise[self.view.grid.owners[texel as usize] as usize];
         if sigma == 0.0 {
             return Vec::new();
         }
         let steps = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
         let weigh = |step| {
-            let other = self.at(texel, step)?;
+            let other = self.view.at(texel, step)?;
             if self.normals[texel as usize].dot(self.normals[other as usize]) < FACING {
                 return None;
             }
@@ -113,8 +74,8 @@ impl View<'_> {
         let (mut sum, mut number) = (0.0, 0.0);
         for dy in -PATCH..=PATCH {
             for dx in -PATCH..=PATCH {
-                if let (Some(a), Some(b)) = (self.at(a, (dx, dy)), self.at(b, (dx, dy))) {
-                    sum += self.difference(a, b).powi(2);
+                if let (Some(a), Some(b)) = (self.view.at(a, (dx, dy)), self.view.at(b, (dx, dy))) {
+                    sum += self.view.difference(a, b).powi(2);
                     number += 1.0;
                 }
             }
@@ -126,6 +87,8 @@ impl View<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::atlas::Page;
+    use crate::bake::dilate::Source;
     use halfdome_kernel::sampling::Stream;
 
     /// Two charts side by side, one ten times as bright, with a shadow's edge across both and noise of 5%.

@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn means_are_of_the_own_chart_and_of_what_is_known() {
-        let mut grid = grid(&["11x2", "1xx2", "xxx."]);
+        let mut grid = grid(&["11x2", "1xx2", "xx.."]);
         grid.add_gutters(1);
         let means = grid.means();
         assert_eq!(means.len(), 7);

@@ -21,6 +21,7 @@ mod islands;
 mod journal;
 mod light;
 mod moments;
+mod noise;
 mod openness;
 mod options;
 mod picture;
@@ -177,7 +178,10 @@ pub fn bake(
             }
         }
     }
-    let seams = Seams::new(&atlas, &cuts(&atlas, scene.meshes.len(), &shared_edges(scene)), &grids, options.sampling);
+    let cuts = cuts(&atlas, scene.meshes.len(), &shared_edges(scene));
+    let brightness: Vec<Vec<f32>> =
+        layers[0].iter().map(|page| page.iter().map(|value| value.element_sum()).collect()).collect();
+    let seams = Seams::new(&atlas, &cuts, &grids, &brightness, options.sampling);
     seams.solve(&mut layers);
     for (layer, name) in layers.iter_mut().zip(&names) {
         // Harmonics have signs, all else has not.

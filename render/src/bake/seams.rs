@@ -1,4 +1,5 @@
-//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree.
+//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree. Along a crease they
+//! must as far as noise alone sets them apart: where they differ by more, light itself does.
 //!
 //! At points along each cut the map is sampled on both sides, as engines will; the texels around are changed as little as
 //! possible so that the differences vanish: `min Σ (s_a - s_b)²/m² + Σ λ (x - x₀)²/m²`, a sparse least squares problem
@@ -12,6 +13,7 @@ use super::atlas::{Atlas, NO_CHART};
 use super::dilate::{Grid, Source};
 use super::edges::{SharedEdge, Side};
 use super::filter::{Footprint, footprint};
+use super::noise::{View, sigma};
 use super::options::Sampling;
 
 /// What a change of a texel costs, relative to a step of the same size at a seam.
@@ -20,6 +22,8 @@ const LIGHT: f64 = 0.01;
 const FILLED: f64 = 0.001;
 /// Brightness below this part of the greatest counts as this much.
 const DARKEST: f64 = 1e-4;
+/// Steps at creases up to this many times their noise are noise.
+const NOISE: f64 = 4.0;
 /// Steps of the solver, at most.
 const MAX_STEPS: u32 = 500;
 /// The part of the residual's square at which it ends.
@@ -40,10 +44,12 @@ struct Equation {
     terms: Vec<(u32, f64)>,
 }
 
-/// An edge that lies in two places of the pages: for each the part, the triangle's chart and the edge's ends in texels.
+/// An edge that lies in two places of the pages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
     pub(crate) sides: [CutSide; 2],
+    /// Whether the surface goes on over it without a crease.
+    pub(crate) is_smooth: bool,
 }
 
 /// One of the places.
@@ -54,7 +60,7 @@ pub(crate) struct CutSide {
     pub(crate) ends: [DVec2; 2],
 }
 
-/// The smooth edges that charts' borders cut.
+/// The edges that charts' borders cut.
 pub(crate) fn cuts(atlas: &Atlas, meshes: usize, edges: &[SharedEdge]) -> Vec<Cut> {
     let mut places: Vec<Vec<(u32, u32)>> = vec![Vec::new(); meshes];
     for (number, part) in (0..).zip(&atlas.parts) {
@@ -74,9 +80,12 @@ pub(crate) fn cuts(atlas: &Atlas, meshes: usize, edges: &[SharedEdge]) -> Vec<Cu
         }
         CutSide { page: part.page, chart: part.charts[triangle as usize], ends }
     };
-    let cut = |edge: &SharedEdge| Cut { sides: [side(edge.sides[0], false), side(edge.sides[1], edge.is_reversed)] };
+    let cut = |edge: &SharedEdge| Cut {
+        sides: [side(edge.sides[0], false), side(edge.sides[1], edge.is_reversed)],
+        is_smooth: edge.is_smooth,
+    };
     let is_cut = |cut: &Cut| cut.sides[0] != cut.sides[1] && cut.sides.iter().all(|side| side.chart != NO_CHART);
-    edges.iter().filter(|edge| edge.is_smooth).map(cut).filter(is_cut).collect()
+    edges.iter().map(cut).filter(is_cut).collect()
 }
 
 impl Cut {
@@ -92,8 +101,14 @@ impl Cut {
 }
 
 impl Seams {
-    /// The seams at `cuts`, for maps that are sampled like this.
-    pub(crate) fn new(atlas: &Atlas, cuts: &[Cut], grids: &[Grid], sampling: Sampling) -> Self {
+    /// The seams at `cuts`, for maps that are sampled like this; `brightness` has a value for each texel of each page.
+    pub(crate) fn new(
+        atlas: &Atlas,
+        cuts: &[Cut],
+        grids: &[Grid],
+        brightness: &[Vec<f32>],
+        sampling: Sampling,
+    ) -> Self {
         let samplings: &[Sampling] = match sampling {
             Sampling::Bilinear => &[Sampling::Bilinear],
             // Engines have a switch for it.
@@ -101,6 +116,10 @@ impl Seams {
         };
         let mut numbers: Vec<Vec<u32>> = grids.iter().map(|grid| vec![u32::MAX; grid.owners.len()]).collect();
         let mut seams = Self { equations: Vec::new(), unknowns: Vec::new(), costs: Vec::new() };
+        let noise = noise(atlas, grids, brightness);
+        let sample = |(page, footprint): &(usize, Footprint)| -> f64 {
+            footprint.iter().map(|&(texel, weight)| weight * f64::from(brightness[*page][texel as usize])).sum()
+        };
         for cut in cuts {
             for places in cut.places(0.5) {
                 for &sampling in samplings {
@@ -112,6 +131,12 @@ impl Seams {
                         is_own.then_some((page, footprint))
                     });
                     if let [Some(a), Some(b)] = sides {
+                        let [x, y] = [sample(&a), sample(&b)];
+                        let least =
+                            NOISE * cut.sides.iter().map(|side| noise[side.chart as usize].powi(2)).sum::<f64>().sqrt();
+                        if !cut.is_smooth && (x - y).abs() > least * 0.5 * (x + y) {
+                            continue;
+                        }
                         seams.add(grids, &mut numbers, [(a, 1.0), (b, -1.0)]);
                     }
                 }
@@ -232,6 +257,15 @@ impl Seams {
         }
         product
     }
+}
+
+/// The relative noise of each chart.
+fn noise(atlas: &Atlas, grids: &[Grid], brightness: &[Vec<f32>]) -> Vec<f64> {
+    let mut differences = vec![Vec::new(); atlas.charts.len()];
+    for (grid, brightness) in grids.iter().zip(brightness) {
+        View { grid, brightness }.differences(&mut differences);
+    }
+    differences.iter_mut().map(|differences| sigma(differences).into()).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
