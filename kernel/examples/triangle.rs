@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 use halfdome_kernel::{BuildOptions, Bvh, Hit, Ray};
 
-fn main() -> Result<(), halfdome_kernel::BuildError> {
+fn main() -> Result<(), halfdome_kernel::Error> {
     let triangles = [[vec3(-1.0, -1.0, 0.0), vec3(1.0, -1.0, 0.0), vec3(0.0, 1.0, 0.0)]];
     let (bvh, _) = Bvh::build(&triangles, &BuildOptions::default())?;
     let tree = bvh.view();

@@ -2,7 +2,7 @@
 //! at a time, with SIMD and with the same hits everywhere.
 //!
 //! Data flows one way, and a module imports only from those above it:
-//! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`bvh`] (the tree's memory, its view, building and
+//! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`Error`] → [`bvh`] (the tree's memory, its view, building and
 //! validating) → [`traverse`] (walking it). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
 //! hemisphere of rays says of a point and of those around it) stand beside.
 //!
@@ -39,6 +39,7 @@
 extern crate alloc;
 
 pub mod bvh;
+mod error;
 pub mod geometry;
 pub mod irradiance;
 pub mod sampling;
@@ -46,11 +47,13 @@ pub mod sampling;
 mod simd;
 pub mod traverse;
 
+pub use bvh::BvhView;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildError, BuildOptions, BuildReport, Bvh, Executor, Quality, Serial};
-pub use bvh::{BvhView, InvalidTree};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use error::{Error, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Triangle, offset_origin,
-    triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
+    offset_origin, triangle_normal,
 };
 pub use simd::{Isa, Level};
+pub use traverse::{Facing, Hits, Verdict};

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{
-    BuildError, BuildOptions, BuildReport, Bvh, BvhView, Executor, Hit, Triangle, offset_origin, triangle_normal,
+    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Hit, Triangle, offset_origin, triangle_normal,
 };
 
 use crate::light::Lights;
@@ -69,7 +69,7 @@ pub enum WorldError {
     NoCamera,
     /// No tree can be built.
     #[error("{0}")]
-    Tree(#[from] BuildError),
+    Tree(#[from] Error),
 }
 
 impl World {

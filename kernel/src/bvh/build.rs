@@ -10,15 +10,20 @@ use super::executor::{Executor, Serial};
 use super::node::{Child, Node, TriangleBlock, WIDTH};
 use super::options::{BuildOptions, Effort};
 use super::primitive::Primitive;
-use super::{BvhView, InvalidTree, reinsertion, top_down};
+use super::{BvhView, MAX_STACK, reinsertion, top_down, validate};
+use crate::error::{Error, InvalidTree};
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 
 /// A tree that owns its memory.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
-    blocks: Vec<TriangleBlock>,
-    cost: f32,
+    pub(super) nodes: Vec<Node>,
+    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) cost: f32,
+    /// The cost before any triangle was moved.
+    pub(super) built_cost: f32,
+    /// Entries that the stack of a traversal needs.
+    pub(super) stack: u32,
 }
 
 /// What a build left out, and why.
@@ -29,23 +34,12 @@ pub struct BuildReport {
     pub kept: usize,
     /// Triangles with two equal corners, which no ray hits.
     pub degenerate: usize,
-    /// Triangles with a NaN or infinite coordinate, or one beyond [`MAX_COORDINATE`].
+    /// Triangles with a coordinate that is NaN or infinite.
+    pub not_finite: usize,
+    /// Triangles with a coordinate beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
     /// Trees that were too deep, before one that was built with less regard for cost.
     pub too_deep: u32,
-}
-
-/// Why no tree could be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// There are more triangles than a tree can address.
-    TooManyTriangles {
-        /// How many there are.
-        count: usize,
-    },
-    /// The tree is not valid; only [`InvalidTree::TooLarge`] can occur.
-    Invalid(InvalidTree),
 }
 
 /// A tree in figures.
@@ -65,16 +59,48 @@ pub struct TreeStatistics {
     pub cost: f32,
     /// Memory of nodes and blocks in bytes.
     pub bytes: usize,
+    /// Entries that the stack of a traversal needs, of [`MAX_STACK`].
+    pub stack: u32,
+}
+
+impl BuildReport {
+    /// Triangles that are not in the tree, for whatever reason.
+    pub fn dropped(&self) -> usize {
+        self.degenerate + self.not_finite + self.out_of_range
+    }
+}
+
+impl fmt::Display for BuildReport {
+    /// Such as `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.kept == 1 { "" } else { "s" };
+        write!(f, "{} triangle{plural} kept, {} dropped", self.kept, self.dropped())?;
+        let reasons = [
+            (self.degenerate, "with two equal corners"),
+            (self.not_finite, "not finite"),
+            (self.out_of_range, "too far away"),
+        ];
+        let mut separator = ": ";
+        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
+            write!(f, "{separator}{count} {reason}")?;
+            separator = ", ";
+        }
+        Ok(())
+    }
 }
 
 impl Bvh {
+    /// The most triangles that a tree can hold: 2²⁹ - 1, if all blocks but the last are full.
+    pub const MAX_TRIANGLES: usize = Child::MAX_INDEX as usize * WIDTH - 1;
+
     /// Builds a tree over `triangles` on this thread; a hit's `prim_id` is an index into them.
     ///
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
-    /// [`BuildError::TooManyTriangles`] from 2²⁹ triangles on, and [`BuildError::Invalid`] if even fewer do not fit.
-    pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), BuildError> {
+    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if even
+    /// fewer do not fit, as few share a block.
+    pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, triangles, options)
     }
 
@@ -87,10 +113,8 @@ impl Bvh {
         executor: &E,
         triangles: &[Triangle],
         options: &BuildOptions,
-    ) -> Result<(Self, BuildReport), BuildError> {
-        if triangles.len() >= Child::MAX_INDEX as usize * WIDTH {
-            return Err(BuildError::TooManyTriangles { count: triangles.len() });
-        }
+    ) -> Result<(Self, BuildReport), Error> {
+        check_count(triangles.len())?;
         let mut report = BuildReport::default();
         // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
         for effort in [options.quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
@@ -100,11 +124,11 @@ impl Bvh {
             }
             executor.advance(0.05);
             match Self::attempt(executor, triangles, prims, effort) {
-                Err(BuildError::Invalid(InvalidTree::TooDeep { .. })) => report.too_deep += 1,
+                Err(InvalidTree::TooDeep { .. }) => report.too_deep += 1,
                 result => return Ok((result?, report)),
             }
         }
-        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 }, report))
+        Ok((Self { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0, built_cost: 0.0, stack: 1 }, report))
     }
 
     fn attempt<E: Executor>(
@@ -112,13 +136,14 @@ impl Bvh {
         triangles: &[Triangle],
         prims: Vec<Primitive>,
         effort: Effort,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self, InvalidTree> {
         let mut tree = top_down::build(executor, prims, effort.splitting, 0.45);
         reinsertion::optimize(executor, &mut tree, effort.patience, 0.3);
-        let tree = tree.in_order().ok_or(BuildError::Invalid(InvalidTree::TooDeep { needed: MAX_DEPTH as u32 }))?;
-        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2);
-        BvhView::new(&nodes, &blocks).map_err(BuildError::Invalid)?;
-        Ok(Self { nodes, blocks, cost })
+        let tree =
+            tree.in_order().ok_or(InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 })?;
+        let Collapsed { nodes, blocks, cost } = collapse::collapse(executor, &tree, triangles, 0.2)?;
+        let stack = validate::validate(&nodes, &blocks)?;
+        Ok(Self { nodes, blocks, cost, built_cost: cost, stack })
     }
 
     /// Borrows the tree for tracing.
@@ -149,8 +174,14 @@ impl Bvh {
             depth,
             cost: self.cost,
             bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            stack: self.stack,
         }
     }
+}
+
+fn check_count(count: usize) -> Result<(), Error> {
+    let limit = Bvh::MAX_TRIANGLES;
+    if count > limit { Err(Error::TooManyTriangles { count, limit }) } else { Ok(()) }
 }
 
 /// The triangles that a ray can hit; counts them and the others.
@@ -158,7 +189,9 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
     let mut prims = Vec::with_capacity(triangles.len());
     for (prim_id, triangle) in (0..).zip(triangles) {
-        if !in_range(triangle) {
+        if !triangle.iter().all(|p| p.is_finite()) {
+            report.not_finite += 1;
+        } else if !in_range(triangle) {
             report.out_of_range += 1;
         } else if is_degenerate(triangle) {
             report.degenerate += 1;
@@ -168,6 +201,11 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
     }
     report.kept = prims.len();
     prims
+}
+
+/// Whether a ray can hit the triangle.
+pub(super) fn is_usable(triangle: &Triangle) -> bool {
+    in_range(triangle) && !is_degenerate(triangle)
 }
 
 fn in_range(triangle: &Triangle) -> bool {
@@ -180,19 +218,45 @@ fn is_degenerate([a, b, c]: &Triangle) -> bool {
     a == b || b == c || c == a
 }
 
-impl core::error::Error for BuildError {}
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
 
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooManyTriangles { count } => {
-                write!(
-                    f,
-                    "{count} triangles are too many: a tree holds fewer than {}",
-                    Child::MAX_INDEX as usize * WIDTH
-                )
-            }
-            Self::Invalid(error) => error.fmt(f),
-        }
+    use super::*;
+
+    #[test]
+    fn what_is_dropped_is_told_by_reason() {
+        let with = |corner: Vec3| [Vec3::X, Vec3::Y, corner];
+        let next = |x: f32| f32::from_bits(x.to_bits() + 1);
+        let triangles = [
+            with(Vec3::Z),
+            with(Vec3::Z * MAX_COORDINATE),
+            with(-Vec3::Z * MAX_COORDINATE),
+            with(-Vec3::Z * next(MAX_COORDINATE)),
+            with(Vec3::Z * f32::MAX),
+            with(Vec3::X),
+            with(Vec3::Z * f32::INFINITY),
+            with(Vec3::NAN),
+            with(Vec3::new(0.0, f32::NEG_INFINITY, f32::MAX)),
+        ];
+        let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
+        let expected = BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, too_deep: 0 };
+        assert_eq!((report, report.dropped(), bvh.statistics().triangles), (expected, 6, 3));
+        assert_eq!(
+            alloc::format!("{report}"),
+            "3 triangles kept, 6 dropped: 1 with two equal corners, 3 not finite, 2 too far away"
+        );
+        let one = BuildReport { kept: 1, not_finite: 2, ..BuildReport::default() };
+        assert_eq!(alloc::format!("{one}"), "1 triangle kept, 2 dropped: 2 not finite");
+        assert_eq!(alloc::format!("{}", BuildReport::default()), "0 triangles kept, 0 dropped");
+    }
+
+    #[test]
+    fn one_triangle_too_many_is_refused() {
+        assert_eq!(Bvh::MAX_TRIANGLES, (1 << 29) - 1);
+        assert_eq!(check_count(Bvh::MAX_TRIANGLES), Ok(()));
+        let error = check_count(Bvh::MAX_TRIANGLES + 1).unwrap_err();
+        assert_eq!(error, Error::TooManyTriangles { count: 1 << 29, limit: (1 << 29) - 1 });
+        assert_eq!(alloc::format!("{error}"), "536870912 triangles are too many: a tree holds 536870911 at most");
     }
 }

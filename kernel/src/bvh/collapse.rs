@@ -10,6 +10,7 @@ use super::binary::BinaryTree;
 use super::executor::Executor;
 use super::node::{Child, Node, TriangleBlock, WIDTH};
 use super::plan::{MAX_LEAF, Plan};
+use crate::error::InvalidTree;
 use crate::geometry::Triangle;
 
 /// Nodes or leaves that are one piece of work.
@@ -37,7 +38,13 @@ struct Source<'a> {
 }
 
 /// Collapses `tree`, whose nodes are [in order](BinaryTree::in_order); this is `work` of the whole build.
-pub(super) fn collapse<E: Executor>(executor: &E, tree: &BinaryTree, triangles: &[Triangle], work: f32) -> Collapsed {
+/// Fails if there are more nodes or blocks than a child can name.
+pub(super) fn collapse<E: Executor>(
+    executor: &E,
+    tree: &BinaryTree,
+    triangles: &[Triangle],
+    work: f32,
+) -> Result<Collapsed, InvalidTree> {
     let plan = Plan::new(executor, tree);
     executor.advance(0.4 * work);
     let mut nodes = vec![Node::EMPTY];
@@ -48,6 +55,11 @@ pub(super) fn collapse<E: Executor>(executor: &E, tree: &BinaryTree, triangles: 
         let mut node = Node::EMPTY;
         let inner = todo.len();
         let mut roots = [0; WIDTH];
+        // A node adds eight of each at most, and a leaf has two blocks at most.
+        let room = Child::MAX_INDEX - 2 * WIDTH as u32;
+        if nodes.len() > room as usize || blocks > room {
+            return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX });
+        }
         let count = plan.roots(binary, &mut roots);
         for (slot, &root) in roots[..count].iter().enumerate() {
             let contents = if plan.is_leaf(root) {
@@ -74,7 +86,7 @@ pub(super) fn collapse<E: Executor>(executor: &E, tree: &BinaryTree, triangles: 
     let mut filled = vec![TriangleBlock::EMPTY; blocks as usize];
     executor.join(|| sort(executor, &mut nodes), || Source { tree, triangles }.fill(executor, &leaves, &mut filled));
     executor.advance(0.4 * work);
-    Collapsed { nodes, blocks: filled, cost }
+    Ok(Collapsed { nodes, blocks: filled, cost })
 }
 
 /// Orders the children of each node.

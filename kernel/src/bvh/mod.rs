@@ -2,13 +2,14 @@
 //!
 //! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
 //! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
-//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. [`BvhView`] borrows the
-//! result, from wherever it lies.
+//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
+//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies, [bytes](BvhView::from_bytes) included.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
 #[cfg(any(feature = "alloc", test))]
 mod bins;
+mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod build;
 #[cfg(any(feature = "alloc", test))]
@@ -23,6 +24,8 @@ mod plan;
 #[cfg(any(feature = "alloc", test))]
 mod primitive;
 #[cfg(any(feature = "alloc", test))]
+mod refit;
+#[cfg(any(feature = "alloc", test))]
 mod reinsertion;
 #[cfg(any(feature = "alloc", test))]
 mod top_down;
@@ -30,13 +33,17 @@ mod validate;
 mod view;
 
 #[cfg(any(feature = "alloc", test))]
-pub use build::{BuildError, BuildReport, Bvh, TreeStatistics};
+pub use blob::Blob;
+pub use blob::{Aligned, BLOB_ALIGNMENT, BLOB_VERSION};
+#[cfg(any(feature = "alloc", test))]
+pub use build::{BuildReport, Bvh, TreeStatistics};
 #[cfg(any(feature = "alloc", test))]
 pub use executor::{Executor, Serial};
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality};
-pub use validate::InvalidTree;
+#[cfg(any(feature = "alloc", test))]
+pub use refit::Refit;
 pub use view::BvhView;
 
 #[cfg(test)]

@@ -18,9 +18,9 @@ use super::executor::{Executor, Serial};
 use super::node::WIDTH;
 
 /// Cost of visiting a node; the unit.
-const NODE: f32 = 1.0;
+pub(super) const NODE: f32 = 1.0;
 /// Cost of testing a block of triangles.
-const BLOCK: f32 = 0.6;
+pub(super) const BLOCK: f32 = 0.6;
 /// Triangles in a leaf, at most.
 pub(super) const MAX_LEAF: u32 = 2 * WIDTH as u32;
 /// Subtrees of at least so many nodes are a piece of work of their own.

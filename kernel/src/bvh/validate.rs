@@ -5,101 +5,26 @@
 //! any memory but the walk's stack. On the way it counts the stack that a traversal can need, whatever the order in
 //! which it visits children.
 
-use core::fmt;
-
 use super::node::{Child, WIDTH};
 use super::{MAX_STACK, Node, TriangleBlock};
+use crate::error::InvalidTree;
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE};
 
-/// What is wrong with a tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum InvalidTree {
-    /// There is no node; even an empty tree has a root.
-    NoRoot,
-    /// There are more nodes or blocks than [`Child::MAX_INDEX`].
-    TooLarge,
-    /// A child that is out of range or not where a depth-first walk meets it.
-    BadChild {
-        /// The node that has it.
-        node: u32,
-        /// The child's place in the node.
-        slot: u32,
-    },
-    /// An order of children that does not name each once.
-    BadOrder {
-        /// The node that has it.
-        node: u32,
-    },
-    /// A node that no other refers to.
-    ForgottenNode {
-        /// Its index.
-        node: u32,
-    },
-    /// A block that no leaf refers to.
-    ForgottenBlock {
-        /// Its index.
-        block: u32,
-    },
-    /// A box that does not enclose its contents, or is not finite.
-    BadBox {
-        /// The node that has it.
-        node: u32,
-        /// The child's place in the node.
-        slot: u32,
-    },
-    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
-    BadTriangle {
-        /// The block that has it.
-        block: u32,
-        /// Its lane.
-        lane: u32,
-    },
-    /// Traversal would need a larger stack than [`MAX_STACK`].
-    TooDeep {
-        /// Entries needed.
-        needed: u32,
-    },
-}
-
-impl core::error::Error for InvalidTree {}
-
-impl fmt::Display for InvalidTree {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoRoot => write!(f, "the tree has no root node"),
-            Self::TooLarge => write!(f, "the tree has more than {} nodes or blocks", Child::MAX_INDEX),
-            Self::BadChild { node, slot } => {
-                write!(f, "child {slot} of node {node} is out of range or out of order")
-            }
-            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
-            Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
-            Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
-            Self::BadBox { node, slot } => {
-                write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
-            }
-            Self::BadTriangle { block, lane } => {
-                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
-            }
-            Self::TooDeep { needed } => {
-                write!(f, "the tree is too deep: it needs a stack of {needed} entries, and {MAX_STACK} are allowed")
-            }
-        }
-    }
-}
-
-/// Checks a tree; see [`BvhView::new`](super::BvhView::new).
-pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), InvalidTree> {
+/// Checks a tree; see [`BvhView::new`](super::BvhView::new). Gives the number of entries that the stack of a traversal
+/// needs, whatever the order in which it visits children.
+pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, InvalidTree> {
     if nodes.is_empty() {
         return Err(InvalidTree::NoRoot);
     }
     if nodes.len() > Child::MAX_INDEX as usize || blocks.len() > Child::MAX_INDEX as usize {
-        return Err(InvalidTree::TooLarge);
+        return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX });
     }
     // Nodes to visit, each with the number of entries that a traversal may hold when it gets there.
     let mut stack = [(0u32, 0usize); MAX_STACK];
     let mut height = 1;
     let (mut next_node, mut next_block) = (1, 0);
+    // The root is an entry.
+    let mut most_needed = 1;
     while height > 0 {
         height -= 1;
         let (index, held) = stack[height];
@@ -110,8 +35,9 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
         let children = node.children.iter().filter(|&&child| Child::unpack(child) != Child::Empty).count();
         let needed = held + children;
         if needed > MAX_STACK {
-            return Err(InvalidTree::TooDeep { needed: needed as u32 });
+            return Err(InvalidTree::TooDeep { needed: needed as u32, allowed: MAX_STACK as u32 });
         }
+        most_needed = most_needed.max(needed);
         let first_inner = next_node;
         for slot in 0..WIDTH {
             let bad_child = InvalidTree::BadChild { node: index, slot: slot as u32 };
@@ -150,7 +76,7 @@ pub(super) fn validate(nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), I
     if next_block as usize != blocks.len() {
         return Err(InvalidTree::ForgottenBlock { block: next_block });
     }
-    Ok(())
+    Ok(most_needed as u32)
 }
 
 /// The box around a leaf's triangles.

@@ -1,7 +1,7 @@
 //! A borrowed tree: what traversal works on.
 
-use super::validate::{self, InvalidTree};
-use super::{Node, TriangleBlock};
+use super::{Node, TriangleBlock, validate};
+use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 
@@ -18,10 +18,10 @@ impl<'a> BvhView<'a> {
     /// Borrows a tree whose root is the first node.
     ///
     /// # Errors
-    /// [`InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do not
+    /// [`Error::InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do not
     /// enclose what is in them, orders of children that leave one out, coordinates out of limits, or a traversal that
     /// would need more than [`MAX_STACK`](super::MAX_STACK) entries. `prim_id`s are the caller's, and are not looked at.
-    pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, InvalidTree> {
+    pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, Error> {
         validate::validate(nodes, blocks)?;
         Ok(Self::trusted(nodes, blocks))
     }

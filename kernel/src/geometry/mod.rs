@@ -23,7 +23,9 @@
 //! and add in the nodes' test.
 
 mod aabb;
+pub(crate) mod closest;
 mod offset;
+pub(crate) mod overlap;
 mod packet;
 mod ray;
 mod reference;
@@ -31,9 +33,12 @@ pub(crate) mod setup;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;
+pub use closest::SurfacePoint;
 pub use offset::{offset_origin, triangle_normal};
+pub use overlap::overlaps;
 pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};
+pub(crate) use reference::intersect_side;
 pub use reference::intersect_triangle;
 pub use setup::{MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION};
 

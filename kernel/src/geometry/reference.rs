@@ -10,6 +10,12 @@ use super::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, Triangle};
 ///
 /// Woop, Benthin and Wald 2013, with the two deviations that the [module](super) explains.
 pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
+    intersect_side(ray, triangle).map(|(hit, _)| hit)
+}
+
+/// [`intersect_triangle`], and whether `ray` comes from the front: whether the edge functions' sum, which decides it
+/// exactly, is positive.
+pub(crate) fn intersect_side(ray: &Ray, triangle: &Triangle) -> Option<(Hit, bool)> {
     let d = ray.direction;
     let largest = d.abs().max_element();
     if !d.is_finite() || !(MIN_DIRECTION..=MAX_DIRECTION).contains(&largest) {
@@ -38,7 +44,7 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
         return None;
     }
     let determinant = u + v + w;
-    let (u, v, w) = if u == 0.0 || v == 0.0 || w == 0.0 || determinant.abs() < LEAST_DETERMINANT {
+    let (u, v, w, front) = if u == 0.0 || v == 0.0 || w == 0.0 || determinant.abs() < LEAST_DETERMINANT {
         let [ax, ay, bx, by, cx, cy] = [ax, ay, bx, by, cx, cy].map(f64::from);
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
@@ -48,10 +54,10 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
         if determinant == 0.0 {
             return None;
         }
-        ((u / determinant) as f32, (v / determinant) as f32, (w / determinant) as f32)
+        ((u / determinant) as f32, (v / determinant) as f32, (w / determinant) as f32, determinant > 0.0)
     } else {
         let inverse = 1.0 / determinant;
-        (u * inverse, v * inverse, w * inverse)
+        (u * inverse, v * inverse, w * inverse, determinant > 0.0)
     };
     let (u, v, w) = refine([(ax, ay), (bx, by), (cx, cy)], [u, v, w]);
     let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * sz;
@@ -75,7 +81,7 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
     if t > far {
         t = far + 0.0;
     }
-    (near <= far && ray.t_min <= t && t <= ray.t_max).then_some(Hit { t, u: v, v: w, prim_id: 0 })
+    (near <= far && ray.t_min <= t && t <= ray.t_max).then_some((Hit { t, u: v, v: w, prim_id: 0 }, front))
 }
 
 /// Weights with which the mean of the 2D `corners` is nearer to the origin: it is moved along the longest edge.

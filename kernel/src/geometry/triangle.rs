@@ -36,6 +36,8 @@ fn splat<const N: usize, L: Lanes<N>>(v: [f32; 3]) -> [L; 3] {
 /// Where lanes meet their triangles, whatever their `t` intervals: only lanes of `bits` mean anything.
 pub(crate) struct Crossing<L> {
     pub bits: u32,
+    /// The lanes that come from the front.
+    pub front: u32,
     pub t: L,
     pub u: L,
     pub v: L,
@@ -58,11 +60,12 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
     let inverse = L::splat(1.0) / sum;
     let (mut u, mut v, mut w) = (u * inverse, v * inverse, w * inverse);
+    let mut front = zero.lt(sum).bits();
     let doubtful = bits & doubtful.bits();
     if doubtful != 0 {
         let sheared = [ax.store(), ay.store(), bx.store(), by.store(), cx.store(), cy.store()];
         let mut weights = [u.store(), v.store(), w.store()];
-        bits = decide_in_f64(&sheared, bits, doubtful, &mut weights);
+        (bits, front) = decide_in_f64(&sheared, (bits, front), doubtful, &mut weights);
         if bits == 0 {
             return None;
         }
@@ -81,7 +84,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     let t = L::select(t.lt(near), near + zero, t);
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
-    Some(Crossing { bits, t, u: v, v: w })
+    Some(Crossing { bits, front, t, u: v, v: w })
 }
 
 /// The lanes whose line passes inside of their triangle's edges, or on one as far as `f32` can tell: where there may be
@@ -164,11 +167,15 @@ fn interval<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, axis: usize, [a, b,
 }
 
 /// Decides `lanes` again where `f32` could not: an edge function is zero, or all are near underflow. Products of `f32`
-/// are exact in `f64`, so the signs are. Takes and gives the mask of lanes inside.
+/// are exact in `f64`, so the signs are. Takes and gives the masks of the lanes inside and of those in front.
 #[cold]
 #[inline(never)]
-fn decide_in_f64<const N: usize>(sheared: &[[f32; N]; 6], bits: u32, lanes: u32, weights: &mut [[f32; N]; 3]) -> u32 {
-    let mut inside = bits;
+fn decide_in_f64<const N: usize>(
+    sheared: &[[f32; N]; 6],
+    (mut inside, mut front): (u32, u32),
+    lanes: u32,
+    weights: &mut [[f32; N]; 3],
+) -> (u32, u32) {
     for i in lanes_of(lanes) {
         let [ax, ay, bx, by, cx, cy] = sheared.map(|x| x[i] as f64);
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
@@ -178,9 +185,10 @@ fn decide_in_f64<const N: usize>(sheared: &[[f32; N]; 6], bits: u32, lanes: u32,
             for (weight, area) in weights.iter_mut().zip([u, v, w]) {
                 weight[i] = (area / sum) as f32;
             }
+            front = front & !(1 << i) | u32::from(sum > 0.0) << i;
         } else {
             inside &= !(1 << i);
         }
     }
-    inside
+    (inside, front)
 }

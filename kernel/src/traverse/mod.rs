@@ -5,21 +5,46 @@
 //! | one | [`BvhView::intersect`] | [`BvhView::occluded`] |
 //! | 4 or 8 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
+//! | one, with a filter | [`BvhView::intersect_filtered`] | [`BvhView::occluded_filtered`] |
+//! | one, through one-sided triangles | [`BvhView::intersect_facing`] | [`BvhView::occluded_facing`] |
+//!
+//! | question | method |
+//! | --- | --- |
+//! | all hits of a ray, in any order | [`BvhView::for_each_hit`] |
+//! | all hits of a ray, nearest first | [`BvhView::hits`] |
+//! | the nearest few, into a slice | [`BvhView::nearest_hits`] |
+//! | the `n`-th | [`BvhView::nth_hit`] |
+//! | how many | [`BvhView::count_hits`] |
+//! | the closest point of the surface | [`BvhView::closest_point`] |
+//! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
 //!
 //! Nothing here allocates or panics.
 
-mod flight;
+mod closest;
+mod facing;
+mod filter;
+pub(crate) mod flight;
 mod flock;
+mod hits;
+mod overlap;
 mod packet;
 mod pending;
+#[cfg(test)]
+mod query_tests;
 pub mod reference;
 mod stack;
 #[cfg(test)]
 mod tests;
 mod visits;
 
+pub use facing::Facing;
+pub use filter::Verdict;
+use flight::Collector;
+pub use hits::Hits;
 pub use packet::{PacketWidth, Width};
 pub use visits::Visits;
+
+use core::ops::ControlFlow;
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
@@ -107,6 +132,29 @@ impl BvhView<'_> {
             };
             dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
         }
+    }
+
+    /// Shows `collector` the hits of `ray`.
+    fn collect<C: Collector>(&self, ray: &Ray, collector: &mut C) {
+        // Whether it was ended early, the collector knows.
+        let _ = match self.isa().level() {
+            Level::Scalar => reference::walk(self, ray, collector),
+            _ => dispatch(self.isa(), Walk { tree: self, ray, collector }),
+        };
+    }
+}
+
+struct Walk<'a, C> {
+    tree: &'a BvhView<'a>,
+    ray: &'a Ray,
+    collector: &'a mut C,
+}
+
+impl<C: Collector> Work for Walk<'_, C> {
+    type Output = ControlFlow<()>;
+    #[inline(always)]
+    fn run<S: Simd>(self) -> ControlFlow<()> {
+        flight::walk::<S, C>(self.tree, self.ray, self.collector)
     }
 }
 

@@ -13,6 +13,8 @@ const _: () = assert!(MAX_STACK + 1 + WIDTH <= 256);
 
 /// The order of the slots themselves.
 const AS_THEY_ARE: u32 = 0o76543210;
+/// The last slot first.
+const BACKWARDS: u32 = 0o01234567;
 
 /// A stack of subtrees. At its bottom lies [`Pending::NONE`], which is never taken.
 pub(super) struct Pending {
@@ -93,6 +95,27 @@ impl Pending {
             self.push::<S>(self.height, near, t_max, AS_THEY_ARE, &children);
             from = from.saturating_add(WIDTH as u8);
         }
+    }
+
+    /// Puts those children on top for which `near <= far`, the one with the least `near` last.
+    #[inline(always)]
+    pub(super) fn enter_nearest_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {
+        let below = usize::from(self.height);
+        self.push::<S>(self.height, near, far, AS_THEY_ARE, &node.children);
+        for end in below + 1..usize::from(self.height) {
+            let mut place = end;
+            while place > below && self.near[place - 1] < self.near[place] {
+                self.near.swap(place - 1, place);
+                self.children.swap(place - 1, place);
+                place -= 1;
+            }
+        }
+    }
+
+    /// Puts those children on top for which `near <= far`, the first slot last.
+    #[inline(always)]
+    pub(super) fn enter_first_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {
+        self.push::<S>(self.height, near, far, BACKWARDS, &node.children);
     }
 
     /// Writes those of eight subtrees for which `near <= far` to the places from `height` on.

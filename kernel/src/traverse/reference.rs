@@ -1,8 +1,14 @@
 //! Traversal as plain as it can be: one ray, one box or triangle at a time, in the tree's order, and a loop over all
 //! triangles without any tree. Slow; every other path gives the same hits bit for bit.
 
-use crate::bvh::{BvhView, Child, MAX_STACK, WIDTH};
-use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_triangle};
+use core::ops::ControlFlow;
+
+use glam::Vec3;
+
+use super::flight::Collector;
+use crate::bvh::{BvhView, Child, MAX_STACK, TriangleBlock, WIDTH};
+use crate::geometry::closest::{self, Foot};
+use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_side, intersect_triangle, overlaps};
 
 /// What [`BvhView::intersect`] gives.
 pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
@@ -38,6 +44,88 @@ pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
 /// What [`BvhView::occluded`] gives.
 pub fn occluded(tree: &BvhView, ray: &Ray) -> bool {
     intersect(tree, ray).is_some()
+}
+
+/// What [`flight::walk`](super::flight::walk) does: shows `collector` the hits of `ray`, in the order of the octant of its
+/// direction. No box is left out for being far away.
+pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
+    let octant = (0..3).fold(0, |octant, axis| octant | usize::from(ray.direction[axis].is_sign_negative()) << axis);
+    let mut stack = [0u32; MAX_STACK];
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        match Child::unpack(stack[height]) {
+            Child::Empty => {}
+            Child::Node(index) => {
+                let node = &tree.nodes()[index as usize];
+                for place in 0..WIDTH {
+                    let slot = (node.order[octant] >> (3 * place) & 7) as usize;
+                    if entry(&node.aabb(slot), ray, &tree.bounds()).is_some() {
+                        stack[height] = node.children[slot];
+                        height += 1;
+                    }
+                }
+            }
+            Child::Leaf { first, count } => {
+                for block in &tree.blocks()[first as usize..][..count as usize] {
+                    for lane in 0..WIDTH {
+                        if let Some((hit, front)) = intersect_side(ray, &block.triangle(lane))
+                            && hit.t <= collector.t_max()
+                        {
+                            collector.see(Hit { prim_id: block.prim_id[lane], ..hit }, front)?;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// What [`BvhView::closest_point`] gives, if it precedes `best`: a loop over the triangles as they lie.
+pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: Foot) -> Foot {
+    for (triangle, prim_id) in triangles(tree.blocks()) {
+        let foot = Foot { prim_id, ..closest::closest_point(point, &triangle) };
+        if foot.precedes(&best) {
+            best = foot;
+        }
+    }
+    best
+}
+
+/// What [`BvhView::for_each_overlap`] does: a walk that leaves out no box.
+pub(crate) fn for_each_overlap(
+    tree: &BvhView,
+    aabb: &Aabb,
+    visit: &mut impl FnMut(u32) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut stack = [0u32; MAX_STACK];
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        match Child::unpack(stack[height]) {
+            Child::Empty => {}
+            Child::Node(index) => {
+                let children = tree.nodes()[index as usize].children;
+                for &child in children.iter().rev().filter(|&&child| Child::unpack(child) != Child::Empty) {
+                    stack[height] = child;
+                    height += 1;
+                }
+            }
+            Child::Leaf { first, count } => {
+                let blocks = &tree.blocks()[first as usize..][..count as usize];
+                let mut overlapping = triangles(blocks).filter(|(triangle, _)| overlaps(triangle, aabb));
+                overlapping.try_for_each(|(_, prim_id)| visit(prim_id))?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// The triangles of blocks as they lie, and their indices.
+fn triangles(blocks: &[TriangleBlock]) -> impl Iterator<Item = (Triangle, u32)> {
+    let lanes = blocks.iter().flat_map(|block| (0..WIDTH).map(|lane| (block.triangle(lane), block.prim_id[lane])));
+    lanes.filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
 }
 
 /// The nearest hit of `ray` among all `triangles`; `prim_id` is the index.

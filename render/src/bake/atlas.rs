@@ -156,6 +156,19 @@ impl Atlas {
         Ok(atlas)
     }
 
+    /// The coordinates that the scene's meshes have, right or wrong, on one page; `None` if none has any or they are not to
+    /// be used.
+    ///
+    /// # Errors
+    /// If the density that is asked for makes too large a page of them.
+    pub fn of_model(scene: &Scene, options: &BakeOptions) -> Result<Option<Self>, Invalid> {
+        let own: Vec<usize> = own_coordinates(scene).collect();
+        if own.is_empty() || options.coordinates == Coordinates::New {
+            return Ok(None);
+        }
+        Self::given(scene, &own, options).map(Some)
+    }
+
     /// What is right and wrong with the coordinates, for charts that keep `padding` texels to themselves.
     pub fn check(&self, scene: &Scene, options: &BakeOptions) -> Check {
         check(scene, self, options.padding())
@@ -168,23 +181,22 @@ impl Atlas {
         let must = options.coordinates == Coordinates::Keep;
         if let Some(without) = (0..scene.meshes.len()).find(|&mesh| must && !has_own(mesh)) {
             return Err(Invalid::new(
-                format!("{} has no second set of texture coordinates", name(scene, without)),
+                format!("{} has no second set of texture coordinates", mesh_name(scene, without)),
                 "give it one, or leave --uv out",
             ));
         }
         if options.coordinates == Coordinates::New {
             return Ok((0..scene.meshes.len()).map(|mesh| request(mesh, false)).collect());
         }
-        let own: Vec<usize> = (0..scene.meshes.len()).filter(|&mesh| has_own(mesh)).collect();
-        let mut given = Self::given(scene, &own, options)?;
-        given.charts = islands(scene, &given.pages, &mut given.parts);
+        let own: Vec<usize> = own_coordinates(scene).collect();
+        let given = Self::given(scene, &own, options)?;
         let found = check(scene, &given, options.padding());
         let mut usable = vec![false; scene.meshes.len()];
         for (number, &mesh) in own.iter().enumerate() {
             let faults = found.faults_of(&given, number);
             usable[mesh] = faults.is_empty();
             if !usable[mesh] {
-                let problem = format!("the second texture coordinates of {} {faults}", name(scene, mesh));
+                let problem = format!("the second texture coordinates of {} {faults}", mesh_name(scene, mesh));
                 if must {
                     return Err(Invalid::new(problem, "mend them, or leave --uv out for new ones"));
                 }
@@ -231,8 +243,15 @@ impl Atlas {
             None => options.size,
             Some(density) => kept_size(scene, &parts, density)?,
         };
-        Ok(Self { pages: vec![Page { width: size, height: size }], parts, ..Self::default() })
+        let mut given = Self { pages: vec![Page { width: size, height: size }], parts, ..Self::default() };
+        given.charts = islands(scene, &given.pages, &mut given.parts);
+        Ok(given)
     }
+}
+
+/// The meshes with lightmap coordinates.
+fn own_coordinates(scene: &Scene) -> impl Iterator<Item = usize> {
+    (0..scene.meshes.len()).filter(|&mesh| !scene.meshes[mesh].lightmap_texcoords.is_empty())
 }
 
 /// The size of a page on which parts have this density on average.
@@ -259,7 +278,7 @@ fn kept_size(scene: &Scene, parts: &[Part], density: f32) -> Result<u32, Invalid
 }
 
 /// A mesh for messages.
-pub(crate) fn name(scene: &Scene, mesh: usize) -> String {
+pub(crate) fn mesh_name(scene: &Scene, mesh: usize) -> String {
     match scene.meshes[mesh].name.as_str() {
         "" => format!("mesh {mesh}"),
         name => format!("mesh {mesh} ({name:?})"),

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::cache::{Record, fnv};
+use super::manifest::Hash;
+use crate::cache::Record;
 use crate::integrator;
 use crate::output::{OutputError, OutputFile};
 use crate::settings::Invalid;
@@ -105,6 +106,14 @@ impl Journal {
         file.write(&bytes)
     }
 
+    /// Removes the file, now that everything is done.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn remove(&self) -> Result<(), OutputError> {
+        self.file.as_ref().map_or(Ok(()), |(file, _)| file.remove())
+    }
+
     /// What went wrong when the file was written meanwhile.
     pub fn failure(&self) -> Option<OutputError> {
         self.state().failure.clone()
@@ -156,7 +165,7 @@ fn encode(hash: u64, entries: &BTreeMap<(u8, u64), Vec<u32>>) -> Vec<u8> {
         bytes.extend((words.len() as u32).to_le_bytes());
         words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
     }
-    bytes.extend(fnv(&bytes).to_le_bytes());
+    bytes.extend(Hash::of(&bytes).0.to_le_bytes());
     bytes
 }
 
@@ -172,7 +181,7 @@ fn decode(bytes: &[u8]) -> Option<(u64, BTreeMap<(u8, u64), Vec<u32>>)> {
     let mut header = [0; HEADER];
     header.copy_from_slice(take(HEADER)?);
     let is_ours = header.starts_with(&MAGIC) && header[8..12] == VERSION.to_le_bytes();
-    if !is_ours || u64::from_le_bytes(*checksum) != fnv(contents) {
+    if !is_ours || u64::from_le_bytes(*checksum) != Hash::of(contents).0 {
         return None;
     }
     let hash = u64::from_le_bytes(header[12..20].try_into().ok()?);

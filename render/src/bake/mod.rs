@@ -17,24 +17,28 @@ mod dilate;
 mod direct;
 mod edges;
 mod filter;
+pub mod gltf;
 mod islands;
 mod journal;
 mod light;
+pub mod manifest;
 mod moments;
 mod noise;
+pub mod obj;
 mod openness;
 mod options;
 mod picture;
 mod raster;
+pub mod report;
 mod seams;
 mod texels;
 mod unwrap;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::cache::Record;
 use crate::driver::Watch;
-use crate::scene::{Scene, count};
+use crate::scene::{Mesh, Scene, count};
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -44,13 +48,14 @@ use denoise::denoise;
 use dilate::Grid;
 use edges::shared_edges;
 use light::Job;
+use manifest::{Hash, Hashes};
 use moments::Lens;
 use seams::{Seams, cuts};
 use texels::{Surfaces, Texel};
 
 pub use dilate::Source;
 pub use journal::Journal;
-pub use options::{BakeOptions, Coordinates, Directional, Mode, Sampling};
+pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
 pub use picture::charts_picture;
 
 /// Light for every page of an atlas.
@@ -60,8 +65,8 @@ pub struct Bake {
     pub atlas: Atlas,
     /// A map for each page.
     pub maps: Vec<Map>,
-    /// The irradiance records that were used.
-    pub records: Vec<Record>,
+    /// Where the cache's records are: the page, and the place there from 0 to 1.
+    pub record_places: Vec<(usize, Vec2)>,
     /// What it took.
     pub statistics: Statistics,
     /// What the user should know about the light, a line each.
@@ -106,6 +111,8 @@ pub struct Statistics {
     pub gutter: u64,
     /// Points along seams where samples were made to agree.
     pub seams: u64,
+    /// Points along seams where they were not, as charts are too close.
+    pub mixed: u64,
     /// Texels without a valid record.
     pub misses: u64,
     /// Records whose extrapolation had a negative channel, which counted as 0.
@@ -123,20 +130,31 @@ impl Atlas {
     }
 }
 
-/// A hash of all that a bake depends on; equal hashes give equal maps.
-pub fn hash(scene: &Scene, options: &BakeOptions) -> u64 {
-    let scene_hash = Scene { camera: None, warnings: Vec::new(), ..scene.clone() }.hash();
-    let mut bytes = scene_hash.to_le_bytes().to_vec();
-    for mesh in &scene.meshes {
-        bytes.extend((mesh.lightmap_texcoords.len() as u64).to_le_bytes());
+/// Hashes of all that a bake depends on; equal ones give equal maps.
+pub fn hashes(scene: &Scene, options: &BakeOptions) -> Hashes {
+    let nothing = Scene::default();
+    let mesh = |mesh: &Mesh| {
+        let shape = Scene { meshes: vec![mesh.clone()], ..nothing.clone() }.hash();
         let numbers = mesh.lightmap_texcoords.iter().flat_map(|uv| uv.to_array());
-        bytes.extend(numbers.flat_map(|number| number.to_bits().to_le_bytes()));
+        let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).chain(shape.to_le_bytes()).collect();
+        (mesh.name.clone(), Hash::of(&bytes))
+    };
+    let named: Vec<String> = options.named().into_iter().map(|(name, value)| format!("{name}={value}")).collect();
+    Hashes {
+        options: Hash::of(named.join("\n").as_bytes()),
+        materials: Hash(Scene { materials: scene.materials.clone(), ..nothing.clone() }.hash()),
+        lights: Hash(Scene { lights: scene.lights.clone(), ..nothing.clone() }.hash()),
+        sky: Hash(Scene { sky: scene.sky, ..nothing.clone() }.hash()),
+        meshes: scene.meshes.iter().map(mesh).collect(),
     }
-    for (name, value) in options.named() {
-        bytes.extend(format!("{name}={value}\n").bytes());
-    }
-    bytes.extend(env!("CARGO_PKG_VERSION").bytes());
-    crate::cache::fnv(&bytes)
+}
+
+/// One hash of all of them and of this version of the program.
+pub fn combined(hashes: &Hashes) -> u64 {
+    let Hashes { options, materials, lights, sky, meshes } = hashes;
+    let all = [options, materials, lights, sky].into_iter().chain(meshes.iter().map(|(_, hash)| hash));
+    let bytes: Vec<u8> = all.flat_map(|hash| hash.0.to_le_bytes()).chain(env!("CARGO_PKG_VERSION").bytes()).collect();
+    Hash::of(&bytes).0
 }
 
 /// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
@@ -191,7 +209,16 @@ pub fn bake(
     }
 
     let gutter = grids.iter().flat_map(|grid| &grid.sources).filter(|source| **source == Source::Gutter).count();
-    let (records, usage) = light.cache.map(|(cache, usage)| (cache.records().to_vec(), usage)).unwrap_or_default();
+    let (cache, usage) = light.cache.unzip();
+    let usage = usage.unwrap_or_default();
+    // A record's key is the number of its texel.
+    let place = |record: &Record| {
+        let texel = &lit[record.key as usize];
+        let size = atlas.pages[texel.page as usize];
+        let (x, y) = (texel.index % size.width, texel.index / size.width);
+        (texel.page as usize, (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(size.width as f32, size.height as f32))
+    };
+    let record_places = cache.map(|cache| cache.records().iter().map(place).collect()).unwrap_or_default();
     let statistics = Statistics {
         texels: (lit.len() + covered.len()) as u64,
         gathers: light.gathers,
@@ -200,17 +227,20 @@ pub fn bake(
         covered: uncovered.lost,
         gutter: gutter as u64,
         seams: seams.len() as u64,
+        mixed: seams.mixed as u64,
         misses: usage.misses,
         negative: usage.negative,
     };
     let maps = maps(grids, layers, &names);
     let warnings = warnings(world, options, &maps, &statistics);
-    Some(Bake { atlas, maps, records, statistics, warnings })
+    Some(Bake { atlas, maps, record_places, statistics, warnings })
 }
 
-/// The number of texels that a bake tells its watcher of, about: those on surfaces, twice if they are found by a cache.
-pub fn work(scene: &Scene, atlas: &Atlas) -> u64 {
-    Surfaces::new(scene, atlas).texels().len() as u64
+/// The number of texels that a bake tells its watcher of, about: those on surfaces, again where a cache serves them.
+pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
+    let texels = Surfaces::new(scene, atlas).texels().len() as u64;
+    let by_cache = !options.brute && matches!(options.mode, Mode::Full | Mode::Indirect);
+    texels * (1 + u64::from(by_cache))
 }
 
 /// For each page what is known of its texels.
@@ -276,6 +306,10 @@ fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Sta
                 "all maps are black: no light reaches a front of a surface; add an emitter, a light or --sky".to_owned()
             }
         });
+    }
+    if statistics.mixed > 0 {
+        let points = count(statistics.mixed as usize, "point", "points");
+        warnings.push(format!("seams may show at {points}: charts of the model's own coordinates are too close"));
     }
     if statistics.covered * 4 > statistics.texels {
         warnings.push(format!(

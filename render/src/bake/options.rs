@@ -77,9 +77,21 @@ pub enum Coordinates {
     New,
 }
 
+/// For whom a bake is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Bevy: E/π as KTX2 in half floats.
+    Bevy,
+    /// three.js: E as Radiance pictures, named by the materials' `MOZ_lightmap`.
+    Three,
+    /// Anybody: E as OpenEXR.
+    Raw,
+}
+
 named!(Mode: Full = "full", Indirect = "indirect", Direct = "direct", Ao = "ao");
 named!(Directional: None = "none", Hl2 = "hl2", Sh1 = "sh1");
 named!(Sampling: Bilinear = "bilinear", Bicubic = "bicubic");
+named!(Preset: Bevy = "bevy", Three = "three", Raw = "raw");
 named!(Coordinates: Auto = "auto", Keep = "keep", New = "new");
 
 impl BakeOptions {

@@ -17,15 +17,19 @@ use super::noise::{View, sigma};
 use super::options::Sampling;
 
 /// What a change of a texel costs, relative to a step of the same size at a seam.
-const LIGHT: f64 = 0.01;
+const LIGHT: f64 = 0.001;
 /// The same of texels that were taken from others.
-const FILLED: f64 = 0.001;
+const FILLED: f64 = 0.0001;
 /// Brightness below this part of the greatest counts as this much.
 const DARKEST: f64 = 1e-4;
 /// Steps at creases up to this many times their noise are noise.
 const NOISE: f64 = 4.0;
+/// So are all up to this: a cache's noise is as smooth as light itself.
+const LEAST_STEP: f64 = 0.05;
+/// Points along a cut for each texel.
+const POINTS: f64 = 4.0;
 /// Steps of the solver, at most.
-const MAX_STEPS: u32 = 500;
+const MAX_STEPS: u32 = 2000;
 /// The part of the residual's square at which it ends.
 const TOLERANCE: f64 = 1e-16;
 
@@ -36,6 +40,8 @@ pub(crate) struct Seams {
     unknowns: Vec<(u32, u32)>,
     /// What a change of each costs.
     costs: Vec<f64>,
+    /// Points where a filter reaches into another chart.
+    pub(crate) mixed: usize,
 }
 
 /// Two samples that should be equal.
@@ -89,10 +95,10 @@ pub(crate) fn cuts(atlas: &Atlas, meshes: usize, edges: &[SharedEdge]) -> Vec<Cu
 }
 
 impl Cut {
-    /// Places along the cut, about two for each texel, `offset` of a step from the start.
+    /// Places along the cut, a few for each texel, `offset` of a step from the start.
     pub(crate) fn places(&self, offset: f64) -> impl Iterator<Item = [DVec2; 2]> + '_ {
         let length = self.sides.iter().map(|side| side.ends[0].distance(side.ends[1])).fold(0.0, f64::max);
-        let steps = (2.0 * length).ceil().max(1.0);
+        let steps = (POINTS * length).ceil().max(1.0);
         (0..steps as u32).map(move |step| {
             let t = (f64::from(step) + offset) / steps;
             self.sides.map(|side| side.ends[0].lerp(side.ends[1], t))
@@ -115,30 +121,29 @@ impl Seams {
             Sampling::Bicubic => &[Sampling::Bilinear, Sampling::Bicubic],
         };
         let mut numbers: Vec<Vec<u32>> = grids.iter().map(|grid| vec![u32::MAX; grid.owners.len()]).collect();
-        let mut seams = Self { equations: Vec::new(), unknowns: Vec::new(), costs: Vec::new() };
+        let mut seams = Self { equations: Vec::new(), unknowns: Vec::new(), costs: Vec::new(), mixed: 0 };
         let noise = noise(atlas, grids, brightness);
         let sample = |(page, footprint): &(usize, Footprint)| -> f64 {
             footprint.iter().map(|&(texel, weight)| weight * f64::from(brightness[*page][texel as usize])).sum()
         };
         for cut in cuts {
-            for places in cut.places(0.5) {
-                for &sampling in samplings {
-                    let sides = [0, 1].map(|i| {
-                        let CutSide { page, chart, .. } = cut.sides[i];
-                        let footprint = footprint(sampling, atlas.pages[page], places[i]);
-                        // Where charts are too close, a filter mixes them, and nothing can be done.
-                        let is_own = footprint.iter().all(|&(texel, _)| grids[page].owners[texel as usize] == chart);
-                        is_own.then_some((page, footprint))
-                    });
-                    if let [Some(a), Some(b)] = sides {
-                        let [x, y] = [sample(&a), sample(&b)];
-                        let least =
-                            NOISE * cut.sides.iter().map(|side| noise[side.chart as usize].powi(2)).sum::<f64>().sqrt();
-                        if !cut.is_smooth && (x - y).abs() > least * 0.5 * (x + y) {
-                            continue;
-                        }
+            let of_both = cut.sides.map(|side| noise[side.chart as usize].powi(2)).iter().sum::<f64>().sqrt();
+            let most = if cut.is_smooth { f64::INFINITY } else { (NOISE * of_both).max(LEAST_STEP) };
+            for (places, &sampling) in cut.places(0.5).flat_map(|places| samplings.iter().map(move |by| (places, by))) {
+                let side = |i: usize| {
+                    let CutSide { page, chart, .. } = cut.sides[i];
+                    let footprint = footprint(sampling, atlas.pages[page], places[i]);
+                    let is_own = footprint.iter().all(|&(texel, _)| grids[page].owners[texel as usize] == chart);
+                    is_own.then_some((page, footprint))
+                };
+                if let (Some(a), Some(b)) = (side(0), side(1)) {
+                    let [x, y] = [sample(&a), sample(&b)];
+                    if (x - y).abs() <= most * 0.5 * (x + y) {
                         seams.add(grids, &mut numbers, [(a, 1.0), (b, -1.0)]);
                     }
+                } else if cut.is_smooth {
+                    // Charts are too close: a filter mixes them, and nothing can be done.
+                    seams.mixed += 1;
                 }
             }
         }

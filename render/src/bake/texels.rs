@@ -44,6 +44,10 @@ const MARGIN: f64 = 0.01;
 /// A texel that its chart covers up to this part is not at the border.
 const COVERED: f64 = 0.999;
 
+/// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie behind
+/// the next wall by rounding.
+const LEAST_COVERAGE: f32 = 0.02;
+
 /// A piece of a triangle in a texel.
 struct Piece {
     texel: u32,
@@ -81,7 +85,13 @@ impl<'a> Surfaces<'a> {
     fn texels_of(&self, page: usize) -> Vec<Texel> {
         let mut pieces = self.pieces(page);
         pieces.sort_by_key(|piece| piece.texel);
-        pieces.chunk_by(|a, b| a.texel == b.texel).filter_map(|pieces| self.texel(page, pieces)).collect()
+        let mut texels: Vec<Texel> =
+            pieces.chunk_by(|a, b| a.texel == b.texel).filter_map(|pieces| self.texel(page, pieces)).collect();
+        // A chart that covers no texel well keeps what it has.
+        let mut most = vec![0.0f32; self.atlas.charts.len()];
+        texels.iter().for_each(|texel| most[texel.chart as usize] = most[texel.chart as usize].max(texel.coverage));
+        texels.retain(|texel| texel.coverage >= LEAST_COVERAGE.min(0.5 * most[texel.chart as usize]));
+        texels
     }
 
     /// The texel of which these are all pieces.

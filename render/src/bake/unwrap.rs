@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use glam::Vec2;
 use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing};
 
-use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, name};
+use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::edges::SharedEdge;
 use super::options::BakeOptions;
 use crate::scene::Scene;
@@ -156,7 +156,7 @@ fn explain(scene: &Scene, requests: &[Request], error: &Error) -> Invalid {
             "give a lower --density: the coordinates of the model may be in smaller units than metres",
         ),
         Error::NonFiniteUv { mesh, vertex } => Invalid::new(
-            format!("vertex {vertex} of {} has no finite coordinates", name(scene, requests[mesh].mesh)),
+            format!("vertex {vertex} of {} has no finite coordinates", mesh_name(scene, requests[mesh].mesh)),
             "leave --uv out for new ones",
         ),
         _ => Invalid::new(format!("no coordinates can be made: {error}"), "check --size, --density and --gutter"),

@@ -181,7 +181,7 @@ impl Bytes<'_> {
 }
 
 /// FNV-1a with 64 bits (Fowler, Noll and Vo).
-pub(crate) fn fnv(bytes: &[u8]) -> u64 {
+fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 

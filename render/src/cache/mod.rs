@@ -28,7 +28,7 @@ pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
 
 pub use file::CacheFileError;
-pub(crate) use file::{fnv, named};
+pub(crate) use file::named;
 pub use record::{Record, SECTORS};
 
 /// By how much farther records are used than they keep other records away.

@@ -17,29 +17,15 @@ use super::summary::print_warning;
 use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare, thread_pool};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
-use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Sampling};
-use crate::driver::Watch;
+use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, value};
-use crate::settings::{Invalid, named};
+use crate::settings::Invalid;
 use crate::world::World;
 use files::Files;
 
 /// How often the state of a bake is written.
 const STATE_INTERVAL: Duration = Duration::from_secs(30);
-
-/// For whom a bake is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Preset {
-    /// Bevy: E/π as KTX2 in half floats.
-    Bevy,
-    /// three.js: E as Radiance pictures, named by the materials' `MOZ_lightmap`.
-    Three,
-    /// Anybody: E as OpenEXR.
-    Raw,
-}
-
-named!(Preset: Bevy = "bevy", Three = "three", Raw = "raw");
 
 /// What `halfdome bake` takes.
 #[derive(Args, Clone, Debug)]
@@ -224,7 +210,6 @@ fn bake(
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
     let baked = bake::bake(&scene, &world, atlas, options, &journal, &progress);
-    let stopped = progress.stop();
     drop(progress);
     drop(world);
     let Some(mut baked) = baked else {
@@ -232,7 +217,6 @@ fn bake(
         say(style, &format!("interrupted; --resume goes on from {}", state.display()));
         return Ok(EXIT_INTERRUPTED);
     };
-    debug_assert!(!stopped || !baked.maps.is_empty());
     warn(style, &mut baked.warnings);
     let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
     warn(style, &mut warnings);

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
 
 use glam::{DVec3, Vec3};
 use halfdome_kernel::Isa;
@@ -10,7 +9,8 @@ use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
 use super::args::InfoArguments;
-use super::{CliError, EXIT_DONE, memory, prepare};
+use super::cache::print;
+use super::{CliError, EXIT_DONE, memory, prepare, tree};
 use crate::scene::{Overrides, PunctualLight, Scene};
 use crate::world::World;
 
@@ -60,6 +60,7 @@ struct Bounds {
 #[derive(Serialize)]
 struct Tree {
     degenerate_triangles: usize,
+    not_finite_triangles: usize,
     out_of_range_triangles: usize,
     bytes: usize,
     sah_cost: f32,
@@ -72,6 +73,9 @@ struct Tree {
 
 /// Prints the table or JSON to stdout.
 pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
+    if tree::is_tree(&arguments.scene) {
+        return tree::describe(&arguments.scene, arguments.json);
+    }
     let (scene, _) = prepare(&arguments.scene, Overrides::default())?;
     let info = Info::of(arguments.scene.display().to_string(), scene)?;
     let text = if arguments.json {
@@ -80,12 +84,8 @@ pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
     } else {
         info.table()
     };
-    match std::io::stdout().write_all(text.as_bytes()) {
-        // The reader has had enough, as `head` has.
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(EXIT_DONE),
-        Err(error) => Err(CliError::System(format!("standard output cannot be written: {error}"))),
-        Ok(()) => Ok(EXIT_DONE),
-    }
+    print(&text)?;
+    Ok(EXIT_DONE)
 }
 
 impl Info {
@@ -150,6 +150,7 @@ impl Tree {
         let (tree, report) = (world.tree_statistics(), world.build_report());
         Self {
             degenerate_triangles: report.degenerate,
+            not_finite_triangles: report.not_finite,
             out_of_range_triangles: report.out_of_range,
             bytes: tree.bytes,
             sah_cost: tree.cost,

@@ -1,6 +1,7 @@
 //! The command line: arguments, progress, summaries, exit codes.
 
 mod args;
+mod bake;
 mod building;
 mod cache;
 mod error;
@@ -12,6 +13,7 @@ mod preview;
 mod progress;
 mod render;
 mod summary;
+mod tree;
 mod validate;
 
 use std::io::{ErrorKind, IsTerminal};
@@ -63,6 +65,8 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
         Command::Cache(command) => (cache::run(&command), Mode::Auto),
+        Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
+        Command::Bake(arguments) => (bake::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {

@@ -45,8 +45,8 @@ pub(super) fn encode(values: &[f32], width: u32) -> (u32, Vec<u8>) {
     ((codes.len() / 3 / width) as u32, codes)
 }
 
-/// The colour of a number from 0 to 1.
-fn color(x: f32) -> [u8; 3] {
+/// The sRGB codes of a number from 0 to 1.
+pub(crate) fn color(x: f32) -> [u8; 3] {
     let last = COLORS.len() - 1;
     let place = if x > 0.0 { x.min(1.0) * last as f32 } else { 0.0 };
     let below = (place as usize).min(last - 1);

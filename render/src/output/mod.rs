@@ -1,4 +1,4 @@
-//! Pictures as files: OpenEXR for numbers, PNG for looking at.
+//! Pictures as files: OpenEXR for numbers, PNG for looking at, and for lightmaps what engines read.
 //!
 //! A picture is encoded in memory first and then put in its place in one step, so that a file on disk is always whole.
 //!
@@ -9,8 +9,11 @@
 
 mod error;
 mod exr;
-mod false_color;
+pub(crate) mod false_color;
 mod file;
+mod hdr;
+mod ktx2;
+mod map;
 mod png;
 mod tone;
 
@@ -19,6 +22,10 @@ use std::path::Path;
 pub use self::error::OutputError;
 pub use self::exr::read as read_exr;
 pub use self::file::OutputFile;
+pub use self::hdr::encode_hdr;
+pub use self::ktx2::encode_ktx2;
+pub use self::map::{EncodedMap, Map};
+pub use self::png::encode_rgb8 as encode_png;
 pub use self::tone::{ToneCurve, ToneMapping};
 use crate::film::Picture;
 
@@ -75,6 +82,15 @@ pub fn write(path: &Path, picture: &Picture, tone_mapping: &ToneMapping) -> Resu
         Format::Png => png::encode(path, picture, tone_mapping)?,
     };
     OutputFile::check(path)?.write(&bytes)
+}
+
+/// The bytes of an OpenEXR file of `picture`; `path` is for messages.
+///
+/// # Errors
+/// A picture whose channels do not fit its size or cannot be stored.
+pub fn encode_exr(path: &Path, picture: &Picture) -> Result<Vec<u8>, OutputError> {
+    check_shape(path, picture)?;
+    exr::encode(path, picture)
 }
 
 /// Checks that the picture has pixels, and every channel one value for each.

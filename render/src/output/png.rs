@@ -22,7 +22,15 @@ pub(super) fn encode(path: &Path, picture: &Picture, tone_mapping: &ToneMapping)
     } else {
         (picture.height, pixels.flat_map(|((&r, &g), &b)| tone_mapping.to_srgb8([r, g, b])).collect())
     };
-    compress(picture.width, height, &codes).map_err(|error| {
+    encode_rgb8(path, picture.width, height, &codes)
+}
+
+/// The bytes of a PNG whose pixels have these sRGB codes, three each, row by row from the top; `path` is for messages.
+///
+/// # Errors
+/// If the picture has no pixels, or not as many codes as its size says.
+pub fn encode_rgb8(path: &Path, width: u32, height: u32, codes: &[u8]) -> Result<Vec<u8>, OutputError> {
+    compress(width, height, codes).map_err(|error| {
         OutputError::new(path, format!("PNG cannot hold the picture: {error}"), "write it to an .exr file")
     })
 }

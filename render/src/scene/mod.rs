@@ -5,7 +5,7 @@ mod description;
 mod error;
 mod file;
 mod framing;
-mod gltf;
+pub(crate) mod gltf;
 mod hash;
 mod model;
 mod mtl;

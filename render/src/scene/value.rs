@@ -296,7 +296,7 @@ pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
 }
 
 /// How much time to spend on a tree.
-pub(super) fn quality(value: &Value) -> Reading<Quality> {
+pub(crate) fn quality(value: &Value) -> Reading<Quality> {
     value.one_of(&Quality::ALL.map(|quality| (quality.name(), quality)))
 }
 

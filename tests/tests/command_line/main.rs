@@ -6,6 +6,7 @@ mod interruption;
 mod model;
 mod output;
 mod talk;
+mod tree;
 mod validate;
 
 use halfdome_tests::program::{Outcome, Program};

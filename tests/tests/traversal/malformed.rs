@@ -4,7 +4,7 @@ use glam::Vec3;
 use halfdome_kernel::bvh::{Child, Node, TriangleBlock, WIDTH};
 use halfdome_kernel::geometry::intersect_triangle;
 use halfdome_kernel::traverse::reference;
-use halfdome_kernel::{BuildOptions, Bvh, BvhView, Hit, HitPacket, InvalidTree, Ray, RayPacket, Triangle};
+use halfdome_kernel::{BuildOptions, Bvh, BvhView, Error, Hit, HitPacket, InvalidTree, Ray, RayPacket, Triangle};
 use halfdome_tests::random::Pcg;
 
 /// A tree of several levels, and rays through it.
@@ -180,7 +180,7 @@ fn indices_of_any_bits() {
 #[test]
 fn every_truncation_is_refused() {
     let (nodes, blocks, _) = tree(&mut Pcg::new(77));
-    assert_eq!(BvhView::new(&[], &blocks).err(), Some(InvalidTree::NoRoot));
+    assert_eq!(BvhView::new(&[], &blocks).err(), Some(InvalidTree::NoRoot.into()));
     for length in 1..nodes.len() {
         assert!(BvhView::new(&nodes[..length], &blocks).is_err(), "{length} nodes");
     }
@@ -189,7 +189,7 @@ fn every_truncation_is_refused() {
     }
     let longer = [nodes.as_slice(), &[Node::EMPTY]].concat();
     let forgotten = InvalidTree::ForgottenNode { node: nodes.len() as u32 };
-    assert_eq!(BvhView::new(&longer, &blocks).err(), Some(forgotten));
+    assert_eq!(BvhView::new(&longer, &blocks).err(), Some(forgotten.into()));
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn cycles_are_refused() {
     let mut node = Node::EMPTY;
     let aabb = halfdome_kernel::Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
     node.set(0, &aabb, Child::Node(0));
-    assert_eq!(BvhView::new(&[node], &[]).err(), Some(InvalidTree::BadChild { node: 0, slot: 0 }));
+    assert_eq!(BvhView::new(&[node], &[]).err(), Some(InvalidTree::BadChild { node: 0, slot: 0 }.into()));
     node.set(0, &aabb, Child::Node(1));
     assert!(BvhView::new(&[node; 2], &[]).is_err());
     // A chain: deeper than the stack is allowed to be, it is refused too, and a shallower one traced.
@@ -221,7 +221,9 @@ fn cycles_are_refused() {
                 assert!(sound);
                 check_accepted(&tree, &[Ray::new(Vec3::new(0.2, 0.2, 2.0), Vec3::NEG_Z), Ray::new(Vec3::ONE, Vec3::X)]);
             }
-            Err(error) => assert!(!sound && matches!(error, InvalidTree::TooDeep { .. }), "{error}"),
+            Err(error) => {
+                assert!(!sound && matches!(error, Error::InvalidTree(InvalidTree::TooDeep { .. })), "{error}")
+            }
         }
     }
 }

@@ -75,12 +75,16 @@ fn text(scene: &Scene, atlas: &Atlas, found: &Check) -> String {
     if found.overlaps.len() > MOST_LISTED {
         line("", format!("and {} pairs more", found.overlaps.len() - MOST_LISTED));
     }
-    line("crowded", format!("{} closer to another chart than the gutter", count(found.crowded as usize, "texel", "texels")));
+    line(
+        "crowded",
+        format!("{} closer to another chart than the gutter", count(found.crowded as usize, "texel", "texels")),
+    );
     line("stretched", count(found.stretched.len(), "chart", "charts"));
     for &index in found.stretched.iter().take(MOST_LISTED) {
         line("", format!("{}: {:.3} texels per unit", chart(index), atlas.charts[index].density()));
     }
-    let lost = found.lost.iter().fold([0; 3], |[a, b, c], lost| [a + lost.not_finite, b + lost.outside, c + lost.no_area]);
+    let lost =
+        found.lost.iter().fold([0; 3], |[a, b, c], lost| [a + lost.not_finite, b + lost.outside, c + lost.no_area]);
     let [not_finite, outside, no_area] = lost;
     line("lost", count((not_finite + outside + no_area) as usize, "triangle", "triangles"));
     line("", format!("{not_finite} not finite, {outside} out of 0 to 1, {no_area} without an area"));

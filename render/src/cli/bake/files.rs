@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3};
 use serde_json::json;
 
-use super::super::progress::{Style, print_line};
 use super::super::CliError;
-use super::{Preset, invalid, say};
+use super::super::progress::{Style, print_line};
+use super::{invalid, say};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
 use crate::bake::manifest::{Hash, Hashes, Manifest, Output, PageEntry, SurfaceEntry, Unit};
 use crate::bake::report::{self, Report, ReportPage};
-use crate::bake::{self, Bake, BakeOptions, Mode};
+use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
 use crate::film::{Channel, Metadata, Picture};
 use crate::output::{EncodedMap, Map, OutputFile, encode_exr, encode_hdr, encode_ktx2};
 use crate::scene::{Scene, count};
@@ -71,7 +71,10 @@ impl Files {
             source: source.map(Path::to_owned),
         };
         if let Some(source) = &files.source
-            && source.canonicalize().ok().is_some_and(|source| output.canonicalize().is_ok_and(|output| output == source))
+            && source
+                .canonicalize()
+                .ok()
+                .is_some_and(|source| output.canonicalize().is_ok_and(|output| output == source))
         {
             let problem = format!("{} is the model that is read", output.display());
             return Err(invalid(problem, "give the output a name of its own"));
@@ -94,7 +97,7 @@ impl Files {
     pub(super) fn are_whole(&self, manifest: &Manifest) -> bool {
         let mut names: Vec<&Path> = vec![&self.model];
         names.extend(self.report.as_deref());
-        let is_named = |path: &Path| manifest.outputs.iter().any(|output| self.beside(&output.file) == path);
+        let is_named = |path: &Path| manifest.outputs.iter().any(|output| output.file == self.relative(path));
         names.into_iter().all(is_named)
             && manifest.outputs.iter().all(|output| {
                 std::fs::read(self.beside(&output.file)).is_ok_and(|bytes| Hash::of(&bytes) == output.hash)
@@ -125,7 +128,8 @@ impl Files {
             (Preset::Bevy, true) => (Unit::IrradianceOverPi, 1.0 / std::f32::consts::PI),
             (Preset::Three | Preset::Raw, true) => (Unit::Irradiance, 1.0),
         };
-        let source = self.source.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
+        let source =
+            self.source.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         let mut manifest = Manifest::new(source, unit, options.seed, hashes);
         let (mut ready, mut warnings) = (Vec::new(), Vec::new());
         let mut maps: Vec<(String, Vec<u8>)> = Vec::new();
@@ -152,7 +156,10 @@ impl Files {
                 Some(EncodedMap { bytes, clamped }) => {
                     if clamped > 0 {
                         let texels = count(clamped, "texel is", "texels are");
-                        warnings.push(format!("{}: {texels} too bright for the format, and less bright there", path.display()));
+                        warnings.push(format!(
+                            "{}: {texels} too bright for the format, and less bright there",
+                            path.display()
+                        ));
                     }
                     ready.push(Ready { path, bytes: bytes.clone() });
                     bytes
@@ -181,10 +188,12 @@ impl Files {
         Ok((written, warnings))
     }
 
-    /// A path as the manifest names it.
+    /// A path as the manifest names it: from the folder of the model if it is there, else in full.
     fn relative(&self, path: &Path) -> String {
-        let folder = self.model.parent().unwrap_or(Path::new(""));
-        path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned()
+        let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = std::path::absolute(&self.model).unwrap_or_else(|_| self.model.clone());
+        let name = full.strip_prefix(folder.parent().unwrap_or(Path::new(""))).unwrap_or(&full);
+        name.to_string_lossy().into_owned()
     }
 
     /// The bytes of the model.
@@ -199,7 +208,8 @@ impl Files {
         let Some(source) = self.source.as_ref().filter(|_| !is_obj) else {
             return Ok(bake::obj::write(scene, &bake.atlas).into_bytes());
         };
-        let original = std::fs::read(source).map_err(|error| CliError::Input(format!("{}: {error}", source.display())))?;
+        let original =
+            std::fs::read(source).map_err(|error| CliError::Input(format!("{}: {error}", source.display())))?;
         let lists: Vec<(Vec<u32>, Vec<Vec2>)> = bake
             .atlas
             .parts
@@ -238,7 +248,8 @@ impl Files {
         let page = |page: usize| {
             let (size, map) = (bake.atlas.pages[page], &bake.maps[page]);
             let chart = |&owner: &u32| (owner != NO_CHART).then_some(owner);
-            let density = |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
+            let density =
+                |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
             ReportPage {
                 name: self.page(page, "exr"),
                 width: size.width,
@@ -246,7 +257,12 @@ impl Files {
                 charts: map.owners.iter().map(chart).collect(),
                 density: map.owners.iter().map(density).collect(),
                 map: map.layers[0].texels.clone(),
-                records: bake.record_places.iter().filter(|place| place.0 == page).map(|place| place.1.to_array()).collect(),
+                records: bake
+                    .record_places
+                    .iter()
+                    .filter(|place| place.0 == page)
+                    .map(|place| place.1.to_array())
+                    .collect(),
                 error: None,
             }
         };

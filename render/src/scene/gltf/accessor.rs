@@ -56,13 +56,25 @@ pub(super) fn read<const N: usize>(
             ));
         }
     };
-    let size = N * component.size();
-    let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
     let element = |bytes: &[u8]| core::array::from_fn(|slot| number(&bytes[slot * component.size()..], component));
-    let mut elements: Vec<[Component; N]> = match accessor.buffer_view {
+    let bytes = elements(document, index, N * component.size(), user)?;
+    Ok(bytes.chunks_exact(N * component.size()).map(element).collect())
+}
+
+/// The bytes of all elements of an accessor, `size` of them each, with nothing in between. `user` is what refers to it.
+pub(crate) fn elements(
+    document: &Document,
+    index: Index<Accessor>,
+    size: usize,
+    user: &str,
+) -> Result<Vec<u8>, SceneError> {
+    let accessor = document.object(index, "accessor", user)?;
+    let place = format!("accessor {}", index.value());
+    let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
+    let mut bytes: Vec<u8> = match accessor.buffer_view {
         Some(view) => {
             let start = accessor.byte_offset.unwrap_or_default().0;
-            slices(document, view, start, count, size, &place)?.map(element).collect()
+            slices(document, view, start, count, size, &place)?.flatten().copied().collect()
         }
         None if count > MAX_ZEROS => {
             return Err(document.error(
@@ -71,7 +83,7 @@ pub(super) fn read<const N: usize>(
                 "give it a bufferView",
             ));
         }
-        None => vec![element(&[0; 16]); count],
+        None => vec![0; count * size],
     };
     if let Some(sparse) = &accessor.sparse {
         let replaced = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
@@ -88,14 +100,14 @@ pub(super) fn read<const N: usize>(
         let values = slices(document, view, start, replaced, size, &place)?;
         for (target, value) in targets.zip(values) {
             let target = number(target, kind).index();
-            let Some(target) = elements.get_mut(target as usize) else {
+            let Some(target) = bytes.chunks_exact_mut(size).nth(target as usize) else {
                 let problem = format!("a sparse index is {target}, and it has {count} elements");
                 return Err(document.error(place, problem, "keep sparse indices below the count"));
             };
-            *target = element(value);
+            target.copy_from_slice(value);
         }
     }
-    Ok(elements)
+    Ok(bytes)
 }
 
 /// `count` slices of `size` bytes each, `start` bytes into a buffer view, at its stride. `place` is the accessor.

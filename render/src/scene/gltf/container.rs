@@ -16,9 +16,11 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// The chunks of a GLB container.
-pub(super) struct Chunks<'a> {
-    pub(super) json: &'a [u8],
-    pub(super) binary: Option<&'a [u8]>,
+pub(crate) struct Chunks<'a> {
+    pub(crate) json: &'a [u8],
+    pub(crate) binary: Option<&'a [u8]>,
+    /// All other chunks, each with its length and type.
+    pub(crate) others: Vec<&'a [u8]>,
 }
 
 /// Splits a GLB container: magic, version and length, then chunks of length, type and data (glTF 2.0, section 4.4).
@@ -38,7 +40,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
     if length > bytes.len() {
         return Err(error(format!("the file is cut short: it announces {length} bytes and has {}", bytes.len())));
     }
-    let mut chunks = Chunks { json: &[], binary: None };
+    let mut chunks = Chunks { json: &[], binary: None, others: Vec::new() };
     let mut start = 12;
     while start < length {
         let (size, kind) = (u32::from_le_bytes(word(start)?) as usize, word(start + 4)?);
@@ -49,7 +51,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
             (b"JSON", 12) => chunks.json = chunk,
             (_, 12) => return Err(error("its first chunk is not JSON".to_owned())),
             (b"BIN\0", _) if chunks.binary.is_none() => chunks.binary = Some(chunk),
-            _ => {}
+            _ => chunks.others.push(&bytes[start..data + size]),
         }
         start = data + size;
     }

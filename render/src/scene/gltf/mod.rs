@@ -11,9 +11,9 @@
 //! radiance, a light's candela are W/sr and its lux W/m², one to one. Textures, skins, morph targets, lights' ranges,
 //! orthographic cameras, points and lines are left out with a warning, animations without one.
 
-mod accessor;
+pub(crate) mod accessor;
 mod camera;
-mod container;
+pub(crate) mod container;
 mod hierarchy;
 mod light;
 mod material;
@@ -28,13 +28,13 @@ use super::model::count;
 use super::{Material, Place, Scene, SceneError};
 
 /// Reads glTF as JSON text.
-pub(super) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
     let root = parse(path, text, |error| Place::Line(error.line()))?;
     read(path, root, None)
 }
 
 /// Reads a GLB container.
-pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
     let root = parse(path, chunks.json, |error| {
         Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
@@ -43,10 +43,21 @@ pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError
 }
 
 /// A glTF file with its buffers.
-struct Document<'a> {
+pub(crate) struct Document<'a> {
     path: &'a Path,
-    root: Root,
+    pub(crate) root: Root,
     buffers: Vec<Vec<u8>>,
+}
+
+/// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
+pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>, container::Chunks<'a>), SceneError> {
+    let chunks = match bytes.starts_with(b"glTF") {
+        true => container::split(path, bytes)?,
+        false => container::Chunks { json: bytes, binary: None, others: Vec::new() },
+    };
+    let root = parse(path, chunks.json, |error| Place::Line(error.line()))?;
+    let buffers = container::buffers(path, &root, chunks.binary)?;
+    Ok((Document { path, root, buffers }, chunks))
 }
 
 /// What was left out, for the warnings.
@@ -59,12 +70,18 @@ struct Skipped {
 }
 
 impl Document<'_> {
-    fn error(&self, part: impl Into<String>, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+    /// An error about a part of the file.
+    pub(crate) fn error(
+        &self,
+        part: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> SceneError {
         SceneError::new(self.path, Place::Part(part.into()), problem, remedy)
     }
 
     /// The object at `index`. `kind` names such objects ("mesh"), `user` what refers to it ("node 3").
-    fn object<T>(&self, index: Index<T>, kind: &str, user: &str) -> Result<&T, SceneError>
+    pub(crate) fn object<T>(&self, index: Index<T>, kind: &str, user: &str) -> Result<&T, SceneError>
     where
         Root: Get<T>,
     {
@@ -75,7 +92,7 @@ impl Document<'_> {
     }
 
     /// For errors: "node 5" or "node 5 (\"lamp\")".
-    fn node(&self, index: usize) -> String {
+    pub(crate) fn node(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
         name.map_or_else(|| format!("node {index}"), |name| format!("node {index} ({name:?})"))
     }

@@ -1,0 +1,254 @@
+//! Trees as bytes: written once, then traced where they lie, be it in flash, in a memory map or in a program's data.
+//!
+//! A blob is a header of 64 bytes, the nodes (256 bytes each) and the blocks (320 bytes each), just as they lie in memory:
+//!
+//! | offset | bytes | |
+//! | --- | --- | --- |
+//! | 0 | 8 | `89 48 44 42 56 48 0d 0a` (as in PNG, what text conversions would spoil) |
+//! | 8 | 4 | the number 0x01020304: in which order bytes are |
+//! | 12 | 4 | version |
+//! | 16 | 4 | children a node |
+//! | 20 | 4 | entries that a traversal's stack needs |
+//! | 24, 28 | 4, 4 | numbers of nodes and of blocks |
+//! | 32, 44 | 12, 12 | lower and upper corner of the scene's box |
+//! | 56 | 4 | [expected cost](super::TreeStatistics::cost) |
+//! | 60 | 4 | CRC-32 (ISO-HDLC, as in PNG and zip) of all bytes but these four |
+//!
+//! Numbers are in the order of the machine that wrote them. Reading it elsewhere is refused, as turning them round would
+//! take memory; so are other versions. All that traversal relies on is checked when a blob is opened, in one pass over
+//! it: a blob that is accepted is safe to trace, whoever made it.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::{BvhView, Node, TriangleBlock, WIDTH, validate};
+use crate::error::{Error, InvalidTree};
+use crate::geometry::Aabb;
+
+/// The version of the blobs that this crate writes, and the only one that it reads.
+pub const BLOB_VERSION: u32 = 1;
+
+/// The alignment that a blob needs to be traced in place.
+pub const BLOB_ALIGNMENT: usize = align_of::<Node>();
+
+const MAGIC: [u8; 8] = *b"\x89HDBVH\r\n";
+const BYTE_ORDER: u32 = 0x0102_0304;
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Header {
+    magic: [u8; 8],
+    byte_order: u32,
+    version: u32,
+    width: u32,
+    stack: u32,
+    nodes: u32,
+    blocks: u32,
+    min: [f32; 3],
+    max: [f32; 3],
+    cost: f32,
+    checksum: u32,
+}
+
+const HEADER: usize = size_of::<Header>();
+const _: () = assert!(HEADER == BLOB_ALIGNMENT);
+
+/// Something at an address that suits a blob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(64))]
+pub struct Aligned<T: ?Sized>(pub T);
+
+/// The bytes of a file as a `&'static [u8]` that [`BvhView::from_bytes`] can borrow; the path is as in [`include_bytes!`].
+///
+/// ```ignore
+/// static SCENE: &[u8] = halfdome_kernel::include_blob!("scene.bvh");
+/// let tree = BvhView::from_bytes(SCENE)?;
+/// ```
+#[macro_export]
+macro_rules! include_blob {
+    ($path:expr $(,)?) => {{
+        const BLOB: &$crate::bvh::Aligned<[u8]> = &$crate::bvh::Aligned(*::core::include_bytes!($path));
+        &BLOB.0
+    }};
+}
+
+impl<'a> BvhView<'a> {
+    /// Borrows the tree in a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and no
+    /// memory.
+    ///
+    /// # Errors
+    /// - [`Error::NotABlob`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: by the first bytes.
+    /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
+    /// - [`Error::Misaligned`]: it does not lie where it can be traced; with `alloc`, `Bvh::from_bytes` copies it.
+    /// - [`Error::Damaged`]: the checksum is another.
+    /// - [`Error::BadHeader`], [`Error::InvalidTree`]: somebody wrote it who should not.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, Error> {
+        let header = Header::read(bytes)?;
+        let offset = bytes.as_ptr().align_offset(BLOB_ALIGNMENT);
+        if offset != 0 {
+            return Err(Error::Misaligned { alignment: BLOB_ALIGNMENT });
+        }
+        header.check_sum(bytes)?;
+        let (nodes, blocks) = header.sections(bytes);
+        let misaligned = |_| Error::Misaligned { alignment: BLOB_ALIGNMENT };
+        let nodes: &[Node] = bytemuck::try_cast_slice(nodes).map_err(misaligned)?;
+        let blocks: &[TriangleBlock] = bytemuck::try_cast_slice(blocks).map_err(misaligned)?;
+        header.check_tree(nodes, blocks)?;
+        Ok(Self::trusted(nodes, blocks))
+    }
+}
+
+impl Header {
+    /// The header of a blob of the right length.
+    fn read(bytes: &[u8]) -> Result<Self, Error> {
+        let start = bytes.get(..MAGIC.len()).unwrap_or(bytes);
+        if !MAGIC.starts_with(start) {
+            return Err(Error::NotABlob);
+        }
+        let found = bytes.len() as u64;
+        let Some(header) = bytes.get(..HEADER) else {
+            return Err(Error::Truncated { needed: HEADER as u64, found });
+        };
+        let header: Self = bytemuck::pod_read_unaligned(header);
+        match header.byte_order {
+            BYTE_ORDER => {}
+            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::OtherByteOrder),
+            _ => return Err(Error::BadHeader { field: "byte order" }),
+        }
+        if header.version != BLOB_VERSION {
+            return Err(Error::OtherVersion { found: header.version, readable: BLOB_VERSION });
+        }
+        let needed = header.blob_len();
+        match found {
+            _ if found < needed => Err(Error::Truncated { needed, found }),
+            _ if found > needed => Err(Error::TrailingBytes { needed, found }),
+            _ => Ok(header),
+        }
+    }
+
+    /// The length of the blob in bytes.
+    fn blob_len(&self) -> u64 {
+        let size = |count: u32, each: usize| u64::from(count) * each as u64;
+        HEADER as u64 + size(self.nodes, size_of::<Node>()) + size(self.blocks, size_of::<TriangleBlock>())
+    }
+
+    /// The bytes of the nodes, and those of the blocks.
+    fn sections<'a>(&self, bytes: &'a [u8]) -> (&'a [u8], &'a [u8]) {
+        bytes[HEADER..].split_at(self.nodes as usize * size_of::<Node>())
+    }
+
+    fn check_sum(&self, bytes: &[u8]) -> Result<(), Error> {
+        let computed = checksum(bytes);
+        if computed == self.checksum { Ok(()) } else { Err(Error::Damaged { stored: self.checksum, computed }) }
+    }
+
+    /// Whether the tree can be traced, and is the one that the header describes.
+    fn check_tree(&self, nodes: &[Node], blocks: &[TriangleBlock]) -> Result<(), Error> {
+        if self.width != WIDTH as u32 {
+            return Err(Error::BadHeader { field: "number of children a node" });
+        }
+        let stack = validate::validate(nodes, blocks)?;
+        let bounds = nodes.first().ok_or(InvalidTree::NoRoot)?.bounds();
+        if self.stack != stack {
+            Err(Error::BadHeader { field: "height of the stack" })
+        } else if (Aabb { min: Vec3::from(self.min), max: Vec3::from(self.max) }) != bounds {
+            Err(Error::BadHeader { field: "bounds" })
+        } else if !(0.0..=f32::MAX).contains(&self.cost) {
+            Err(Error::BadHeader { field: "cost" })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The checksum of a blob, or of what will be one when the checksum is in its place.
+fn checksum(bytes: &[u8]) -> u32 {
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(&bytes[..HEADER - 4]);
+    crc.update(&bytes[HEADER..]);
+    crc.finalize()
+}
+
+#[cfg(any(feature = "alloc", test))]
+pub use owned::Blob;
+
+#[cfg(any(feature = "alloc", test))]
+mod owned {
+    use alloc::vec;
+    use alloc::vec::Vec;
+    use core::ops::{Deref, DerefMut};
+
+    use super::*;
+    use crate::bvh::Bvh;
+
+    /// The bytes of a blob in memory of their own, where they can be traced in place.
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    pub struct Blob(Vec<Line>);
+
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+    #[repr(C, align(64))]
+    struct Line([u8; BLOB_ALIGNMENT]);
+
+    impl Deref for Blob {
+        type Target = [u8];
+
+        fn deref(&self) -> &[u8] {
+            bytemuck::cast_slice(&self.0)
+        }
+    }
+
+    impl DerefMut for Blob {
+        fn deref_mut(&mut self) -> &mut [u8] {
+            bytemuck::cast_slice_mut(&mut self.0)
+        }
+    }
+
+    impl Bvh {
+        /// The tree as bytes: equal for equal trees, and to be read by machines with the same order of bytes.
+        pub fn to_bytes(&self) -> Blob {
+            let (nodes, blocks) = (self.view().nodes(), self.view().blocks());
+            let bounds = self.view().bounds();
+            let mut header = Header {
+                magic: MAGIC,
+                byte_order: BYTE_ORDER,
+                version: BLOB_VERSION,
+                width: WIDTH as u32,
+                stack: self.stack,
+                nodes: nodes.len() as u32,
+                blocks: blocks.len() as u32,
+                min: bounds.min.to_array(),
+                max: bounds.max.to_array(),
+                cost: self.cost,
+                checksum: 0,
+            };
+            let mut blob = Blob(vec![Line::zeroed(); header.blob_len() as usize / BLOB_ALIGNMENT]);
+            let (head, sections) = blob.split_at_mut(HEADER);
+            head.copy_from_slice(bytemuck::bytes_of(&header));
+            let (node_bytes, block_bytes) = sections.split_at_mut(size_of_val(nodes));
+            node_bytes.copy_from_slice(bytemuck::cast_slice(nodes));
+            block_bytes.copy_from_slice(bytemuck::cast_slice(blocks));
+            header.checksum = checksum(&blob);
+            blob[..HEADER].copy_from_slice(bytemuck::bytes_of(&header));
+            blob
+        }
+
+        /// A copy of the tree in a blob, which may begin at any address.
+        ///
+        /// # Errors
+        /// Those of [`BvhView::from_bytes`], but for [`Error::Misaligned`].
+        pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+            let header = Header::read(bytes)?;
+            header.check_sum(bytes)?;
+            let (node_bytes, block_bytes) = header.sections(bytes);
+            let mut nodes = vec![Node::EMPTY; header.nodes as usize];
+            let mut blocks = vec![TriangleBlock::EMPTY; header.blocks as usize];
+            bytemuck::cast_slice_mut(&mut nodes).copy_from_slice(node_bytes);
+            bytemuck::cast_slice_mut(&mut blocks).copy_from_slice(block_bytes);
+            header.check_tree(&nodes, &blocks)?;
+            Ok(Self { nodes, blocks, cost: header.cost, built_cost: header.cost, stack: header.stack })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

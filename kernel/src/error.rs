@@ -1,0 +1,240 @@
+//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked before.
+
+use core::fmt;
+
+use crate::geometry::MAX_COORDINATE;
+
+/// Why there is no tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// There are more triangles than a tree can hold.
+    TooManyTriangles {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// The nodes and blocks are not a tree that can be traced.
+    InvalidTree(InvalidTree),
+    /// A tree cannot be refitted to these triangles.
+    Refit(RefitError),
+    /// The bytes do not begin as a blob does.
+    NotABlob,
+    /// The blob was written by a machine with another order of bytes.
+    OtherByteOrder,
+    /// The blob is older or newer than what can be read.
+    OtherVersion {
+        /// The version that it has.
+        found: u32,
+        /// The only one that can be read.
+        readable: u32,
+    },
+    /// The blob's end is missing.
+    Truncated {
+        /// The length that it should have, or at least that of its header, in bytes.
+        needed: u64,
+        /// The length that it has.
+        found: u64,
+    },
+    /// There is more than the blob.
+    TrailingBytes {
+        /// The length that it should have in bytes.
+        needed: u64,
+        /// The length that it has.
+        found: u64,
+    },
+    /// The blob begins at an address where it cannot be traced.
+    Misaligned {
+        /// What the address should be a multiple of.
+        alignment: usize,
+    },
+    /// The blob has changed since it was written.
+    Damaged {
+        /// The checksum that it should have.
+        stored: u32,
+        /// The checksum that it has.
+        computed: u32,
+    },
+    /// The blob's header does not describe its tree.
+    BadHeader {
+        /// What is wrong in it.
+        field: &'static str,
+    },
+}
+
+/// What is wrong with a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InvalidTree {
+    /// There is no node; even an empty tree has a root.
+    NoRoot,
+    /// There are more nodes or blocks than an index can tell apart.
+    TooLarge {
+        /// How many there may be of each.
+        limit: u32,
+    },
+    /// A child that is out of range or not where a depth-first walk meets it.
+    BadChild {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// An order of children that does not name each once.
+    BadOrder {
+        /// The node that has it.
+        node: u32,
+    },
+    /// A node that no other refers to.
+    ForgottenNode {
+        /// Its index.
+        node: u32,
+    },
+    /// A block that no leaf refers to.
+    ForgottenBlock {
+        /// Its index.
+        block: u32,
+    },
+    /// A box that does not enclose its contents, or is not finite.
+    BadBox {
+        /// The node that has it.
+        node: u32,
+        /// The child's place in the node.
+        slot: u32,
+    },
+    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
+    BadTriangle {
+        /// The block that has it.
+        block: u32,
+        /// Its lane.
+        lane: u32,
+    },
+    /// Traversal would need a larger stack than it has.
+    TooDeep {
+        /// Entries needed.
+        needed: u32,
+        /// Entries that there are.
+        allowed: u32,
+    },
+}
+
+/// Why a tree cannot be refitted: the triangles that can be hit are not those that are in the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RefitError {
+    /// A triangle of the tree is not among those given.
+    Missing {
+        /// Its index.
+        prim_id: u32,
+        /// How many are given.
+        count: usize,
+    },
+    /// A triangle of the tree has now a coordinate out of limits, or two equal corners.
+    Vanished {
+        /// Its index.
+        prim_id: u32,
+    },
+    /// There are more triangles that can be hit than those in the tree.
+    Appeared {
+        /// How many more.
+        count: usize,
+    },
+}
+
+impl core::error::Error for Error {}
+
+impl core::error::Error for RefitError {}
+
+impl core::error::Error for InvalidTree {}
+
+impl From<RefitError> for Error {
+    fn from(error: RefitError) -> Self {
+        Self::Refit(error)
+    }
+}
+
+impl From<InvalidTree> for Error {
+    fn from(error: InvalidTree) -> Self {
+        Self::InvalidTree(error)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyTriangles { count, limit } => {
+                write!(f, "{count} triangles are too many: a tree holds {limit} at most")
+            }
+            Self::InvalidTree(error) => error.fmt(f),
+            Self::Refit(error) => error.fmt(f),
+            Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
+            Self::OtherByteOrder => {
+                let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
+                write!(f, "the tree was written on a {theirs}-endian machine, and this one is {ours}-endian")
+            }
+            Self::OtherVersion { found, readable } => {
+                let age = if found < readable { "older" } else { "newer" };
+                write!(f, "the tree is of version {found}, {age} than {readable}, the only one that can be read here")
+            }
+            Self::Truncated { needed, found } => {
+                write!(f, "the tree is cut off: {found} bytes of at least {needed} are there")
+            }
+            Self::TrailingBytes { needed, found } => {
+                write!(f, "the tree has {needed} bytes, and {} more follow it", found - needed)
+            }
+            Self::Misaligned { alignment } => {
+                write!(f, "the tree begins at an address that is not a multiple of {alignment}")
+            }
+            Self::Damaged { stored, computed } => {
+                write!(f, "the tree is damaged: its checksum should be {stored:08x} and is {computed:08x}")
+            }
+            Self::BadHeader { field } => write!(f, "the tree's header is wrong: its {field} cannot be"),
+        }
+    }
+}
+
+impl fmt::Display for RefitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing { prim_id, count } => {
+                write!(
+                    f,
+                    "triangle {prim_id} is in the tree, but there are only {count}; give all that it was built from"
+                )
+            }
+            Self::Vanished { prim_id } => write!(
+                f,
+                "triangle {prim_id} is in the tree, but has now two equal corners, or a coordinate beyond \
+                 ±{MAX_COORDINATE:e} or none; build the tree again"
+            ),
+            Self::Appeared { count } => {
+                write!(f, "there are {count} triangles that are not in the tree and could be hit; build it again")
+            }
+        }
+    }
+}
+
+impl fmt::Display for InvalidTree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRoot => write!(f, "the tree has no root node"),
+            Self::TooLarge { limit } => write!(f, "the tree has more than {limit} nodes or blocks"),
+            Self::BadChild { node, slot } => {
+                write!(f, "child {slot} of node {node} is out of range or out of order")
+            }
+            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
+            Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
+            Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
+            Self::BadBox { node, slot } => {
+                write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
+            }
+            Self::BadTriangle { block, lane } => {
+                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+            }
+            Self::TooDeep { needed, allowed } => {
+                write!(f, "the tree is too deep: it needs a stack of {needed} entries, and there are {allowed}")
+            }
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The point of a triangle that is closest to another point.
+//!
+//! Ericson 2005, "Real-Time Collision Detection", 5.1.5, tells by signs whether it is in the interior, on an edge or at
+//! a corner. Of a needle these signs are noise, so here the candidates are compared themselves: the closest points of
+//! the three edges, which are well-behaved however thin the triangle, and the foot of the perpendicular if that is inside
+//! (its barycentric weights are those of Heidrich 2005, "Computing the Barycentric Coordinates of a Projected Point").
+//!
+//! The coordinates are relative to the point from which the distance is measured, and the closest point is clamped to
+//! the triangle's own box. So its distance, computed in the same way, is never less than that of a box around the
+//! triangle, to the last bit: each rounded operation is monotonic. Culling boxes then never loses the closest triangle, nor
+//! one as close, and no allowance for rounding is needed.
+//!
+//! Squares of distances below 1e-19 vanish: such distances count as equal, and as zero.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::Triangle;
+use crate::simd::Lanes;
+
+/// A point on a surface that is closest to another point: `(1 - u - v) v0 + u v1 + v v2`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SurfacePoint {
+    /// The point.
+    pub point: Vec3,
+    /// How far it is from the other one.
+    pub distance: f32,
+    /// Barycentric weight of the triangle's second corner, 0..=1.
+    pub u: f32,
+    /// Barycentric weight of the triangle's third corner, 0..=1.
+    pub v: f32,
+    /// The triangle's index in the slice that the tree was built from.
+    pub prim_id: u32,
+}
+
+/// A closest point under way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Foot {
+    /// Relative to the point from which the distance is measured.
+    pub offset: [f32; 3],
+    /// The distance, squared.
+    pub distance2: f32,
+    pub u: f32,
+    pub v: f32,
+    pub prim_id: u32,
+}
+
+impl Foot {
+    /// Whether this is closer than `other`, or as close on a triangle that comes first.
+    #[inline(always)]
+    pub(crate) fn precedes(&self, other: &Self) -> bool {
+        self.distance2 < other.distance2 || self.distance2 == other.distance2 && self.prim_id < other.prim_id
+    }
+
+    /// The point for the caller, `from` where the distance is measured.
+    pub(crate) fn to_surface(self, from: Vec3) -> SurfacePoint {
+        let Self { offset, distance2, u, v, prim_id } = self;
+        SurfacePoint { point: from + Vec3::from(offset), distance: libm::sqrtf(distance2), u, v, prim_id }
+    }
+}
+
+/// The foot on `triangle` of the point `from`; its `prim_id` is 0. The definition: lanes equal it bit for bit.
+pub(crate) fn closest_point(from: Vec3, triangle: &Triangle) -> Foot {
+    let [a, b, c] = triangle.map(|p| [p.x - from.x, p.y - from.y, p.z - from.z]);
+    let foot = |weights: [f32; 3], offset: [f32; 3]| Foot {
+        offset,
+        distance2: dot(offset, offset),
+        u: weights[1],
+        v: weights[2],
+        prim_id: 0,
+    };
+    // Where the segment from `p` to `q` is closest to zero: the weight of `q`, and the point.
+    let on_edge = |p: [f32; 3], q: [f32; 3]| {
+        let edge = sub(q, p);
+        let length2 = dot(edge, edge);
+        let along = 0.0 - dot(p, edge);
+        let s = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
+        (s, [0, 1, 2].map(|k| (1.0 - s) * p[k] + s * q[k]))
+    };
+    let (ab, on_ab) = on_edge(a, b);
+    let (bc, on_bc) = on_edge(b, c);
+    let (ca, on_ca) = on_edge(c, a);
+    let mut best = foot([1.0 - ab, ab, 0.0], on_ab);
+    for other in [foot([0.0, 1.0 - bc, bc], on_bc), foot([ca, 0.0, 1.0 - ca], on_ca)] {
+        if other.distance2 < best.distance2 {
+            best = other;
+        }
+    }
+    // The normal's length does not matter, so it is brought near one, where its square neither overflows nor vanishes.
+    let (edge_b, edge_c) = (sub(b, a), sub(c, a));
+    let normal = cross(edge_b, edge_c);
+    let scale = 1.0 / normal[0].abs().max(normal[1].abs()).max(normal[2].abs());
+    let unit = normal.map(|n| n * scale);
+    let area = dot(normal, unit);
+    let u = dot(cross(edge_c, a), unit) / area;
+    let v = dot(cross(a, edge_b), unit) / area;
+    let w = 1.0 - u - v;
+    if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+        let inside = foot([w, u, v], [0, 1, 2].map(|k| w * a[k] + u * b[k] + v * c[k]));
+        if inside.distance2 < best.distance2 {
+            best = inside;
+        }
+    }
+    let offset = [0, 1, 2].map(|k| {
+        let (lower, upper) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
+        let x = best.offset[k];
+        let x = if x < lower { lower } else { x };
+        // Never a negative zero, here and below.
+        (if x > upper { upper } else { x }) + 0.0
+    });
+    Foot { offset, distance2: dot(offset, offset), u: best.u + 0.0, v: best.v + 0.0, prim_id: 0 }
+}
+
+fn sub(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+fn dot(p: [f32; 3], q: [f32; 3]) -> f32 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+fn cross(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+}
+
+/// Feet on several triangles; fields as in [`Foot`].
+pub(crate) struct FootLanes<L> {
+    pub offset: [L; 3],
+    pub distance2: L,
+    pub u: L,
+    pub v: L,
+}
+
+/// The feet of zero on triangles whose `corners` are relative to it. Lanes without a triangle hold NaN, and give it.
+#[inline(always)]
+pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]) -> FootLanes<L> {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let (ab, on_ab) = on_edge(a, b);
+    let (bc, on_bc) = on_edge(b, c);
+    let (ca, on_ca) = on_edge(c, a);
+    let best = FootLanes { offset: on_ab, distance2: dot_lanes(on_ab, on_ab), u: ab, v: zero };
+    let best = nearer(FootLanes { offset: on_bc, distance2: dot_lanes(on_bc, on_bc), u: one - bc, v: bc }, best);
+    let best = nearer(FootLanes { offset: on_ca, distance2: dot_lanes(on_ca, on_ca), u: zero, v: one - ca }, best);
+
+    let (edge_b, edge_c) = (sub_lanes(b, a), sub_lanes(c, a));
+    let normal = cross_lanes(edge_b, edge_c);
+    let scale = one / normal[0].abs().max(normal[1].abs()).max(normal[2].abs());
+    let unit = [normal[0] * scale, normal[1] * scale, normal[2] * scale];
+    let area = dot_lanes(normal, unit);
+    let u = dot_lanes(cross_lanes(edge_c, a), unit) / area;
+    let v = dot_lanes(cross_lanes(a, edge_b), unit) / area;
+    let w = one - u - v;
+    let offset = [w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1], w * a[2] + u * b[2] + v * c[2]];
+    let is_inside = zero.le(u) & zero.le(v) & zero.le(w);
+    // Out of the way if it is outside: what is not a number is not nearer.
+    let distance2 = L::select(is_inside, dot_lanes(offset, offset), L::splat(f32::NAN));
+    let best = nearer(FootLanes { offset, distance2, u, v }, best);
+
+    let [x, y, z] = best.offset;
+    let offset =
+        [clamp(x, [a[0], b[0], c[0]]) + zero, clamp(y, [a[1], b[1], c[1]]) + zero, clamp(z, [a[2], b[2], c[2]]) + zero];
+    FootLanes { offset, distance2: dot_lanes(offset, offset), u: best.u + zero, v: best.v + zero }
+}
+
+/// Where segments from `p` to `q` are closest to zero: the weight of `q`, and the point.
+#[inline(always)]
+fn on_edge<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> (L, [L; 3]) {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let edge = sub_lanes(q, p);
+    let length2 = dot_lanes(edge, edge);
+    let s = (zero - dot_lanes(p, edge)) / length2;
+    let s = L::select(s.lt(zero), zero, s);
+    let s = L::select(one.lt(s), one, s);
+    let s = L::select(zero.lt(length2), s, zero);
+    let rest = one - s;
+    (s, [rest * p[0] + s * q[0], rest * p[1] + s * q[1], rest * p[2] + s * q[2]])
+}
+
+/// In each lane `foot` if it is nearer than `other`, else that.
+#[inline(always)]
+fn nearer<const N: usize, L: Lanes<N>>(foot: FootLanes<L>, other: FootLanes<L>) -> FootLanes<L> {
+    let is_nearer = foot.distance2.lt(other.distance2);
+    FootLanes {
+        offset: [
+            L::select(is_nearer, foot.offset[0], other.offset[0]),
+            L::select(is_nearer, foot.offset[1], other.offset[1]),
+            L::select(is_nearer, foot.offset[2], other.offset[2]),
+        ],
+        distance2: L::select(is_nearer, foot.distance2, other.distance2),
+        u: L::select(is_nearer, foot.u, other.u),
+        v: L::select(is_nearer, foot.v, other.v),
+    }
+}
+
+/// `x` moved into the interval of three numbers.
+#[inline(always)]
+fn clamp<const N: usize, L: Lanes<N>>(x: L, [a, b, c]: [L; 3]) -> L {
+    let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
+    let x = L::select(x.lt(lower), lower, x);
+    L::select(upper.lt(x), upper, x)
+}
+
+#[inline(always)]
+fn sub_lanes<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline(always)]
+fn dot_lanes<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> L {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+fn cross_lanes<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> [L; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+}

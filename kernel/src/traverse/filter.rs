@@ -1,0 +1,181 @@
+//! Searches in which the caller decides what counts as a hit: cut-out leaves, the triangle that a ray comes from,
+//! selections.
+//!
+//! A search never shows its filter a triangle twice, as every triangle lies in one leaf. What it shows, and in what order,
+//! [`Verdict`] and the two searches say.
+
+use core::ops::ControlFlow;
+
+use super::flight::Collector;
+use crate::bvh::BvhView;
+use crate::geometry::{Hit, Ray};
+
+/// What a filter says of a hit.
+///
+/// A filter sees the hits with each triangle at most once. They come in the order of the tree for the octant of the ray's
+/// direction: roughly from near to far, not that of `t`, and the same on every instruction set. So where the verdict
+/// depends on the hit alone and is never [`Stop`](Self::Stop), the result depends on the triangles alone, as without a
+/// filter; what is stopped at depends on the tree too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It counts.
+    Accept,
+    /// It does not: the ray goes on through the triangle.
+    Reject,
+    /// It counts, and the search ends with it, whether there are nearer ones or not.
+    Stop,
+}
+
+impl BvhView<'_> {
+    /// The nearest hit of `ray` that `filter` accepts; among equally near ones that of the lowest `prim_id`. If the filter
+    /// stops the search, the hit that it stopped at.
+    ///
+    /// The filter sees those hits that are nearer than the nearest one accepted so far (or as near, with a lower
+    /// `prim_id`): once each, in the order of [`Verdict`].
+    pub fn intersect_filtered(&self, ray: &Ray, filter: impl FnMut(&Hit) -> Verdict) -> Option<Hit> {
+        let mut nearest = Filtered { best: Hit::none_before(ray.t_max), filter };
+        self.collect(ray, &mut nearest);
+        nearest.best.found()
+    }
+
+    /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but quicker.
+    ///
+    /// The filter sees the ray's hits, once each and in the order of [`Verdict`], up to the first
+    /// that it accepts or stops at.
+    pub fn occluded_filtered(&self, ray: &Ray, mut filter: impl FnMut(&Hit) -> Verdict) -> bool {
+        let stop = |hit: &Hit| match filter(hit) {
+            Verdict::Reject => Verdict::Reject,
+            Verdict::Accept | Verdict::Stop => Verdict::Stop,
+        };
+        self.intersect_filtered(ray, stop).is_some()
+    }
+}
+
+/// The nearest hit that is accepted.
+struct Filtered<F> {
+    best: Hit,
+    filter: F,
+}
+
+impl<F: FnMut(&Hit) -> Verdict> Collector for Filtered<F> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.best.t
+    }
+
+    #[inline(always)]
+    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+        if !hit.precedes(&self.best) {
+            return ControlFlow::Continue(());
+        }
+        let verdict = (self.filter)(&hit);
+        if verdict != Verdict::Reject {
+            self.best = hit;
+        }
+        if verdict == Verdict::Stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use super::super::reference;
+    use super::super::tests::{Random, isas, rays_at, soup};
+    use super::*;
+    use crate::geometry::intersect_triangle;
+    use crate::{Bvh, Quality, Triangle};
+
+    /// A verdict that looks arbitrary, and depends on the hit alone.
+    fn verdict(hit: &Hit) -> Verdict {
+        if (hit.prim_id ^ hit.u.to_bits() >> 9).is_multiple_of(3) { Verdict::Accept } else { Verdict::Reject }
+    }
+
+    /// All hits of `ray`, by a loop over all triangles.
+    fn all_hits(triangles: &[Triangle], ray: &Ray) -> Vec<Hit> {
+        let hit = |(prim_id, triangle)| intersect_triangle(ray, triangle).map(|hit| Hit { prim_id, ..hit });
+        (0..).zip(triangles).filter_map(hit).collect()
+    }
+
+    #[test]
+    fn the_nearest_accepted_hit_is_that_of_a_loop_and_of_every_instruction_set() {
+        let mut random = Random(21);
+        for (count, size) in [(1, 1.0), (9, 0.7), (80, 0.6), (500, 0.3)] {
+            let triangles = soup(&mut random, count, size);
+            let rays = rays_at(&triangles, &mut random, 40);
+            for quality in Quality::ALL {
+                let (bvh, _) = Bvh::build(&triangles, &quality.into()).unwrap();
+                for ray in &rays {
+                    let accepted = all_hits(&triangles, ray).into_iter().filter(|hit| verdict(hit) == Verdict::Accept);
+                    let expected = accepted.min_by(|a, b| a.t.total_cmp(&b.t).then(a.prim_id.cmp(&b.prim_id)));
+                    for isa in isas() {
+                        let tree = bvh.view().with_isa(isa);
+                        assert_eq!(tree.intersect_filtered(ray, verdict), expected, "{isa:?}");
+                        assert_eq!(tree.occluded_filtered(ray, verdict), expected.is_some(), "{isa:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn filters_see_the_same_hits_in_the_same_order_everywhere() {
+        let mut random = Random(22);
+        let triangles = soup(&mut random, 300, 0.6);
+        let rays = rays_at(&triangles, &mut random, 60);
+        let (bvh, _) = Bvh::build(&triangles, &Quality::High.into()).unwrap();
+        let mut full = 0;
+        for ray in &rays {
+            let mut expected: Option<(Vec<Hit>, Option<Hit>)> = None;
+            for isa in isas() {
+                let tree = bvh.view().with_isa(isa);
+                let mut seen = Vec::new();
+                let stopped = tree.intersect_filtered(ray, |hit| {
+                    seen.push(*hit);
+                    if seen.len() == 7 { Verdict::Stop } else { verdict(hit) }
+                });
+                // The seventh one, if there was one, is the result.
+                assert!(seen.len() <= 7 && seen.get(6).is_none_or(|&seventh| stopped == Some(seventh)));
+                full += usize::from(seen.len() == 7);
+                let result = (seen, stopped);
+                assert_eq!(*expected.get_or_insert_with(|| result.clone()), result, "{isa:?}");
+            }
+        }
+        assert!(full > 40, "only {full} searches were stopped");
+    }
+
+    #[test]
+    fn what_is_rejected_is_seen_once_and_nothing_is_left_out() {
+        let mut random = Random(23);
+        let triangles = soup(&mut random, 200, 0.8);
+        let (bvh, _) = Bvh::build(&triangles, &Quality::High.into()).unwrap();
+        for ray in rays_at(&triangles, &mut random, 40) {
+            let mut seen = Vec::new();
+            let none = bvh.view().occluded_filtered(&ray, |hit| {
+                seen.push(*hit);
+                Verdict::Reject
+            });
+            assert!(!none);
+            seen.sort_unstable_by_key(|hit| hit.prim_id);
+            assert_eq!(seen, all_hits(&triangles, &ray));
+        }
+    }
+
+    #[test]
+    fn accepting_all_is_no_filter_and_skipping_a_triangle_leaves_it() {
+        let mut random = Random(24);
+        let triangles = soup(&mut random, 100, 0.5);
+        let (bvh, _) = Bvh::build(&triangles, &Quality::High.into()).unwrap();
+        let tree = bvh.view();
+        for ray in rays_at(&triangles, &mut random, 40) {
+            let first = reference::intersect_all(&triangles, &ray);
+            assert_eq!(tree.intersect_filtered(&ray, |_| Verdict::Accept), first);
+            let mut others = triangles.clone();
+            if let Some(first) = first {
+                others[first.prim_id as usize] = [glam::Vec3::NAN; 3];
+                let skip = |hit: &Hit| if hit.prim_id == first.prim_id { Verdict::Reject } else { Verdict::Accept };
+                assert_eq!(tree.intersect_filtered(&ray, skip), reference::intersect_all(&others, &ray));
+            }
+        }
+    }
+}

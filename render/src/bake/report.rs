@@ -1,0 +1,307 @@
+//! What a bake made, for people: one HTML file that needs no other, with its style inside and pictures as data URIs.
+//!
+//! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
+//! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::Vec3;
+
+use crate::output::{OutputError, ToneMapping, encode_png, false_color};
+
+/// What the report tells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Its headline.
+    pub title: String,
+    /// Names and values of all figures.
+    pub statistics: Vec<(String, String)>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// The pages of the lightmap.
+    pub pages: Vec<ReportPage>,
+}
+
+/// A page of the lightmap. Lists of texels are row by row from the top, `width * height` long.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReportPage {
+    /// Its file's name.
+    pub name: String,
+    /// Texels across, at least 1.
+    pub width: u32,
+    /// Texels down, at least 1.
+    pub height: u32,
+    /// The number of each texel's chart; `None` outside of all.
+    pub charts: Vec<Option<u32>>,
+    /// Texels per unit of length at each texel; not a number outside.
+    pub density: Vec<f32>,
+    /// Irradiance, W/m².
+    pub map: Vec<Vec3>,
+    /// Where the cache's records are, in 0..=1 from the upper left.
+    pub records: Vec<[f32; 2]>,
+    /// An estimate of each texel's relative error; not a number outside.
+    pub error: Option<Vec<f32>>,
+}
+
+/// The longest side of a picture in the report.
+const MAX_SIDE: u32 = 1024;
+/// What is not on a chart.
+const OUTSIDE: [u8; 3] = [24, 24, 28];
+/// A record, on dark charts.
+const RECORD: [u8; 3] = [255, 214, 64];
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:1200px;padding:0 1em;\
+background:#fafafa;color:#222}table{border-collapse:collapse}td,th{padding:.2em 1em .2em 0;text-align:left;\
+border-bottom:1px solid #ddd}td{font-variant-numeric:tabular-nums}.page{display:flex;flex-wrap:wrap;gap:1em}\
+figure{margin:0;width:min(380px,100%)}img{width:100%;image-rendering:pixelated;display:block}figcaption{font-size:13px}\
+.scale{height:8px;margin-top:4px}.warning{color:#a40}";
+
+/// The report as HTML.
+///
+/// # Errors
+/// If a page has not as many texels as its size says.
+pub fn html(report: &Report) -> Result<String, OutputError> {
+    let title = escaped(&report.title);
+    let mut html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width\"><title>{title}</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+    );
+    for warning in &report.warnings {
+        write_line(&mut html, format_args!("<p class=\"warning\">Warning: {}</p>", escaped(warning)));
+    }
+    write_line(&mut html, format_args!("<table>"));
+    for (name, value) in &report.statistics {
+        write_line(&mut html, format_args!("<tr><th>{}</th><td>{}</td></tr>", escaped(name), escaped(value)));
+    }
+    write_line(&mut html, format_args!("</table>"));
+    for page in &report.pages {
+        page.check()?;
+        let charts = page.charts.iter().flatten().max().map_or(0, |last| last + 1);
+        write_line(
+            &mut html,
+            format_args!("<h2>{} <small>{} × {}</small></h2>", escaped(&page.name), page.width, page.height),
+        );
+        write_line(&mut html, format_args!("<div class=\"page\">"));
+        let exposure = page.exposure();
+        let tone = ToneMapping { exposure, ..ToneMapping::default() };
+        let light = format!("Light, brightened by {exposure:+.1} stops");
+        page.figure(&mut html, &light, "", |texel| tone.to_srgb8(page.map[texel].to_array()))?;
+        page.figure(&mut html, &format!("{charts} charts"), "", |texel| page.charts[texel].map_or(OUTSIDE, color))?;
+        page.heat(&mut html, "Density, texels per unit", &page.density)?;
+        if !page.records.is_empty() {
+            let records = page.record_texels();
+            page.figure(&mut html, &format!("{} records", page.records.len()), "", |texel| {
+                let dim = page.charts[texel].map_or(OUTSIDE, |chart| color(chart).map(|code| code / 3));
+                if records[texel] { RECORD } else { dim }
+            })?;
+        }
+        if let Some(error) = &page.error {
+            page.heat(&mut html, "Relative error, estimated", error)?;
+        }
+        write_line(&mut html, format_args!("</div>"));
+    }
+    html.push_str("</body></html>\n");
+    Ok(html)
+}
+
+impl ReportPage {
+    fn check(&self) -> Result<(), OutputError> {
+        let texels = self.width as usize * self.height as usize;
+        let lists = [self.charts.len(), self.density.len(), self.map.len()];
+        let all = lists.into_iter().chain(self.error.as_ref().map(Vec::len));
+        if texels == 0 || all.into_iter().any(|length| length != texels) {
+            let problem = format!("the report has not {} x {} texels of everything", self.width, self.height);
+            return Err(OutputError::new(Path::new(&self.name), problem, "give one value for each texel"));
+        }
+        Ok(())
+    }
+
+    /// Stops by which the map is brightened so that 99% of its texels are no brighter than the screen.
+    fn exposure(&self) -> f32 {
+        let bright = percentile(self.map.iter().map(|texel| texel.max_element()));
+        if bright > 0.0 { (1.0 / bright).log2() } else { 0.0 }
+    }
+
+    fn record_texels(&self) -> Vec<bool> {
+        let mut texels = vec![false; self.charts.len()];
+        let place = |part: f32, size: u32| ((part * size as f32) as u32).min(size - 1) as usize;
+        // Records of large pages are drawn as large as a texel of the picture.
+        let step = self.step() as usize;
+        for &[x, y] in &self.records {
+            let (x, y) = (place(x, self.width) / step * step, place(y, self.height) / step * step);
+            texels[y * self.width as usize + x] = true;
+        }
+        texels
+    }
+
+    /// Every how many texels one is shown.
+    fn step(&self) -> u32 {
+        self.width.max(self.height).div_ceil(MAX_SIDE)
+    }
+
+    /// Numbers in false colours up to their 99th percentile, with a scale.
+    fn heat(&self, html: &mut String, caption: &str, values: &[f32]) -> Result<(), OutputError> {
+        let greatest = percentile(values.iter().copied()).max(f32::MIN_POSITIVE);
+        let stops = (0..=8).map(|stop| hex(false_color::color(stop as f32 / 8.0)));
+        let stops: Vec<String> = stops.collect();
+        let scale =
+            format!("<div class=\"scale\" style=\"background:linear-gradient(90deg,{})\"></div>", stops.join(","));
+        let (low, high) = (format_number(0.0), format_number(greatest));
+        self.figure(html, &format!("{caption}: {low} to {high}"), &scale, |texel| match values[texel] {
+            value if value.is_nan() => OUTSIDE,
+            value => false_color::color(value / greatest),
+        })
+    }
+
+    /// A picture with a caption; `scale` is HTML between them.
+    fn figure(
+        &self,
+        html: &mut String,
+        caption: &str,
+        scale: &str,
+        color: impl Fn(usize) -> [u8; 3],
+    ) -> Result<(), OutputError> {
+        let step = self.step();
+        let size = |texels: u32| texels.div_ceil(step);
+        let mut codes = Vec::with_capacity(3 * (size(self.width) * size(self.height)) as usize);
+        for y in (0..self.height).step_by(step as usize) {
+            for x in (0..self.width).step_by(step as usize) {
+                codes.extend(color(y as usize * self.width as usize + x as usize));
+            }
+        }
+        let png = encode_png(Path::new(&self.name), size(self.width), size(self.height), &codes)?;
+        let caption = escaped(caption);
+        write_line(
+            html,
+            format_args!(
+                "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\">{scale}<figcaption>{caption}\
+                 </figcaption></figure>",
+                STANDARD.encode(png)
+            ),
+        );
+        Ok(())
+    }
+}
+
+fn write_line(html: &mut String, line: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(html, "{line}");
+}
+
+/// The value below which 99% of all finite ones are; 0 if there are none.
+fn percentile(values: impl Iterator<Item = f32>) -> f32 {
+    let mut sorted: Vec<f32> = values.filter(|value| value.is_finite()).collect();
+    sorted.sort_unstable_by(f32::total_cmp);
+    sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0)
+}
+
+fn format_number(number: f32) -> String {
+    match number {
+        0.0 => "0".to_owned(),
+        _ if (0.01..10_000.0).contains(&number) => format!("{number:.2}"),
+        _ => format!("{number:.1e}"),
+    }
+}
+
+/// A colour for chart `number`: hues far apart for numbers side by side, by the golden ratio.
+fn color(number: u32) -> [u8; 3] {
+    let hue = (f64::from(number) * 0.618_033_988_749_895).fract() * 6.0;
+    let channel = |offset: f64| {
+        let distance = ((hue + offset) % 6.0 - 3.0).abs() - 1.0;
+        (70.0 + 170.0 * distance.clamp(0.0, 1.0)).round() as u8
+    };
+    [channel(0.0), channel(4.0), channel(2.0)]
+}
+
+fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(width: u32, height: u32) -> ReportPage {
+        let texels = (width * height) as usize;
+        ReportPage {
+            name: "a <b>.ktx2".to_owned(),
+            width,
+            height,
+            charts: (0..texels).map(|texel| (texel > 0).then_some(texel as u32 % 3)).collect(),
+            density: (0..texels).map(|texel| if texel > 0 { texel as f32 } else { f32::NAN }).collect(),
+            map: vec![Vec3::splat(4.0); texels],
+            records: vec![[0.0, 0.0], [1.0, 1.0]],
+            error: Some(vec![0.01; texels]),
+        }
+    }
+
+    /// The codes of each picture of the report.
+    fn pictures(html: &str) -> Vec<(u32, Vec<u8>)> {
+        let sources = html.split("base64,").skip(1).map(|rest| rest.split('"').next().unwrap());
+        let decode = |base64| {
+            let png = STANDARD.decode(base64).unwrap();
+            let mut reader = png::Decoder::new(std::io::Cursor::new(&png)).read_info().unwrap();
+            let mut codes = vec![0; reader.output_buffer_size().unwrap()];
+            let width = reader.next_frame(&mut codes).unwrap().width;
+            (width, codes)
+        };
+        sources.map(decode).collect()
+    }
+
+    #[test]
+    fn pages_are_shown_in_five_pictures() {
+        let report = Report {
+            title: "level & more".to_owned(),
+            statistics: vec![("Texels".to_owned(), "6".to_owned())],
+            warnings: vec!["<careful>".to_owned()],
+            pages: vec![page(3, 2)],
+        };
+        let html = html(&report).unwrap();
+        for text in ["<h1>level &amp; more</h1>", "<th>Texels</th><td>6</td>", "&lt;careful&gt;", "a &lt;b&gt;.ktx2"] {
+            assert!(html.contains(text), "{text}");
+        }
+        assert!(!html.contains("http") && !html.contains("<careful>"), "nothing is fetched, and text is escaped");
+        let pictures = pictures(&html);
+        assert_eq!(pictures.iter().map(|(width, codes)| (*width, codes.len())).collect::<Vec<_>>(), [(3, 18); 5]);
+        let [light, charts, density, records, error] = <[_; 5]>::try_from(pictures).unwrap().map(|(_, codes)| codes);
+        assert_eq!(light, [255; 18], "the brightest 99% fill the screen");
+        assert!(html.contains("brightened by -2.0 stops"));
+        assert_eq!((&charts[..3], &charts[3..6]), (OUTSIDE.as_slice(), color(1).as_slice()));
+        assert_eq!((&charts[6..9], &charts[9..12]), (color(2).as_slice(), color(0).as_slice()));
+        assert_eq!((&density[..3], &density[15..]), (OUTSIDE.as_slice(), false_color::color(1.0).as_slice()));
+        assert_eq!((&records[..3], &records[15..]), (RECORD.as_slice(), RECORD.as_slice()));
+        assert_eq!(error, false_color::color(1.0).repeat(6));
+    }
+
+    #[test]
+    fn large_pages_are_shown_smaller() {
+        let report = Report { pages: vec![page(2500, 2)], ..Report::default() };
+        let pictures = pictures(&html(&report).unwrap());
+        assert!(pictures.iter().all(|(width, codes)| (*width, codes.len()) == (834, 834 * 3)));
+        let records: Vec<_> = pictures[3].1.chunks_exact(3).enumerate().filter(|(_, code)| *code == RECORD).collect();
+        assert_eq!(records.len(), 2, "no record is lost between the texels that are shown");
+    }
+
+    #[test]
+    fn a_page_of_the_wrong_size_is_an_error() {
+        let mut page = page(3, 2);
+        page.density.pop();
+        let error = html(&Report { pages: vec![page], ..Report::default() }).unwrap_err();
+        assert_eq!(error.problem, "the report has not 3 x 2 texels of everything");
+    }
+
+    #[test]
+    fn neighbouring_charts_differ() {
+        for number in 0..200 {
+            let [a, b] = [color(number), color(number + 1)];
+            let difference: i32 = (0..3).map(|i| (i32::from(a[i]) - i32::from(b[i])).abs()).sum();
+            assert!(difference > 60, "{number}: {a:?}, {b:?}");
+        }
+    }
+}
