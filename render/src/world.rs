@@ -1,5 +1,7 @@
 //! The world: a scene made ready for tracing.
 
+mod holes;
+
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
@@ -9,8 +11,8 @@ use halfdome_kernel::{
     BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Hit, Triangle, offset_origin, triangle_normal,
 };
 
-use crate::light::Lights;
-use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
+use crate::light::{Lights, SkyLight};
+use crate::scene::{CameraPose, Material, Mesh, Scene, Texture, TextureMap};
 use crate::threads::Threads;
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -18,13 +20,16 @@ use crate::threads::Threads;
 pub struct World {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
+    textures: Vec<Texture>,
+    /// Whether any surface has holes.
+    has_holes: bool,
     /// What is behind each `prim_id`.
     faces: Vec<Face>,
     bvh: Bvh,
     report: BuildReport,
     /// All that emits and can be aimed at.
     pub(crate) lights: Lights,
-    pub(crate) sky: Sky,
+    pub(crate) sky: SkyLight,
     pub(crate) camera: CameraPose,
     hash: u64,
     surroundings_hash: u64,
@@ -53,6 +58,10 @@ pub(crate) struct Surface<'w> {
     /// Texture coordinates, or the barycentric ones if the mesh has none.
     pub uv: Vec2,
     pub material: &'w Material,
+    /// Diffuse reflectance here.
+    pub diffuse: Vec3,
+    /// Radiance emitted here, from the sides that emit.
+    emission: Vec3,
     pub prim_id: u32,
     /// Whether the normals were turned: it is seen from behind, or from within.
     pub is_back: bool,
@@ -89,7 +98,7 @@ impl World {
         let hash = scene.hash();
         let camera = scene.camera.take().ok_or(WorldError::NoCamera)?;
         let surroundings_hash = scene.hash();
-        let Scene { meshes, materials, lights, sky, .. } = scene;
+        let Scene { meshes, materials, textures, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
         let places =
@@ -99,9 +108,25 @@ impl World {
             .map(|((mesh, index), triangle)| Face { mesh, index, normal: triangle_normal(triangle) })
             .collect();
         let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
-        let material = |prim: usize| &materials[meshes[faces[prim].mesh as usize].material];
-        let lights = Lights::new(&triangles, material, lights, sky, bvh.view().bounds());
-        Ok(Self { meshes, materials, faces, bvh, report, lights, sky, camera, hash, surroundings_hash })
+        let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
+        let material = |prim: usize| &even[meshes[faces[prim].mesh as usize].material];
+        let sky = SkyLight::new(sky);
+        let lights = Lights::new(&triangles, material, lights, sky.mean(), bvh.view().bounds());
+        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
+        Ok(Self {
+            meshes,
+            materials,
+            textures,
+            has_holes,
+            faces,
+            bvh,
+            report,
+            lights,
+            sky,
+            camera,
+            hash,
+            surroundings_hash,
+        })
     }
 
     /// The tree, for tracing.
@@ -147,6 +172,8 @@ impl World {
             shading_normal: normal,
             uv: Vec2::ZERO,
             material: &WHITE,
+            diffuse: Vec3::ONE,
+            emission: Vec3::ZERO,
             prim_id: Hit::NO_PRIM,
             is_back: false,
             triangle: [position, b, c],
@@ -181,12 +208,19 @@ impl World {
             let [a, b, c] = indices.map(|index| mesh.texcoords[index]);
             a * weights[0] + b * weights[1] + c * weights[2]
         };
+        let material = &self.materials[mesh.material];
+        let textured = |color: Vec3, map: &Option<TextureMap>| match map {
+            Some(map) => color * self.mapped(map, mesh, index, weights).truncate(),
+            None => color,
+        };
         Surface {
             position: interpolate(triangle),
             normal,
             shading_normal,
             uv,
-            material: &self.materials[mesh.material],
+            material,
+            diffuse: textured(material.diffuse, &material.diffuse_map),
+            emission: textured(material.emission, &material.emission_map),
             prim_id,
             is_back: false,
             triangle,
@@ -222,10 +256,6 @@ impl Surface<'_> {
 
     /// Radiance emitted towards the origin of a ray in `direction`.
     pub(crate) fn emitted(&self, direction: Vec3) -> Vec3 {
-        if self.material.emits_both_sides || self.normal.dot(direction) < 0.0 {
-            self.material.emission
-        } else {
-            Vec3::ZERO
-        }
+        if self.material.emits_both_sides || self.normal.dot(direction) < 0.0 { self.emission } else { Vec3::ZERO }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome::scene::{CameraPose, Overrides, PunctualLight, Scene, Sky};
+use halfdome::scene::{CameraPose, Overrides, PunctualLight, Scene, Sky, SkyPicture};
 use halfdome::settings::Settings;
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, view};
 
@@ -167,7 +167,7 @@ fn several_lights_add_up() {
 #[test]
 fn under_a_constant_sky_a_plane_has_its_reflectance_times_the_sky() {
     let mut scene = plane();
-    scene.sky = Sky { radiance: Vec3::new(0.5, 1.0, 3.0) };
+    scene.sky = Sky::constant(Vec3::new(0.5, 1.0, 3.0));
     let radiance = (REFLECTANCE * scene.sky.radiance).as_dvec3();
     for pixel in pixels(&render(&scene, &settings())) {
         assert!((pixel - radiance).abs().max_element() < 1e-6, "{pixel}, not {radiance}");
@@ -175,6 +175,24 @@ fn under_a_constant_sky_a_plane_has_its_reflectance_times_the_sky() {
     scene.camera.as_mut().unwrap().target = Vec3::new(0.0, 9.0, 0.0);
     for pixel in pixels(&render(&scene, &settings())) {
         assert_eq!(pixel, scene.sky.radiance.as_dvec3());
+    }
+}
+
+/// A picture of a constant sky is sampled otherwise than the sky itself, and lights alike; so does one in which all light
+/// comes from a cap of 45 degrees about the zenith, whose irradiance is `π L sin² 45°`.
+#[test]
+fn a_picture_lights_as_its_sky_does() {
+    let radiance = Vec3::new(0.5, 1.0, 3.0);
+    let cap: Vec<Vec3> = (0..32 * 16).map(|texel| if texel < 32 * 4 { 2.0 * radiance } else { Vec3::ZERO }).collect();
+    let reflected = vec![(REFLECTANCE * radiance).as_dvec3(); (SIZE.0 * SIZE.1) as usize];
+    for (picture, constant) in [
+        (SkyPicture::new(4, 2, vec![radiance; 8]), Vec3::ZERO),
+        (SkyPicture::new(3, 5, vec![0.75 * radiance; 15]).turned(40.0), 0.25 * radiance),
+        (SkyPicture::new(32, 16, cap), Vec3::ZERO),
+    ] {
+        let mut scene = plane();
+        scene.sky = Sky { radiance: constant, picture: Some(picture) };
+        check(&scene, &reflected, 0.1);
     }
 }
 

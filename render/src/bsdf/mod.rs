@@ -36,7 +36,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use crate::scene::{Material, Specular};
+use crate::scene::Specular;
 use crate::world::Surface;
 
 /// How a path goes on.
@@ -50,32 +50,42 @@ pub(crate) struct Bounce {
     pub density: f32,
 }
 
-impl Material {
-    /// The part of all light that is reflected or let through, at most.
-    pub(crate) fn reflectance(&self) -> Vec3 {
-        match self.specular {
-            Specular::None => self.diffuse,
-            Specular::Mirror { reflectance } => self.diffuse + reflectance,
-            Specular::Glass { .. } => Vec3::ONE,
+impl Specular {
+    /// The part of all light that is reflected or let through, at most, by a surface that also reflects `diffuse`.
+    pub(crate) fn reflectance(&self, diffuse: Vec3) -> Vec3 {
+        match self {
+            Self::None => diffuse,
+            Self::Mirror { reflectance } => diffuse + reflectance,
+            Self::Glass { .. } => Vec3::ONE,
         }
     }
 
     /// The probability with which a path takes the mirror's or the glass's way.
-    fn specular_probability(&self) -> f32 {
-        let specular = match self.specular {
-            Specular::None => return 0.0,
-            Specular::Mirror { reflectance } => reflectance.max_element(),
-            Specular::Glass { .. } => 1.0,
+    fn probability(&self, diffuse: Vec3) -> f32 {
+        let specular = match self {
+            Self::None => return 0.0,
+            Self::Mirror { reflectance } => reflectance.max_element(),
+            Self::Glass { .. } => 1.0,
         };
-        specular / (specular + self.diffuse.max_element()).max(f32::MIN_POSITIVE)
+        specular / (specular + diffuse.max_element()).max(f32::MIN_POSITIVE)
     }
 }
 
 /// Of a surface whose normals face the side that light is reflected to.
 impl Surface<'_> {
+    /// The part of all light that is reflected or let through, at most.
+    pub(crate) fn reflectance(&self) -> Vec3 {
+        self.material.specular.reflectance(self.diffuse)
+    }
+
+    /// The probability with which a path takes the mirror's or the glass's way.
+    fn specular_probability(&self) -> f32 {
+        self.material.specular.probability(self.diffuse)
+    }
+
     /// Where a path along the unit vector `incoming` goes on; `None` if it is absorbed.
     pub(crate) fn sample(&self, incoming: Vec3, mut u: Vec2) -> Option<Bounce> {
-        let specular = self.material.specular_probability();
+        let specular = self.specular_probability();
         if u.x < specular {
             u.x = (u.x / specular).min(ONE_MINUS_EPSILON);
             let (direction, weight) = match self.material.specular {
@@ -88,7 +98,7 @@ impl Surface<'_> {
         u.x = ((u.x - specular) / (1.0 - specular)).min(ONE_MINUS_EPSILON);
         let local = CosineHemisphere.map(u);
         let direction = self.frame().to_world(local);
-        let weight = self.material.diffuse / (1.0 - specular);
+        let weight = self.diffuse / (1.0 - specular);
         // A shading normal may send light through the surface: none comes from there.
         let reflects = self.normal.dot(direction) > 0.0 && weight != Vec3::ZERO;
         reflects.then_some(Bounce { direction, weight, density: (1.0 - specular) * local.z / PI })
@@ -102,7 +112,7 @@ impl Surface<'_> {
             return (Vec3::ZERO, 0.0);
         }
         let lambert = cosine / PI;
-        (self.material.diffuse * lambert, (1.0 - self.material.specular_probability()) * lambert)
+        (self.diffuse * lambert, (1.0 - self.specular_probability()) * lambert)
     }
 
     /// The mirror's direction.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{CameraPose, Mesh, Scene};
+use crate::scene::{CameraPose, Material, Mesh, Scene};
 use crate::world::World;
 
 /// A triangle in the plane z = 0, its front up, of this material.

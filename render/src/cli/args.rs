@@ -259,7 +259,7 @@ mod tests {
     use halfdome_kernel::sampling::Pattern;
 
     use super::*;
-    use crate::scene::{CachedOverrides, IntegratorOverrides};
+    use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, SkyOverrides};
     use crate::settings::{
         AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
     };
@@ -287,7 +287,8 @@ mod tests {
                          --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                          --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                          --record-rays 300 --cache-bounces 4 \
-                         --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --threads 2 --exposure -1.5";
+                         --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both \
+                         --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
         let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
         let expected = Overrides {
             eye: Some([-1.0, 2.0, 3.0].into()),
@@ -328,6 +329,12 @@ mod tests {
             build: Some(halfdome_kernel::Quality::Medium),
             aov: None,
             sky: Some([1.0, 2.0, 3.0].into()),
+            sky_light: SkyOverrides {
+                picture: Some("a.hdr".into()),
+                rotation: Some(-90.0),
+                scale: Some(2.0),
+                daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
+            },
             emits_both_sides: Some(true),
         };
         assert_eq!(arguments.overriding.overrides(), expected);

@@ -164,10 +164,10 @@ impl Tree {
 
 impl Lights {
     fn of(scene: &Scene) -> Self {
-        let mut lights = Self { sky_radiance: scene.sky.radiance.to_array(), ..Self::default() };
+        let mut lights = Self { sky_radiance: scene.sky.mean().to_array(), ..Self::default() };
         let mut power = DVec3::ZERO;
         for mesh in &scene.meshes {
-            let material = &scene.materials[mesh.material];
+            let material = scene.materials[mesh.material].without_maps(&scene.textures);
             if material.emission == Vec3::ZERO {
                 continue;
             }

@@ -103,7 +103,7 @@ fn samples(settings: &Settings) -> u64 {
 /// Whether anything emits: the sky, a light without a surface, or a triangle.
 fn has_light(scene: &Scene) -> bool {
     let emits = |material: usize| scene.materials[material].emission != glam::Vec3::ZERO;
-    scene.sky.radiance != glam::Vec3::ZERO
+    scene.sky.mean() != glam::Vec3::ZERO
         || !scene.lights.is_empty()
         || scene.meshes.iter().any(|mesh| !mesh.triangles.is_empty() && emits(mesh.material))
 }

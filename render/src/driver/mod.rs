@@ -211,7 +211,7 @@ impl Job<'_> {
         }
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
-        self.world.tree().intersect_many(rays, hits);
+        self.world.intersect_many(rays, hits);
         let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
         let traced = integrator::radiance(self.world, self.settings, self.prepared, &camera, memory, radiance);
         for (i, (number, filter)) in places.iter().enumerate() {
@@ -230,7 +230,7 @@ impl Job<'_> {
         }
         let surface = self.world.surface_at(hit);
         Features {
-            albedo: surface.material.diffuse,
+            albedo: surface.diffuse,
             position: surface.position,
             normal: surface.normal,
             shading_normal: surface.shading_normal,

@@ -2,14 +2,12 @@
 //!
 //! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` and then, on a
 //! triangle, by a point `y` of density `1/A`: `f L_e cos θ cos θ_y A / (P |y - x|²)`. The density per solid angle, which
-//! multiple importance sampling compares with that of the bounce, is `P |y - x|² / (A cos θ_y)`. The sky is as bright
-//! everywhere, so that its directions follow the cosine, with the density `P cos θ / π`.
-
-use std::f32::consts::PI;
+//! multiple importance sampling compares with that of the bounce, is `P |y - x|² / (A cos θ_y)`. A sky that is as bright
+//! everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that is not by its brightness.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Ray;
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
+use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+use halfdome_kernel::{Hit, Ray};
 
 use crate::light::Source;
 use crate::scene::PunctualLight;
@@ -82,7 +80,7 @@ pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: 
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
 pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
-    world.lights.sky_probability() * surface.shading_normal.dot(direction).max(0.0) / PI
+    world.lights.sky_probability() * world.sky.density(surface, direction)
 }
 
 /// Light from `source`, chosen with this probability.
@@ -101,16 +99,20 @@ fn sample_light(world: &World, surface: &Surface, source: &Source, probability: 
             Some(LightSample { shadow, direction, radiance: received / probability, density: f32::INFINITY })
         }
         Source::Sky => {
-            let direction = surface.frame().to_world(CosineHemisphere.map(u));
+            let direction = world.sky.sample(surface, u);
             let density = sky_density(world, surface, direction);
             let shadow = Ray::new(surface.origin_towards(direction), direction);
-            (density > 0.0).then(|| LightSample { shadow, direction, radiance: world.sky.radiance / density, density })
+            let radiance = world.sky.radiance(direction) / density;
+            (density > 0.0).then_some(LightSample { shadow, direction, radiance, density })
         }
     }
 }
 
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
     let point = TriangleWarp.map(u);
+    if world.is_hole(&Hit { prim_id, u: point.x, v: point.y, ..Hit::MISS }) {
+        return None;
+    }
     let light = world.surface(prim_id, point.x, point.y);
     let to_light = light.position - surface.position;
     let direction = to_light.normalize_or_zero();

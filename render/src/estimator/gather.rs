@@ -152,12 +152,12 @@ impl Batch {
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.radiance.clear();
         self.radiance.resize(self.rays.len(), Vec3::ZERO);
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         let further = follow.follow(&self.rays, &self.hits, &self.samplers, &mut self.radiance);
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
-                *radiance = if ray.t_max > 0.0 { world.sky.radiance } else { Vec3::ZERO };
+                *radiance = if ray.t_max > 0.0 { world.sky.radiance(ray.direction) } else { Vec3::ZERO };
             }
             self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
         }

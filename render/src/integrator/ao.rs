@@ -73,14 +73,14 @@ impl Feelers {
         match weighting {
             AoWeighting::Misses => {
                 self.occluded.resize(traced, false);
-                world.tree().occluded_many(&self.rays, &mut self.occluded);
+                world.occluded_many(&self.rays, &mut self.occluded);
                 for ((index, share), occluded) in self.shares.iter().zip(&self.occluded) {
                     radiance[*index] += if *occluded { 0.0 } else { *share };
                 }
             }
             AoWeighting::HitLength => {
                 self.hits.resize(traced, Hit::MISS);
-                world.tree().intersect_many(&self.rays, &mut self.hits);
+                world.intersect_many(&self.rays, &mut self.hits);
                 for ((index, share), hit) in self.shares.iter().zip(&self.hits) {
                     radiance[*index] += share * if hit.is_hit() { hit.t / t_max } else { 1.0 };
                 }

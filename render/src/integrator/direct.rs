@@ -30,7 +30,7 @@ pub(super) fn radiance(
         wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
             let Path { index, throughput, .. } = path;
             if !hit.is_hit() {
-                radiance[index] += throughput * sky(world, LIGHTS, &path);
+                radiance[index] += throughput * sky(world, LIGHTS, &path, ray.direction);
                 return None;
             }
             let surface = world.surface_at(hit);

@@ -9,39 +9,51 @@ use crate::world::{Surface, World};
 /// "A really simple single-threaded ray tracer that just displayed the color of the surface it hit" (Driscoll, less one
 /// thread): what surfaces reflect or let through, and what they emit; the sky elsewhere.
 pub(super) fn colors(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
-    show(world, camera, radiance, world.sky.radiance, |surface, direction| {
-        let material = surface.material;
-        let specular = match material.specular {
-            Specular::None => Vec3::ZERO,
-            Specular::Mirror { reflectance } => reflectance,
-            Specular::Glass { transmittance, .. } => transmittance,
-        };
-        material.diffuse + specular + surface.emitted(direction)
-    })
+    show(
+        world,
+        camera,
+        radiance,
+        |direction| world.sky.radiance(direction),
+        |surface, direction| {
+            let material = surface.material;
+            let specular = match material.specular {
+                Specular::None => Vec3::ZERO,
+                Specular::Mirror { reflectance } => reflectance,
+                Specular::Glass { transmittance, .. } => transmittance,
+            };
+            surface.diffuse + specular + surface.emitted(direction)
+        },
+    )
 }
 
 /// Shading normals, from -1..=1 to 0..=1 per channel, on the side that the camera sees; black elsewhere.
 pub(super) fn normals(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
-    show(world, camera, radiance, Vec3::ZERO, |surface, direction| surface.facing(direction).shading_normal * 0.5 + 0.5)
+    show(
+        world,
+        camera,
+        radiance,
+        |_| Vec3::ZERO,
+        |surface, direction| surface.facing(direction).shading_normal * 0.5 + 0.5,
+    )
 }
 
 /// Diffuse reflectance; black elsewhere.
 pub(super) fn albedo(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
-    show(world, camera, radiance, Vec3::ZERO, |surface, _| surface.material.diffuse)
+    show(world, camera, radiance, |_| Vec3::ZERO, |surface, _| surface.diffuse)
 }
 
-/// Writes what `color` says of the surface that each ray of its direction hits, or `elsewhere`.
+/// Writes what `color` says of the surface that each ray of its direction hits, or `elsewhere` where there is none.
 fn show(
     world: &World,
     camera: &CameraRays,
     radiance: &mut [Vec3],
-    elsewhere: Vec3,
+    elsewhere: impl Fn(Vec3) -> Vec3,
     color: impl Fn(Surface, Vec3) -> Vec3,
 ) -> u64 {
     for ((ray, hit), radiance) in camera.rays.iter().zip(camera.hits).zip(radiance) {
         *radiance = match hit.is_hit() {
             true => color(world.surface_at(hit), ray.direction),
-            false => elsewhere,
+            false => elsewhere(ray.direction),
         };
     }
     0

@@ -100,7 +100,7 @@ impl Generation {
 
     fn trace(&mut self, world: &World) -> u64 {
         self.hits.resize(self.rays.len(), Hit::MISS);
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         self.rays.len() as u64
     }
 }
@@ -125,7 +125,7 @@ impl Gather<'_> {
     ) {
         let (world, path) = (self.world, &node.path);
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, LIGHTS, path);
+            *radiance += path.throughput * sky(world, LIGHTS, path, ray.direction);
             return;
         }
         let surface = world.surface_at(hit);
@@ -160,7 +160,7 @@ impl Gather<'_> {
 
     /// Sends rays over the hemisphere for what the surface reflects diffusely.
     fn gather(&self, node: &Node, surface: &Surface, sampler: &Sampler, children: &mut Generation) {
-        let throughput = node.path.throughput * surface.material.diffuse / self.hemisphere.rays() as f32;
+        let throughput = node.path.throughput * surface.diffuse / self.hemisphere.rays() as f32;
         if throughput == Vec3::ZERO {
             return;
         }

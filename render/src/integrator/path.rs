@@ -69,7 +69,7 @@ impl Step<'_> {
     ) -> Option<(Path, Ray)> {
         let Self { world, options: PathOptions { max_depth, lights, .. }, depth } = *self;
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, *lights, &path);
+            *radiance += path.throughput * sky(world, *lights, &path, ray.direction);
             return None;
         }
         let surface = world.surface_at(hit);
@@ -82,7 +82,7 @@ impl Step<'_> {
         // The choice takes its last bits from the chance of going on: as neither enters the other's term of the sum, that
         // makes no bias.
         let (choice, chance) = (unit_double(first), first.y);
-        let reflected = path.throughput * surface.material.reflectance();
+        let reflected = path.throughput * surface.reflectance();
         if let Stop::Threshold { cutoff, add_back } = self.options.stop
             && reflected.max_element() < cutoff
         {
@@ -125,9 +125,9 @@ pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
     }
 }
 
-/// What a path sees of the sky, weighted against the light sample that might have looked there.
-pub(super) fn sky(world: &World, lights: LightSampling, path: &Path) -> Vec3 {
-    world.sky.radiance * lights.of_bounce(path.density, path.sky_density)
+/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
+pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
+    world.sky.radiance(direction) * lights.of_bounce(path.density, path.sky_density)
 }
 
 /// What the surface emits along the path, weighted against the light sample that might have found it.

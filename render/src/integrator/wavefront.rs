@@ -117,7 +117,7 @@ impl Wavefront {
 
     /// Finds the paths' next hits; gives the number of rays.
     pub(super) fn trace(&mut self, world: &World) -> u64 {
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         self.rays.len() as u64
     }
 
@@ -143,7 +143,7 @@ impl Connections {
     /// Adds the light whose shadow rays are free; gives their number.
     pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
         self.occluded.resize(self.shadows.len(), false);
-        world.tree().occluded_many(&self.shadows, &mut self.occluded);
+        world.occluded_many(&self.shadows, &mut self.occluded);
         for ((index, light), occluded) in self.pending.iter().zip(&self.occluded) {
             if !occluded {
                 radiance[*index] += *light;

@@ -146,7 +146,7 @@ impl Batch {
             }
         }
         self.occluded.resize(self.rays.len(), false);
-        world.tree().occluded_many(&self.rays, &mut self.occluded);
+        world.occluded_many(&self.rays, &mut self.occluded);
         let free = self.values.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
         *sum += free.map(|(value, _)| value.as_dvec3()).sum::<DVec3>();
         self.rays.len() as u64
@@ -163,7 +163,7 @@ impl Batch {
         }));
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.values.resize(self.rays.len(), Vec3::ZERO);
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         let rays = CameraRays {
             rays: &self.rays,
             hits: &self.hits,

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::{Aabb, Triangle};
 
 use super::{area, flux, radius};
-use crate::scene::{Material, PunctualLight, Sky};
+use crate::scene::{Material, PunctualLight};
 
 /// Rooms that reflect more than this are taken to reflect this much: the series must end.
 const MAX_REFLECTANCE: f64 = 0.99;
@@ -21,24 +21,24 @@ pub(super) fn mean_radiance<'m>(
     triangles: &[Triangle],
     material: impl Fn(usize) -> &'m Material,
     punctual: &[PunctualLight],
-    sky: Sky,
+    sky: Vec3,
     bounds: Aabb,
 ) -> Vec3 {
     let (mut total_area, mut reflecting, mut power) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for (prim_id, triangle) in triangles.iter().enumerate() {
         let (material, area) = (material(prim_id), f64::from(area(triangle)));
         total_area += area;
-        reflecting += area * material.reflectance().as_dvec3();
+        reflecting += area * material.specular.reflectance(material.diffuse).as_dvec3();
         power += PI * area * material.emission.as_dvec3();
     }
     for light in punctual {
         let (color, extent) = flux(light, bounds);
         power += extent * color.as_dvec3();
     }
-    if sky.radiance != Vec3::ZERO {
+    if sky != Vec3::ZERO {
         let sphere = 4.0 * PI * radius(bounds).powi(2);
         total_area += sphere;
-        power += PI * sphere * sky.radiance.as_dvec3();
+        power += PI * sphere * sky.as_dvec3();
     }
     if total_area == 0.0 {
         return Vec3::ZERO;
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn a_room_of_one_material_has_shirleys_radiance() {
         let material = surface(0.5, 0.5);
-        let mean = mean_radiance(&[WALL; 4], |_| &material, &[], Sky::default(), Aabb::EMPTY);
+        let mean = mean_radiance(&[WALL; 4], |_| &material, &[], Vec3::ZERO, Aabb::EMPTY);
         assert_eq!(mean, Vec3::ONE);
     }
 
@@ -69,7 +69,7 @@ mod tests {
         let material = surface(0.0, 0.0);
         let mean = |lights: &[PunctualLight], sky: f32| {
             let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
-            let sky = Sky { radiance: Vec3::splat(sky) };
+            let sky = Vec3::splat(sky);
             mean_radiance(&[WALL; 2], |_| &material, lights, sky, bounds).x
         };
         // 4π W on a square metre of black is 4 W/(m² sr) from everywhere.
@@ -78,6 +78,6 @@ mod tests {
         // A sky of 12π square metres around one of black.
         let share = 12.0 * PI / (12.0 * PI + 1.0);
         assert!((f64::from(mean(&[], 3.0)) - 3.0 * share).abs() < 1e-6);
-        assert_eq!(mean_radiance(&[], |_| &material, &[], Sky::default(), Aabb::EMPTY), Vec3::ZERO);
+        assert_eq!(mean_radiance(&[], |_| &material, &[], Vec3::ZERO, Aabb::EMPTY), Vec3::ZERO);
     }
 }

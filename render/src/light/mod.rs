@@ -2,6 +2,7 @@
 //! power.
 
 mod ambient;
+mod sky;
 
 use std::f64::consts::PI;
 
@@ -9,7 +10,8 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable};
 use halfdome_kernel::{Aabb, Triangle};
 
-use crate::scene::{Material, PunctualLight, Sky};
+pub(crate) use self::sky::SkyLight;
+use crate::scene::{Material, PunctualLight};
 
 /// The lights of a world.
 #[derive(Debug)]
@@ -44,12 +46,13 @@ fn luminance(rgb: Vec3) -> f64 {
 }
 
 impl Lights {
-    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
+    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky, of which this is the mean
+    /// radiance; `bounds` are the scene's.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
         punctual: Vec<PunctualLight>,
-        sky: Sky,
+        sky: Vec3,
         bounds: Aabb,
     ) -> Self {
         let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky, bounds);
@@ -70,7 +73,7 @@ impl Lights {
             powers.push(power(&light, bounds));
             sources.push(Source::Punctual(light));
         }
-        if sky.radiance != Vec3::ZERO {
+        if sky != Vec3::ZERO {
             powers.push(sky_power(sky, bounds));
             sources.push(Source::Sky);
         }
@@ -158,8 +161,8 @@ fn power(light: &PunctualLight, bounds: Aabb) -> f64 {
 }
 
 /// The same of the sky.
-fn sky_power(sky: Sky, bounds: Aabb) -> f64 {
-    PI * brightness(sky.radiance) * 4.0 * PI * radius(bounds).powi(2)
+fn sky_power(sky: Vec3, bounds: Aabb) -> f64 {
+    PI * brightness(sky) * 4.0 * PI * radius(bounds).powi(2)
 }
 
 /// A light's colour, and what it is multiplied by to give the light's power.

@@ -6,6 +6,8 @@
 
 use glam::{Vec2, Vec3};
 
+use super::{Sky, Texture, TextureMap};
+
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -13,6 +15,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Materials; meshes name them by index.
     pub materials: Vec<Material>,
+    /// Pictures on surfaces; materials name them by index.
+    pub textures: Vec<Texture>,
     /// Lights without a surface.
     pub lights: Vec<PunctualLight>,
     /// Where the picture is taken from; `None` when the file has no camera.
@@ -64,14 +68,29 @@ pub struct Material {
     pub name: String,
     /// Diffuse reflectance (albedo) in 0..=1 per channel, on both sides.
     pub diffuse: Vec3,
+    /// What diffuse reflectance is multiplied by, if it is not the same everywhere.
+    pub diffuse_map: Option<TextureMap>,
     /// Emitted radiance; zero for most surfaces.
     pub emission: Vec3,
+    /// What emission is multiplied by, likewise.
+    pub emission_map: Option<TextureMap>,
+    /// Where the surface has holes, if it has any.
+    pub cutout: Option<Cutout>,
     /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
     pub emits_both_sides: bool,
     /// What the surface reflects like a mirror, or lets through, on top of that.
     pub specular: Specular,
     /// What the file says of reflection, as it says it; integrators do not look at it.
     pub gloss: Gloss,
+}
+
+/// Holes: where the alpha of [`Material::diffuse_map`] is low, there is no surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cutout {
+    /// What alpha is multiplied by.
+    pub alpha: f32,
+    /// Where the product is less than this, is a hole.
+    pub cutoff: f32,
 }
 
 /// Perfectly smooth reflection and refraction.
@@ -157,20 +176,16 @@ pub struct CameraPose {
     pub vfov: f32,
 }
 
-/// The light from outside the scene: the same radiance from everywhere.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sky {
-    /// Radiance, W/(m² sr).
-    pub radiance: Vec3,
-}
-
 impl Default for Material {
     /// A matte grey, for faces that name no material.
     fn default() -> Self {
         Self {
             name: String::new(),
             diffuse: Vec3::splat(0.5),
+            diffuse_map: None,
             emission: Vec3::ZERO,
+            emission_map: None,
+            cutout: None,
             emits_both_sides: false,
             specular: Specular::None,
             gloss: Gloss::default(),
@@ -181,6 +196,21 @@ impl Default for Material {
 impl Default for Gloss {
     fn default() -> Self {
         Self { specular: Vec3::ZERO, transmittance: Vec3::ONE, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
+    }
+}
+
+impl Material {
+    /// The material with the mean of each texture in the texture's place.
+    pub(crate) fn without_maps(&self, textures: &[Texture]) -> Self {
+        let mean =
+            |map: &Option<TextureMap>| map.as_ref().map_or(Vec3::ONE, |map| textures[map.texture].mean().truncate());
+        Self {
+            diffuse: self.diffuse * mean(&self.diffuse_map),
+            emission: self.emission * mean(&self.emission_map),
+            diffuse_map: None,
+            emission_map: None,
+            ..self.clone()
+        }
     }
 }
 

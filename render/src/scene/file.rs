@@ -30,6 +30,10 @@
 //!
 //! [sky]
 //! radiance = [0.3, 0.4, 0.6]
+//! picture = "sunset.hdr" # or .exr, equirectangular: added to the radiance
+//! rotation = 90          # of the picture, degrees
+//! scale = 2              # of the picture or the daylight
+//! # or, without a picture: daylight = [40, 120, 3], the sun's elevation and azimuth, and turbidity
 //! ```
 //!
 //! All but `scene.file` may be left out. Each value is checked here; what only several options together can get wrong
@@ -87,7 +91,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "cache_bounces",
         ],
     ),
-    ("sky", &["radiance"]),
+    ("sky", &["radiance", "picture", "rotation", "scale", "daylight"]),
 ];
 
 /// Reads a scene: the model at `path`, or the scene file (`.toml`) and the model that it names.
@@ -157,7 +161,7 @@ impl Parser<'_> {
             };
             for entry in entries(table) {
                 if (section.name, entry.name) == ("scene", "file") {
-                    model = Some(self.model(&entry)?);
+                    model = Some(self.file("scene", "a model", &entry)?);
                 } else if keys.contains(&entry.name) {
                     self.set(&mut overrides, section.name, &entry)?;
                 } else {
@@ -190,6 +194,10 @@ impl Parser<'_> {
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
             "build" => to.build = Some(self.read(value::quality, section, entry)?),
             "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
+            "picture" => to.sky_light.picture = Some(self.file(section, "a picture", entry)?),
+            "rotation" => to.sky_light.rotation = Some(self.read(value::degrees, section, entry)?),
+            "scale" => to.sky_light.scale = Some(self.read(value::scale, section, entry)?),
+            "daylight" => to.sky_light.daylight = Some(self.read(value::daylight, section, entry)?),
             _ => self.set_integrator(&mut to.integrator, section, entry)?,
         }
         Ok(())
@@ -235,15 +243,18 @@ impl Parser<'_> {
         })
     }
 
-    /// The model's path, which must exist.
-    fn model(&self, entry: &Entry<'_>) -> Result<PathBuf, SceneError> {
+    /// The path of a file, which must exist.
+    fn file(&self, section: &str, what: &str, entry: &Entry<'_>) -> Result<PathBuf, SceneError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let model = folder.join(self.read(value::text, "scene", entry)?);
-        if model.is_file() {
-            return Ok(model);
+        let file = folder.join(self.read(value::text, section, entry)?);
+        if file.is_file() {
+            return Ok(file);
         }
-        let problem = format!("there is no file {}", model.display());
-        Err(self.error(entry.value_at.start, problem, "name a model, relative to the folder of this scene file"))
+        let (problem, remedy) = (
+            format!("there is no file {}", file.display()),
+            format!("name {what}, relative to the folder of this scene file"),
+        );
+        Err(self.error(entry.value_at.start, problem, remedy))
     }
 
     fn error(&self, offset: usize, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {

@@ -1,15 +1,15 @@
 //! A hash of a scene: FNV-1a, 64 bits (Fowler, Noll and Vo), over the bits of all that a picture depends on.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine2, Vec2, Vec3};
 
-use super::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
+use super::{CameraPose, Cutout, Gloss, Material, Mesh, PunctualLight, Scene, Sky, SkyPicture, Specular, TextureMap};
 
 impl Scene {
     /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
     /// with different hashes may give equal pictures, too: an unused material counts.
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let Self { meshes, materials, lights, camera, sky: Sky { radiance }, warnings: _ } = self;
+        let Self { meshes, materials, textures, lights, camera, sky: Sky { radiance, picture }, warnings: _ } = self;
         hash.count(meshes.len());
         for mesh in meshes {
             let Mesh { positions, normals, texcoords, triangles, material, .. } = mesh;
@@ -22,15 +22,31 @@ impl Scene {
             hash.count(triangles.len());
             triangles.iter().flatten().for_each(|&index| hash.word(index));
             hash.count(*material);
+            // Few materials use them.
+            let maps = materials.get(*material).into_iter().flat_map(|it| [&it.diffuse_map, &it.emission_map]);
+            if maps.flatten().any(|map| map.set == 1) {
+                mesh.lightmap_texcoords.iter().for_each(|&Vec2 { x, y }| hash.floats(&[x, y]));
+            }
         }
         hash.count(materials.len());
-        for Material { name: _, diffuse, emission, emits_both_sides, specular, gloss } in materials {
+        for material in materials {
+            let Material { name: _, diffuse, diffuse_map, emission, emission_map, cutout, .. } = material;
+            let Material { emits_both_sides, specular, gloss, .. } = material;
             let Gloss { specular: highlight, transmittance, exponent, ior, opacity, model } = gloss;
             [*diffuse, *emission, *highlight, *transmittance].into_iter().for_each(|v| hash.vector(v));
             hash.floats(&[*exponent, *ior, *opacity]);
             hash.word(*model);
             hash.word((*emits_both_sides).into());
             hash.specular(specular);
+            [diffuse_map, emission_map].into_iter().for_each(|map| hash.map(map.as_ref()));
+            if let Some(Cutout { alpha, cutoff }) = cutout {
+                hash.floats(&[*alpha, *cutoff]);
+            }
+        }
+        hash.count(textures.len());
+        for (width, height, texels) in textures.iter().map(|texture| texture.parts()) {
+            [width, height].into_iter().for_each(|size| hash.word(size));
+            texels.iter().for_each(|texel| hash.word(u32::from_le_bytes(*texel)));
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
@@ -39,6 +55,11 @@ impl Scene {
             hash.floats(&[*vfov]);
         }
         hash.vector(*radiance);
+        if let Some(SkyPicture { width, height, texels, rotation }) = picture {
+            [*width, *height].into_iter().for_each(|size| hash.word(size));
+            texels.iter().for_each(|&texel| hash.vector(texel));
+            hash.floats(&[*rotation]);
+        }
         hash.0
     }
 }
@@ -80,6 +101,16 @@ impl Fnv {
         }
     }
 
+    fn map(&mut self, map: Option<&TextureMap>) {
+        self.word(map.is_some().into());
+        if let Some(TextureMap { texture, set, transform: Affine2 { matrix2, translation }, wrap, filter }) = map {
+            self.count(*texture);
+            self.floats(&matrix2.to_cols_array());
+            self.floats(&translation.to_array());
+            [*set, wrap[0] as u32, wrap[1] as u32, *filter as u32].into_iter().for_each(|word| self.word(word));
+        }
+    }
+
     fn light(&mut self, light: &PunctualLight) {
         match light {
             PunctualLight::Point { position, intensity } => {
@@ -102,7 +133,7 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::cornell_box;
+    use crate::scene::{Texture, cornell_box};
 
     #[test]
     fn the_hash_follows_what_is_seen_and_nothing_else() {
@@ -119,7 +150,14 @@ mod tests {
         lit.sky.radiance.z = 1.0;
         let mut mirror = scene.clone();
         mirror.materials[0].specular = Specular::Mirror { reflectance: Vec3::ONE };
-        let hashes = [&scene, &moved, &darker, &lit, &mirror].map(|scene| scene.hash());
-        assert!((0..5).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        let mut holes = scene.clone();
+        holes.materials[0].cutout = Some(Cutout { alpha: 1.0, cutoff: 0.5 });
+        let mut textured = scene.clone();
+        textured.textures.push(Texture::new(1, 1, vec![[1; 4]]));
+        let mut other = scene.clone();
+        other.textures.push(Texture::new(1, 1, vec![[2; 4]]));
+        let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other];
+        let hashes = all.map(|scene| scene.hash());
+        assert!((0..8).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
     }
 }

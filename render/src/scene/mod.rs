@@ -1,6 +1,7 @@
 //! Scenes: what they are made of, and the files they are read from.
 
 mod builtin;
+mod daylight;
 mod description;
 mod error;
 mod file;
@@ -13,14 +14,19 @@ mod nearest;
 mod obj;
 mod overrides;
 mod ply;
+mod sky;
 mod statement;
+mod texture;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
-pub use description::{CameraPose, Gloss, Material, Mesh, Origin, PunctualLight, Scene, Sky, Specular};
+pub use daylight::Daylight;
+pub use description::{CameraPose, Cutout, Gloss, Material, Mesh, Origin, PunctualLight, Scene, Specular};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use framing::frame;
 pub(crate) use model::count;
 pub use model::load;
-pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides};
+pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};
+pub use sky::{Sky, SkyPicture};
+pub use texture::{Texture, TextureFilter, TextureMap, Wrap};

@@ -4,6 +4,7 @@
 
 mod cached;
 mod integrator;
+mod sky;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use crate::settings::{Invalid, Settings};
 
 pub use cached::CachedOverrides;
 pub use integrator::IntegratorOverrides;
+pub use sky::SkyOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -89,6 +91,9 @@ pub struct Overrides {
     #[arg(long, value_name = "R[,G,B]", help_heading = "Light", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::radiance))]
     pub sky: Option<Vec3>,
+    /// The sky's picture, or daylight.
+    #[command(flatten)]
+    pub sky_light: SkyOverrides,
     /// Which sides of all emitters emit: front or both [default: as each material says]
     ///
     /// Models tell the front by the order of a triangle's corners, and many do not care about it: if a lamp lights the
@@ -121,6 +126,7 @@ impl Overrides {
             build: self.build.or(fallback.build),
             aov: self.aov.or(fallback.aov),
             sky: self.sky.or(fallback.sky),
+            sky_light: self.sky_light.or(fallback.sky_light),
             emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
         }
     }
@@ -137,6 +143,7 @@ impl Overrides {
         if let Some(radiance) = self.sky {
             scene.sky.radiance = radiance;
         }
+        self.sky_light.apply(scene).map_err(|error| Conflict::new(Group::Sky, error))?;
         if let Some(both) = self.emits_both_sides {
             for material in &mut scene.materials {
                 material.emits_both_sides = both;
@@ -169,6 +176,7 @@ impl Overrides {
             Group::Size => self.width.is_some() || self.height.is_some(),
             Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
             Group::Integrator => self.integrator.sets_any(),
+            Group::Sky => self.sky_light.sets_any(),
         }
     }
 
@@ -228,6 +236,7 @@ enum Group {
     Size,
     Filter,
     Integrator,
+    Sky,
 }
 
 impl Conflict {

@@ -6,6 +6,7 @@ use glam::Vec3;
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
+use super::Daylight;
 use super::nearest::nearest;
 use crate::film::Filter;
 use crate::settings::{
@@ -135,6 +136,41 @@ pub(crate) fn radiance(value: &Value) -> Reading<Vec3> {
     match value.finite().map(Vec3::splat).or_else(|| value.three()) {
         Some(radiance) if radiance.min_element() >= 0.0 => Ok(radiance),
         _ => expected("one number, or three for red, green and blue, finite and not negative"),
+    }
+}
+
+/// An angle.
+pub(crate) fn degrees(value: &Value) -> Reading<f32> {
+    value.finite().map_or_else(|| expected("a finite number of degrees"), Ok)
+}
+
+/// A factor of light.
+pub(crate) fn scale(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(scale) if scale >= 0.0 => Ok(scale),
+        _ => expected("a number, finite and not negative"),
+    }
+}
+
+/// The sun's elevation and azimuth, and turbidity.
+pub(crate) fn daylight(value: &Value) -> Reading<Daylight> {
+    const TURBIDITY: std::ops::RangeInclusive<f32> = Daylight::MIN_TURBIDITY..=Daylight::MAX_TURBIDITY;
+    let numbers = match value {
+        Value::List(values) => values.iter().map(Value::finite).collect::<Option<Vec<f32>>>().unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    let (elevation, azimuth, turbidity) = match numbers[..] {
+        [elevation, azimuth] => (elevation, azimuth, 3.0),
+        [elevation, azimuth, turbidity] => (elevation, azimuth, turbidity),
+        _ => return expected("the sun's elevation and azimuth in degrees, and the turbidity if it is not 3"),
+    };
+    match (0.0..=90.0).contains(&elevation) && TURBIDITY.contains(&turbidity) {
+        true => Ok(Daylight { elevation, azimuth, turbidity }),
+        false => expected(format!(
+            "an elevation from 0 to 90 degrees, and a turbidity from {} to {}",
+            TURBIDITY.start(),
+            TURBIDITY.end()
+        )),
     }
 }
 
@@ -345,6 +381,13 @@ mod tests {
         assert!(argument(point)("1,2,inf").is_err());
         assert!(argument(point)("1,2,").is_err());
         assert!(argument(direction)("0,0,0").is_err());
+        let day = |azimuth, turbidity| Ok(Daylight { elevation: 30.0, azimuth, turbidity });
+        assert_eq!(argument(daylight)("30,-120"), day(-120.0, 3.0));
+        assert_eq!(argument(daylight)("30,400,10"), day(400.0, 10.0));
+        for wrong in ["30", "91,0", "-1,0", "30,0,1.6", "30,0,11", "30,0,3,4", "30,x"] {
+            assert!(argument(daylight)(wrong).is_err(), "{wrong}");
+        }
+        assert!(argument(scale)("-1").is_err() && argument(degrees)("inf").is_err());
     }
 
     #[test]

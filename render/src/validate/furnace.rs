@@ -275,7 +275,7 @@ fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
         let walls = turned(&moved(&sphere(level, radius), centre));
         let camera = view(centre + radius * Vec3::new(0.1, 0.2, 0.3), centre + radius * Vec3::X);
         let mut room = scene([(walls.as_slice(), grey(1.0, 0.0))], camera);
-        room.sky = Sky { radiance: Vec3::ONE };
+        room.sky = Sky::constant(Vec3::ONE);
         let room = world(room);
         for integrator in integrators.clone() {
             let settings = Settings { width: 96, height: 96, spp: lab.share(8), integrator, ..Settings::default() };

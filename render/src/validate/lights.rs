@@ -207,7 +207,7 @@ pub(super) fn beside_wall() -> Scene {
     let wall = quad(corners.map(|[y, z]| vec3(0.0, y, z)));
     let mut scene =
         scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0)), (wall.as_slice(), grey(0.0, 0.0))], on_ground(0.0));
-    scene.sky = Sky { radiance: Vec3::ONE };
+    scene.sky = Sky::constant(Vec3::ONE);
     scene
 }
 

@@ -62,7 +62,7 @@ fn glass(ior: f32) -> Material {
 /// hundreds of reflections, and roulette with a survival of less than one has a variance without bounds there.
 fn furnace(lab: &Lab, solid: &[Corners], material: &Material) -> Result<Outcome, Interrupted> {
     let mut furnace = scene([(solid, material.clone())], view(vec3(0.9, 1.6, 1.2), Vec3::ZERO));
-    furnace.sky = Sky { radiance: Vec3::ONE };
+    furnace.sky = Sky::constant(Vec3::ONE);
     let world = world(furnace);
     let mut values = Vec::new();
     for lights in [LightSampling::Mis, LightSampling::Direct, LightSampling::Naive] {

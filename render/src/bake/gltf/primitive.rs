@@ -98,6 +98,7 @@ fn uses_second_set(value: &Value) -> bool {
     match value {
         Value::Object(members) => members.iter().any(|(name, value)| match name.as_str() {
             "texCoord" => *value == 1,
+            "extras" => false,
             _ => uses_second_set(value),
         }),
         Value::Array(elements) => elements.iter().any(uses_second_set),

@@ -126,7 +126,7 @@ fn corner(record: &Record, turn: f32) -> Vec3 {
 /// Whether the camera sees a record, from the side that it lights.
 fn is_visible(world: &World, record: &Record) -> bool {
     let ray = Ray { t_max: 1.0 - BEHIND, ..Ray::between(world.camera.eye, record.position) };
-    ray.direction.dot(record.normal) < 0.0 && !world.tree().occluded(&ray)
+    ray.direction.dot(record.normal) < 0.0 && !world.occluded(&ray)
 }
 
 /// A line between two points in space, a pixel wide, cut off where the camera does not see it.

@@ -48,7 +48,7 @@ pub(super) fn radiance(
             if !hit.is_hit() {
                 // The sky that a gather sees is its own affair.
                 if path.density == f32::INFINITY {
-                    radiance[index] += throughput * world.sky.radiance;
+                    radiance[index] += throughput * world.sky.radiance(ray.direction);
                 }
                 return None;
             }
@@ -56,7 +56,7 @@ pub(super) fn radiance(
             radiance[index] += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
 
             let surface = surface.facing(ray.direction);
-            let albedo = surface.material.diffuse;
+            let albedo = surface.diffuse;
             if albedo != Vec3::ZERO {
                 if let Some(connection) =
                     connect_lamp(world, &surface, LightSampling::Direct, unit_double(first), on_light)
@@ -100,7 +100,7 @@ impl Misses {
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.radiance.resize(self.rays.len(), Vec3::ZERO);
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         // Behind the sets of all surfaces before.
         let first_set = camera.first_set + MAX_SURFACES * SETS_PER_SURFACE;
         let rays = CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };

@@ -92,9 +92,9 @@ pub(crate) fn indirect(
     let stop = Stop::Roulette { after: SURE_DEPTH, survival: Survival::default() };
     let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
     let traced = path::radiance(world, &options, rays, wave, radiance, |_| ());
-    for (hit, radiance) in rays.hits.iter().zip(radiance) {
+    for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
         if !hit.is_hit() {
-            *radiance = world.sky.radiance;
+            *radiance = world.sky.radiance(ray.direction);
         }
     }
     traced

@@ -175,13 +175,13 @@ fn seen_candidates<'w>(
     for depth in 0..MAX_SURFACES {
         let rays: Vec<Ray> = views.iter().map(|view| view.ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
-        world.tree().intersect_many(&rays, &mut hits);
+        world.intersect_many(&rays, &mut hits);
         traced += rays.len() as u64;
         let mut next = Vec::new();
         for (View { pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
             let surface = world.surface_at(hit).facing(ray.direction);
             let distance = distance + hit.t;
-            if surface.material.diffuse != Vec3::ZERO {
+            if surface.diffuse != Vec3::ZERO {
                 let key = u64::from(depth) << DEPTH_SHIFT | pixel;
                 candidates.push(camera_candidate(camera, surface, ray, distance, key));
             }
@@ -255,11 +255,11 @@ fn scout<'w>(world: &'w World, above: &[Candidate<'w>], seed: u64, level: u32, l
                 })
                 .collect();
             let mut hits = vec![Hit::MISS; rays.len()];
-            world.tree().intersect_many(&rays, &mut hits);
+            world.intersect_many(&rays, &mut hits);
             let ends = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
             ends.map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect()
         })
         .collect();
-    let scattering = ends.into_iter().flatten().filter(|surface| surface.material.diffuse != Vec3::ZERO);
+    let scattering = ends.into_iter().flatten().filter(|surface| surface.diffuse != Vec3::ZERO);
     loose_candidates(world, scattering, level, least_units)
 }

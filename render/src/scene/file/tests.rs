@@ -4,7 +4,7 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::film::Filter;
-use crate::scene::{CachedOverrides, CameraPose};
+use crate::scene::{CachedOverrides, CameraPose, Daylight, SkyOverrides};
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
     Survival,
@@ -75,6 +75,10 @@ fn every_key_sets_its_option() {
         build = "fast"
         [sky]
         radiance = [0.1, 0.2, 0.3]
+        picture = "models/room.obj"
+        rotation = 45
+        scale = 0.5
+        daylight = [30, -90.5]
     "#;
     let path = folder.path().join("room.toml");
     let file = SceneFile::parse(&path, text).unwrap();
@@ -118,6 +122,12 @@ fn every_key_sets_its_option() {
         build: Some(Quality::Fast),
         aov: None,
         sky: Some(Vec3::new(0.1, 0.2, 0.3)),
+        sky_light: SkyOverrides {
+            picture: Some(folder.path().join("models/room.obj")),
+            rotation: Some(45.0),
+            scale: Some(0.5),
+            daylight: Some(Daylight { elevation: 30.0, azimuth: -90.5, turbidity: 3.0 }),
+        },
         emits_both_sides: Some(true),
     };
     assert_eq!(file.overrides, expected);
@@ -139,7 +149,7 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
     assert_eq!(remedy, "did you mean `camera`?");
     assert_eq!(error("[light]\n").2, "known are scene, camera, film, render, sky");
-    assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance");
+    assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance, picture, rotation, scale, daylight");
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");
     let (line, problem, _) = error("[render]\nintegrator = \"pathh\"");
@@ -174,6 +184,10 @@ fn wrong_values_are_errors_with_their_line() {
         (4, "[render]\nrays = 0"),
         (4, "[render]\nao_distance = 0"),
         (4, "[sky]\nradiance = -0.1"),
+        (4, "[sky]\npicture = \"no.hdr\""),
+        (4, "[sky]\nrotation = \"west\""),
+        (4, "[sky]\nscale = -1"),
+        (4, "[sky]\ndaylight = [91, 0]"),
         (4, "[sky]\nradiance = [1, 1, -1]"),
         (4, "[sky]\nradiance = [1, 1]"),
         (4, "[sky]\nradiance = 2026-01-01"),

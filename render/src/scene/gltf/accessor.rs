@@ -110,6 +110,20 @@ pub(crate) fn elements(
     Ok(bytes)
 }
 
+/// The bytes of a buffer view; `place` is what refers to it.
+pub(super) fn view<'a>(document: &'a Document<'a>, view: Index<View>, place: &str) -> Result<&'a [u8], SceneError> {
+    let user = format!("bufferView {}", view.value());
+    let view = document.object(view, "bufferView", place)?;
+    document.object(view.buffer, "buffer", &user)?;
+    let buffer = &document.buffers[view.buffer.value()];
+    let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+    range(buffer, offset, length).ok_or_else(|| {
+        let (index, has) = (view.buffer.value(), buffer.len());
+        let problem = format!("it goes from byte {offset} for {length} bytes, but buffer {index} has {has}");
+        document.error(user, problem, "keep it within its buffer")
+    })
+}
+
 /// `count` slices of `size` bytes each, `start` bytes into a buffer view, at its stride. `place` is the accessor.
 fn slices<'a>(
     document: &'a Document<'a>,
@@ -120,16 +134,9 @@ fn slices<'a>(
     place: &str,
 ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, SceneError> {
     let number = view.value();
-    let view = document.object(view, "bufferView", place)?;
-    let user = format!("bufferView {number}");
-    document.object(view.buffer, "buffer", &user)?;
-    let buffer = &document.buffers[view.buffer.value()];
-    let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-    let bytes = range(buffer, offset, length).ok_or_else(|| {
-        let (index, has) = (view.buffer.value(), buffer.len());
-        let problem = format!("it goes from byte {offset} for {length} bytes, but buffer {index} has {has}");
-        document.error(user.clone(), problem, "keep it within its buffer")
-    })?;
+    let bytes = self::view(document, view, place)?;
+    let (view, user) = (document.object(view, "bufferView", place)?, format!("bufferView {number}"));
+    let length = bytes.len();
     let stride = view.byte_stride.map_or(0, |stride| stride.0);
     let stride = if stride == 0 { size } else { stride };
     if stride < size {

@@ -65,31 +65,12 @@ pub(super) fn buffers(path: &Path, root: &Root, binary: Option<&[u8]>) -> Result
 }
 
 fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, SceneError> {
-    let error =
-        |problem: &str, remedy: &str| SceneError::new(path, Place::Part(format!("buffer {index}")), problem, remedy);
+    let place = format!("buffer {index}");
+    let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.clone()), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
         (None, Some(binary)) => binary.to_vec(),
         (None, None) => return Err(error("it has no data", "give it a `uri`, or use a GLB file with a binary chunk")),
-        (Some(uri), _) => match uri.strip_prefix("data:") {
-            Some(data) => {
-                let data = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, data)| data);
-                let data =
-                    data.ok_or_else(|| error("its data URI is not base64", "write `data:;base64,` and the data"))?;
-                BASE64.decode(data).map_err(|cause| {
-                    error(
-                        &format!("its base64 is wrong: {}", lower_first(&cause.to_string())),
-                        "export the model again",
-                    )
-                })?
-            }
-            None => {
-                let name = relative(uri).ok_or_else(|| {
-                    error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
-                })?;
-                let file = path.parent().unwrap_or(Path::new("")).join(name);
-                std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))?
-            }
-        },
+        (Some(uri), _) => fetch(path, uri, &place)?,
     };
     let announced = buffer.byte_length.0;
     if (data.len() as u64) < announced {
@@ -97,6 +78,27 @@ fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Re
         return Err(error(&problem, "copy or export the model again, with the files beside it"));
     }
     Ok(data)
+}
+
+/// The bytes that `uri` stands for: its own, or those of a file beside the model at `path`. `place` is what names it.
+pub(super) fn fetch(path: &Path, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
+    let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.to_owned()), problem, remedy);
+    match uri.strip_prefix("data:") {
+        Some(data) => {
+            let data = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, data)| data);
+            let data = data.ok_or_else(|| error("its data URI is not base64", "write `data:;base64,` and the data"))?;
+            BASE64.decode(data).map_err(|cause| {
+                error(&format!("its base64 is wrong: {}", lower_first(&cause.to_string())), "export the model again")
+            })
+        }
+        None => {
+            let name = relative(uri).ok_or_else(|| {
+                error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
+            })?;
+            let file = path.parent().unwrap_or(Path::new("")).join(name);
+            std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))
+        }
+    }
 }
 
 /// The relative path that `uri` stands for, or `None` for an address, an absolute path and wrong percent-encoding.

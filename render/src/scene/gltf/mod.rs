@@ -4,11 +4,11 @@
 //! malformed file may have: here every index is looked up and every range checked.
 //!
 //! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
-//! first set of texture coordinates, materials without textures (`material.rs`), emission
-//! (`KHR_materials_emissive_strength`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
+//! first two sets of texture coordinates, materials (`material.rs`) with textures of colour and emission (`texture.rs`),
+//! emission (`KHR_materials_emissive_strength`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Textures, skins, morph targets, lights' ranges,
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Other textures, skins, morph targets, lights' ranges,
 //! orthographic cameras, points and lines are left out with a warning, animations without one.
 
 pub(crate) mod accessor;
@@ -18,6 +18,7 @@ mod hierarchy;
 mod light;
 mod material;
 mod primitive;
+mod texture;
 
 use std::path::Path;
 
@@ -133,7 +134,8 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
     let mut warnings = check_extensions(path, &root)?;
     let buffers = container::buffers(path, &root, binary)?;
     let document = Document { path, root, buffers };
-    let mut scene = Scene { materials: material::read(&document, &mut warnings)?, ..Scene::default() };
+    let (materials, textures) = material::read(&document, &mut warnings)?;
+    let mut scene = Scene { materials, textures, ..Scene::default() };
     let mut skipped = Skipped::default();
     let mut cameras = Vec::new();
     for placed in hierarchy::walk(&document)? {
@@ -181,8 +183,13 @@ fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneEr
 /// Refuses extensions that the file requires and that would change what is read here. Those about textures and about
 /// surfaces beyond their colour are harmless, since both are left out anyway.
 fn check_extensions(path: &Path, root: &Root) -> Result<Vec<String>, SceneError> {
-    const KNOWN: [&str; 4] =
-        ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission"];
+    const KNOWN: [&str; 5] = [
+        "KHR_lights_punctual",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_ior",
+        "KHR_materials_transmission",
+        "KHR_texture_transform",
+    ];
     const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
     let unknown: Vec<&str> =
         root.extensions_required.iter().map(String::as_str).filter(|name| !KNOWN.contains(name)).collect();

@@ -175,8 +175,6 @@ fn materials() {
                 name: "lamp".to_owned(),
                 diffuse: Vec3::new(0.1, 0.2, 0.3),
                 emission: Vec3::new(5.0, 6.0, 7.0),
-                emits_both_sides: false,
-                specular: Specular::None,
                 gloss: Gloss {
                     specular: Vec3::splat(0.5),
                     transmittance: Vec3::new(0.7, 0.8, 0.9),
@@ -185,6 +183,7 @@ fn materials() {
                     opacity: 0.25,
                     model: 2,
                 },
+                ..Material::default()
             },
             Material {
                 name: "glass pane".to_owned(),

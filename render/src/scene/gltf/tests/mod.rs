@@ -4,6 +4,7 @@ mod file;
 mod geometry;
 mod nodes;
 mod surfaces;
+mod textures;
 
 use serde_json::{Value, json};
 

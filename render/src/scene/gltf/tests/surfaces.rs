@@ -13,7 +13,7 @@ fn materials() {
     let mut document = with("/meshes/0/primitives/0/material", json!(1));
     document["materials"] = json!([
         {"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0.25, 0, 0.5],
-         "baseColorTexture": {"index": 0}},
+         "metallicRoughnessTexture": {"index": 0}},
          "normalTexture": {"index": 0}},
         {"emissiveFactor": [1, 0.5, 0], "doubleSided": true,
          "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}}
@@ -27,7 +27,7 @@ fn materials() {
         ..Material::default()
     };
     assert_eq!(scene.materials, [red, lamp]);
-    assert_eq!(scene.warnings, ["model.gltf: 2 textures are ignored"]);
+    assert_eq!(scene.warnings, ["model.gltf: 2 textures are ignored, which give neither colour nor light"]);
     assert_eq!(one_mesh(scene).material, 1);
 
     document["materials"][0] = json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.25, -1, 1]}});

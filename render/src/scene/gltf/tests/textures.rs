@@ -1,0 +1,158 @@
+//! Textures and holes.
+
+use std::io::Cursor;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::{Vec2, Vec3};
+use image::{ImageFormat, RgbaImage};
+use serde_json::{Value, json};
+
+use super::*;
+use crate::scene::{Cutout, TextureFilter, TextureMap, Wrap};
+
+/// A picture of two texels: black and transparent, and white.
+fn image(format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let image = RgbaImage::from_vec(2, 1, vec![0, 0, 0, 0, 255, 255, 255, 255]).unwrap();
+    match format {
+        ImageFormat::Jpeg => image::DynamicImage::from(image).into_rgb8().write_to(&mut bytes, format).unwrap(),
+        _ => image.write_to(&mut bytes, format).unwrap(),
+    }
+    bytes.into_inner()
+}
+
+fn uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", STANDARD.encode(bytes))
+}
+
+/// The triangle with this material and the PNG as texture 0.
+fn textured(material: Value) -> Value {
+    let mut document = with("/meshes/0/primitives/0/material", json!(0));
+    document["materials"] = json!([material]);
+    document["images"] = json!([{"uri": uri("image/png", &image(ImageFormat::Png))}]);
+    document["textures"] = json!([{"source": 0}]);
+    document
+}
+
+fn base(info: Value) -> Value {
+    json!({"pbrMetallicRoughness": {"baseColorTexture": info, "roughnessFactor": 1}})
+}
+
+fn map_of(scene: &Scene) -> &TextureMap {
+    scene.materials[0].diffuse_map.as_ref().unwrap()
+}
+
+#[test]
+fn images_come_from_anywhere_and_once() {
+    let mut document = textured(base(json!({"index": 0})));
+    document["materials"][0]["emissiveTexture"] = json!({"index": 1});
+    document["materials"][0]["emissiveFactor"] = json!([2, 1, 0]);
+    document["textures"] = json!([{"source": 0}, {"source": 0, "sampler": 0}]);
+    document["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
+    let scene = parse(document.clone()).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(scene.textures.len(), 1);
+    assert_eq!(scene.textures[0].mean().to_array(), [0.5; 4]);
+    let map = map_of(&scene);
+    assert_eq!((map.texture, map.set, map.wrap, map.filter), (0, 0, [Wrap::Repeat; 2], TextureFilter::Bilinear));
+    let map = scene.materials[0].emission_map.as_ref().unwrap();
+    assert_eq!((map.wrap, map.filter), ([Wrap::Clamp, Wrap::Mirror], TextureFilter::Nearest));
+    assert_eq!(scene.textures[0].sample(map, Vec2::new(0.9, 0.5)).to_array(), [1.0; 4]);
+
+    // In the buffer, and in a file whose name is escaped.
+    let png = image(ImageFormat::Png);
+    let bytes = [triangle_bytes(), png.clone()].concat();
+    let mut in_buffer = changed(document.clone(), "/images/0", json!({"bufferView": 4, "mimeType": "image/png"}));
+    let view = json!({"buffer": 0, "byteOffset": triangle_bytes().len(), "byteLength": png.len()});
+    in_buffer["bufferViews"].as_array_mut().unwrap().push(view);
+    assert_eq!(parse_with(in_buffer, &bytes).unwrap().textures, scene.textures);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a b.png"), png).unwrap();
+    let mut in_file = changed(document, "/images/0", json!({"uri": "a%20b.png"}));
+    in_file["buffers"] = json!([{"byteLength": 104, "uri": uri("application/octet-stream", &triangle_bytes())}]);
+    let found = read_json(&folder.path().join("a.gltf"), in_file.to_string().as_bytes()).unwrap();
+    assert_eq!(found.textures, scene.textures);
+}
+
+#[test]
+fn jpeg_is_read() {
+    let document = textured(base(json!({"index": 0})));
+    let jpeg = uri("image/jpeg", &image(ImageFormat::Jpeg));
+    let scene = parse(changed(document, "/images/0/uri", json!(jpeg))).unwrap();
+    let mean = scene.textures[0].mean();
+    assert!((mean.x - 0.5).abs() < 0.1 && mean.w == 1.0, "{mean}");
+}
+
+#[test]
+fn coordinates_are_transformed_as_the_extension_says() {
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let transform = json!({"offset": [0.5, 0.25], "rotation": quarter, "scale": [2, 4], "texCoord": 1});
+    let info = json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
+    let mut document = textured(base(info));
+    document["extensionsRequired"] = json!(["KHR_texture_transform"]);
+    let scene = parse(document).unwrap();
+    let map = map_of(&scene);
+    assert_eq!((map.set, scene.warnings.len()), (1, 0));
+    // With v downwards, u turns counter-clockwise to -v, and v to u.
+    for (from, to) in [(Vec2::ZERO, [0.5, 0.25]), (Vec2::X, [0.5, -1.75]), (Vec2::Y, [4.5, 0.25])] {
+        let found = map.transform.transform_point2(from);
+        assert!(found.distance(Vec2::from(to)) < 1e-5, "{from} to {found}");
+    }
+    let scene = parse(textured(base(json!({"index": 0, "texCoord": 2})))).unwrap();
+    let expected = "model.gltf: material 0: TEXCOORD_2 is not read, so a texture's mean colour is used";
+    assert_eq!(scene.warnings, [expected]);
+}
+
+#[test]
+fn holes() {
+    let material = |mode: &str, more: Value| {
+        let mut material = base(json!({"index": 0}));
+        material["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 0.75]);
+        material["alphaMode"] = json!(mode);
+        material["alphaCutoff"] = more;
+        let scene = parse(textured(material)).unwrap();
+        (scene.materials[0].cutout, scene.warnings)
+    };
+    assert_eq!(material("OPAQUE", Value::Null), (None, vec![]));
+    assert_eq!(material("MASK", Value::Null), (Some(Cutout { alpha: 0.75, cutoff: 0.5 }), vec![]));
+    assert_eq!(material("MASK", json!(0.25)).0, Some(Cutout { alpha: 0.75, cutoff: 0.25 }));
+    let expected = "model.gltf: 1 material blends: shown as opaque from one half on, and as a hole below";
+    assert_eq!(material("BLEND", Value::Null).1, [expected]);
+}
+
+#[test]
+fn mirrors_have_the_mean_colour() {
+    let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "roughnessFactor": 0}});
+    let scene = parse(textured(material)).unwrap();
+    assert_eq!(scene.materials[0].specular, crate::scene::Specular::Mirror { reflectance: Vec3::splat(0.5) });
+    assert_eq!(scene.materials[0].diffuse_map, None);
+}
+
+#[test]
+fn what_cannot_be_read_is_told() {
+    let document = || textured(base(json!({"index": 0})));
+    let missing = changed(document(), "/images/0/uri", json!("no such file.png"));
+    let error = parse(missing).unwrap_err();
+    assert_eq!((error.file.as_path(), error.problem.as_str()), (Path::new("no such file.png"), "no such file"));
+    let damaged = uri("image/png", &image(ImageFormat::Png)[..40]);
+    let told = problem(changed(document(), "/images/0/uri", json!(damaged)));
+    assert!(told.starts_with("image 0: it is damaged: "), "{told}");
+    let texture = changed(document(), "/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(1));
+    assert_eq!(problem(texture), "material 0: it refers to texture 1, which does not exist");
+    assert_eq!(
+        problem(changed(document(), "/textures/0/source", json!(1))),
+        "texture 0: it refers to image 1, which does not exist"
+    );
+    assert_eq!(problem(changed(document(), "/images/0", json!({}))), "image 0: it has no data");
+
+    // Another kind, with no substitute or as the only one.
+    let webp = changed(document(), "/images/0/uri", json!(uri("image/webp", b"RIFF....WEBPVP8 ")));
+    let basis = changed(document(), "/textures/0", json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}));
+    for document in [webp, basis] {
+        let scene = parse(document).unwrap();
+        assert_eq!((scene.textures.len(), &scene.materials[0].diffuse_map), (0, &None));
+        let expected = "model.gltf: 1 texture is neither PNG nor JPEG; the material's factor is used alone";
+        assert_eq!(scene.warnings, [expected]);
+    }
+}

@@ -1,0 +1,115 @@
+//! The options of the sky.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::super::value::{self, argument};
+use super::super::{Daylight, Scene, SkyPicture};
+use crate::settings::Invalid;
+
+/// Options that are set here; the others are `None` and leave the defaults.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+#[command(next_help_heading = "Light")]
+pub struct SkyOverrides {
+    /// Light from a picture of all directions, added to that of --sky: equirectangular, .hdr or .exr
+    #[arg(long = "sky-picture", value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Turns the picture about +y, counter-clockwise as seen from above; its middle is towards -z [default: 0]
+    #[arg(long = "sky-rotation", value_name = "DEGREES", value_parser = argument(value::degrees))]
+    #[arg(allow_negative_numbers = true)]
+    pub rotation: Option<f32>,
+    /// What the picture or the daylight is multiplied by [default: 1]
+    #[arg(long = "sky-scale", value_name = "S", value_parser = argument(value::scale), allow_negative_numbers = true)]
+    pub scale: Option<f32>,
+    /// A clear sky with its sun (Preetham 1999): the sun's elevation and azimuth in degrees, 0 being -z and 90 +x, and
+    /// the air's turbidity, 2 for very clear to 10 for hazy [default: 3]
+    #[arg(long, value_name = "ELEVATION,AZIMUTH[,T]", value_parser = argument(value::daylight))]
+    pub daylight: Option<Daylight>,
+}
+
+impl SkyOverrides {
+    /// These options, and those of `fallback` where these are not set. A picture or a daylight here replaces either.
+    pub(super) fn or(self, mut fallback: Self) -> Self {
+        if self.picture.is_some() || self.daylight.is_some() {
+            fallback = Self::default();
+        }
+        Self {
+            picture: self.picture.or(fallback.picture),
+            rotation: self.rotation.or(fallback.rotation),
+            scale: self.scale.or(fallback.scale),
+            daylight: self.daylight.or(fallback.daylight),
+        }
+    }
+
+    /// Gives `scene` the sky, and the sun.
+    pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Invalid> {
+        let scale = self.scale.unwrap_or(1.0);
+        match (&self.picture, self.daylight) {
+            (None, None) if self.rotation.is_some() || self.scale.is_some() => {
+                return Err(Invalid::new(
+                    "there is no picture of a sky to turn or to scale",
+                    "name one with --sky-picture or picture = \"...\" in [sky], or leave its options out",
+                ));
+            }
+            (Some(_), Some(_)) => {
+                return Err(Invalid::new("the sky is both a picture and daylight", "leave one of them out"));
+            }
+            (None, Some(_)) if self.rotation.is_some() => {
+                return Err(Invalid::new("daylight cannot be turned", "give the sun another azimuth"));
+            }
+            (None, None) => {}
+            (None, Some(daylight)) => {
+                let (picture, sun) = daylight.light(scale);
+                scene.sky.picture = Some(picture);
+                scene.lights.push(sun);
+            }
+            (Some(path), None) => {
+                let picture = SkyPicture::read(path, scale).map_err(|error| {
+                    Invalid::new(format!("{}: {}", error.file.display(), error.problem), error.remedy)
+                })?;
+                scene.sky.picture = Some(picture.turned(self.rotation.unwrap_or(0.0)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether any of them is set.
+    pub(super) fn sets_any(&self) -> bool {
+        *self != Self::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{PunctualLight, cornell_box};
+
+    #[test]
+    fn daylight_is_a_sky_and_a_sun() {
+        let mut scene = cornell_box();
+        let daylight = Some(Daylight { elevation: 45.0, azimuth: 0.0, turbidity: 3.0 });
+        SkyOverrides { daylight, scale: Some(0.5), ..Default::default() }.apply(&mut scene).unwrap();
+        assert!(scene.sky.mean().min_element() > 0.0);
+        let Some(PunctualLight::Directional { direction, .. }) = scene.lights.last() else { panic!("a sun") };
+        assert!((direction.z - 0.5_f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn options_must_go_together() {
+        let daylight = Some(Daylight { elevation: 45.0, azimuth: 0.0, turbidity: 3.0 });
+        let problem = |options: SkyOverrides| options.apply(&mut cornell_box()).unwrap_err().problem;
+        let turned = SkyOverrides { rotation: Some(1.0), ..Default::default() };
+        assert_eq!(problem(turned.clone()), "there is no picture of a sky to turn or to scale");
+        assert_eq!(problem(SkyOverrides { daylight, ..turned.clone() }), "daylight cannot be turned");
+        let picture = Some("no.hdr".into());
+        let both = SkyOverrides { daylight, picture: picture.clone(), ..Default::default() };
+        assert_eq!(problem(both), "the sky is both a picture and daylight");
+        let missing = SkyOverrides { picture: picture.clone(), ..turned.clone() };
+        assert_eq!(problem(missing), "no.hdr: no such file");
+        // The command line's daylight wins over the scene file's picture, with its rotation.
+        let file = SkyOverrides { picture, ..turned };
+        let line = SkyOverrides { daylight, ..Default::default() };
+        assert_eq!(line.clone().or(file), line);
+    }
+}

@@ -1,0 +1,159 @@
+//! Textures on surfaces, and the holes that they cut: rays go on where alpha is low.
+//!
+//! The tree knows nothing of holes. Batches of rays are traced as if there were none; the few whose nearest hit is in a
+//! hole are traced again with a filter, and so are shadow rays that hit anything.
+
+use glam::Vec4;
+use halfdome_kernel::{Hit, Ray, Verdict};
+
+use super::World;
+use crate::scene::{Mesh, TextureMap};
+
+impl World {
+    /// The nearest hit of each ray, [`Hit::MISS`] for none. Rays pass through holes.
+    pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let tree = self.tree();
+        tree.intersect_many(rays, hits);
+        if self.has_holes {
+            for (ray, hit) in rays.iter().zip(hits).filter(|(_, hit)| self.is_hole(hit)) {
+                *hit = tree.intersect_filtered(ray, |hit| self.verdict(hit)).unwrap_or(Hit::MISS);
+            }
+        }
+    }
+
+    /// Whether each ray hits anything. Rays pass through holes.
+    pub(crate) fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
+        let tree = self.tree();
+        tree.occluded_many(rays, occluded);
+        if self.has_holes {
+            for (ray, occluded) in rays.iter().zip(occluded).filter(|(_, occluded)| **occluded) {
+                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(hit));
+            }
+        }
+    }
+
+    /// Whether `ray` hits anything. Rays pass through holes.
+    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+        let mut occluded = [false];
+        self.occluded_many(&[*ray], &mut occluded);
+        occluded[0]
+    }
+
+    fn verdict(&self, hit: &Hit) -> Verdict {
+        if self.is_hole(hit) { Verdict::Reject } else { Verdict::Accept }
+    }
+
+    /// Whether there is a hole in the triangle where it is hit.
+    pub(crate) fn is_hole(&self, hit: &Hit) -> bool {
+        let Some(face) = self.faces.get(hit.prim_id as usize).filter(|_| self.has_holes) else { return false };
+        let mesh = &self.meshes[face.mesh as usize];
+        let material = &self.materials[mesh.material];
+        material.cutout.is_some_and(|cutout| {
+            let map = material.diffuse_map.as_ref();
+            let alpha =
+                map.map_or(1.0, |map| self.mapped(map, mesh, face.index, [1.0 - hit.u - hit.v, hit.u, hit.v]).w);
+            cutout.alpha * alpha < cutout.cutoff
+        })
+    }
+
+    /// The colour of a texture, linear with alpha, on a face of `mesh` with these barycentric weights.
+    pub(super) fn mapped(&self, map: &TextureMap, mesh: &Mesh, face: u32, weights: [f32; 3]) -> Vec4 {
+        let texture = &self.textures[map.texture];
+        let texcoords = match map.set {
+            0 => &mesh.texcoords,
+            1 => &mesh.lightmap_texcoords,
+            _ => &Vec::new(),
+        };
+        if texcoords.is_empty() {
+            return texture.mean();
+        }
+        let corners = mesh.triangles[face as usize].map(|index| texcoords[index as usize]);
+        texture.sample(map, corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine2, Vec2, Vec3};
+
+    use super::*;
+    use crate::scene::{CameraPose, Cutout, Material, Scene, Texture, TextureFilter, Wrap};
+
+    /// A square from 0 to 1 at each of these heights, of a material each.
+    fn squares(materials: Vec<Material>, textures: Vec<Texture>) -> World {
+        let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        let mesh = |material: usize| Mesh {
+            positions: corners.map(|corner| corner.extend(material as f32)).into(),
+            texcoords: corners.into(),
+            lightmap_texcoords: corners.map(|corner| Vec2::new(corner.y, corner.x) * 0.5).into(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material,
+            ..Mesh::default()
+        };
+        let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
+        let meshes = (0..materials.len()).map(mesh).collect();
+        World::new(Scene { meshes, materials, textures, camera: Some(camera), ..Scene::default() }).unwrap()
+    }
+
+    fn map(set: u32) -> TextureMap {
+        let (wrap, filter) = ([Wrap::Repeat; 2], TextureFilter::Nearest);
+        TextureMap { texture: 0, set, transform: Affine2::IDENTITY, wrap, filter }
+    }
+
+    /// Four texels: a hole, red, green and blue.
+    fn texture() -> Texture {
+        Texture::new(2, 2, vec![[255, 255, 255, 100], [255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]])
+    }
+
+    /// Rays upwards from below.
+    fn upwards(places: &[Vec2]) -> Vec<Ray> {
+        places.iter().map(|place| Ray::new(place.extend(-1.0), Vec3::Z)).collect()
+    }
+
+    const PLACES: [Vec2; 4] = [Vec2::new(0.2, 0.3), Vec2::new(0.7, 0.2), Vec2::new(0.3, 0.8), Vec2::new(0.6, 0.9)];
+
+    #[test]
+    fn surfaces_have_the_colours_of_their_textures() {
+        let half = Material { diffuse: Vec3::splat(0.5), diffuse_map: Some(map(0)), ..Material::default() };
+        let second = Material { emission: Vec3::ONE, emission_map: Some(map(1)), ..Material::default() };
+        let world = squares(vec![half, second], vec![texture()]);
+        let seen = |from: f32| {
+            let mut hits = [Hit::MISS; 4];
+            let rays: Vec<Ray> =
+                upwards(&PLACES).iter().map(|ray| Ray::new(ray.origin.with_z(from), Vec3::Z)).collect();
+            world.intersect_many(&rays, &mut hits);
+            hits.map(|hit| world.surface_at(&hit))
+        };
+        let found = seen(-1.0).map(|surface| surface.diffuse);
+        assert_eq!(found, [Vec3::splat(0.5), Vec3::X * 0.5, Vec3::Y * 0.5, Vec3::Z * 0.5]);
+        // The second set swaps u and v, and shows the first quarter alone, which is white.
+        let found = seen(0.5).map(|surface| surface.emitted(Vec3::NEG_Z));
+        assert_eq!(found, [Vec3::ONE; 4]);
+    }
+
+    #[test]
+    fn rays_pass_through_holes_and_nothing_else() {
+        let cutout = Some(Cutout { alpha: 1.0, cutoff: 0.5 });
+        let fence = Material { diffuse_map: Some(map(0)), cutout, ..Material::default() };
+        let rays = upwards(&PLACES);
+        let trace = |materials: Vec<Material>| {
+            let world = squares(materials, vec![texture()]);
+            let (mut hits, mut occluded) = ([Hit::MISS; 4], [false; 4]);
+            world.intersect_many(&rays, &mut hits);
+            world.occluded_many(&rays, &mut occluded);
+            assert_eq!(rays.iter().map(|ray| world.occluded(ray)).collect::<Vec<_>>(), occluded);
+            (hits.map(|hit| hit.is_hit().then_some(hit.t)), occluded)
+        };
+        // A fence before a wall, behind another fence, and alone.
+        let seen = [Some(2.0), Some(1.0), Some(1.0), Some(1.0)];
+        assert_eq!(trace(vec![fence.clone(), Material::default()]), (seen, [true; 4]));
+        let alone = ([None, Some(1.0), Some(1.0), Some(1.0)], [false, true, true, true]);
+        assert_eq!(trace(vec![fence.clone()]), alone);
+        assert_eq!(trace(vec![fence.clone(), fence.clone()]), alone);
+        // The factor counts, and 100/255 is less than one half of 0.9, but not than 0.3.
+        let solid = Material { cutout: Some(Cutout { alpha: 1.0, cutoff: 0.3 }), ..fence.clone() };
+        assert_eq!(trace(vec![solid]), ([Some(1.0); 4], [true; 4]));
+        let gone = Material { cutout: Some(Cutout { alpha: 0.4, cutoff: 0.5 }), ..Material::default() };
+        assert_eq!(trace(vec![gone, fence]), ([None, Some(2.0), Some(2.0), Some(2.0)], [false, true, true, true]));
+    }
+}
