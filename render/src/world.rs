@@ -183,7 +183,7 @@ impl World {
 
     /// The front of a triangle at barycentric coordinates, as if it were white: what it reflects is what it receives.
     pub(crate) fn receiver(&self, prim_id: u32, [u, v]: [f32; 2]) -> Surface<'_> {
-        Surface { material: &WHITE, ..self.surface(prim_id, u, v) }
+        Surface { material: &WHITE, diffuse: Vec3::ONE, ..self.surface(prim_id, u, v) }
     }
 
     /// The surface at barycentric coordinates of a triangle.

@@ -75,7 +75,7 @@ fn are_covered(world: &World, points: &[Point]) -> Vec<bool> {
         })
         .collect();
     let mut hits = vec![Hit::MISS; rays.len()];
-    world.tree().intersect_many(&rays, &mut hits);
+    world.intersect_many(&rays, &mut hits);
     let is_back = |(ray, hit): (&Ray, &Hit)| {
         hit.is_hit() && {
             let surface = world.surface_at(hit);

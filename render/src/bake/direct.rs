@@ -86,14 +86,14 @@ impl Direct {
     /// Traces the rays, and passes on what they find.
     fn collect(&mut self, world: &World, share: f32, sink: &mut dyn Receive) -> u64 {
         self.occluded.resize(self.shadows.len(), false);
-        world.tree().occluded_many(&self.shadows, &mut self.occluded);
+        world.occluded_many(&self.shadows, &mut self.occluded);
         for ((ray, value), occluded) in self.shadows.iter().zip(&self.values).zip(&self.occluded) {
             if !occluded {
                 sink.receive(ray.direction.normalize_or_zero(), share * *value);
             }
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
-        world.tree().intersect_many(&self.rays, &mut self.hits);
+        world.intersect_many(&self.rays, &mut self.hits);
         for ((ray, hit), density) in self.rays.iter().zip(&self.hits).zip(&self.densities) {
             if hit.is_hit() {
                 let emitter = world.surface_at(hit);

@@ -144,7 +144,7 @@ pub fn hashes(scene: &Scene, options: &BakeOptions) -> Hashes {
         options: Hash::of(named.join("\n").as_bytes()),
         materials: Hash(Scene { materials: scene.materials.clone(), ..nothing.clone() }.hash()),
         lights: Hash(Scene { lights: scene.lights.clone(), ..nothing.clone() }.hash()),
-        sky: Hash(Scene { sky: scene.sky, ..nothing.clone() }.hash()),
+        sky: Hash(Scene { sky: scene.sky.clone(), ..nothing.clone() }.hash()),
         meshes: scene.meshes.iter().map(mesh).collect(),
     }
 }
@@ -297,7 +297,7 @@ fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Sta
     let mut warnings = Vec::new();
     let texels = |number: u64| count(number as usize, "texel", "texels");
     if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
-        warnings.push(match (options.mode, world.sky.radiance != Vec3::ZERO) {
+        warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
             (Mode::Direct, true) => {
                 "all maps are black: the sky is the only light, and it counts as indirect; give --mode full".to_owned()
             }

@@ -135,7 +135,7 @@ impl Moments {
             }
             self.hits.resize(self.rays.len(), Hit::MISS);
             self.radiance.resize(self.rays.len(), Vec3::ZERO);
-            world.tree().intersect_many(&self.rays, &mut self.hits);
+            world.intersect_many(&self.rays, &mut self.hits);
             let (rays, hits, samplers) = (&self.rays, &self.hits, &self.samplers);
             let camera = CameraRays { rays, hits, samplers, first_set: DIRECTION_SET + 1, density: 0.0 };
             traced += indirect(world, self.max_depth, &camera, &mut self.wave, &mut self.radiance);

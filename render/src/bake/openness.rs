@@ -39,7 +39,7 @@ impl Openness {
             }
         }
         self.occluded.resize(self.rays.len(), false);
-        world.tree().occluded_many(&self.rays, &mut self.occluded);
+        world.occluded_many(&self.rays, &mut self.occluded);
         let free = self.occluded.iter().filter(|occluded| !**occluded).count();
         (free as f32 / self.hemisphere.rays() as f32, self.rays.len() as u64)
     }
