@@ -35,6 +35,9 @@ pub struct World {
     surroundings_hash: u64,
 }
 
+/// The material of whatever measures light.
+static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
+
 /// A triangle of a mesh.
 #[derive(Clone, Copy, Debug)]
 struct Face {
@@ -161,7 +164,6 @@ impl World {
     /// A small white surface at a point in space, which receives what a sensor with this unit normal would. Rays leave
     /// it as they would leave a triangle there that is as large as the scene.
     pub(crate) fn sensor(&self, position: Vec3, normal: Vec3) -> Surface<'_> {
-        static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
         let bounds = self.tree().bounds();
         let [b, c] = if bounds.is_empty() { [position; 2] } else { [bounds.min, bounds.max] };
         Surface {
@@ -177,6 +179,11 @@ impl World {
             triangle: [position, b, c],
             barycentric: [0.0; 2],
         }
+    }
+
+    /// The front of a triangle at barycentric coordinates, as if it were white: what it reflects is what it receives.
+    pub(crate) fn receiver(&self, prim_id: u32, [u, v]: [f32; 2]) -> Surface<'_> {
+        Surface { material: &WHITE, diffuse: Vec3::ONE, ..self.surface(prim_id, u, v) }
     }
 
     /// The surface at barycentric coordinates of a triangle.

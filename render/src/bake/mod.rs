@@ -1,5 +1,325 @@
-//! Lightmaps: what surrounds the baker.
+//! Lightmaps: irradiance at every texel of the pages that a level's surfaces are laid out on.
+//!
+//! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture coordinates
+//! ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers it (`covered`),
+//! its light (`light`), then what makes a map of it: less noise (`denoise`), gutters (`dilate`) and borders of charts that
+//! cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
+//! reflects the radiance E/π.
+//!
+//! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Journal`] and ends
+//! with the same bytes.
 
+pub mod atlas;
+pub mod check;
+mod covered;
+mod denoise;
+mod dilate;
+mod direct;
+mod edges;
+mod filter;
 pub mod gltf;
+mod islands;
+mod journal;
+mod light;
 pub mod manifest;
+mod moments;
+mod noise;
+pub mod obj;
+mod openness;
+mod options;
+mod picture;
+mod raster;
 pub mod report;
+mod seams;
+mod texels;
+mod unwrap;
+
+use glam::{Vec2, Vec3};
+
+use crate::cache::Record;
+use crate::driver::Watch;
+use crate::scene::{Mesh, Scene, count};
+use crate::settings::Invalid;
+use crate::world::World;
+
+use atlas::{Atlas, NO_CHART};
+use covered::uncover;
+use denoise::denoise;
+use dilate::Grid;
+use edges::shared_edges;
+use light::Job;
+use manifest::{Hash, Hashes};
+use moments::Lens;
+use seams::{Seams, cuts};
+use texels::{Surfaces, Texel};
+
+pub use dilate::Source;
+pub use journal::Journal;
+pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
+pub use picture::charts_picture;
+
+/// Light for every page of an atlas.
+#[derive(Clone, Debug)]
+pub struct Bake {
+    /// What the pages show.
+    pub atlas: Atlas,
+    /// A map for each page.
+    pub maps: Vec<Map>,
+    /// Where the cache's records are: the page, and the place there from 0 to 1.
+    pub record_places: Vec<(usize, Vec2)>,
+    /// What it took.
+    pub statistics: Statistics,
+    /// What the user should know about the light, a line each.
+    pub warnings: Vec<String>,
+}
+
+/// The map of a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// Irradiance, and what else was asked for.
+    pub layers: Vec<Layer>,
+    /// The chart of each texel, [`NO_CHART`] outside of all; gutters belong to their chart.
+    pub owners: Vec<u32>,
+    /// Where each texel's value comes from.
+    pub sources: Vec<Source>,
+}
+
+/// A value for each texel, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Empty for irradiance; `hl2.0` to `hl2.2` or `sh.0`, `sh.1-1`, `sh.10` and `sh.11` for what is kept of
+    /// directions.
+    pub name: &'static str,
+    /// In linear sRGB; of ambient occlusion, how open it is in all channels.
+    pub texels: Vec<Vec3>,
+}
+
+/// What a bake took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Texels on surfaces.
+    pub texels: u64,
+    /// Hemispheres gathered: by texels, or by records and by texels without any.
+    pub gathers: u64,
+    /// Rays traced; of a bake that was resumed, since then.
+    pub rays: u64,
+    /// Texels that something covers, with a free point beside.
+    pub moved: u64,
+    /// Texels that something covers as a whole: they took the light of others.
+    pub covered: u64,
+    /// Texels of gutters.
+    pub gutter: u64,
+    /// Points along seams where samples were made to agree.
+    pub seams: u64,
+    /// Points along seams where they were not, as charts are too close.
+    pub mixed: u64,
+    /// Texels without a valid record.
+    pub misses: u64,
+    /// Records whose extrapolation had a negative channel, which counted as 0.
+    pub negative: u64,
+}
+
+impl Atlas {
+    /// Lays a scene's surfaces out on pages.
+    ///
+    /// # Errors
+    /// If pages are too small or texels too many, if there is no surface, or if the model's own coordinates are to be kept
+    /// and cannot be.
+    pub fn new(scene: &Scene, options: &BakeOptions) -> Result<Self, Invalid> {
+        Self::build(scene, &shared_edges(scene), options)
+    }
+}
+
+/// Hashes of all that a bake depends on; equal ones give equal maps.
+pub fn hashes(scene: &Scene, options: &BakeOptions) -> Hashes {
+    let nothing = Scene::default();
+    let mesh = |mesh: &Mesh| {
+        let shape = Scene { meshes: vec![mesh.clone()], ..nothing.clone() }.hash();
+        let numbers = mesh.lightmap_texcoords.iter().flat_map(|uv| uv.to_array());
+        let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).chain(shape.to_le_bytes()).collect();
+        (mesh.name.clone(), Hash::of(&bytes))
+    };
+    let named: Vec<String> = options.named().into_iter().map(|(name, value)| format!("{name}={value}")).collect();
+    Hashes {
+        options: Hash::of(named.join("\n").as_bytes()),
+        materials: Hash(Scene { materials: scene.materials.clone(), ..nothing.clone() }.hash()),
+        lights: Hash(Scene { lights: scene.lights.clone(), ..nothing.clone() }.hash()),
+        sky: Hash(Scene { sky: scene.sky.clone(), ..nothing.clone() }.hash()),
+        meshes: scene.meshes.iter().map(mesh).collect(),
+    }
+}
+
+/// One hash of all of them and of this version of the program.
+pub fn combined(hashes: &Hashes) -> u64 {
+    let Hashes { options, materials, lights, sky, meshes } = hashes;
+    let all = [options, materials, lights, sky].into_iter().chain(meshes.iter().map(|(_, hash)| hash));
+    let bytes: Vec<u8> = all.flat_map(|hash| hash.0.to_le_bytes()).chain(env!("CARGO_PKG_VERSION").bytes()).collect();
+    Hash::of(&bytes).0
+}
+
+/// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
+/// found is in the journal. The watcher hears of texels in place of samples, [`work`] in all.
+pub fn bake(
+    scene: &Scene,
+    world: &World,
+    atlas: Atlas,
+    options: &BakeOptions,
+    journal: &Journal,
+    watch: &dyn Watch,
+) -> Option<Bake> {
+    let surfaces = Surfaces::new(scene, &atlas);
+    let mut texels = surfaces.texels();
+    let (is_free, uncovered) = uncover(world, &surfaces, &mut texels);
+    let (lit, covered): (Vec<(Texel, bool)>, Vec<(Texel, bool)>) =
+        texels.into_iter().zip(is_free).partition(|(_, is_free)| *is_free);
+    let lit: Vec<Texel> = lit.into_iter().map(|(texel, _)| texel).collect();
+    let light = Job { world, options, journal, watch }.light(&lit)?;
+
+    let mut grids = grids(&atlas, &lit, covered.iter().map(|(texel, _)| texel));
+    let names: Vec<&'static str> =
+        std::iter::once("").chain(Lens::layers(options.directional).iter().copied()).take(light.layers()).collect();
+    let mut layers: Vec<Vec<Vec<Vec3>>> = names.iter().map(|_| black(&atlas)).collect();
+    for (texel, values) in lit.iter().zip(light.values()) {
+        for (layer, value) in layers.iter_mut().zip(values) {
+            layer[texel.page as usize][texel.index as usize] = *value;
+        }
+    }
+    if options.denoise {
+        smooth(world, &atlas, &grids, &lit, &mut layers);
+    }
+    for (page, grid) in grids.iter_mut().enumerate() {
+        grid.add_gutters(options.padding());
+        for mean in grid.means() {
+            for layer in &mut layers {
+                let sum: Vec3 = mean.of.iter().map(|&texel| layer[page][texel as usize]).sum();
+                layer[page][mean.texel as usize] = sum / mean.of.len() as f32;
+            }
+        }
+    }
+    let cuts = cuts(&atlas, scene.meshes.len(), &shared_edges(scene));
+    let brightness: Vec<Vec<f32>> =
+        layers[0].iter().map(|page| page.iter().map(|value| value.element_sum()).collect()).collect();
+    let seams = Seams::new(&atlas, &cuts, &grids, &brightness, options.sampling);
+    seams.solve(&mut layers);
+    for (layer, name) in layers.iter_mut().zip(&names) {
+        // Harmonics have signs, all else has not.
+        if !name.starts_with("sh.") {
+            layer.iter_mut().flatten().for_each(|value| *value = value.max(Vec3::ZERO));
+        }
+    }
+
+    let gutter = grids.iter().flat_map(|grid| &grid.sources).filter(|source| **source == Source::Gutter).count();
+    let (cache, usage) = light.cache.unzip();
+    let usage = usage.unwrap_or_default();
+    // A record's key is the number of its texel.
+    let place = |record: &Record| {
+        let texel = &lit[record.key as usize];
+        let size = atlas.pages[texel.page as usize];
+        let (x, y) = (texel.index % size.width, texel.index / size.width);
+        (texel.page as usize, (Vec2::new(x as f32, y as f32) + 0.5) / Vec2::new(size.width as f32, size.height as f32))
+    };
+    let record_places = cache.map(|cache| cache.records().iter().map(place).collect()).unwrap_or_default();
+    let statistics = Statistics {
+        texels: (lit.len() + covered.len()) as u64,
+        gathers: light.gathers,
+        rays: light.rays,
+        moved: uncovered.moved,
+        covered: uncovered.lost,
+        gutter: gutter as u64,
+        seams: seams.len() as u64,
+        mixed: seams.mixed as u64,
+        misses: usage.misses,
+        negative: usage.negative,
+    };
+    let maps = maps(grids, layers, &names);
+    let warnings = warnings(world, options, &maps, &statistics);
+    Some(Bake { atlas, maps, record_places, statistics, warnings })
+}
+
+/// The number of texels that a bake tells its watcher of, about: those on surfaces, again where a cache serves them.
+pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
+    let texels = Surfaces::new(scene, atlas).texels().len() as u64;
+    let by_cache = !options.brute && matches!(options.mode, Mode::Full | Mode::Indirect);
+    texels * (1 + u64::from(by_cache))
+}
+
+/// For each page what is known of its texels.
+fn grids<'t>(atlas: &Atlas, lit: &[Texel], covered: impl Iterator<Item = &'t Texel>) -> Vec<Grid> {
+    let grid = |page: &atlas::Page| Grid {
+        page: *page,
+        owners: vec![NO_CHART; page.texels()],
+        sources: vec![Source::Nothing; page.texels()],
+    };
+    let mut grids: Vec<Grid> = atlas.pages.iter().map(grid).collect();
+    let mut set = |texel: &Texel, source| {
+        let grid = &mut grids[texel.page as usize];
+        grid.owners[texel.index as usize] = texel.chart;
+        grid.sources[texel.index as usize] = source;
+    };
+    lit.iter().for_each(|texel| set(texel, Source::Light));
+    covered.for_each(|texel| set(texel, Source::Covered));
+    grids
+}
+
+/// A black layer.
+fn black(atlas: &Atlas) -> Vec<Vec<Vec3>> {
+    atlas.pages.iter().map(|page| vec![Vec3::ZERO; page.texels()]).collect()
+}
+
+/// Takes noise out of all pages.
+fn smooth(world: &World, atlas: &Atlas, grids: &[Grid], lit: &[Texel], layers: &mut [Vec<Vec<Vec3>>]) {
+    let mut normals = black(atlas);
+    for texel in lit {
+        let normal = world.receiver(texel.point.prim_id, texel.point.barycentric).shading_normal;
+        normals[texel.page as usize][texel.index as usize] = normal;
+    }
+    for (page, grid) in grids.iter().enumerate() {
+        let mut of_page: Vec<Vec<Vec3>> = layers.iter_mut().map(|layer| std::mem::take(&mut layer[page])).collect();
+        denoise(grid, &normals[page], &mut of_page, atlas.charts.len());
+        layers.iter_mut().zip(of_page).for_each(|(layer, smoothed)| layer[page] = smoothed);
+    }
+}
+
+/// Puts layers together by page.
+fn maps(grids: Vec<Grid>, layers: Vec<Vec<Vec<Vec3>>>, names: &[&'static str]) -> Vec<Map> {
+    let mut maps: Vec<Map> =
+        grids.into_iter().map(|Grid { owners, sources, .. }| Map { layers: Vec::new(), owners, sources }).collect();
+    for (pages, &name) in layers.into_iter().zip(names) {
+        for (map, texels) in maps.iter_mut().zip(pages) {
+            map.layers.push(Layer { name, texels });
+        }
+    }
+    maps
+}
+
+/// What the user should know.
+fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Statistics) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let texels = |number: u64| count(number as usize, "texel", "texels");
+    if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
+        warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
+            (Mode::Direct, true) => {
+                "all maps are black: the sky is the only light, and it counts as indirect; give --mode full".to_owned()
+            }
+            (Mode::Ao, _) => "all maps are black: nothing is open; give a shorter --ao-distance".to_owned(),
+            _ => {
+                "all maps are black: no light reaches a front of a surface; add an emitter, a light or --sky".to_owned()
+            }
+        });
+    }
+    if statistics.mixed > 0 {
+        let points = count(statistics.mixed as usize, "point", "points");
+        warnings.push(format!("seams may show at {points}: charts of the model's own coordinates are too close"));
+    }
+    if statistics.covered * 4 > statistics.texels {
+        warnings.push(format!(
+            "{} of {} see backs of surfaces for the most part, and took the light of others: check which way faces look",
+            texels(statistics.covered),
+            statistics.texels
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests;

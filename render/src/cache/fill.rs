@@ -34,12 +34,13 @@ pub(crate) struct Pass {
 
 impl Cache {
     /// Adds records until each of `places` is covered. `gather` makes the records of places by their indices, in that
-    /// order; it gives `None` to end the work early, and then so does this.
+    /// order, and is told how many places are covered so far; it gives `None` to end the work early, and then so does
+    /// this.
     pub(crate) fn fill(
         &mut self,
         places: &[Place],
         passes: &[Pass],
-        mut gather: impl FnMut(&[usize]) -> Option<Vec<Record>>,
+        mut gather: impl FnMut(&[usize], usize) -> Option<Vec<Record>>,
     ) -> Option<()> {
         // A record that does not even cover its own place would be asked for again and again.
         let mut picked = vec![false; places.len()];
@@ -61,7 +62,7 @@ impl Cache {
                     break;
                 }
                 picks.iter().for_each(|&i| picked[i] = true);
-                self.commit(gather(&picks)?);
+                self.commit(gather(&picks, count - open.len())?);
                 if !last {
                     break;
                 }

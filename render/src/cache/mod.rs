@@ -134,6 +134,18 @@ impl Cache {
         covered
     }
 
+    /// Calls `mix` with the index and the weight of each record that is valid at a point with a unit normal, in the order
+    /// in which [`interpolate`](Self::interpolate) takes them.
+    pub(crate) fn weigh(&self, position: Vec3, normal: Vec3, mut mix: impl FnMut(usize, f32)) {
+        let weighting = self.weighting(self.stretch());
+        self.tree.query(position, |i| {
+            let weight = weighting.weight(&self.records[i], position, normal);
+            if weight > 0.0 {
+                mix(i, weight);
+            }
+        });
+    }
+
     /// The irradiance at a point with a unit normal; `None` where no record is valid.
     pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
         self.interpolate_by(self.options.gradients, position, normal)

@@ -63,7 +63,7 @@ impl Record {
     }
 
     /// Everything as 32-bit words after the key, in the order of the declaration; what a file holds.
-    pub(super) fn words(&self) -> [u32; Self::WORDS] {
+    pub(crate) fn words(&self) -> [u32; Self::WORDS] {
         let mut words = [0; Self::WORDS];
         let vectors = [self.position, self.normal, self.irradiance].into_iter().chain(self.rotational);
         let vectors = vectors.chain(self.translational).chain([self.axis]).flat_map(|v| v.to_array());
@@ -75,7 +75,7 @@ impl Record {
     }
 
     /// The record of these words.
-    pub(super) fn from_words(key: u64, words: &[u32; Self::WORDS]) -> Self {
+    pub(crate) fn from_words(key: u64, words: &[u32; Self::WORDS]) -> Self {
         let value = |i: usize| f32::from_bits(words[i]);
         let vector = |i: usize| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2));
         Self {
@@ -102,5 +102,5 @@ impl Record {
     }
 
     /// Ten vectors, four lengths and the obstacles.
-    pub(super) const WORDS: usize = 34 + SECTORS;
+    pub(crate) const WORDS: usize = 34 + SECTORS;
 }

@@ -95,7 +95,8 @@ fn filling_covers_every_place_in_one_order() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut cache = Cache::new(options(), SCENE);
         pool.install(|| {
-            cache.fill(&places, &passes, |picks| {
+            cache.fill(&places, &passes, |picks, covered| {
+                assert!(covered + picks.len() <= places.len());
                 // Small radii at the left.
                 let make = |&i: &usize| {
                     let Vec3 { x, y, .. } = places[i].position;
@@ -115,7 +116,7 @@ fn filling_covers_every_place_in_one_order() {
         assert_eq!(fill(threads).encode(), cache.encode());
     }
     let mut stopped = Cache::new(options(), SCENE);
-    assert_eq!(stopped.fill(&places, &passes, |_| None), None);
+    assert_eq!(stopped.fill(&places, &passes, |_, _| None), None);
     assert!(stopped.records().is_empty());
 }
 

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::CORNELL;
+use super::bake::BakeArguments;
 use super::cache::CacheCommand;
 use super::irradiance::IrradianceArguments;
 use super::progress::Mode;
@@ -22,8 +23,8 @@ Exit codes:
   0  done
   1  bad input or usage, found before the render
   2  the system failed, for example while the picture was written
-  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written
-  5  an experiment of `halfdome validate` failed
+  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on
+  5  an experiment of `halfdome validate` failed, or a check of `halfdome bake --check-uv`
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
 const EXAMPLES: &str = "\
@@ -43,6 +44,15 @@ Examples:
 Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
 one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
 its front and 20 above, from where all of it is in the picture.";
+
+const BAKE_EXAMPLES: &str = "\
+Examples:
+  halfdome bake level.glb -o level.baked.glb --preset bevy --density 16
+  halfdome bake level.glb -o level.baked.glb --preset three --sky 0.5 --report report.html
+  halfdome bake room.obj -o room.baked.obj --mode ao --ao-distance 2
+  halfdome bake level.glb --check-uv=charts.png
+
+Texels lie on the fronts of surfaces. A bake whose level, options and files are unchanged does nothing.";
 
 const VALIDATE_EXAMPLES: &str = "\
 Examples:
@@ -71,6 +81,9 @@ pub(super) enum Command {
     /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
+    /// Bake lightmaps or ambient occlusion for a level
+    #[command(after_help = format!("{BAKE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Bake(Box<BakeArguments>),
     /// Find the irradiance at given points
     #[command(after_help = EXIT_CODES)]
     Irradiance(Box<IrradianceArguments>),

@@ -1,6 +1,7 @@
 //! The command line: arguments, progress, summaries, exit codes.
 
 mod args;
+mod bake;
 mod building;
 mod cache;
 mod error;
@@ -65,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
         Command::Cache(command) => (cache::run(&command), Mode::Auto),
         Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
+        Command::Bake(arguments) => (bake::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {

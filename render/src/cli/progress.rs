@@ -55,6 +55,7 @@ const JSON_INTERVAL: Duration = Duration::from_millis(500);
 /// Watches a render and shows how far it is.
 pub(super) struct Progress {
     counters: Arc<Counters>,
+    texels: bool,
     reporter: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -62,6 +63,8 @@ pub(super) struct Progress {
 struct Counters {
     samples: AtomicU64,
     rays: AtomicU64,
+    records: AtomicU64,
+    covered: AtomicU64,
 }
 
 /// How far a render is.
@@ -70,19 +73,34 @@ struct Snapshot {
     samples: u64,
     total: u64,
     rays: u64,
+    /// Irradiance records made.
+    records: u64,
+    /// Whether texels are counted in place of samples.
+    texels: bool,
     elapsed: Duration,
 }
 
 impl Progress {
     /// Shows the progress towards `total` samples from now on.
     pub(super) fn start(style: Style, total: u64) -> Self {
+        Self::counting(style, total, false)
+    }
+
+    /// Shows the progress towards `total` texels.
+    pub(super) fn of_texels(style: Style, total: u64) -> Self {
+        Self::counting(style, total, true)
+    }
+
+    fn counting(style: Style, total: u64, texels: bool) -> Self {
         let counters = Arc::new(Counters::default());
         let seen = Arc::clone(&counters);
         let start = Instant::now();
         let snapshot = move || Snapshot {
-            samples: seen.samples.load(Ordering::Relaxed),
+            samples: seen.samples.load(Ordering::Relaxed) + seen.covered.load(Ordering::Relaxed),
             total,
             rays: seen.rays.load(Ordering::Relaxed),
+            records: seen.records.load(Ordering::Relaxed),
+            texels,
             elapsed: start.elapsed(),
         };
         let (stop, stopped) = channel();
@@ -90,7 +108,7 @@ impl Progress {
         let wait = move |interval| stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout);
         let thread = Builder::new().name("progress".to_owned());
         let reporter = match style {
-            Style::Silent => return Self { counters, reporter: None },
+            Style::Silent => return Self { counters, texels, reporter: None },
             Style::Json => thread.spawn(move || {
                 while wait(JSON_INTERVAL) {
                     print_line(&snapshot().json());
@@ -107,7 +125,7 @@ impl Progress {
             }),
         };
         // A render without a bar is better than none.
-        Self { counters, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
+        Self { counters, texels, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
     }
 }
 
@@ -131,6 +149,17 @@ impl Watch for Progress {
     fn stop(&self) -> bool {
         interrupt::requested()
     }
+
+    fn gathered(&self, records: u64) {
+        self.counters.records.fetch_add(records, Ordering::Relaxed);
+    }
+
+    fn covered(&self, points: u64) {
+        // A renderer's samples are counted when they are taken.
+        if self.texels {
+            self.counters.covered.store(points, Ordering::Relaxed);
+        }
+    }
 }
 
 impl Snapshot {
@@ -146,20 +175,28 @@ impl Snapshot {
     }
 
     fn json(&self) -> Value {
-        json!({
+        let mut event = json!({
             "event": "progress",
             "done": self.done(),
             "rays": self.rays,
             "rays_per_second": per_second(self.rays, self.elapsed),
             "elapsed": self.elapsed.as_secs_f64(),
             "remaining": self.remaining(),
-        })
+        });
+        if self.texels {
+            (event["texels"], event["records"]) = (self.samples.into(), self.records.into());
+        }
+        event
     }
 
     fn message(&self) -> String {
         let samples = per_second(self.samples, self.elapsed) / 1e6;
         let rays = per_second(self.rays, self.elapsed) / 1e6;
         let left = self.remaining().map_or("--:--".to_owned(), clock);
+        if self.texels {
+            let Self { samples, total, records, .. } = self;
+            return format!("{samples}/{total} texels  {records} records  {rays:.1} Mrays/s  {left} left");
+        }
         format!("{samples:.2} Msamples/s  {rays:.1} Mrays/s  {left} left")
     }
 }
@@ -193,7 +230,14 @@ fn bar(total: u64) -> ProgressBar {
 mod tests {
     use super::*;
 
-    const HALF: Snapshot = Snapshot { samples: 50, total: 100, rays: 3_000_000, elapsed: Duration::from_secs(2) };
+    const HALF: Snapshot = Snapshot {
+        samples: 50,
+        total: 100,
+        rays: 3_000_000,
+        records: 7,
+        texels: false,
+        elapsed: Duration::from_secs(2),
+    };
 
     #[test]
     fn a_line_is_valid_json_with_the_promised_keys() {
@@ -209,7 +253,7 @@ mod tests {
 
     #[test]
     fn the_first_line_has_no_infinities() {
-        let first = Snapshot { samples: 0, total: 100, rays: 0, elapsed: Duration::ZERO };
+        let first = Snapshot { samples: 0, rays: 0, elapsed: Duration::ZERO, ..HALF };
         let value: Value = serde_json::from_str(&first.json().to_string()).unwrap();
         assert_eq!(value["remaining"], Value::Null);
         assert_eq!(value["rays_per_second"], 0.0);
@@ -219,6 +263,9 @@ mod tests {
     #[test]
     fn the_bar_says_rates_and_time_left() {
         assert_eq!(HALF.message(), "0.00 Msamples/s  1.5 Mrays/s  00:02 left");
+        let texels = Snapshot { texels: true, ..HALF };
+        assert_eq!(texels.message(), "50/100 texels  7 records  1.5 Mrays/s  00:02 left");
+        assert_eq!((&texels.json()["texels"], &texels.json()["records"]), (&50.into(), &7.into()));
         assert_eq!(clock(3_725.4), "1:02:05");
         assert_eq!(clock(59.6), "01:00");
     }

@@ -31,6 +31,12 @@ pub trait Watch: Sync {
     /// Whether to stop; asked often. The samples so far still make a picture.
     fn stop(&self) -> bool;
 
+    /// `records` more were added to an irradiance cache.
+    fn gathered(&self, _records: u64) {}
+
+    /// An irradiance cache that is being filled serves so many of its points.
+    fn covered(&self, _points: u64) {}
+
     /// The side in pixels of the blocks with which the picture begins, a power of two up to [`MAX_BLOCK`]; 1 for single
     /// pixels. The picture that [`render`] gives does not depend on it.
     fn coarsest(&self) -> u32 {

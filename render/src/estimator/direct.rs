@@ -48,12 +48,19 @@ pub(crate) fn connect(
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// Samples a light other than the sky, where bounces find none of them: its samples count in full.
-pub(crate) fn connect_lamp(world: &World, surface: &Surface, choice: f64, u: Vec2) -> Option<Connection> {
+/// Samples a light other than the sky. With [`LightSampling::Direct`] its samples count in full, where bounces find none
+/// of them.
+pub(crate) fn connect_lamp(
+    world: &World,
+    surface: &Surface,
+    lights: LightSampling,
+    choice: f64,
+    u: Vec2,
+) -> Option<Connection> {
     let (source, probability, rarer) = world.lights.choose_lamp(choice)?;
     let light = sample_light(world, surface, source, probability, u)?;
-    let (reflected, _) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * rarer;
+    let (reflected, bounce_density) = surface.evaluate(light.direction);
+    let radiance = reflected * light.radiance * rarer * lights.of_light(light.density / rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -64,6 +71,11 @@ pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3,
         0.0 => 0.0,
         area_density => area_density * t * t / emitter.normal.dot(direction).abs(),
     }
+}
+
+/// The same for [`connect_lamp`], which chooses among fewer lights.
+pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
+    emitted_density(world, emitter, direction, t) / (1.0 - world.lights.sky_probability())
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.

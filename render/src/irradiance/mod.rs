@@ -16,6 +16,7 @@ use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
 use crate::estimator::connect_lamp;
 use crate::integrator::{CameraRays, Wavefront, fill_for_surfaces, indirect};
+use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
 pub use points::{PointsError, Sensor, read_points};
@@ -137,7 +138,9 @@ impl Batch {
         for sampler in &self.samplers {
             // One set for both, so that the points on each lamp are spread as evenly as all are.
             let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
-            if let Some(light) = connect_lamp(world, surface, unit_double(Vec2::new(z, w)), Vec2::new(x, y)) {
+            if let Some(light) =
+                connect_lamp(world, surface, LightSampling::Direct, unit_double(Vec2::new(z, w)), Vec2::new(x, y))
+            {
                 self.rays.push(light.shadow);
                 self.values.push(light.radiance * PI);
             }

@@ -122,6 +122,11 @@ impl Lights {
         Some((&self.sources[index], among_all, among_all / probability))
     }
 
+    /// Whether a surface emits.
+    pub(crate) fn has_emitters(&self) -> bool {
+        !self.area_density.is_empty()
+    }
+
     /// The density per area with which points of triangle `prim_id` are chosen.
     pub(crate) fn area_density(&self, prim_id: u32) -> f32 {
         self.area_density.get(prim_id as usize).copied().unwrap_or(0.0)

@@ -42,6 +42,17 @@ impl OutputFile {
         self.replace(bytes).map_err(|error| OutputError::unwritable(&self.path, &error))
     }
 
+    /// Removes the file, if it is there.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn remove(&self) -> Result<(), OutputError> {
+        match fs::remove_file(&self.target) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::unwritable(&self.path, &error)),
+            _ => Ok(()),
+        }
+    }
+
     fn replace(&self, bytes: &[u8]) -> io::Result<()> {
         let mut temporary = self.temporary()?;
         temporary.write_all(bytes)?;

@@ -84,6 +84,15 @@ pub fn write(path: &Path, picture: &Picture, tone_mapping: &ToneMapping) -> Resu
     OutputFile::check(path)?.write(&bytes)
 }
 
+/// The bytes of an OpenEXR file of `picture`; `path` is for messages.
+///
+/// # Errors
+/// A picture whose channels do not fit its size or cannot be stored.
+pub fn encode_exr(path: &Path, picture: &Picture) -> Result<Vec<u8>, OutputError> {
+    check_shape(path, picture)?;
+    exr::encode(path, picture)
+}
+
 /// Checks that the picture has pixels, and every channel one value for each.
 fn check_shape(path: &Path, picture: &Picture) -> Result<(), OutputError> {
     let (width, height) = (picture.width, picture.height);

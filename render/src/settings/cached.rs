@@ -91,6 +91,8 @@ macro_rules! named {
     };
 }
 
+pub(crate) use named;
+
 named!(Gradients: Off = "off", Rotation = "rotation", Both = "both");
 named!(Metric: SplitSphere = "split-sphere", Bounded = "bounded", Hessian = "hessian");
 named!(GatherLayout: Stratified = "stratified", Hemicube = "hemicube");

@@ -8,6 +8,7 @@ use halfdome_kernel::sampling::Pattern;
 
 use crate::film::Filter;
 
+pub(crate) use cached::named;
 pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
 pub use integrator::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,

@@ -30,6 +30,51 @@ pub(super) struct Level<'a> {
     pub(crate) source: Source<'a>,
     pub(crate) gatherer: Gatherer,
     pub(crate) watch: &'a dyn Watch,
+    pub(crate) journal: &'a dyn Journal,
+}
+
+/// Keeps records that are made while a cache is filled, so that work which was interrupted can go on. As where records go
+/// follows from the records before, a cache that is filled again, with known records instead of gathers, is the same.
+pub(crate) trait Journal: Sync {
+    /// The record with this key, if it was made before.
+    fn known(&self, key: u64) -> Option<Record>;
+    /// Takes note of a new record. Called from all threads.
+    fn note(&self, record: &Record);
+}
+
+/// Knows nothing, and keeps nothing.
+pub(super) struct Forgetful;
+
+impl Journal for Forgetful {
+    fn known(&self, _: u64) -> Option<Record> {
+        None
+    }
+
+    fn note(&self, _: &Record) {}
+}
+
+/// Gathers by paths for points that have no cache.
+pub(crate) struct Uncached<'a> {
+    world: &'a World,
+    gatherer: Gatherer,
+    max_depth: Option<u32>,
+}
+
+impl<'a> Uncached<'a> {
+    /// Gathers as records of a cache with these options are made.
+    pub(crate) fn new(world: &'a World, options: &CachedOptions, seed: u64) -> Self {
+        let gatherer = Gatherer::new(options.layout, options.rays, false, seed);
+        // The surface that the gather sees, and the light.
+        Self { world, gatherer, max_depth: options.bounces.map(|bounces| bounces + 1) }
+    }
+
+    /// Irradiance at points, in their order, and the number of rays.
+    pub(crate) fn irradiance(&self, points: &[GatherPoint]) -> (Vec<Vec3>, u64) {
+        let source = Source::Paths(self.max_depth);
+        let mut follower = Follower { world: self.world, source, memory: Default::default() };
+        let (found, rays) = self.gatherer.gather(self.world, points, &mut follower);
+        (found.into_iter().map(|found| found.gather.irradiance).collect(), rays)
+    }
 }
 
 /// A point that may get a record.
@@ -51,22 +96,32 @@ impl Level<'_> {
     pub(crate) fn fill(&self, cache: &mut Cache, candidates: &[Candidate], passes: &[Pass]) -> u64 {
         let places: Vec<Place> = candidates.iter().map(|candidate| candidate.place).collect();
         let mut traced = 0;
-        cache.fill(&places, passes, |picks| {
-            if self.watch.stop() {
-                return None;
-            }
-            let gathers = picks.par_chunks(GATHERS).map(|picks| {
-                let points: Vec<GatherPoint> = picks.iter().map(|&i| candidates[i].point).collect();
+        cache.fill(&places, passes, |picks, covered| {
+            self.watch.covered(covered as u64);
+            let mut records: Vec<Option<Record>> =
+                picks.iter().map(|&i| self.journal.known(candidates[i].point.key)).collect();
+            let new: Vec<(usize, usize)> =
+                (0..).zip(picks).filter(|&(place, _)| records[place].is_none()).map(|(place, &i)| (place, i)).collect();
+            let gathers = new.par_chunks(GATHERS).map(|new| {
+                if self.watch.stop() {
+                    return None;
+                }
+                let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| candidates[i].point).collect();
                 let mut follower = Follower { world: self.world, source: self.source, memory: Default::default() };
                 let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
-                self.watch.advance(0, rays);
                 let records: Vec<Record> =
-                    picks.iter().zip(found).map(|(&i, found)| self.record(&candidates[i], &found)).collect();
-                (records, rays)
+                    new.iter().zip(found).map(|(&(_, i), found)| self.record(&candidates[i], &found)).collect();
+                records.iter().for_each(|record| self.journal.note(record));
+                self.watch.advance(0, rays);
+                self.watch.gathered(records.len() as u64);
+                Some((records, rays))
             });
-            let gathers: Vec<_> = gathers.collect();
-            traced += gathers.iter().map(|(_, rays)| rays).sum::<u64>();
-            Some(gathers.into_iter().flat_map(|(records, _)| records).collect())
+            let gathers: Vec<Option<(Vec<Record>, u64)>> = gathers.collect();
+            traced += gathers.iter().flatten().map(|(_, rays)| rays).sum::<u64>();
+            // A round counts as a whole, or where it ended would show.
+            let made = gathers.into_iter().collect::<Option<Vec<_>>>()?.into_iter().flat_map(|(records, _)| records);
+            new.iter().zip(made).for_each(|(&(place, _), record)| records[place] = Some(record));
+            records.into_iter().collect()
         });
         traced
     }

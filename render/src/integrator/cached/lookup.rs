@@ -58,7 +58,9 @@ pub(super) fn radiance(
             let surface = surface.facing(ray.direction);
             let albedo = surface.diffuse;
             if albedo != Vec3::ZERO {
-                if let Some(connection) = connect_lamp(world, &surface, unit_double(first), on_light) {
+                if let Some(connection) =
+                    connect_lamp(world, &surface, LightSampling::Direct, unit_double(first), on_light)
+                {
                     connections.push(index, throughput, connection);
                 }
                 match frozen.irradiance(&surface) {

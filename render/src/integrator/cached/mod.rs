@@ -22,9 +22,10 @@ use crate::cache::Cache;
 use crate::settings::{PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-use level::{Level, Source};
+use level::{Forgetful, Level, Source};
+pub(crate) use level::{Journal, Uncached};
 pub(crate) use lookup::Misses;
-pub(crate) use overture::{fill_for_camera, fill_for_surfaces};
+pub(crate) use overture::{fill_for_camera, fill_for_surfaces, fill_for_texels};
 
 /// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
 const SURE_DEPTH: u32 = 1;

@@ -11,7 +11,7 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::level::Candidate;
-use super::{Frozen, Level, Source};
+use super::{Forgetful, Frozen, Journal, Level, Source};
 use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
 use crate::driver::Watch;
@@ -26,6 +26,8 @@ const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
 const LEAST_PIXELS: f32 = 6.0;
 /// ... and the most pixels.
 const MOST_PIXELS: f32 = 40.0;
+/// The fewest and the most texels of a lightmap.
+const TEXELS: [f32; 2] = [1.5, 40.0];
 /// Parts of the scene's diagonal that make up the unit of spacing where there is no camera ...
 const PARTS: f32 = 1024.0;
 /// ... and the most units that a record reaches.
@@ -49,7 +51,7 @@ const LEVEL_SHIFT: u32 = 56;
 pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> (Frozen, u64) {
     let camera = Camera::new(&world.camera, settings.width, settings.height);
     let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
-    let (frozen, traced) = fill(world, cache, settings.seed, &candidates, &passes, watch);
+    let (frozen, traced) = fill(world, cache, settings.seed, &candidates, &passes, &Forgetful, watch);
     (frozen, rays + traced)
 }
 
@@ -63,7 +65,26 @@ pub(crate) fn fill_for_surfaces(
 ) -> (Frozen, u64) {
     let least_units = SENSOR_UNITS * cache.options().error;
     let candidates = loose_candidates(world, surfaces.iter().copied(), 0, least_units);
-    fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), watch)
+    fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), &Forgetful, watch)
+}
+
+/// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
+/// width of a texel there.
+pub(crate) fn fill_for_texels<'w>(
+    world: &'w World,
+    seed: u64,
+    cache: Cache,
+    texels: &[(Surface<'w>, f32)],
+    journal: &dyn Journal,
+    watch: &dyn Watch,
+) -> (Frozen, u64) {
+    let candidate = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| Candidate {
+        point: GatherPoint { key, surface },
+        place: Place { position: surface.position, normal: surface.shading_normal, spacing },
+        bounds: Bounds { lower: TEXELS[0] * spacing, upper: TEXELS[1] * spacing },
+    };
+    let candidates: Vec<Candidate> = (0..).zip(texels).map(candidate).collect();
+    fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), journal, watch)
 }
 
 /// Fills `cache` from paths, or from caches of one, two, three reflections in turn.
@@ -73,13 +94,14 @@ fn fill(
     seed: u64,
     candidates: &[Candidate],
     passes: &[Pass],
+    journal: &dyn Journal,
     watch: &dyn Watch,
 ) -> (Frozen, u64) {
     let options = *cache.options();
     let mut traced = 0;
     let mut fill = |cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]| {
         let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
-        let level = Level { world, options: &options, source, gatherer, watch };
+        let level = Level { world, options: &options, source, gatherer, watch, journal };
         traced += level.fill(cache, candidates, passes);
     };
     let Some(bounces) = options.bounces else {

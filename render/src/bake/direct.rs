@@ -1,0 +1,111 @@
+//! Direct light at a texel: from emitters, by samples of the lights and of directions alike, weighted by the power
+//! heuristic (Veach 1997), and from lights without a surface. The sky belongs to the gathers.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
+use halfdome_kernel::{Hit, Ray};
+
+use crate::estimator::{connect_lamp, emitted_lamp_density};
+use crate::settings::LightSampling;
+use crate::world::{Surface, World};
+
+/// The set of random numbers that says which light is sampled, and where on it.
+const LIGHT_SET: u32 = 0;
+/// The set of a direction.
+const DIRECTION_SET: u32 = 1;
+/// Keeps the numbers of direct light apart from those of gathers.
+const SALT: u64 = 0x3c6e_f372_fe94_f82b;
+/// Samples that are traced together, about.
+const BATCH: u32 = 2048;
+
+/// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
+pub(super) trait Receive {
+    /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
+    fn receive(&mut self, direction: Vec3, irradiance: Vec3);
+}
+
+/// Samples of direct light, and their memory.
+#[derive(Default)]
+pub(super) struct Direct {
+    shadows: Vec<Ray>,
+    occluded: Vec<bool>,
+    values: Vec<Vec3>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    densities: Vec<f32>,
+}
+
+impl Direct {
+    /// Gives to `sink` the irradiance of `spp` samples, each in full; gives the number of rays. `number` selects the
+    /// random numbers.
+    pub(super) fn sample(
+        &mut self,
+        world: &World,
+        surface: &Surface,
+        (seed, number): (u64, u32),
+        spp: u32,
+        sink: &mut dyn Receive,
+    ) -> u64 {
+        let mut traced = 0;
+        let share = 1.0 / spp as f32;
+        for first in (0..spp).step_by(BATCH as usize) {
+            self.shadows.clear();
+            self.values.clear();
+            self.rays.clear();
+            self.densities.clear();
+            for sample in first..spp.min(first + BATCH) {
+                let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
+                self.aim(world, surface, &sampler);
+            }
+            traced += self.collect(world, share, sink);
+        }
+        traced
+    }
+
+    /// Makes the two rays of a sample.
+    fn aim(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
+        // One set for both, so that the points on each lamp are spread as evenly as all are.
+        let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
+        let choice = unit_double(Vec2::new(z, w));
+        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, choice, Vec2::new(x, y)) {
+            self.shadows.push(light.shadow);
+            self.values.push(light.radiance * PI);
+        }
+        if world.lights.has_emitters() {
+            let direction = surface.frame().to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
+            if surface.normal.dot(direction) > 0.0 {
+                self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
+                self.densities.push(surface.shading_normal.dot(direction) / PI);
+            }
+        }
+    }
+
+    /// Traces the rays, and passes on what they find.
+    fn collect(&mut self, world: &World, share: f32, sink: &mut dyn Receive) -> u64 {
+        self.occluded.resize(self.shadows.len(), false);
+        world.occluded_many(&self.shadows, &mut self.occluded);
+        for ((ray, value), occluded) in self.shadows.iter().zip(&self.values).zip(&self.occluded) {
+            if !occluded {
+                sink.receive(ray.direction.normalize_or_zero(), share * *value);
+            }
+        }
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        world.intersect_many(&self.rays, &mut self.hits);
+        for ((ray, hit), density) in self.rays.iter().zip(&self.hits).zip(&self.densities) {
+            if hit.is_hit() {
+                let emitter = world.surface_at(hit);
+                let emitted = emitter.emitted(ray.direction);
+                if emitted != Vec3::ZERO {
+                    let by_lamps = emitted_lamp_density(world, &emitter, ray.direction, hit.t);
+                    let weight = LightSampling::Mis.of_bounce(*density, by_lamps);
+                    // Cosine over density is π.
+                    sink.receive(ray.direction, share * PI * weight * emitted);
+                }
+            }
+        }
+        (self.shadows.len() + self.rays.len()) as u64
+    }
+}

@@ -1,0 +1,199 @@
+//! What a bake has found so far, so that one that was stopped can go on: values of blocks of texels, and irradiance records.
+//!
+//! Everything has a key and a value of 32-bit words, and does not depend on when it was found. A bake that goes on asks the
+//! journal before it traces a ray; as all else follows from the answers, it ends with the same bytes as one that was never
+//! stopped.
+//!
+//! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key, number
+//! of words, words), and the FNV-1a hash of all that, everything little-endian. It is replaced in one step.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::manifest::Hash;
+use crate::cache::Record;
+use crate::integrator;
+use crate::output::{OutputError, OutputFile};
+use crate::settings::Invalid;
+
+const MAGIC: [u8; 8] = *b"halfdBAK";
+const VERSION: u32 = 1;
+const HEADER: usize = 8 + 4 + 8 + 8;
+const CHECKSUM: usize = 8;
+
+/// What a key is of; the least significant bits are a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Blocks of texels with light that needs no cache.
+    Texels = 1,
+    /// Blocks of texels with what a cache could not tell.
+    Missing = 2,
+    /// Irradiance records.
+    Records = 3,
+    /// Blocks of records with what is kept of where light comes from.
+    Moments = 4,
+}
+
+/// The journal of a bake.
+#[derive(Debug)]
+pub struct Journal {
+    hash: u64,
+    state: Mutex<State>,
+    file: Option<(OutputFile, Duration)>,
+}
+
+#[derive(Debug)]
+struct State {
+    entries: BTreeMap<(u8, u64), Vec<u32>>,
+    saved: Instant,
+    /// What went wrong when it was written; the bake goes on.
+    failure: Option<OutputError>,
+}
+
+impl Journal {
+    /// An empty journal of what has this hash, which is kept in memory alone.
+    pub fn new(hash: u64) -> Self {
+        let state = State { entries: BTreeMap::new(), saved: Instant::now(), failure: None };
+        Self { hash, state: Mutex::new(state), file: None }
+    }
+
+    /// Writes the journal to a file from now on, whenever `interval` has passed since the last time.
+    pub fn keep(self, file: OutputFile, interval: Duration) -> Self {
+        Self { file: Some((file, interval)), ..self }
+    }
+
+    /// Reads a journal of what has this hash; `None` if there is no file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is none of ours or damaged, or of something else.
+    pub fn read(path: &Path, hash: u64) -> Result<Option<Self>, Invalid> {
+        let error = |problem: &str| {
+            let remedy = "leave --resume out to begin anew";
+            Invalid::new(format!("{}: {problem}", path.display()), remedy)
+        };
+        let bytes = match fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(failure) if failure.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(failure) => return Err(error(&format!("cannot be read: {failure}"))),
+        };
+        let (found, entries) = decode(&bytes).ok_or_else(|| error("is no state of a bake, or damaged"))?;
+        if found != hash {
+            return Err(error("is of another level, or of other options"));
+        }
+        let journal = Self::new(hash);
+        journal.state().entries = entries;
+        Ok(Some(journal))
+    }
+
+    /// Where the state of a bake to `output` is kept.
+    pub fn path(output: &Path) -> PathBuf {
+        let mut name = output.as_os_str().to_owned();
+        name.push(".state");
+        name.into()
+    }
+
+    /// Writes the file now.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn save(&self) -> Result<(), OutputError> {
+        let Some((file, _)) = &self.file else { return Ok(()) };
+        let bytes = encode(self.hash, &self.state().entries);
+        file.write(&bytes)
+    }
+
+    /// Removes the file, now that everything is done.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn remove(&self) -> Result<(), OutputError> {
+        self.file.as_ref().map_or(Ok(()), |(file, _)| file.remove())
+    }
+
+    /// What went wrong when the file was written meanwhile.
+    pub fn failure(&self) -> Option<OutputError> {
+        self.state().failure.clone()
+    }
+
+    /// The value of a key.
+    pub(super) fn get(&self, stage: Stage, number: u64) -> Option<Vec<u32>> {
+        self.state().entries.get(&(stage as u8, number)).cloned()
+    }
+
+    /// Takes note of a value.
+    pub(super) fn put(&self, stage: Stage, number: u64, words: Vec<u32>) {
+        let mut state = self.state();
+        state.entries.insert((stage as u8, number), words);
+        let Some((file, interval)) = &self.file else { return };
+        if state.saved.elapsed() >= *interval {
+            let bytes = encode(self.hash, &state.entries);
+            state.failure = file.write(&bytes).err();
+            state.saved = Instant::now();
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Entries are put in whole, whatever happened to a thread.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl integrator::Journal for Journal {
+    fn known(&self, key: u64) -> Option<Record> {
+        self.get(Stage::Records, key).and_then(|words| Some(Record::from_words(key, words.as_slice().try_into().ok()?)))
+    }
+
+    fn note(&self, record: &Record) {
+        self.put(Stage::Records, record.key, record.words().to_vec());
+    }
+}
+
+fn encode(hash: u64, entries: &BTreeMap<(u8, u64), Vec<u32>>) -> Vec<u8> {
+    let mut bytes =
+        Vec::with_capacity(HEADER + CHECKSUM + entries.values().map(|words| 13 + 4 * words.len()).sum::<usize>());
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(hash.to_le_bytes());
+    bytes.extend((entries.len() as u64).to_le_bytes());
+    for ((stage, number), words) in entries {
+        bytes.push(*stage);
+        bytes.extend(number.to_le_bytes());
+        bytes.extend((words.len() as u32).to_le_bytes());
+        words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+    }
+    bytes.extend(Hash::of(&bytes).0.to_le_bytes());
+    bytes
+}
+
+/// The hash and the entries of a file.
+fn decode(bytes: &[u8]) -> Option<(u64, BTreeMap<(u8, u64), Vec<u32>>)> {
+    let (contents, checksum) = bytes.split_last_chunk::<CHECKSUM>()?;
+    let mut rest = contents;
+    let mut take = |length: usize| {
+        let (first, others) = rest.split_at_checked(length)?;
+        rest = others;
+        Some(first)
+    };
+    let mut header = [0; HEADER];
+    header.copy_from_slice(take(HEADER)?);
+    let is_ours = header.starts_with(&MAGIC) && header[8..12] == VERSION.to_le_bytes();
+    if !is_ours || u64::from_le_bytes(*checksum) != Hash::of(contents).0 {
+        return None;
+    }
+    let hash = u64::from_le_bytes(header[12..20].try_into().ok()?);
+    let count = u64::from_le_bytes(header[20..28].try_into().ok()?);
+    let mut entries = BTreeMap::new();
+    for _ in 0..count {
+        let stage = take(1)?[0];
+        let number = u64::from_le_bytes(take(8)?.try_into().ok()?);
+        let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
+        let words = take((length as usize).checked_mul(4)?)?.chunks_exact(4);
+        let words = words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+        entries.insert((stage, number), words.collect());
+    }
+    rest.is_empty().then_some((hash, entries))
+}

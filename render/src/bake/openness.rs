@@ -1,0 +1,46 @@
+//! Ambient occlusion at a texel: `1/π ∫ V cos θ dω`, V being whether nothing is nearer than the greatest distance.
+
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::{Pattern, Sampler};
+
+use crate::estimator::Hemisphere;
+use crate::settings::HemisphereSampling;
+use crate::world::{Surface, World};
+
+/// The set of random numbers that a direction comes from.
+const DIRECTION_SET: u32 = 0;
+
+/// Rays of ambient occlusion, and their memory.
+pub(super) struct Openness {
+    hemisphere: Hemisphere,
+    t_max: f32,
+    rays: Vec<Ray>,
+    occluded: Vec<bool>,
+}
+
+impl Openness {
+    /// About `rays` rays a texel that see as far as `distance`.
+    pub(super) fn new(rays: u32, distance: Option<f32>) -> Self {
+        let hemisphere = Hemisphere::new(HemisphereSampling::Stratified, rays);
+        Self { hemisphere, t_max: distance.unwrap_or(f32::INFINITY), rays: Vec::new(), occluded: Vec::new() }
+    }
+
+    /// How open a point is, from 0 to 1, and the number of rays. `number` selects the random numbers.
+    pub(super) fn at(&mut self, world: &World, surface: &Surface, seed: u64, number: u32) -> (f32, u64) {
+        let frame = surface.frame();
+        self.rays.clear();
+        for ray in 0..self.hemisphere.rays() {
+            let u = Sampler::new(Pattern::Sobol, seed, number, ray).uniform2(DIRECTION_SET);
+            let direction = frame.to_world(self.hemisphere.direction(ray, u).0);
+            // A shading normal may point a ray into the surface, where nothing is open.
+            if surface.normal.dot(direction) > 0.0 {
+                let ray = Ray::new(surface.origin_towards(surface.normal), direction);
+                self.rays.push(Ray { t_max: self.t_max, ..ray });
+            }
+        }
+        self.occluded.resize(self.rays.len(), false);
+        world.occluded_many(&self.rays, &mut self.occluded);
+        let free = self.occluded.iter().filter(|occluded| !**occluded).count();
+        (free as f32 / self.hemisphere.rays() as f32, self.rays.len() as u64)
+    }
+}

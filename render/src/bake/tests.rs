@@ -1,0 +1,430 @@
+//! Bakes of small levels whose light is known.
+
+use std::f32::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DVec3, Quat, Vec3, vec3};
+
+use rayon::prelude::*;
+
+use super::filter::footprint;
+use super::*;
+use crate::estimator::GatherPoint;
+use crate::integrator::Uncached;
+use crate::scene::{Material, Mesh, cornell_box};
+use crate::settings::CachedOptions;
+
+/// Never stops.
+struct Patient;
+
+impl Watch for Patient {
+    fn advance(&self, _: u64, _: u64) {}
+
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+/// A box of quads; fronts look inwards or outwards.
+fn hollow(name: &str, low: Vec3, high: Vec3, inwards: bool) -> Mesh {
+    let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
+    for axis in 0..3 {
+        for side in [low, high] {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let first = mesh.positions.len() as u32;
+            for (a, b) in [(low, low), (high, low), (high, high), (low, high)] {
+                let mut corner = Vec3::ZERO;
+                (corner[axis], corner[u], corner[v]) = (side[axis], a[u], b[v]);
+                mesh.positions.push(corner);
+            }
+            // Counter-clockwise about the axis: outwards on the high side.
+            let outwards = side == high;
+            let turn = |[a, b, c]: [u32; 3]| if outwards == inwards { [a, c, b] } else { [a, b, c] };
+            mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|triangle| turn(triangle.map(|i: u32| first + i))));
+        }
+    }
+    mesh
+}
+
+fn scene(meshes: Vec<Mesh>, materials: Vec<Material>) -> Scene {
+    let mut scene = Scene { meshes, materials, ..Scene::default() };
+    scene.camera = cornell_box().camera;
+    scene
+}
+
+fn glowing(emission: f32, diffuse: f32) -> Material {
+    Material { emission: Vec3::splat(emission), diffuse: Vec3::splat(diffuse), ..Material::default() }
+}
+
+fn baked(scene: &Scene, options: &BakeOptions) -> Bake {
+    let atlas = Atlas::new(scene, options).unwrap();
+    let world = World::new(scene.clone()).unwrap();
+    bake(scene, &world, atlas, options, &Journal::new(0), &Patient).unwrap()
+}
+
+/// Options for levels of a few thousand texels.
+fn quick() -> BakeOptions {
+    let mut options = BakeOptions { size: 64, spp: 64, ..BakeOptions::default() };
+    options.cache.rays = 512;
+    options
+}
+
+/// The light of all texels with light of their own, page by page.
+fn lit(bake: &Bake) -> Vec<Vec3> {
+    let of_map = |map: &Map| -> Vec<Vec3> {
+        let texels = map.layers[0].texels.iter().zip(&map.sources);
+        texels.filter(|(_, source)| **source == Source::Light).map(|(value, _)| *value).collect()
+    };
+    bake.maps.iter().flat_map(of_map).collect()
+}
+
+/// The greatest relative step between samples on both sides of the cuts through smooth surfaces, and the number of
+/// pairs; with creases those of all edges.
+fn greatest_step(scene: &Scene, bake: &Bake, sampling: Sampling, with_creases: bool) -> (f64, usize) {
+    let atlas = &bake.atlas;
+    let (mut greatest, mut pairs) = (0.0f64, 0);
+    for cut in cuts(atlas, scene.meshes.len(), &shared_edges(scene)) {
+        if !cut.is_smooth && !with_creases {
+            continue;
+        }
+        // Not where the solver looked.
+        for places in [0.05, 0.8].into_iter().flat_map(|offset| cut.places(offset).collect::<Vec<_>>()) {
+            let [a, b] = [0, 1].map(|i| {
+                let page = cut.sides[i].page;
+                let texels = &bake.maps[page].layers[0].texels;
+                let footprint = footprint(sampling, atlas.pages[page], places[i]);
+                footprint.iter().map(|&(i, weight)| weight * texels[i as usize].as_dvec3()).sum::<DVec3>()
+            });
+            let mean = 0.5 * (a + b).element_sum();
+            greatest = greatest.max((a - b).element_sum().abs() / mean);
+            pairs += 1;
+        }
+    }
+    (greatest, pairs)
+}
+
+#[test]
+fn a_furnace_has_its_light_and_no_steps() {
+    let room = hollow("room", Vec3::ZERO, vec3(1.0, 1.2, 0.8), true);
+    let furnace = scene(vec![room], vec![glowing(0.5, 0.5)]);
+    for (sampling, brute) in [(Sampling::Bilinear, false), (Sampling::Bicubic, true)] {
+        let mut options = BakeOptions { sampling, brute, spp: 256, ..quick() };
+        options.cache.rays = 1024;
+        let bake = baked(&furnace, &options);
+        let values = lit(&bake);
+        assert!(values.len() > 2000);
+        let squares: f32 = values.iter().map(|value| (value.x / PI - 1.0).powi(2)).sum();
+        let error = (squares / values.len() as f32).sqrt();
+        assert!(error < 0.015, "{error}");
+        let (step, pairs) = greatest_step(&furnace, &bake, sampling, true);
+        println!("{sampling:?} brute {brute}: error {error}, step {step} at {pairs}");
+        assert!(step < 0.005 && pairs > 500, "{sampling:?}: {step}");
+    }
+}
+
+/// Half of a ring with a square section, its walls in `segments` flat pieces; light comes from one end.
+fn corridor(segments: u32) -> Scene {
+    let turned = |step: u32, radius: f32, height: f32| {
+        let angle = PI * step as f32 / segments as f32;
+        Quat::from_rotation_y(angle) * vec3(radius, height, 0.0)
+    };
+    let section = [(2.0, 0.0), (3.0, 0.0), (3.0, 1.0), (2.0, 1.0)];
+    let mut walls = Mesh { name: "walls".to_owned(), ..Mesh::default() };
+    for side in 0..4 {
+        let (a, b) = (section[side], section[(side + 1) % 4]);
+        let first = walls.positions.len() as u32;
+        for step in 0..=segments {
+            walls.positions.extend([turned(step, a.0, a.1), turned(step, b.0, b.1)]);
+        }
+        for step in 0..segments {
+            let i = first + 2 * step;
+            walls.triangles.extend([[i, i + 1, i + 3], [i, i + 3, i + 2]]);
+        }
+    }
+    let end = |step: u32, name: &str, material: usize| {
+        let positions = section.map(|(radius, height)| turned(step, radius, height)).to_vec();
+        Mesh { name: name.to_owned(), positions, triangles: vec![[0, 1, 2], [0, 2, 3]], material, ..Mesh::default() }
+    };
+    let mut scene =
+        scene(vec![walls, end(0, "lamp", 1), end(segments, "end", 0)], vec![glowing(0.0, 0.7), glowing(1.0, 0.0)]);
+    scene.materials[1].emits_both_sides = true;
+    // All fronts look inwards: towards the ring that runs through the middle.
+    for mesh in &mut scene.meshes {
+        for i in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(i);
+            let middle = (a + b + c) / 3.0;
+            let inside = (middle * vec3(1.0, 0.0, 1.0)).normalize() * 2.5 + Vec3::Y * 0.5;
+            let inside = match mesh.name.as_str() {
+                "lamp" => inside + Vec3::NEG_Z * 0.1,
+                "end" => inside + Vec3::NEG_Z * 0.1,
+                _ => inside,
+            };
+            if (b - a).cross(c - a).dot(inside - middle) < 0.0 {
+                mesh.triangles[i].swap(1, 2);
+            }
+        }
+    }
+    scene
+}
+
+#[test]
+fn a_curved_corridor_has_no_steps() {
+    let corridor = corridor(24);
+    for sampling in Sampling::ALL {
+        let bake = baked(&corridor, &BakeOptions { sampling, size: 128, ..quick() });
+        assert!(lit(&bake).iter().all(|value| value.is_finite() && value.min_element() >= 0.0));
+        for by in Sampling::ALL {
+            let (step, pairs) = greatest_step(&corridor, &bake, by, false);
+            println!("{sampling:?} sampled {by:?}: {step} at {pairs} {:?}", bake.statistics);
+            assert!(by == Sampling::Bicubic && sampling == Sampling::Bilinear || step < 0.005, "{sampling:?}: {step}");
+            assert!(pairs > 50);
+        }
+    }
+}
+
+#[test]
+fn a_sealed_box_is_dark_inside() {
+    let wall = 1e-3;
+    let inside = hollow("inside", Vec3::ZERO, Vec3::ONE, true);
+    let outside = hollow("outside", Vec3::splat(-wall), Vec3::splat(1.0 + wall), false);
+    let mut sealed = scene(vec![inside, outside], vec![glowing(0.0, 0.8)]);
+    sealed.sky.radiance = Vec3::splat(1e4);
+    for options in [
+        quick(),
+        BakeOptions { brute: true, sampling: Sampling::Bicubic, denoise: true, ..quick() },
+        BakeOptions { directional: Directional::Hl2, ..quick() },
+    ] {
+        let bake = baked(&sealed, &options);
+        let mesh_of = |chart: u32| bake.atlas.parts[bake.atlas.charts[chart as usize].part].mesh;
+        let (mut dark, mut bright) = (0, 0);
+        for map in &bake.maps {
+            for layer in &map.layers {
+                for (value, &owner) in layer.texels.iter().zip(&map.owners).filter(|(_, owner)| **owner != NO_CHART) {
+                    if mesh_of(owner) == 0 {
+                        assert_eq!(*value, Vec3::ZERO);
+                        dark += 1;
+                    } else {
+                        assert!(value.x > 0.0);
+                        bright += 1;
+                    }
+                }
+            }
+        }
+        assert!(dark > 1000 && bright > 1000);
+    }
+}
+
+/// Indirect light of a level from few gathers, against gathers of many rays at some of its texels.
+#[test]
+fn a_cache_tells_what_gathers_do() {
+    let room = scene(
+        vec![
+            hollow("room", Vec3::ZERO, vec3(1.0, 1.0, 1.0), true),
+            hollow("crate", vec3(0.55, 0.0, 0.2), vec3(0.85, 0.4, 0.5), false),
+            Mesh { material: 1, ..hollow("lamp", vec3(0.2, 0.9, 0.3), vec3(0.5, 0.95, 0.7), false) },
+        ],
+        vec![glowing(0.0, 0.6), glowing(10.0, 0.0)],
+    );
+    let mut options = BakeOptions { mode: Mode::Indirect, size: 256, ..BakeOptions::default() };
+    let atlas = Atlas::new(&room, &options).unwrap();
+    let world = World::new(room.clone()).unwrap();
+    let surfaces = Surfaces::new(&room, &atlas);
+    let mut texels = surfaces.texels();
+    let (is_free, _) = uncover(&world, &surfaces, &mut texels);
+    let some: Vec<Texel> =
+        texels.iter().zip(is_free).filter(|(_, is_free)| *is_free).map(|(texel, _)| *texel).step_by(301).collect();
+    let reference: Vec<Vec3> = some
+        .par_iter()
+        .enumerate()
+        .map(|(key, texel)| {
+            let many = CachedOptions { rays: 1 << 17, ..CachedOptions::default() };
+            let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
+            Uncached::new(&world, &many, 99).irradiance(&[GatherPoint { key: key as u64, surface }]).0[0]
+        })
+        .collect();
+    let mean = reference.iter().map(|value| value.x).sum::<f32>() / reference.len() as f32;
+    for (cache_error, rays) in [(0.3, 4096), (0.6, 4096), (1.0, 4096), (0.6, 16384)] {
+        (options.cache.error, options.cache.rays) = (cache_error, rays);
+        let bake = baked(&room, &options);
+        let found = |texel: &Texel| bake.maps[texel.page as usize].layers[0].texels[texel.index as usize].x;
+        let relative = |(texel, exact): (&Texel, &Vec3)| (found(texel) - exact.x).abs() / exact.x.max(0.1 * mean);
+        let mut errors: Vec<f32> = some.iter().zip(&reference).map(relative).collect();
+        errors.sort_by(f32::total_cmp);
+        let rms = (errors.iter().map(|error| error * error).sum::<f32>() / errors.len() as f32).sqrt();
+        let most = errors[errors.len() * 99 / 100];
+        let share = bake.statistics.gathers as f64 / bake.statistics.texels as f64;
+        println!(
+            "error {cache_error}, {rays} rays: {share:.3} gathers, RMS {rms:.4}, 99% {most:.4} of {}",
+            errors.len()
+        );
+    }
+}
+
+/// Says stop after a number of texels and records.
+struct Impatient(AtomicU64);
+
+impl Watch for Impatient {
+    fn advance(&self, texels: u64, _: u64) {
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(texels)));
+    }
+
+    fn gathered(&self, records: u64) {
+        self.advance(records, 0);
+    }
+
+    fn stop(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
+    }
+}
+
+#[test]
+fn threads_and_interruptions_do_not_show() {
+    let scene = cornell_box();
+    let world = World::new(scene.clone()).unwrap();
+    for directional in [Directional::None, Directional::Sh1] {
+        let mut options = BakeOptions { size: 32, spp: 4, directional, ..quick() };
+        options.cache.rays = 64;
+        let atlas = Atlas::new(&scene, &options).unwrap();
+        let bake_on = |threads: usize, journal: &Journal, watch: &dyn Watch| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| bake(&scene, &world, atlas.clone(), &options, journal, watch)).map(|bake| bake.maps)
+        };
+        let expected = bake_on(1, &Journal::new(1), &Patient).unwrap();
+        assert!(bake_on(4, &Journal::new(1), &Patient).unwrap() == expected);
+        // From stop to stop, with the state on disk in between.
+        let folder = tempfile::tempdir().unwrap();
+        let path = Journal::path(&folder.path().join("a.obj"));
+        let keep = |journal: Journal| {
+            journal.keep(crate::output::OutputFile::check(&path).unwrap(), std::time::Duration::from_secs(3600))
+        };
+        let mut stops = 0;
+        let resumed = loop {
+            let journal = keep(Journal::read(&path, 1).unwrap().unwrap_or_else(|| Journal::new(1)));
+            match bake_on(2, &journal, &Impatient(AtomicU64::new(100 + 50 * stops))) {
+                Some(maps) => break maps,
+                None => journal.save().unwrap(),
+            }
+            stops += 1;
+        };
+        assert!(stops > 2, "{stops}");
+        assert!(resumed == expected, "{directional:?}");
+        assert!(Journal::read(&path, 2).unwrap_err().problem.contains("another level"));
+        std::fs::write(&path, &std::fs::read(&path).unwrap()[1..]).unwrap();
+        assert!(Journal::read(&path, 1).unwrap_err().problem.contains("damaged"));
+    }
+}
+
+#[test]
+fn parts_of_light_add_up_and_moments_agree_with_irradiance() {
+    // A floor and a lamp that do not touch, so that there are no seams.
+    let mut floor = hollow("floor", Vec3::ZERO, Vec3::ONE, true);
+    floor.triangles = floor.triangles[4..6].to_vec();
+    let mut wall = hollow("wall", vec3(0.1, 0.1, 0.1), vec3(0.9, 0.9, 0.9), true);
+    wall.triangles = wall.triangles[0..2].to_vec();
+    let mut lamp = hollow("lamp", vec3(0.4, 0.5, 0.4), vec3(0.7, 0.8, 0.6), true);
+    (lamp.triangles, lamp.material) = (lamp.triangles[6..8].to_vec(), 1);
+    let scene = scene(vec![floor, wall, lamp], vec![glowing(0.0, 0.5), glowing(5.0, 0.2)]);
+    let bake = |mode, directional| baked(&scene, &BakeOptions { mode, directional, size: 32, brute: true, ..quick() });
+    let [full, direct, indirect] =
+        [Mode::Full, Mode::Direct, Mode::Indirect].map(|mode| lit(&bake(mode, Directional::None)));
+    for ((full, direct), indirect) in full.iter().zip(direct).zip(indirect) {
+        assert!((*full - direct - indirect).abs().max_element() <= 1e-5 * full.max_element().max(1e-3));
+    }
+    // The normals add up to √3 of the surface's, so that they see together what it sees, and more from the sides.
+    let directional = bake(Mode::Full, Directional::Hl2);
+    let layers = &directional.maps[0].layers;
+    let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
+    assert_eq!(names, ["", "hl2.0", "hl2.1", "hl2.2"]);
+    let (mut sum, mut expected) = (0.0, 0.0);
+    for (i, _) in directional.maps[0].sources.iter().enumerate().filter(|(_, source)| **source == Source::Light) {
+        expected += layers[0].texels[i].y;
+        sum += layers[1..].iter().map(|layer| layer.texels[i].y).sum::<f32>() / 3f32.sqrt();
+    }
+    assert!((1.0..1.6).contains(&(sum / expected)), "{}", sum / expected);
+}
+
+#[test]
+fn ambient_occlusion_of_an_open_floor_and_of_a_corner() {
+    let room = scene(vec![hollow("room", Vec3::ZERO, Vec3::ONE, true)], vec![glowing(0.0, 0.5)]);
+    let options = BakeOptions { mode: Mode::Ao, size: 96, spp: 256, ..BakeOptions::default() };
+    assert!(lit(&baked(&room, &options)).iter().all(|open| *open == Vec3::ZERO), "closed");
+    let near = baked(&room, &BakeOptions { ao_distance: Some(0.2), ..options });
+    let open = lit(&near);
+    let most = open.iter().map(|open| open.x).fold(0.0, f32::max);
+    let least = open.iter().map(|open| open.x).fold(1.0, f32::min);
+    // In an edge half is open, in a corner a quarter.
+    assert!(most == 1.0 && (0.2..0.4).contains(&least), "{least} to {most}");
+}
+
+#[test]
+fn own_coordinates_are_kept_repacked_or_replaced() {
+    let floor = |x: f32, uv: [f32; 2]| Mesh {
+        positions: vec![vec3(x, 0.0, 0.0), vec3(x, 0.0, 1.0), vec3(x + 1.0, 0.0, 1.0), vec3(x + 1.0, 0.0, 0.0)],
+        lightmap_texcoords: [[0.1, 0.1], [0.1, 0.4], [0.4, 0.4], [0.4, 0.1]]
+            .map(|[u, v]| glam::vec2(u + uv[0], v + uv[1]))
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let layouts = |scene: &Scene, options: &BakeOptions| {
+        let atlas = Atlas::new(scene, options).unwrap();
+        assert!(atlas.check(scene, options).passes());
+        let layouts: Vec<atlas::Layout> = atlas.parts.iter().map(|part| part.layout).collect();
+        (layouts, atlas)
+    };
+    use atlas::Layout::{Kept, Repacked, Unwrapped};
+    let options = quick();
+    let level = |meshes| scene(meshes, vec![glowing(0.0, 0.5)]);
+    let good = level(vec![floor(0.0, [0.0, 0.0]), floor(2.0, [0.5, 0.5])]);
+    let (found, atlas) = layouts(&good, &options);
+    assert_eq!((found, atlas.warnings.len()), (vec![Kept, Kept], 0));
+    assert_eq!(atlas.parts[1].vertices[0].uv, glam::vec2(0.6, 0.6));
+    // Two meshes with one place.
+    let shared = level(vec![floor(0.0, [0.0, 0.0]), floor(2.0, [0.2, 0.2])]);
+    let (found, atlas) = layouts(&shared, &options);
+    assert_eq!((found, atlas.warnings.len()), (vec![Repacked, Repacked], 1));
+    // Folded over itself, out of the page, a line, not a number.
+    let mut folded = floor(2.0, [0.5, 0.5]);
+    folded.lightmap_texcoords[3] = folded.lightmap_texcoords[1];
+    let mut outside = floor(2.0, [0.5, 0.5]);
+    outside.lightmap_texcoords[2].x = 1.2;
+    let mut line = floor(2.0, [0.5, 0.5]);
+    line.lightmap_texcoords.iter_mut().for_each(|uv| uv.x = 0.5);
+    let mut broken = floor(2.0, [0.5, 0.5]);
+    broken.lightmap_texcoords[0].y = f32::NAN;
+    for (mesh, fault) in
+        [(folded, "overlap in"), (outside, "not between 0 and 1"), (line, "no area"), (broken, "not finite")]
+    {
+        let bad = level(vec![floor(0.0, [0.0, 0.0]), mesh]);
+        let (found, atlas) = layouts(&bad, &options);
+        assert_eq!(found, [Kept, Unwrapped], "{fault}");
+        assert!(atlas.warnings[0].contains(fault), "{fault}: {:?}", atlas.warnings);
+        let keep = BakeOptions { coordinates: Coordinates::Keep, ..options.clone() };
+        assert!(Atlas::new(&bad, &keep).unwrap_err().problem.contains(fault));
+    }
+    let new = BakeOptions { coordinates: Coordinates::New, ..options };
+    assert_eq!(layouts(&good, &new).0, [Unwrapped, Unwrapped]);
+}
+
+#[test]
+fn pages_are_as_many_as_the_density_takes() {
+    let rooms: Vec<Mesh> = (0..4u8)
+        .map(|i| hollow("room", Vec3::X * 2.0 * f32::from(i), Vec3::ONE + Vec3::X * 2.0 * f32::from(i), true))
+        .collect();
+    let level = scene(rooms, vec![glowing(0.0, 0.5)]);
+    let at = |density: f32, size| {
+        Atlas::new(&level, &BakeOptions { density: Some(density), size, ..BakeOptions::default() })
+    };
+    for (density, size) in [(16.0, 64), (16.0, 256), (60.0, 64)] {
+        let atlas = at(density, size).unwrap();
+        let texels: f32 = atlas.charts.iter().map(|chart| chart.texels).sum();
+        let expected = 4.0 * 6.0 * density * density;
+        assert!((texels / expected - 1.0).abs() < 0.1, "{density} in {size}: {texels}, not {expected}");
+        assert!(atlas.pages.len() as f32 >= expected / (size * size) as f32);
+        assert_eq!(atlas.pages.len() == 1, size == 256);
+        // A room has one page where it fits on one.
+        assert_eq!(atlas.parts.len() == 4, density == 16.0);
+    }
+    assert!(at(100.0, 64).unwrap_err().problem.contains("and a page has 64x64"));
+    assert!(at(0.0, 64).is_err() && at(f32::NAN, 64).is_err());
+}

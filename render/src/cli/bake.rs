@@ -1,0 +1,262 @@
+//! `halfdome bake`: a level's lightmaps, from a model to a model.
+
+mod check;
+mod files;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+
+use super::args::CommonArguments;
+use super::progress::{Progress, Style};
+use super::summary::print_warning;
+use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare, thread_pool};
+use crate::bake::atlas::Atlas;
+use crate::bake::manifest::Manifest;
+use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
+use crate::output::OutputFile;
+use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, value};
+use crate::settings::Invalid;
+use crate::world::World;
+use files::Files;
+
+/// How often the state of a bake is written.
+const STATE_INTERVAL: Duration = Duration::from_secs(30);
+
+/// What `halfdome bake` takes.
+#[derive(Args, Clone, Debug)]
+pub(super) struct BakeArguments {
+    /// A model (.glb, .gltf, .obj, .ply), a scene file (.toml), or `cornell` for the built-in scene
+    scene: PathBuf,
+
+    /// Model to write with lightmap coordinates: .glb or .gltf as the model is, or .obj; maps and a manifest (.json) are
+    /// named after it
+    #[arg(short, long, value_name = "FILE", required_unless_present = "check_uv")]
+    output: Option<PathBuf>,
+
+    /// For whom: bevy (E/π as KTX2), three (E as .hdr, MOZ_lightmap) or raw; OpenEXR maps of E are always written
+    #[arg(long, value_name = "NAME", default_value = "raw", value_parser = names(Preset::ALL, Preset::name))]
+    preset: Preset,
+
+    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters and lights), or ao (ambient
+    /// occlusion)
+    #[arg(long, value_name = "WHAT", default_value = "full", value_parser = names(Mode::ALL, Mode::name))]
+    mode: Mode,
+
+    /// What is kept of where light comes from: none, hl2 (three normals) or sh1 (spherical harmonics)
+    #[arg(long, value_name = "BASIS", default_value = "none")]
+    #[arg(value_parser = names(Directional::ALL, Directional::name))]
+    directional: Directional,
+
+    /// Samples of direct light at each texel, or its rays of ambient occlusion
+    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+
+    /// Let every texel gather for itself, without a cache
+    #[arg(long)]
+    brute: bool,
+
+    /// ao: the distance from which on hits do not occlude [default: any]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    ao_distance: Option<f32>,
+
+    /// Take noise out of the maps, inside of each chart
+    #[arg(long)]
+    denoise: bool,
+
+    /// Texels across and down a page, at most
+    #[arg(long, value_name = "TEXELS", default_value = "1024", help_heading = "Layout")]
+    #[arg(value_parser = clap::value_parser!(u32).range(i64::from(BakeOptions::MIN_SIZE)..=i64::from(BakeOptions::MAX_SIZE)))]
+    size: u32,
+
+    /// Texels in a unit of length; there will be as many pages as that takes [default: what fits on one page]
+    #[arg(long, value_name = "TEXELS_PER_UNIT", help_heading = "Layout", value_parser = positive)]
+    density: Option<f32>,
+
+    /// How engines will sample the maps: bilinear or bicubic
+    #[arg(long, value_name = "HOW", default_value = "bilinear", help_heading = "Layout")]
+    #[arg(value_parser = names(Sampling::ALL, Sampling::name))]
+    sampling: Sampling,
+
+    /// Texels between charts at least [default: 2, for bicubic sampling 4]
+    #[arg(long, value_name = "TEXELS", help_heading = "Layout")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(BakeOptions::MAX_GUTTER)))]
+    gutter: Option<u32>,
+
+    /// The model's own second texture coordinates: auto (used if they are right), keep (they must be) or new (not used)
+    #[arg(long, value_name = "WHICH", default_value = "auto", help_heading = "Layout")]
+    #[arg(value_parser = names(Coordinates::ALL, Coordinates::name))]
+    uv: Coordinates,
+
+    /// Check the model's second texture coordinates, or new ones if it has none, instead of baking: overlaps, lost and
+    /// stretched charts, fill; with a picture (.png) if one is named
+    #[arg(long, value_name = "PICTURE", num_args = 0..=1, require_equals = true, help_heading = "Layout")]
+    check_uv: Option<Option<PathBuf>>,
+
+    #[command(flatten)]
+    cache: CachedOverrides,
+
+    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::radiance))]
+    sky: Option<Vec3>,
+
+    /// Which sides of all emitters emit: front or both [default: as each material says]
+    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::emission))]
+    emits_both_sides: Option<bool>,
+
+    /// Selects the random numbers [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Go on with a bake that was stopped or killed, from the state beside the output
+    #[arg(long)]
+    resume: bool,
+
+    /// Write a report for people, in one file (.html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+
+    /// How it runs.
+    #[command(flatten)]
+    pub(super) common: CommonArguments,
+}
+
+impl BakeArguments {
+    /// What the bake depends on, with the seed of the scene file if none is given.
+    fn options(&self, seed: u64) -> BakeOptions {
+        BakeOptions {
+            mode: self.mode,
+            directional: self.directional,
+            sampling: self.sampling,
+            coordinates: self.uv,
+            size: self.size,
+            density: self.density,
+            gutter: self.gutter,
+            spp: self.spp,
+            brute: self.brute,
+            cache: self.cache.options(),
+            ao_distance: self.ao_distance,
+            denoise: self.denoise,
+            seed,
+        }
+    }
+
+    /// The model's file; `None` for the built-in scene.
+    fn model(&self) -> Result<Option<PathBuf>, CliError> {
+        if self.scene == Path::new(CORNELL) {
+            return Ok(None);
+        }
+        let is_toml = self.scene.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        Ok(Some(if is_toml { SceneFile::read(&self.scene)?.model } else { self.scene.clone() }))
+    }
+}
+
+/// Bakes a level, or checks its coordinates.
+pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    let overrides = Overrides {
+        sky: arguments.sky,
+        emits_both_sides: arguments.emits_both_sides,
+        seed: arguments.seed,
+        ..Overrides::default()
+    };
+    let pool = thread_pool(&arguments.common)?;
+    if let Some(picture) = &arguments.check_uv {
+        let (scene, settings) = prepare(&arguments.scene, overrides)?;
+        return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
+    }
+    let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
+    let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
+    let (mut scene, settings) = prepare(&arguments.scene, overrides)?;
+    let options = arguments.options(settings.seed);
+    warn(style, &mut scene.warnings);
+    pool.install(|| bake(arguments, scene, &options, &files, style))
+}
+
+fn bake(
+    arguments: &BakeArguments,
+    scene: Scene,
+    options: &BakeOptions,
+    files: &Files,
+    style: Style,
+) -> Result<u8, CliError> {
+    let hashes = files.hashes(&scene, options);
+    if let Ok(old) = Manifest::read(&files.manifest) {
+        if old.made_from == hashes && files.are_whole(&old) {
+            say(style, &format!("{} is up to date", files.model.display()));
+            return Ok(EXIT_DONE);
+        }
+        let changes = hashes.changes_since(&old.made_from);
+        if !changes.is_empty() {
+            // Any surface may reflect light to any other.
+            say(style, &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")));
+        }
+    }
+    let state = Journal::path(&files.model);
+    let hash = bake::combined(&hashes);
+    let journal = if arguments.resume { Journal::read(&state, hash)? } else { None };
+    let state_file = OutputFile::check(&state).map_err(CliError::input)?;
+    let journal = journal.unwrap_or_else(|| Journal::new(hash)).keep(state_file, STATE_INTERVAL);
+
+    let mut atlas = Atlas::new(&scene, options)?;
+    warn(style, &mut atlas.warnings);
+    let world = World::new(scene.clone()).map_err(CliError::input)?;
+    interrupt::catch()?;
+    let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
+    let baked = bake::bake(&scene, &world, atlas, options, &journal, &progress);
+    drop(progress);
+    drop(world);
+    let Some(mut baked) = baked else {
+        journal.save().map_err(CliError::system)?;
+        say(style, &format!("interrupted; --resume goes on from {}", state.display()));
+        return Ok(EXIT_INTERRUPTED);
+    };
+    warn(style, &mut baked.warnings);
+    let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
+    warn(style, &mut warnings);
+    journal.remove().map_err(CliError::system)?;
+    files.print(style, &baked, &written);
+    Ok(EXIT_DONE)
+}
+
+/// Prints warnings, and takes them out.
+fn warn(style: Style, warnings: &mut Vec<String>) {
+    warnings.drain(..).for_each(|warning| print_warning(style, &warning));
+}
+
+/// Tells what happens, in the form that progress has.
+fn say(style: Style, text: &str) {
+    match style {
+        Style::Silent => {}
+        Style::Json => super::progress::print_line(&serde_json::json!({ "event": "note", "message": text })),
+        Style::Bar => {
+            use std::io::Write as _;
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+}
+
+/// One of the values of a type, by its name.
+fn names<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name))
+        .map(move |given| all.into_iter().find(|&value| name(value) == given).unwrap_or(all[0]))
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number: &f32| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number more than 0".to_owned())
+}
+
+/// An error about the options.
+fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
+    Invalid::new(problem, remedy).into()
+}

@@ -1,0 +1,92 @@
+//! `halfdome bake --check-uv`: what is right and wrong with lightmap coordinates.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::super::cache::print;
+use super::super::{CliError, EXIT_DONE, EXIT_FAILED};
+use crate::bake::atlas::{Atlas, Layout, mesh_name};
+use crate::bake::check::Check;
+use crate::bake::{BakeOptions, charts_picture};
+use crate::output::{OutputFile, encode_png};
+use crate::scene::{Scene, count};
+
+/// Pairs of charts that are listed.
+const MOST_LISTED: usize = 10;
+
+/// Checks, prints what was found, and writes the picture; the exit code says whether light can be baked.
+pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>) -> Result<u8, CliError> {
+    let atlas = match Atlas::of_model(scene, options)? {
+        Some(atlas) => atlas,
+        None => Atlas::new(scene, options)?,
+    };
+    let found = atlas.check(scene, options);
+    let pictures: Vec<(PathBuf, OutputFile)> = picture
+        .map(|path| pages(path, atlas.pages.len()))
+        .unwrap_or_default()
+        .into_iter()
+        .map(|path| OutputFile::check(&path).map(|file| (path, file)))
+        .collect::<Result<_, _>>()
+        .map_err(CliError::input)?;
+    print(&text(scene, &atlas, &found))?;
+    for (index, (path, file)) in pictures.iter().enumerate() {
+        let page = atlas.pages[index];
+        let pixels = charts_picture(&atlas, &found, index);
+        let bytes = encode_png(path, page.width, page.height, &pixels).map_err(CliError::system)?;
+        file.write(&bytes).map_err(CliError::system)?;
+    }
+    Ok(if found.passes() { EXIT_DONE } else { EXIT_FAILED })
+}
+
+/// A name for the picture of each page.
+fn pages(path: &Path, pages: usize) -> Vec<PathBuf> {
+    let numbered = |number: usize| {
+        let mut name = path.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("-{number}."));
+        name.push(path.extension().unwrap_or_default());
+        path.with_file_name(name)
+    };
+    if pages == 1 { vec![path.to_owned()] } else { (0..pages).map(numbered).collect() }
+}
+
+/// What was found, for people.
+fn text(scene: &Scene, atlas: &Atlas, found: &Check) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:14} {value}");
+    };
+    let own = atlas.parts.iter().any(|part| part.layout == Layout::Kept);
+    line("coordinates", if own { "the model's second set".to_owned() } else { "new ones".to_owned() });
+    let sizes: Vec<String> = atlas.pages.iter().map(|page| format!("{}x{}", page.width, page.height)).collect();
+    line("pages", format!("{} ({})", atlas.pages.len(), sizes.join(", ")));
+    line("charts", found.charts.to_string());
+    line("fill", format!("{:.1}%", 100.0 * found.fill));
+    line("overlapping", count(found.overlapping as usize, "texel", "texels"));
+    let chart = |index: usize| {
+        let mesh = atlas.parts[atlas.charts[index].part].mesh;
+        format!("chart {index} of {}", mesh_name(scene, mesh))
+    };
+    for overlap in found.overlaps.iter().take(MOST_LISTED) {
+        let texels = count(overlap.texels as usize, "texel", "texels");
+        let [a, b] = overlap.charts;
+        let pair = if a == b { format!("{} with itself", chart(a)) } else { format!("{} and {}", chart(a), chart(b)) };
+        line("", format!("{texels}: {pair}"));
+    }
+    if found.overlaps.len() > MOST_LISTED {
+        line("", format!("and {} pairs more", found.overlaps.len() - MOST_LISTED));
+    }
+    line(
+        "crowded",
+        format!("{} closer to another chart than the gutter", count(found.crowded as usize, "texel", "texels")),
+    );
+    line("stretched", count(found.stretched.len(), "chart", "charts"));
+    for &index in found.stretched.iter().take(MOST_LISTED) {
+        line("", format!("{}: {:.3} texels per unit", chart(index), atlas.charts[index].density()));
+    }
+    let lost =
+        found.lost.iter().fold([0; 3], |[a, b, c], lost| [a + lost.not_finite, b + lost.outside, c + lost.no_area]);
+    let [not_finite, outside, no_area] = lost;
+    line("lost", count((not_finite + outside + no_area) as usize, "triangle", "triangles"));
+    line("", format!("{not_finite} not finite, {outside} out of 0 to 1, {no_area} without an area"));
+    text
+}

@@ -1,0 +1,345 @@
+//! The files of a bake: the model, its maps, a manifest and a report. Each is put in its place in one step, the manifest
+//! last, so that a manifest only ever tells of files that are there.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Vec2, Vec3};
+use serde_json::json;
+
+use super::super::CliError;
+use super::super::progress::{Style, print_line};
+use super::{invalid, say};
+use crate::bake::atlas::NO_CHART;
+use crate::bake::gltf::{self, Page, Part, Target};
+use crate::bake::manifest::{Hash, Hashes, Manifest, Output, PageEntry, SurfaceEntry, Unit};
+use crate::bake::report::{self, Report, ReportPage};
+use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
+use crate::film::{Channel, Metadata, Picture};
+use crate::output::{EncodedMap, Map, OutputFile, encode_exr, encode_hdr, encode_ktx2};
+use crate::scene::{Scene, count};
+
+/// Where everything goes.
+pub(super) struct Files {
+    /// The model that is written.
+    pub(super) model: PathBuf,
+    /// The manifest.
+    pub(super) manifest: PathBuf,
+    preset: Preset,
+    report: Option<PathBuf>,
+    /// The model that is read, if it is a file.
+    source: Option<PathBuf>,
+}
+
+/// A file that is ready to be written.
+struct Ready {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Files {
+    /// Checks that everything can be written, and that the model can become what is asked for.
+    pub(super) fn new(
+        output: &Path,
+        source: Option<&Path>,
+        preset: Preset,
+        report: Option<&Path>,
+    ) -> Result<Self, CliError> {
+        let extension = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let from = source.map(extension).unwrap_or_default();
+        match extension(output).as_str() {
+            "obj" if preset == Preset::Raw => {}
+            "obj" => {
+                let problem = format!("an .obj model cannot name the maps that --preset {} is for", preset.name());
+                return Err(invalid(problem, "write a .glb, or give --preset raw"));
+            }
+            to @ ("glb" | "gltf") if to == from => {}
+            to @ ("glb" | "gltf") => {
+                let what = if from.is_empty() { "the built-in scene".to_owned() } else { format!("a .{from} model") };
+                let problem = format!("{what} cannot be written as .{to}");
+                return Err(invalid(problem, "write the kind of model that is read, or .obj with --preset raw"));
+            }
+            _ => {
+                let problem = format!("{} is not the name of a model that can be written", output.display());
+                return Err(invalid(problem, "end the name in .glb, .gltf or .obj"));
+            }
+        }
+        let files = Self {
+            model: output.to_owned(),
+            manifest: output.with_extension("json"),
+            preset,
+            report: report.map(Path::to_owned),
+            source: source.map(Path::to_owned),
+        };
+        if let Some(source) = &files.source
+            && source
+                .canonicalize()
+                .ok()
+                .is_some_and(|source| output.canonicalize().is_ok_and(|output| output == source))
+        {
+            let problem = format!("{} is the model that is read", output.display());
+            return Err(invalid(problem, "give the output a name of its own"));
+        }
+        for path in [Some(&files.model), Some(&files.manifest), files.report.as_ref()].into_iter().flatten() {
+            OutputFile::check(path).map_err(CliError::input)?;
+        }
+        Ok(files)
+    }
+
+    /// Hashes of what the files depend on.
+    pub(super) fn hashes(&self, scene: &Scene, options: &BakeOptions) -> Hashes {
+        let mut hashes = bake::hashes(scene, options);
+        let also = format!("{:016x} {} {}", hashes.options.0, self.preset.name(), self.report.is_some());
+        hashes.options = Hash::of(also.as_bytes());
+        hashes
+    }
+
+    /// Whether all files that a manifest names are as they were written.
+    pub(super) fn are_whole(&self, manifest: &Manifest) -> bool {
+        let mut names: Vec<&Path> = vec![&self.model];
+        names.extend(self.report.as_deref());
+        let is_named = |path: &Path| manifest.outputs.iter().any(|output| output.file == self.relative(path));
+        names.into_iter().all(is_named)
+            && manifest.outputs.iter().all(|output| {
+                std::fs::read(self.beside(&output.file)).is_ok_and(|bytes| Hash::of(&bytes) == output.hash)
+            })
+    }
+
+    /// A file in the folder of the model.
+    fn beside(&self, name: &str) -> PathBuf {
+        self.model.with_file_name(name)
+    }
+
+    /// The name of a page's file.
+    fn page(&self, page: usize, extension: &str) -> String {
+        format!("{}-{page}.{extension}", self.model.file_stem().unwrap_or_default().to_string_lossy())
+    }
+
+    /// Writes everything; gives the paths and warnings.
+    pub(super) fn write(
+        &self,
+        scene: &Scene,
+        bake: &Bake,
+        options: &BakeOptions,
+        hashes: Hashes,
+    ) -> Result<(Vec<PathBuf>, Vec<String>), CliError> {
+        let is_light = options.mode != Mode::Ao;
+        let (unit, scale) = match (self.preset, is_light) {
+            (_, false) => (Unit::Openness, 1.0),
+            (Preset::Bevy, true) => (Unit::IrradianceOverPi, 1.0 / std::f32::consts::PI),
+            (Preset::Three | Preset::Raw, true) => (Unit::Irradiance, 1.0),
+        };
+        let source =
+            self.source.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
+        let mut manifest = Manifest::new(source, unit, options.seed, hashes);
+        let (mut ready, mut warnings) = (Vec::new(), Vec::new());
+        let mut maps: Vec<(String, Vec<u8>)> = Vec::new();
+        for (index, (map, size)) in bake.maps.iter().zip(&bake.atlas.pages).enumerate() {
+            let master = self.page(index, "exr");
+            let path = self.beside(&master);
+            let bytes = encode_exr(&path, &picture(bake, index, options)).map_err(CliError::system)?;
+            ready.push(Ready { path, bytes: bytes.clone() });
+            let texels: Vec<Vec3> = map.layers[0].texels.iter().map(|value| *value * scale).collect();
+            let map = Map { width: size.width, height: size.height, texels: &texels };
+            let extension = match self.preset {
+                Preset::Bevy => "ktx2",
+                Preset::Three => "hdr",
+                Preset::Raw => "exr",
+            };
+            let file = self.page(index, extension);
+            let path = self.beside(&file);
+            let encoded = match self.preset {
+                Preset::Bevy => Some(encode_ktx2(&path, &map).map_err(CliError::system)?),
+                Preset::Three => Some(encode_hdr(&path, &map).map_err(CliError::system)?),
+                Preset::Raw => None,
+            };
+            let bytes = match encoded {
+                Some(EncodedMap { bytes, clamped }) => {
+                    if clamped > 0 {
+                        let texels = count(clamped, "texel is", "texels are");
+                        warnings.push(format!(
+                            "{}: {texels} too bright for the format, and less bright there",
+                            path.display()
+                        ));
+                    }
+                    ready.push(Ready { path, bytes: bytes.clone() });
+                    bytes
+                }
+                None => bytes,
+            };
+            manifest.pages.push(PageEntry { file: file.clone(), master, width: size.width, height: size.height });
+            maps.push((file, bytes));
+        }
+        manifest.surfaces = surfaces(scene, bake);
+        let model = self.model(scene, bake, &maps, &mut warnings)?;
+        ready.push(Ready { path: self.model.clone(), bytes: model });
+        if let Some(path) = &self.report {
+            let html = report::html(&self.report(scene, bake, &warnings)).map_err(CliError::system)?;
+            ready.push(Ready { path: path.clone(), bytes: html.into_bytes() });
+        }
+        for Ready { path, bytes } in &ready {
+            OutputFile::check(path).and_then(|file| file.write(bytes)).map_err(CliError::system)?;
+            let file = self.relative(path);
+            manifest.outputs.push(Output { file, hash: Hash::of(bytes) });
+        }
+        let json = manifest.to_json();
+        OutputFile::check(&self.manifest).and_then(|file| file.write(json.as_bytes())).map_err(CliError::system)?;
+        let mut written: Vec<PathBuf> = ready.into_iter().map(|ready| ready.path).collect();
+        written.push(self.manifest.clone());
+        Ok((written, warnings))
+    }
+
+    /// A path as the manifest names it: from the folder of the model if it is there, else in full.
+    fn relative(&self, path: &Path) -> String {
+        let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = std::path::absolute(&self.model).unwrap_or_else(|_| self.model.clone());
+        let name = full.strip_prefix(folder.parent().unwrap_or(Path::new(""))).unwrap_or(&full);
+        name.to_string_lossy().into_owned()
+    }
+
+    /// The bytes of the model.
+    fn model(
+        &self,
+        scene: &Scene,
+        bake: &Bake,
+        maps: &[(String, Vec<u8>)],
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<u8>, CliError> {
+        let is_obj = self.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
+        let Some(source) = self.source.as_ref().filter(|_| !is_obj) else {
+            return Ok(bake::obj::write(scene, &bake.atlas).into_bytes());
+        };
+        let original =
+            std::fs::read(source).map_err(|error| CliError::Input(format!("{}: {error}", source.display())))?;
+        let lists: Vec<(Vec<u32>, Vec<Vec2>)> = bake
+            .atlas
+            .parts
+            .iter()
+            .map(|part| part.vertices.iter().map(|vertex| (vertex.source, vertex.uv)).unzip())
+            .collect();
+        let parts = bake.atlas.parts.iter().zip(&lists).map(|(part, (sources, uvs))| Part {
+            mesh: &scene.meshes[part.mesh],
+            page: part.page,
+            sources,
+            uvs,
+            triangles: &part.triangles,
+        });
+        let parts: Vec<Part> = parts.collect();
+        let embed = self.preset == Preset::Three && self.model.extension().is_some_and(|extension| extension == "glb");
+        let pages = maps.iter().map(|(file, bytes)| Page { file, embedded: embed.then_some(&bytes[..]) });
+        let target = if self.preset == Preset::Three { Target::Three } else { Target::Bevy };
+        let patched = gltf::patch(source, &original, &parts, &pages.collect::<Vec<_>>(), target)?;
+        warnings.extend(patched.warnings);
+        Ok(patched.bytes)
+    }
+
+    /// What people want to know.
+    fn report(&self, scene: &Scene, bake: &Bake, warnings: &[String]) -> Report {
+        let s = &bake.statistics;
+        let figures: [(&str, u64); 8] = [
+            ("meshes", scene.meshes.len() as u64),
+            ("charts", bake.atlas.charts.len() as u64),
+            ("texels on surfaces", s.texels),
+            ("hemispheres gathered", s.gathers),
+            ("rays", s.rays),
+            ("texels moved out of bodies", s.moved),
+            ("texels covered as a whole", s.covered),
+            ("points matched at seams", s.seams),
+        ];
+        let page = |page: usize| {
+            let (size, map) = (bake.atlas.pages[page], &bake.maps[page]);
+            let chart = |&owner: &u32| (owner != NO_CHART).then_some(owner);
+            let density =
+                |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
+            ReportPage {
+                name: self.page(page, "exr"),
+                width: size.width,
+                height: size.height,
+                charts: map.owners.iter().map(chart).collect(),
+                density: map.owners.iter().map(density).collect(),
+                map: map.layers[0].texels.clone(),
+                records: bake
+                    .record_places
+                    .iter()
+                    .filter(|place| place.0 == page)
+                    .map(|place| place.1.to_array())
+                    .collect(),
+                error: None,
+            }
+        };
+        Report {
+            title: self.model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            statistics: figures.iter().map(|(name, number)| ((*name).to_owned(), number.to_string())).collect(),
+            warnings: bake.warnings.iter().chain(warnings).cloned().collect(),
+            pages: (0..bake.maps.len()).map(page).collect(),
+        }
+    }
+
+    /// Says how it went.
+    pub(super) fn print(&self, style: Style, bake: &Bake, written: &[PathBuf]) {
+        let s = &bake.statistics;
+        let share = 100.0 * s.gathers as f64 / s.texels.max(1) as f64;
+        match style {
+            Style::Silent => {}
+            Style::Json => print_line(&json!({
+                "event": "end",
+                "pages": bake.maps.len(),
+                "charts": bake.atlas.charts.len(),
+                "texels": s.texels,
+                "gathers": s.gathers,
+                "rays": s.rays,
+                "moved": s.moved,
+                "covered": s.covered,
+                "seams": s.seams,
+                "misses": s.misses,
+                "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+            })),
+            Style::Bar => {
+                let pages = count(bake.maps.len(), "page", "pages");
+                let texels = format!("{pages}, {} texels, {} gathers ({share:.1}%)", s.texels, s.gathers);
+                let covered = format!("{} texels moved out of bodies, {} covered as a whole", s.moved, s.covered);
+                say(style, &format!("{texels}, {} rays\n{covered}", s.rays));
+                written.iter().for_each(|path| say(style, &format!("wrote {}", path.display())));
+            }
+        }
+    }
+}
+
+/// A page as a picture with all of its layers, and the chart of each texel, counted from 1.
+fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
+    let (size, map) = (bake.atlas.pages[page], &bake.maps[page]);
+    let mut channels = Vec::new();
+    for layer in &map.layers {
+        for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            let name = if layer.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", layer.name) };
+            channels.push(Channel { name, values: layer.texels.iter().map(|value| value[i]).collect() });
+        }
+    }
+    let chart = |&owner: &u32| if owner == NO_CHART { 0.0 } else { owner as f32 + 1.0 };
+    channels.push(Channel { name: "chart".to_owned(), values: map.owners.iter().map(chart).collect() });
+    let metadata = Metadata {
+        samples_per_pixel: options.spp,
+        seed: options.seed,
+        integrator: format!("bake {}", options.mode.name()),
+        ..Metadata::default()
+    };
+    Picture { width: size.width, height: size.height, channels, metadata }
+}
+
+/// What of which page belongs to which surface.
+fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
+    let surface = |part: &crate::bake::atlas::Part| {
+        let mesh = &scene.meshes[part.mesh];
+        let (low, high) = part.vertices.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), vertex| {
+            (low.min(vertex.uv), high.max(vertex.uv))
+        });
+        let size = high - low;
+        SurfaceEntry {
+            name: mesh.name.clone(),
+            node: mesh.origin.map(|origin| origin.node),
+            primitive: mesh.origin.map(|origin| origin.primitive),
+            page: part.page,
+            rect: [low.x, low.y, size.x, size.y],
+        }
+    };
+    bake.atlas.parts.iter().map(surface).collect()
+}

@@ -1,0 +1,206 @@
+//! What a bake writes, and how it ends.
+
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+
+use halfdome::output::read_exr;
+use halfdome_tests::program::{Outcome, Program};
+use serde_json::{Value, json};
+
+use crate::level::level;
+
+const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
+
+/// Options with which a bake takes little time.
+const SMALL: &str = "--size 64 --spp 8 --record-rays 64 --progress none";
+
+/// Runs `test` with the program in a folder of its own that has the level.
+pub(crate) fn in_folder(test: impl FnOnce(&Program)) {
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program { executable: EXECUTABLE, folder: folder.path() };
+    program.put("level.gltf", level().to_string());
+    test(&program);
+}
+
+fn succeed(outcome: &Outcome) {
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
+}
+
+fn bake(program: &Program, options: &str) -> Outcome {
+    program.run_reproducibly(&format!("bake level.gltf -o out.gltf {SMALL} {options}"))
+}
+
+/// The channels R, G and B of a picture.
+fn colors(path: &Path) -> Vec<Vec<f32>> {
+    let picture = read_exr(path).unwrap();
+    ["R", "G", "B"].map(|name| picture.channel(name).unwrap().values.clone()).to_vec()
+}
+
+fn names(program: &Program) -> Vec<String> {
+    program.files().into_keys().map(|name| name.into_string().unwrap()).collect()
+}
+
+#[test]
+fn each_preset_writes_its_files_and_nothing_else() {
+    for (preset, files) in [
+        ("raw", &["level.gltf", "out-0.exr", "out.gltf", "out.json"][..]),
+        ("bevy", &["level.gltf", "out-0.exr", "out-0.ktx2", "out.gltf", "out.json"]),
+        ("three", &["level.gltf", "out-0.exr", "out-0.hdr", "out.gltf", "out.json"]),
+    ] {
+        in_folder(|program| {
+            succeed(&bake(program, &format!("--preset {preset}")));
+            assert_eq!(names(program), files);
+            let baked: Value = serde_json::from_slice(&fs::read(program.folder.join("out.gltf")).unwrap()).unwrap();
+            let original = level();
+            assert_eq!(baked["materials"][0]["extras"], original["materials"][0]["extras"]);
+            assert_eq!(baked["nodes"][0]["extensions"], original["nodes"][0]["extensions"]);
+            // Two nodes no longer share a mesh.
+            assert_ne!(baked["nodes"][1]["mesh"], baked["nodes"][2]["mesh"]);
+            for node in 0..4 {
+                let mesh = baked["nodes"][node]["mesh"].as_u64().unwrap() as usize;
+                assert!(
+                    baked["meshes"][mesh]["primitives"][0]["attributes"]["TEXCOORD_1"].is_u64(),
+                    "{preset}, {node}"
+                );
+            }
+            let manifest: Value = serde_json::from_slice(&fs::read(program.folder.join("out.json")).unwrap()).unwrap();
+            assert_eq!(manifest["unit"], if preset == "bevy" { "E/pi" } else { "E" });
+            assert_eq!(manifest["surfaces"].as_array().unwrap().len(), 4);
+            // The new file is a model again, whose coordinates pass the check and are kept.
+            let again = program.run_line("bake out.gltf --check-uv --size 64");
+            assert_eq!(again.code, Some(0), "{}", again.stdout);
+            assert!(again.stdout.contains("the model's second set"), "{}", again.stdout);
+        });
+    }
+}
+
+#[test]
+fn maps_are_finite_lit_and_the_same_for_any_number_of_threads() {
+    in_folder(|program| {
+        let run = |options: &str| {
+            succeed(&bake(program, options));
+            let files = program.files();
+            fs::remove_file(program.folder.join("out.json")).unwrap();
+            files
+        };
+        for options in ["--denoise", "--brute --sampling bicubic", "--directional sh1 --preset three", "--mode ao"] {
+            let one = run(&format!("{options} --threads 1"));
+            assert!(run(&format!("{options} --threads 3")) == one, "{options}");
+            let colors = colors(&program.folder.join("out-0.exr"));
+            let all: Vec<f32> = colors.concat();
+            assert!(all.iter().all(|value| value.is_finite() && *value >= 0.0), "{options}");
+            assert!(all.iter().filter(|value| **value > 0.0).count() > 3000, "{options}");
+        }
+        assert!(run("--seed 1") != run("--seed 2"));
+    });
+}
+
+#[test]
+fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
+    in_folder(|program| {
+        let talk = |options: &str| {
+            let line = format!("bake level.gltf -o out.gltf {SMALL} {options}").replace("none", "json");
+            let outcome = program.run_line(&line);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            outcome.stderr
+        };
+        assert!(!talk("").contains("up to date"));
+        let before = program.files();
+        assert!(talk("").contains("out.gltf is up to date"));
+        assert!(talk("--threads 2").contains("up to date"), "threads do not matter");
+        assert!(program.files() == before);
+        // A map that somebody changed is made again.
+        fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
+        assert!(!talk("").contains("up to date"));
+        assert!(program.files() == before);
+        assert!(talk("--seed 5").contains("the options changed"));
+        let mut moved = level();
+        moved["nodes"][1]["translation"] = json!([0.6, 0, 0.5]);
+        program.put("level.gltf", moved.to_string());
+        let told = talk("--seed 5");
+        assert!(told.contains("mesh \\\"crate one\\\" changed") && told.contains("all of it is baked"), "{told}");
+    });
+}
+
+#[test]
+fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
+    in_folder(|program| {
+        let long = "bake level.gltf -o out.gltf --size 512 --spp 256 --record-rays 1024 --progress json --threads 1";
+        let arguments: Vec<&str> = long.split(' ').collect();
+        for signal in ["INT", "KILL"] {
+            let mut child = program.command(&arguments).spawn().unwrap();
+            // Until it is at work.
+            let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+            let at_work = lines.map_while(Result::ok).find(|line| line.contains("\"event\":\"progress\""));
+            assert!(at_work.is_some_and(|line| line.contains("\"texels\":")));
+            let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
+            assert!(kill.unwrap().success());
+            let status = child.wait().unwrap();
+            let files = names(program);
+            if signal == "INT" {
+                assert_eq!(status.code(), Some(3));
+                assert!(files.contains(&"out.gltf.state".to_owned()), "{files:?}");
+            } else {
+                assert_eq!(status.code(), None);
+            }
+            assert!(!files.iter().any(|file| file.starts_with("out") && file != "out.gltf.state"), "{files:?}");
+        }
+        let small = "bake level.gltf -o out.gltf --size 64 --spp 8 --record-rays 64 --progress none";
+        let other = program.run_line(&format!("{small} --resume"));
+        assert_eq!(other.code, Some(1), "the state is of other options");
+        assert!(other.stderr.contains("out.gltf.state: is of another level"), "{}", other.stderr);
+        succeed(&program.run_line(small));
+        assert!(!names(program).contains(&"out.gltf.state".to_owned()));
+    });
+}
+
+#[test]
+fn obj_and_the_built_in_scene_can_be_baked_raw() {
+    in_folder(|program| {
+        succeed(&program.run_line(&format!("bake cornell -o cornell.obj {SMALL} --report report.html")));
+        let model = fs::read_to_string(program.folder.join("cornell.obj")).unwrap();
+        let count = |start: &str| model.lines().filter(|line| line.starts_with(start)).count();
+        assert_eq!((count("f "), count("o "), count("v ")), (32, 8, count("vt ")));
+        assert!(fs::read_to_string(program.folder.join("report.html")).unwrap().contains("cornell.obj"));
+        // What was written is read again, and its map does not fit another density.
+        let again = program.run_line(&format!("bake cornell.obj -o again.obj {SMALL} --density 20 --sky 1"));
+        succeed(&again);
+        assert!(colors(&program.folder.join("again-0.exr")).concat().iter().any(|value| *value > 0.0));
+    });
+}
+
+#[test]
+fn wrong_input_is_named() {
+    in_folder(|program| {
+        program.put("dark.gltf", {
+            let mut level = level();
+            level["materials"][1]["emissiveFactor"] = json!([0, 0, 0]);
+            level.to_string()
+        });
+        for (line, told) in [
+            ("bake level.gltf -o out.obj --preset bevy", "cannot name the maps that --preset bevy is for"),
+            ("bake level.gltf -o out.glb", "a .gltf model cannot be written as .glb"),
+            ("bake cornell -o out.glb", "the built-in scene cannot be written as .glb"),
+            ("bake level.gltf -o out.png", "not the name of a model that can be written"),
+            ("bake level.gltf -o level.gltf", "is the model that is read"),
+            ("bake level.gltf -o missing/out.gltf", "the folder missing does not exist"),
+            ("bake level.gltf -o out.gltf --density 0", "more than 0"),
+            ("bake level.gltf -o out.gltf --density 40 --size 32", "a page has 32x32"),
+            ("bake level.gltf -o out.gltf --density 1e6", "texels"),
+            ("bake level.gltf -o out.gltf --size 8", "16"),
+            ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
+            ("bake missing.glb -o out.glb", "no such file"),
+            ("bake level.gltf", "--output"),
+        ] {
+            let outcome = program.run_line(line);
+            assert_eq!(outcome.code, Some(1), "{line}: {}", outcome.stderr);
+            assert!(outcome.stderr.contains(told), "{line}: {}", outcome.stderr);
+        }
+        assert_eq!(names(program), ["dark.gltf", "level.gltf"]);
+        // A map that would be black is no error, but it is not silent.
+        let dark = program.run_line(&format!("bake dark.gltf -o out.gltf {SMALL}"));
+        assert_eq!(dark.code, Some(0));
+        assert!(dark.stderr.contains("all maps are black"), "{}", dark.stderr);
+    });
+}

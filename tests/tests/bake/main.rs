@@ -1,0 +1,5 @@
+//! `halfdome bake`, from model to model.
+
+mod check;
+mod command;
+mod level;
