@@ -4,6 +4,7 @@
 mod bsdf;
 pub mod cache;
 mod camera;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod driver;
 mod estimator;
@@ -12,9 +13,11 @@ mod integrator;
 pub mod irradiance;
 mod light;
 pub mod output;
+pub mod overlay;
 pub mod scene;
 pub mod settings;
 mod threads;
+#[cfg(feature = "cli")]
 mod validate;
 pub mod world;
 

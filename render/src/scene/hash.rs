@@ -8,8 +8,14 @@ impl Scene {
     /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
     /// with different hashes may give equal pictures, too: an unused material counts.
     pub fn hash(&self) -> u64 {
+        let surroundings = self.surroundings_hash();
+        self.camera.map_or(surroundings, |camera| camera.hash_in(surroundings))
+    }
+
+    /// The same without the camera.
+    pub fn surroundings_hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let Self { meshes, materials, lights, camera, sky: Sky { radiance }, warnings: _ } = self;
+        let Self { meshes, materials, lights, camera: _, sky: Sky { radiance }, warnings: _ } = self;
         hash.count(meshes.len());
         for Mesh { name: _, positions, normals, texcoords, triangles, material } in meshes {
             hash.count(positions.len());
@@ -33,11 +39,18 @@ impl Scene {
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
-        if let Some(CameraPose { eye, target, up, vfov }) = camera {
-            [*eye, *target, *up].into_iter().for_each(|v| hash.vector(v));
-            hash.floats(&[*vfov]);
-        }
         hash.vector(*radiance);
+        hash.0
+    }
+}
+
+impl CameraPose {
+    /// The hash of a scene of which this is the camera and `surroundings` the hash of all else.
+    pub(crate) fn hash_in(&self, surroundings: u64) -> u64 {
+        let Self { eye, target, up, vfov } = *self;
+        let mut hash = Fnv(surroundings);
+        [eye, target, up].into_iter().for_each(|v| hash.vector(v));
+        hash.floats(&[vfov]);
         hash.0
     }
 }
@@ -118,7 +131,10 @@ mod tests {
         lit.sky.radiance.z = 1.0;
         let mut mirror = scene.clone();
         mirror.materials[0].specular = Specular::Mirror { reflectance: Vec3::ONE };
-        let hashes = [&scene, &moved, &darker, &lit, &mirror].map(|scene| scene.hash());
-        assert!((0..5).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        let mut turned = scene.clone();
+        turned.camera.as_mut().unwrap().vfov += 1.0;
+        let hashes = [&scene, &moved, &darker, &lit, &mirror, &turned].map(|scene| scene.hash());
+        assert!((0..6).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        assert_eq!(scene.surroundings_hash(), turned.surroundings_hash());
     }
 }

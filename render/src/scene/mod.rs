@@ -4,6 +4,7 @@ mod builtin;
 mod description;
 mod error;
 mod file;
+mod files;
 mod framing;
 mod gltf;
 mod hash;
@@ -20,7 +21,9 @@ pub use builtin::cornell_box;
 pub use description::{CameraPose, Gloss, Material, Mesh, PunctualLight, Scene, Sky, Specular};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
+pub use files::{Disk, Files};
 pub use framing::frame;
+#[cfg(feature = "cli")]
 pub(crate) use model::count;
-pub use model::load;
+pub use model::{load, load_from};
 pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides};

@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use crate::scene::{Place, SceneError};
+use crate::scene::{Files, Place, SceneError};
 
 /// Many exporters leave out base64's padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -57,12 +57,23 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
 }
 
 /// Loads all buffers; `binary` is the container's, if any.
-pub(super) fn buffers(path: &Path, root: &Root, binary: Option<&[u8]>) -> Result<Vec<Vec<u8>>, SceneError> {
+pub(super) fn buffers(
+    files: &dyn Files,
+    path: &Path,
+    root: &Root,
+    binary: Option<&[u8]>,
+) -> Result<Vec<Vec<u8>>, SceneError> {
     let buffers = root.buffers.iter().enumerate();
-    buffers.map(|(index, buffer)| load(path, buffer, index, binary.filter(|_| index == 0))).collect()
+    buffers.map(|(index, buffer)| load(files, path, buffer, index, binary.filter(|_| index == 0))).collect()
 }
 
-fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, SceneError> {
+fn load(
+    files: &dyn Files,
+    path: &Path,
+    buffer: &Buffer,
+    index: usize,
+    binary: Option<&[u8]>,
+) -> Result<Vec<u8>, SceneError> {
     let error =
         |problem: &str, remedy: &str| SceneError::new(path, Place::Part(format!("buffer {index}")), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
@@ -85,7 +96,7 @@ fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Re
                     error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
                 })?;
                 let file = path.parent().unwrap_or(Path::new("")).join(name);
-                std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))?
+                files.read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))?.into_owned()
             }
         },
     };

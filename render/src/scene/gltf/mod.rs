@@ -25,21 +25,21 @@ use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
 
 use super::model::count;
-use super::{Material, Place, Scene, SceneError};
+use super::{Files, Material, Place, Scene, SceneError};
 
 /// Reads glTF as JSON text.
-pub(super) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
+pub(super) fn read_json(files: &dyn Files, path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
     let root = parse(path, text, |error| Place::Line(error.line()))?;
-    read(path, root, None)
+    read(files, path, root, None)
 }
 
 /// Reads a GLB container.
-pub(super) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(super) fn read_binary(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
     let root = parse(path, chunks.json, |error| {
         Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
     })?;
-    read(path, root, chunks.binary)
+    read(files, path, root, chunks.binary)
 }
 
 /// A glTF file with its buffers.
@@ -112,9 +112,9 @@ fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place
     deserialize::from_slice(text).map_err(invalid)
 }
 
-fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
+fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
     let mut warnings = check_extensions(path, &root)?;
-    let buffers = container::buffers(path, &root, binary)?;
+    let buffers = container::buffers(files, path, &root, binary)?;
     let document = Document { path, root, buffers };
     let mut scene = Scene { materials: material::read(&document, &mut warnings)?, ..Scene::default() };
     let mut skipped = Skipped::default();
