@@ -1,8 +1,7 @@
 // The canvases, and the numbers beside them.
 
-/** Pixels of the upper canvas for one of the picture, so that dots are round. */
-const FINER = 2;
-const DOT_RADIUS = 1.5;
+/** The radius of a dot in pixels of the upper canvas, which has the same number of them whatever the picture has. */
+const DOT_RADIUS = 2.5;
 
 export class Display {
   #picture = document.querySelector("#picture");
@@ -17,7 +16,6 @@ export class Display {
   begin(size, spp) {
     if (this.#picture.width !== size) {
       this.#picture.width = this.#picture.height = size;
-      this.#dots.width = this.#dots.height = FINER * size;
     }
     [this.#start, this.#samples, this.#rays, this.#spp] = [performance.now(), 0, 0, spp];
   }
@@ -47,10 +45,11 @@ export class Display {
     context.clearRect(0, 0, this.#dots.width, this.#dots.height);
     context.fillStyle = "#ff5a36";
     context.beginPath();
+    const scale = this.#dots.width / this.#picture.width;
     for (let i = 0; i < points.length; i += 2) {
-      const [x, y] = [FINER * points[i], FINER * points[i + 1]];
-      context.moveTo(x + FINER * DOT_RADIUS, y);
-      context.arc(x, y, FINER * DOT_RADIUS, 0, 2 * Math.PI);
+      const [x, y] = [scale * points[i], scale * points[i + 1]];
+      context.moveTo(x + DOT_RADIUS, y);
+      context.arc(x, y, DOT_RADIUS, 0, 2 * Math.PI);
     }
     context.fill();
   }

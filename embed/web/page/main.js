@@ -79,6 +79,7 @@ function showSoon() {
 function showDots() {
   const wanted = wish.mode === "cached" && !moving && document.querySelector("#show-records").checked;
   display.dots(wanted ? records.dots : new Float32Array(0));
+  text("#records", records.dots.length > 0 ? (records.dots.length / 2).toLocaleString("en") : "–");
 }
 
 /** Opens a model among the files, or the Cornell box. What cannot be read leaves all as it was. */
