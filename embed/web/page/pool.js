@@ -19,6 +19,8 @@ export class Pool {
   #workers = [];
   /** The scene that is open: { files, name }. */
   #scene = { files: [], name: "" };
+  /** What each worker was last told to render. */
+  #jobs = [];
   /** Of the latest request: answers to older ones do not count. */
   #id = 0;
   #opening = null;
@@ -54,9 +56,12 @@ export class Pool {
     this.#interrupt();
     const id = ++this.#id;
     const workers = this.#workers.slice(but);
-    workers.forEach((worker, number) =>
-      worker.postMessage({ kind: "render", id, view, number, count: workers.length, cache }),
-    );
+    this.#jobs = [];
+    workers.forEach((worker, number) => {
+      const job = { kind: "render", id, view, number, count: workers.length, cache };
+      this.#jobs[but + number] = job;
+      worker.postMessage(job);
+    });
     return workers.length;
   }
 
@@ -71,6 +76,18 @@ export class Pool {
     if (this.#filling) {
       this.#filling = false;
       this.#replace(0);
+    }
+  }
+
+  /** Replaces a worker that broke at a request. What it was told since then, it has not heard. */
+  #mourn(number, id) {
+    if (number < 0) {
+      return;
+    }
+    this.#replace(number);
+    const job = this.#jobs[number];
+    if (job && job.id === this.#id && job.id !== id) {
+      this.#workers[number].postMessage(job);
     }
   }
 
@@ -95,10 +112,7 @@ export class Pool {
 
   #hear(worker, data) {
     if (data.kind === "failed" && data.broken) {
-      const number = this.#workers.indexOf(worker);
-      if (number >= 0) {
-        this.#replace(number);
-      }
+      this.#mourn(this.#workers.indexOf(worker), data.id);
     }
     if (data.kind === "progress") {
       this.#listener.progress(data.rays);

@@ -152,6 +152,29 @@ test("what cannot be read gets a message, and the page goes on", async () => {
   assert.match(await message(), /lamp\.mtl.*no such file/);
 });
 
+test("a worker that breaks is replaced", async () => {
+  const bomb = (script) =>
+    script
+      .replace("open(files, name) {", 'open(files, name) { if (name === "bomb.obj") { throw new Broken("Bang."); }')
+      .replace("start(view, number, count, cache) {", '$& if (view.spp === 16) { throw new Broken("Boom."); }');
+  await page.route("**/engine.js", async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, body: bomb(await response.text()) });
+  });
+  await visit("size=64&spp=4&workers=2");
+  const before = await picture();
+  await drop({ "bomb.obj": OBJ });
+  assert.equal(await message(), "Bang.");
+  assertEqual(await picture(), before, "the scene that was there");
+
+  await page.selectOption("#spp", "16");
+  await page.waitForFunction(() => document.body.dataset.state === "failed");
+  assert.equal(await message(), "Boom.");
+  await page.selectOption("#spp", "64");
+  await finished();
+  assertEqual(await picture(), await native("cornell", 64, 64), "more samples");
+});
+
 test("modes are switched, and records are dots", async () => {
   await visit("size=96&spp=2&workers=2");
   const dots = () =>
