@@ -39,7 +39,7 @@ const geometry = new BufferGeometry();
 geometry.setAttribute("position", new BufferAttribute(positions, 3));
 // A copy, as the tree sorts it.
 geometry.setIndex(new BufferAttribute(indices.slice(), 1));
-const peer = new MeshBVH(geometry, { strategy: SAH, indirect: true });
+const peer = new MeshBVH(geometry, { strategy: SAH });
 
 console.log(`${indices.length / 3} triangles; millions of rays a second, and times as fast as three-mesh-bvh\n`);
 for (const [name, rays] of [["camera", cameraRays], ["diffuse", diffuseRays]]) {
