@@ -3,8 +3,8 @@
 import { launch, serve } from "./browser.mjs";
 
 const [server, browser] = await Promise.all([serve("."), launch()]);
-const page = await browser.newPage({ viewport: { width: 1080, height: 780 } });
-await page.goto(`${server.address}?mode=cached&spp=64`);
+const page = await browser.newPage({ viewport: { width: 820, height: 620 } });
+await page.goto(`${server.address}?mode=cached&spp=16`);
 await page.waitForFunction(() => document.body.dataset.state === "done", null, { timeout: 600_000 });
 await page.screenshot({ path: process.argv[2] });
 await browser.close();
