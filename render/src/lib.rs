@@ -5,6 +5,7 @@ pub mod bake;
 mod bsdf;
 pub mod cache;
 mod camera;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod driver;
 mod estimator;
@@ -13,9 +14,11 @@ mod integrator;
 pub mod irradiance;
 mod light;
 pub mod output;
+pub mod overlay;
 pub mod scene;
 pub mod settings;
 mod threads;
+#[cfg(feature = "cli")]
 pub mod validate;
 pub mod world;
 

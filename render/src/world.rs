@@ -31,7 +31,6 @@ pub struct World {
     pub(crate) lights: Lights,
     pub(crate) sky: SkyLight,
     pub(crate) camera: CameraPose,
-    hash: u64,
     surroundings_hash: u64,
 }
 
@@ -94,10 +93,9 @@ impl World {
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn build<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
-        let hash = scene.hash();
-        let camera = scene.camera.take().ok_or(WorldError::NoCamera)?;
-        let surroundings_hash = scene.hash();
+    pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
+        let camera = scene.camera.ok_or(WorldError::NoCamera)?;
+        let surroundings_hash = scene.surroundings_hash();
         let Scene { meshes, materials, textures, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
@@ -113,20 +111,7 @@ impl World {
         let sky = SkyLight::new(sky);
         let lights = Lights::new(&triangles, material, lights, sky.mean(), bvh.view().bounds());
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
-        Ok(Self {
-            meshes,
-            materials,
-            textures,
-            has_holes,
-            faces,
-            bvh,
-            report,
-            lights,
-            sky,
-            camera,
-            hash,
-            surroundings_hash,
-        })
+        Ok(Self { meshes, materials, textures, has_holes, faces, bvh, report, lights, sky, camera, surroundings_hash })
     }
 
     /// The tree, for tracing.
@@ -146,12 +131,22 @@ impl World {
 
     /// A hash of all in the scene that a picture depends on.
     pub fn hash(&self) -> u64 {
-        self.hash
+        self.camera.hash_in(self.surroundings_hash)
     }
 
     /// A hash of all in the scene that light depends on: all but the camera.
     pub fn surroundings_hash(&self) -> u64 {
         self.surroundings_hash
+    }
+
+    /// Where pictures are taken from.
+    pub fn camera(&self) -> CameraPose {
+        self.camera
+    }
+
+    /// Takes pictures from another pose, one that [`Overrides::apply`](crate::scene::Overrides::apply) has let pass.
+    pub fn look_from(&mut self, camera: CameraPose) {
+        self.camera = camera;
     }
 
     /// Length of the diagonal of the scene's bounds; 1 if it is empty or a point.

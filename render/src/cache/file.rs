@@ -83,8 +83,8 @@ impl Cache {
         }
     }
 
-    /// The bytes of the file.
-    pub(crate) fn encode(&self) -> Vec<u8> {
+    /// The bytes of a file of this cache.
+    pub fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER + self.records.len() * RECORD + CHECKSUM);
         bytes.extend(MAGIC);
         bytes.extend(VERSION.to_le_bytes());
@@ -107,7 +107,10 @@ impl Cache {
     }
 
     /// The cache of a file's bytes.
-    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, CacheFileError> {
+    ///
+    /// # Errors
+    /// If they are no cache's, or damaged.
+    pub fn decode(bytes: &[u8]) -> Result<Self, CacheFileError> {
         let again = "build it again with `halfdome cache build`";
         if !bytes.starts_with(&MAGIC) {
             return Err(CacheFileError::new(

@@ -30,6 +30,7 @@ pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
 
 pub use file::CacheFileError;
+#[cfg(feature = "cli")]
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
 

@@ -13,7 +13,7 @@ use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, t
 use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
-use crate::scene::{Scene, count};
+use crate::scene::count;
 use crate::settings::Settings;
 use crate::threads::Threads;
 use crate::world::World;
@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     }
     let (mut scene, settings) = prepare(&arguments.scene, arguments.overriding.overrides())?;
     memory::check(&settings)?;
-    let lit = has_light(&scene);
+    let lit = scene.has_light();
     if settings.integrator.needs_light() && !lit {
         scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
     }
@@ -100,33 +100,9 @@ fn samples(settings: &Settings) -> u64 {
     u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.spp)
 }
 
-/// Whether anything emits: the sky, a light without a surface, or a triangle.
-fn has_light(scene: &Scene) -> bool {
-    let emits = |material: usize| scene.materials[material].emission != glam::Vec3::ZERO;
-    scene.sky.mean() != glam::Vec3::ZERO
-        || !scene.lights.is_empty()
-        || scene.meshes.iter().any(|mesh| !mesh.triangles.is_empty() && emits(mesh.material))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{PunctualLight, cornell_box};
-    use glam::Vec3;
-
-    #[test]
-    fn light_is_a_sky_a_lamp_or_a_triangle_that_emits() {
-        assert!(has_light(&cornell_box()));
-        let mut dark = cornell_box();
-        let lamp = dark.meshes.pop().unwrap();
-        assert_eq!(lamp.name, "light");
-        assert!(!has_light(&dark), "an emitting material without a triangle does not count");
-        let mut sky = dark.clone();
-        sky.sky.radiance = Vec3::X;
-        assert!(has_light(&sky));
-        dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
-        assert!(has_light(&dark));
-    }
 
     #[test]
     fn the_number_of_samples_does_not_overflow() {

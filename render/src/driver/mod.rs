@@ -5,24 +5,23 @@
 //! coarse to fine. A pixel's samples are summed in their own order, whatever the tiles, waves and threads.
 
 mod levels;
+mod share;
+mod shot;
 
-use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
-use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::camera::Camera;
-use crate::film::{Features, FilterSample, FilterSampler, Metadata, Picture, Tile, channels, tiles};
-use crate::integrator::{self, CameraRays, Memory, Prepared};
+use crate::film::{Metadata, Picture, Tile, channels, tiles};
+use crate::integrator::{self, Prepared};
 use crate::settings::Settings;
 use crate::world::World;
+use shot::{Batch, Shot};
 
 pub use crate::integrator::CacheUse;
 pub use levels::MAX_BLOCK;
+pub use share::{Share, Step};
 
 /// Watches a render and may stop it. Called from all threads.
 pub trait Watch: Sync {
@@ -67,8 +66,6 @@ pub struct Render {
 const MAX_WAVE: u32 = 16;
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
 const BATCH: usize = 2048;
-/// The set of random numbers that places a sample on the film.
-const FILM_SET: u32 = 0;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
@@ -79,14 +76,7 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
 pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> Render {
     let start = Instant::now();
     let (prepared, overture) = integrator::prepare(world, settings, cache, watch);
-    let job = Job {
-        world,
-        settings,
-        prepared: &prepared,
-        watch,
-        camera: Camera::new(&world.camera, settings.width, settings.height),
-        filter: FilterSampler::new(&settings.filter),
-    };
+    let job = Job { world, shot: Shot::new(world, settings.clone(), prepared), watch };
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
     let mut rays = overture + job.first_wave(&mut tiles, start);
     let mut done = 1;
@@ -100,7 +90,7 @@ pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, wat
     }
     let picture = job.picture(&tiles, start);
     let finished = picture.metadata.samples_per_pixel == settings.spp;
-    let cache = match &prepared {
+    let cache = match &job.shot.prepared {
         Prepared::Cache(frozen) => Some(frozen.usage()),
         Prepared::Nothing => None,
     };
@@ -112,26 +102,11 @@ pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn 
     integrator::fill_for_camera(world, settings, cache, watch).0.cache
 }
 
-/// Camera rays that are traced together, and their memory, which the next batch uses again.
-#[derive(Default)]
-struct Batch {
-    /// Number of the pixel in its tile, and place in the pixel.
-    places: Vec<(usize, FilterSample)>,
-    samplers: Vec<Sampler>,
-    rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    radiance: Vec<Vec3>,
-    memory: Memory,
-}
-
 /// What all tiles share.
 struct Job<'a> {
     world: &'a World,
-    settings: &'a Settings,
-    prepared: &'a Prepared,
+    shot: Shot,
     watch: &'a dyn Watch,
-    camera: Camera,
-    filter: FilterSampler,
 }
 
 impl Job<'_> {
@@ -143,7 +118,7 @@ impl Job<'_> {
             let sample = |batch: &mut Batch, tile: &mut Tile| {
                 let pixels = tile.pixels().enumerate().filter(|&(_, (x, y))| levels::is_new(x, y, side, coarsest));
                 let pixels: Vec<_> = pixels.collect();
-                let rays = self.sample_batch(batch, tile, &pixels, 0..1);
+                let rays = self.shot.sample(self.world, batch, tile, &pixels, 0..1);
                 self.watch.advance(pixels.len() as u64, rays);
                 tile.samples = u32::from(side == 1);
                 rays
@@ -160,11 +135,11 @@ impl Job<'_> {
 
     /// The picture of the samples so far.
     fn picture(&self, tiles: &[Tile], start: Instant) -> Picture {
-        let Settings { width, height, seed, ref integrator, .. } = *self.settings;
+        let Settings { width, height, seed, ref integrator, .. } = self.shot.settings;
         let metadata = Metadata {
             samples_per_pixel: tiles.iter().map(|tile| tile.samples).min().unwrap_or(0),
             render_time_seconds: Metadata::stored_seconds(start.elapsed()),
-            world_to_camera: self.camera.world_to_camera(),
+            world_to_camera: self.shot.camera.world_to_camera(),
             seed,
             scene_hash: self.world.hash(),
             integrator: integrator.name().to_owned(),
@@ -179,62 +154,11 @@ impl Job<'_> {
         while tile.samples < target && !self.watch.stop() {
             let samples = (BATCH / pixels.len()).max(1) as u32;
             let end = target.min(tile.samples + samples);
-            let rays = self.sample_batch(batch, tile, &pixels, tile.samples..end);
+            let rays = self.shot.sample(self.world, batch, tile, &pixels, tile.samples..end);
             self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
             tile.samples = end;
             traced += rays;
         }
         traced
-    }
-
-    /// Adds samples to pixels of the tile, which come with their numbers.
-    fn sample_batch(
-        &self,
-        batch: &mut Batch,
-        tile: &mut Tile,
-        pixels: &[(usize, (u32, u32))],
-        samples: Range<u32>,
-    ) -> u64 {
-        let Batch { places, samplers, rays, hits, radiance, memory } = batch;
-        places.clear();
-        samplers.clear();
-        rays.clear();
-        for sample in samples {
-            for &(number, (x, y)) in pixels {
-                let sampler =
-                    Sampler::new(self.settings.sampler, self.settings.seed, y * self.settings.width + x, sample);
-                let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
-                rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
-                places.push((number, filter));
-                samplers.push(sampler);
-            }
-        }
-        hits.resize(rays.len(), Hit::MISS);
-        radiance.resize(rays.len(), Vec3::ZERO);
-        self.world.intersect_many(rays, hits);
-        let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
-        let traced = integrator::radiance(self.world, self.settings, self.prepared, &camera, memory, radiance);
-        for (i, (number, filter)) in places.iter().enumerate() {
-            tile.add(*number, filter, radiance[i]);
-            if self.settings.aov {
-                tile.add_features(*number, filter, &self.features(&hits[i]));
-            }
-        }
-        rays.len() as u64 + traced
-    }
-
-    /// What the first surface is.
-    fn features(&self, hit: &Hit) -> Features {
-        if !hit.is_hit() {
-            return Features::default();
-        }
-        let surface = self.world.surface_at(hit);
-        Features {
-            albedo: surface.diffuse,
-            position: surface.position,
-            normal: surface.normal,
-            shading_normal: surface.shading_normal,
-            uv: surface.uv,
-        }
     }
 }

@@ -8,4 +8,4 @@ mod tile;
 pub use filter::{Filter, FilterError};
 pub use filter_sampler::{FilterSample, FilterSampler};
 pub use picture::{Channel, Metadata, Picture};
-pub(crate) use tile::{Features, Tile, channels, tiles};
+pub(crate) use tile::{Features, TILE_SIDE, Tile, channels, tiles};

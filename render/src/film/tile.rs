@@ -81,6 +81,17 @@ impl Tile {
         }
     }
 
+    /// The linear radiance of the pixel of this number; black without samples.
+    pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
+        let pixel = &self.pixels[pixel];
+        pixel.radiance.map(|sum| pixel.mean(sum) as f32)
+    }
+
+    /// Its columns and rows.
+    pub(crate) fn extent(&self) -> (Range<u32>, Range<u32>) {
+        (self.x.clone(), self.y.clone())
+    }
+
     /// Adds what the sample's first surface is; only on tiles made for it.
     pub(crate) fn add_features(&mut self, pixel: usize, filter: &FilterSample, features: &Features) {
         for (sum, value) in self.features[pixel].iter_mut().zip(features.values()) {
@@ -101,10 +112,8 @@ pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32) -> Vec<Channel> 
         Channel { name: name.to_owned(), values }
     };
     let colors = ["R", "G", "B"].into_iter().enumerate();
-    let mut channels: Vec<Channel> = colors
-        .clone()
-        .map(|(c, name)| plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.pixels[pixel].radiance[c])))
-        .collect();
+    let mut channels: Vec<Channel> =
+        colors.clone().map(|(c, name)| plane(name, &|tile, pixel| f64::from(tile.radiance(pixel)[c]))).collect();
     if tiles.iter().any(|tile| !tile.features.is_empty()) {
         for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
             channels.push(plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.features[pixel][f])));

@@ -55,6 +55,13 @@ pub(crate) enum Prepared {
     Cache(Frozen),
 }
 
+impl Prepared {
+    /// A cache that is to be read as it is.
+    pub(crate) fn frozen(cache: Cache) -> Self {
+        Self::Cache(Frozen::new(cache))
+    }
+}
+
 /// The camera uses the sets of random numbers before this one.
 pub(crate) const FIRST_SET: u32 = 1;
 

@@ -238,4 +238,30 @@ impl Scene {
             Some((p.min(lower), p.max(upper)))
         })
     }
+
+    /// Whether anything emits: the sky, a light without a surface, or a triangle.
+    pub fn has_light(&self) -> bool {
+        let emits = |mesh: &Mesh| !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO;
+        self.sky.mean() != Vec3::ZERO || !self.lights.is_empty() || self.meshes.iter().any(emits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::cornell_box;
+
+    #[test]
+    fn light_is_a_sky_a_lamp_or_a_triangle_that_emits() {
+        assert!(cornell_box().has_light());
+        let mut dark = cornell_box();
+        let lamp = dark.meshes.pop().unwrap();
+        assert_eq!(lamp.name, "light");
+        assert!(!dark.has_light(), "an emitting material without a triangle does not count");
+        let mut sky = dark.clone();
+        sky.sky.radiance = Vec3::X;
+        assert!(sky.has_light());
+        dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
+        assert!(dark.has_light());
+    }
 }

@@ -8,8 +8,14 @@ impl Scene {
     /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
     /// with different hashes may give equal pictures, too: an unused material counts.
     pub fn hash(&self) -> u64 {
+        let surroundings = self.surroundings_hash();
+        self.camera.map_or(surroundings, |camera| camera.hash_in(surroundings))
+    }
+
+    /// The same without the camera.
+    pub fn surroundings_hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let Self { meshes, materials, textures, lights, camera, sky: Sky { radiance, picture }, warnings: _ } = self;
+        let Self { meshes, materials, textures, lights, camera: _, sky: Sky { radiance, picture }, warnings: _ } = self;
         hash.count(meshes.len());
         for mesh in meshes {
             let Mesh { positions, normals, texcoords, triangles, material, .. } = mesh;
@@ -50,16 +56,23 @@ impl Scene {
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
-        if let Some(CameraPose { eye, target, up, vfov }) = camera {
-            [*eye, *target, *up].into_iter().for_each(|v| hash.vector(v));
-            hash.floats(&[*vfov]);
-        }
         hash.vector(*radiance);
         if let Some(SkyPicture { width, height, texels, rotation }) = picture {
             [*width, *height].into_iter().for_each(|size| hash.word(size));
             texels.iter().for_each(|&texel| hash.vector(texel));
             hash.floats(&[*rotation]);
         }
+        hash.0
+    }
+}
+
+impl CameraPose {
+    /// The hash of a scene of which this is the camera and `surroundings` the hash of all else.
+    pub(crate) fn hash_in(&self, surroundings: u64) -> u64 {
+        let Self { eye, target, up, vfov } = *self;
+        let mut hash = Fnv(surroundings);
+        [eye, target, up].into_iter().for_each(|v| hash.vector(v));
+        hash.floats(&[vfov]);
         hash.0
     }
 }
@@ -156,8 +169,11 @@ mod tests {
         textured.textures.push(Texture::new(1, 1, vec![[1; 4]]));
         let mut other = scene.clone();
         other.textures.push(Texture::new(1, 1, vec![[2; 4]]));
-        let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other];
+        let mut turned = scene.clone();
+        turned.camera.as_mut().unwrap().vfov += 1.0;
+        let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other, &turned];
         let hashes = all.map(|scene| scene.hash());
-        assert!((0..8).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        assert!((0..9).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        assert_eq!(scene.surroundings_hash(), turned.surroundings_hash());
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use halfdome_kernel::MAX_COORDINATE;
 
-use super::{Place, Scene, SceneError, gltf, obj, ply};
+use super::{Disk, Files, Place, Scene, SceneError, gltf, obj, ply};
 
 /// The greatest length of a file in bytes. No format spends less than a byte on an index or a vertex, so a file of this
 /// length has fewer of them than a `u32` counts.
@@ -64,12 +64,24 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     if metadata.len() > MAX_LENGTH {
         return Err(whole("this file is larger than 4 GiB", "split the model into smaller files"));
     }
-    let bytes = std::fs::read(path).map_err(|error| SceneError::unreadable(path, &error))?;
-    parse(path, format, &bytes)
+    read(&Disk, path, format)
+}
+
+/// Reads the model at `path` as [`load`] does, from `files`.
+///
+/// # Errors
+/// Those of [`load`].
+pub fn load_from(files: &dyn Files, path: &Path) -> Result<Scene, SceneError> {
+    read(files, path, Format::of(path)?)
+}
+
+fn read(files: &dyn Files, path: &Path, format: Format) -> Result<Scene, SceneError> {
+    let bytes = files.read(path).map_err(|error| SceneError::unreadable(path, &error))?;
+    parse(files, path, format, &bytes)
 }
 
 /// Reads the model in `bytes`, which `path` holds.
-fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Scene, SceneError> {
+fn parse(files: &dyn Files, path: &Path, format: Format, bytes: &[u8]) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if text.iter().all(u8::is_ascii_whitespace) {
@@ -77,10 +89,10 @@ fn parse(path: &Path, format: Format, bytes: &[u8]) -> Result<Scene, SceneError>
     }
     format.check_content(path, text)?;
     let scene = match format {
-        Format::Obj => obj::read(path, text),
+        Format::Obj => obj::read(files, path, text),
         Format::Ply => ply::read(path, text),
-        Format::Gltf => gltf::read_json(path, text),
-        Format::Glb => gltf::read_binary(path, text),
+        Format::Gltf => gltf::read_json(files, path, text),
+        Format::Glb => gltf::read_binary(files, path, text),
     }?;
     if scene.triangle_count() == 0 {
         return Err(whole("the model has no triangles", "export it with its surfaces, as triangles or polygons"));

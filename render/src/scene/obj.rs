@@ -18,7 +18,7 @@ use glam::{Vec2, Vec3};
 
 use super::model::{count, unit};
 use super::statement::{Statement, shown, statements};
-use super::{Material, Mesh, Scene, SceneError, mtl};
+use super::{Files, Material, Mesh, Scene, SceneError, mtl};
 
 /// Stands for an index that a corner leaves out. The file is too short for it to be a real one.
 const NONE: u32 = u32::MAX;
@@ -27,8 +27,8 @@ const NONE: u32 = u32::MAX;
 type Corner = [u32; 3];
 
 /// Reads the OBJ file in `bytes`, and the MTL files that it names, which are sought relative to the folder of `path`.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
-    let mut reader = Reader::new(path);
+pub(super) fn read(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let mut reader = Reader::new(files, path);
     for statement in statements(path, bytes, "an OBJ file") {
         reader.take(&statement?)?;
     }
@@ -36,6 +36,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
 }
 
 struct Reader<'a> {
+    files: &'a dyn Files,
     path: &'a Path,
     positions: Vec<Vec3>,
     texcoords: Vec<Vec2>,
@@ -53,8 +54,9 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(path: &'a Path) -> Self {
+    fn new(files: &'a dyn Files, path: &'a Path) -> Self {
         Self {
+            files,
             path,
             positions: Vec::new(),
             texcoords: Vec::new(),
@@ -179,9 +181,9 @@ impl<'a> Reader<'a> {
     /// Reads the MTL files of one `mtllib` line. A missing one is a warning: half the models of the world lack theirs.
     fn read_libraries(&mut self, statement: &Statement) -> Result<(), SceneError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        for name in library_names(folder, &statement.name()) {
+        for name in library_names(self.files, folder, &statement.name()) {
             let file = folder.join(&name);
-            match std::fs::read(&file) {
+            match self.files.read(&file) {
                 Ok(bytes) => mtl::read(&file, &bytes, &mut self.materials, &mut self.warnings)?,
                 Err(error) => {
                     let problem = SceneError::unreadable(&file, &error).problem;
@@ -248,7 +250,7 @@ impl Run {
 
 /// Splits the words of a `mtllib` line into file names. Names may hold spaces, so the longest run of words that is a
 /// file in `folder` is one name; where none is, a single word is.
-fn library_names(folder: &Path, line: &str) -> Vec<String> {
+fn library_names(files: &dyn Files, folder: &Path, line: &str) -> Vec<String> {
     let mut names = Vec::new();
     // Exporters on Windows write backslashes.
     let line = line.replace('\\', "/");
@@ -258,7 +260,7 @@ fn library_names(folder: &Path, line: &str) -> Vec<String> {
         let (mut shortest, mut longest) = (None, None);
         for end in ends {
             shortest = shortest.or(Some(end));
-            if folder.join(&rest[..end]).is_file() {
+            if files.contains(&folder.join(&rest[..end])) {
                 longest = Some(end);
             }
         }

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Ray;
 
 use super::super::args::{CommonArguments, OverrideArguments};
 use super::super::progress::Progress;
@@ -18,6 +17,7 @@ use crate::camera::Camera;
 use crate::driver::{self, Watch};
 use crate::film::Picture;
 use crate::output::{self, OutputFile, ToneMapping};
+use crate::overlay::visible_records;
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -52,8 +52,6 @@ const DOT: [f32; 3] = [1.0, 0.02, 0.0];
 const RING: [f32; 3] = [0.9, 0.75, 0.05];
 /// Corners of a ring.
 const CORNERS: usize = 48;
-/// How far a record may be behind what the camera sees, as a part of its distance.
-const BEHIND: f32 = 1e-3;
 
 /// Draws, or writes points.
 pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
@@ -98,20 +96,18 @@ fn extension(path: &Path) -> Option<String> {
 /// Draws the records that the camera sees over the picture: rings first, so that they hide no dot.
 fn draw(picture: &mut Picture, world: &World, cache: &Cache, rings: bool) {
     let camera = Camera::new(&world.camera, picture.width, picture.height);
-    let visible: Vec<&Record> = cache.records().iter().filter(|record| is_visible(world, record)).collect();
+    let visible = visible_records(world, cache, picture.width, picture.height);
     if rings {
-        for record in &visible {
+        for (record, _) in &visible {
             let corners: Vec<Vec3> = (0..=CORNERS).map(|i| corner(record, i as f32 / CORNERS as f32)).collect();
             for ends in corners.windows(2) {
                 line(picture, &camera, ends[0], ends[1]);
             }
         }
     }
-    for record in visible {
-        if let Some(Vec2 { x, y }) = camera.project(record.position) {
-            for (right, down) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-                paint(picture, x - 0.5 + right, y - 0.5 + down, DOT);
-            }
+    for (_, Vec2 { x, y }) in visible {
+        for (right, down) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            paint(picture, x - 0.5 + right, y - 0.5 + down, DOT);
         }
     }
 }
@@ -121,12 +117,6 @@ fn corner(record: &Record, turn: f32) -> Vec3 {
     let (sin, cos) = (turn * TAU).sin_cos();
     let across = record.normal.cross(record.axis);
     record.position + record.axis * (cos * record.radii[0]) + across * (sin * record.radii[1])
-}
-
-/// Whether the camera sees a record, from the side that it lights.
-fn is_visible(world: &World, record: &Record) -> bool {
-    let ray = Ray { t_max: 1.0 - BEHIND, ..Ray::between(world.camera.eye, record.position) };
-    ray.direction.dot(record.normal) < 0.0 && !world.occluded(&ray)
 }
 
 /// A line between two points in space, a pixel wide, cut off where the camera does not see it.

@@ -1,5 +1,6 @@
 //! Where a glTF file's bytes are: the chunks of a GLB container, files beside it, and data URIs.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use ::gltf::json::{Buffer, Root};
@@ -7,7 +8,7 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use crate::scene::{Place, SceneError};
+use crate::scene::{Files, Place, SceneError};
 
 /// Many exporters leave out base64's padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -59,18 +60,29 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
 }
 
 /// Loads all buffers; `binary` is the container's, if any.
-pub(super) fn buffers(path: &Path, root: &Root, binary: Option<&[u8]>) -> Result<Vec<Vec<u8>>, SceneError> {
+pub(super) fn buffers(
+    files: &dyn Files,
+    path: &Path,
+    root: &Root,
+    binary: Option<&[u8]>,
+) -> Result<Vec<Vec<u8>>, SceneError> {
     let buffers = root.buffers.iter().enumerate();
-    buffers.map(|(index, buffer)| load(path, buffer, index, binary.filter(|_| index == 0))).collect()
+    buffers.map(|(index, buffer)| load(files, path, buffer, index, binary.filter(|_| index == 0))).collect()
 }
 
-fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Result<Vec<u8>, SceneError> {
+fn load(
+    files: &dyn Files,
+    path: &Path,
+    buffer: &Buffer,
+    index: usize,
+    binary: Option<&[u8]>,
+) -> Result<Vec<u8>, SceneError> {
     let place = format!("buffer {index}");
     let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.clone()), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
         (None, Some(binary)) => binary.to_vec(),
         (None, None) => return Err(error("it has no data", "give it a `uri`, or use a GLB file with a binary chunk")),
-        (Some(uri), _) => fetch(path, uri, &place)?,
+        (Some(uri), _) => fetch(files, path, uri, &place)?,
     };
     let announced = buffer.byte_length.0;
     if (data.len() as u64) < announced {
@@ -81,7 +93,7 @@ fn load(path: &Path, buffer: &Buffer, index: usize, binary: Option<&[u8]>) -> Re
 }
 
 /// The bytes that `uri` stands for: its own, or those of a file beside the model at `path`. `place` is what names it.
-pub(super) fn fetch(path: &Path, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
+pub(super) fn fetch(files: &dyn Files, path: &Path, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
     let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.to_owned()), problem, remedy);
     match uri.strip_prefix("data:") {
         Some(data) => {
@@ -96,7 +108,7 @@ pub(super) fn fetch(path: &Path, uri: &str, place: &str) -> Result<Vec<u8>, Scen
                 error(&format!("`{uri}` is not a relative path"), "put the file beside the model and name it")
             })?;
             let file = path.parent().unwrap_or(Path::new("")).join(name);
-            std::fs::read(&file).map_err(|cause| SceneError::unreadable(&file, &cause))
+            files.read(&file).map(Cow::into_owned).map_err(|cause| SceneError::unreadable(&file, &cause))
         }
     }
 }

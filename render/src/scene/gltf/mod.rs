@@ -26,25 +26,26 @@ use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
 
 use super::model::count;
-use super::{Material, Place, Scene, SceneError};
+use super::{Disk, Files, Material, Place, Scene, SceneError};
 
 /// Reads glTF as JSON text.
-pub(crate) fn read_json(path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_json(files: &dyn Files, path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
     let root = parse(path, text, |error| Place::Line(error.line()))?;
-    read(path, root, None)
+    read(files, path, root, None)
 }
 
 /// Reads a GLB container.
-pub(crate) fn read_binary(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_binary(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
     let root = parse(path, chunks.json, |error| {
         Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
     })?;
-    read(path, root, chunks.binary)
+    read(files, path, root, chunks.binary)
 }
 
 /// A glTF file with its buffers.
 pub(crate) struct Document<'a> {
+    files: &'a dyn Files,
     path: &'a Path,
     pub(crate) root: Root,
     buffers: Vec<Vec<u8>>,
@@ -57,8 +58,8 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
         false => container::Chunks { json: bytes, binary: None, others: Vec::new() },
     };
     let root = parse(path, chunks.json, |error| Place::Line(error.line()))?;
-    let buffers = container::buffers(path, &root, chunks.binary)?;
-    Ok((Document { path, root, buffers }, chunks))
+    let buffers = container::buffers(&Disk, path, &root, chunks.binary)?;
+    Ok((Document { files: &Disk, path, root, buffers }, chunks))
 }
 
 /// What was left out, for the warnings.
@@ -130,10 +131,10 @@ fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place
     deserialize::from_slice(text).map_err(invalid)
 }
 
-fn read(path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
+fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
     let mut warnings = check_extensions(path, &root)?;
-    let buffers = container::buffers(path, &root, binary)?;
-    let document = Document { path, root, buffers };
+    let buffers = container::buffers(files, path, &root, binary)?;
+    let document = Document { files, path, root, buffers };
     let (materials, textures) = material::read(&document, &mut warnings)?;
     let mut scene = Scene { materials, textures, ..Scene::default() };
     let mut skipped = Skipped::default();

@@ -92,7 +92,7 @@ fn read(document: &Document, image: &Image, index: usize) -> Result<Option<Textu
     let place = format!("image {index}");
     let bytes = match (image.buffer_view, &image.uri) {
         (Some(view), _) => accessor::view(document, view, &place)?.to_vec(),
-        (None, Some(uri)) => container::fetch(document.path, uri, &place)?,
+        (None, Some(uri)) => container::fetch(document.files, document.path, uri, &place)?,
         (None, None) => return Err(document.error(place, "it has no data", "give it a `uri` or a `bufferView`")),
     };
     let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = image::guess_format(&bytes).ok() else {

@@ -106,7 +106,7 @@ fn unit_vectors_of_any_magnitude() {
 fn survive_damage(name: &str, bytes: &[u8]) {
     let path = Path::new(name);
     let attempt = |damaged: &[u8]| {
-        if let Ok(scene) = parse(path, Format::of(path).unwrap(), damaged) {
+        if let Ok(scene) = parse(&Disk, path, Format::of(path).unwrap(), damaged) {
             check_promises(&scene);
         }
     };
@@ -200,4 +200,25 @@ fn damaged_glb_gives_no_panic() {
     let scene = load(&Folder::new().write("a.glb", &bytes)).unwrap();
     assert_eq!(scene.meshes[0].texcoords, [Vec2::ZERO, Vec2::X, Vec2::Y]);
     survive_damage("a.glb", &bytes);
+}
+
+#[test]
+fn files_may_be_anywhere() {
+    /// A model and its materials in memory.
+    struct Pair;
+    impl Files for Pair {
+        fn read(&self, path: &Path) -> std::io::Result<std::borrow::Cow<'_, [u8]>> {
+            match path.to_str() {
+                Some("there/a.obj") => Ok(format!("mtllib my paint.mtl\nusemtl red\n{TRIANGLE}").into_bytes().into()),
+                Some("there/my paint.mtl") => Ok((&b"newmtl red\nKd 1 0 0\n"[..]).into()),
+                _ => Err(std::io::ErrorKind::NotFound.into()),
+            }
+        }
+        fn contains(&self, path: &Path) -> bool {
+            self.read(path).is_ok()
+        }
+    }
+    let scene = load_from(&Pair, Path::new("there/a.obj")).unwrap();
+    assert_eq!((scene.materials[0].diffuse, scene.warnings), (Vec3::X, vec![]));
+    assert_eq!(load_from(&Pair, Path::new("b.obj")).unwrap_err().problem, "no such file");
 }

@@ -1,10 +1,10 @@
 use glam::{Vec2, Vec3};
 
 use super::*;
-use crate::scene::{Gloss, Place, Specular};
+use crate::scene::{Disk, Gloss, Place, Specular};
 
 fn parse(text: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
-    read(Path::new("model.obj"), text.as_ref())
+    read(&Disk, Path::new("model.obj"), text.as_ref())
 }
 
 /// "line: problem" of the error that `text` gives.
@@ -159,7 +159,7 @@ fn with_libraries(text: &str, libraries: &[(&str, &str)]) -> Result<Scene, Scene
     for (name, text) in libraries {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    read(&folder.path().join("model.obj"), format!("{text}\n{CORNERS}f 1 2 3\n").as_bytes())
+    read(&Disk, &folder.path().join("model.obj"), format!("{text}\n{CORNERS}f 1 2 3\n").as_bytes())
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn required_extensions() {
 
 #[test]
 fn wrong_json_and_versions() {
-    let wrong = |text: &str| told(read_json(Path::new("model.gltf"), text.as_bytes()));
+    let wrong = |text: &str| told(read_json(&Disk, Path::new("model.gltf"), text.as_bytes()));
     assert_eq!(wrong("{\n\"asset\": {\"version\": 2}}"), {
         "line 2: this is not valid glTF: invalid type: integer `2`, expected a string"
     });
@@ -64,7 +64,7 @@ fn buffers() {
     std::fs::write(folder.path().join("my data.bin"), triangle_bytes()).unwrap();
     let external = |uri: &str| {
         let document = with("/buffers", json!([{"byteLength": 104, "uri": uri}]));
-        read_json(&folder.path().join("model.gltf"), document.to_string().as_bytes())
+        read_json(&Disk, &folder.path().join("model.gltf"), document.to_string().as_bytes())
     };
     assert_eq!(external("my%20data.bin").unwrap().triangle_count(), 1);
     assert_eq!(external("./my data.bin").unwrap().triangle_count(), 1);
@@ -74,9 +74,9 @@ fn buffers() {
 
 #[test]
 fn containers() {
-    let file = |bytes: &[u8]| told(read_binary(Path::new("model.glb"), bytes));
+    let file = |bytes: &[u8]| told(read_binary(&Disk, Path::new("model.glb"), bytes));
     let whole = small_glb();
-    assert!(read_binary(Path::new("model.glb"), &whole).is_ok());
+    assert!(read_binary(&Disk, Path::new("model.glb"), &whole).is_ok());
     assert_eq!(file(&whole[..7]), "GLB container: the file is cut short: it ends after 7 bytes");
     assert_eq!(
         file(&whole[..whole.len() - 1]),

@@ -9,7 +9,7 @@ mod textures;
 use serde_json::{Value, json};
 
 use super::*;
-use crate::scene::Mesh;
+use crate::scene::{Disk, Mesh};
 
 /// Three positions at byte 0, normals at 36, texture coordinates at 72, 16-bit indices 0 2 1 at 96.
 fn triangle_bytes() -> Vec<u8> {
@@ -51,7 +51,7 @@ fn parse_with(mut document: Value, bytes: &[u8]) -> Result<Scene, SceneError> {
         let uri = format!("data:application/octet-stream;base64,{data}");
         document["buffers"] = json!([{"byteLength": bytes.len(), "uri": uri}]);
     }
-    read_json(Path::new("model.gltf"), document.to_string().as_bytes())
+    read_json(&Disk, Path::new("model.gltf"), document.to_string().as_bytes())
 }
 
 fn parse(document: Value) -> Result<Scene, SceneError> {

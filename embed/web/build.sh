@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# Builds the web page into embed/web/dist/, which any static server can show, and the WebAssembly of the npm package.
+#
+# On Debian and Ubuntu it installs what is missing (as root, or by sudo): wasm-opt, and Rust's library for the target.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+if ! command -v wasm-opt > /dev/null; then
+    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
+    $sudo apt-get update
+    $sudo apt-get install -y --no-install-recommends binaryen
+fi
+rustup target add wasm32-unknown-unknown
+
+# Builds both crates with flags for the compiler and for wasm-opt; file names get a suffix.
+build() {
+    local suffix=$1 flags=$2 optimizer=$3
+    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown -p halfdome-npm -p halfdome-page
+    local built=../../target/wasm32-unknown-unknown/web
+    local features="--enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals"
+    # shellcheck disable=SC2086
+    wasm-opt -O3 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
+    # shellcheck disable=SC2086
+    wasm-opt -O3 $features $optimizer "$built/halfdome_page.wasm" -o "dist/page$suffix.wasm"
+}
+
+rm -rf dist
+mkdir dist
+build "" "" ""
+build "-simd" "-C target-feature=+simd128" "--enable-simd"
+cp page/index.html page/style.css page/*.js npm/simd.js dist/
+
+printf '\n%-28s %9s %9s\n' "" bytes gzipped
+for file in npm/*.wasm dist/*.wasm; do
+    printf '%-28s %9d %9d\n' "$file" "$(stat -c %s "$file")" "$(gzip -9c "$file" | wc -c)"
+done
+printf '%-28s %9d %9d\n' "page without WebAssembly" "$(cat dist/*.{html,css,js} | wc -c)" "$(cat dist/*.{html,css,js} | gzip -9c | wc -c)"

@@ -1,0 +1,97 @@
+//! Taking samples: from the film through the camera to an integrator, and back to the film.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::{Hit, Ray};
+
+use crate::camera::Camera;
+use crate::film::{Features, FilterSample, FilterSampler, Tile};
+use crate::integrator::{self, CameraRays, Memory, Prepared};
+use crate::settings::Settings;
+use crate::world::World;
+
+/// The set of random numbers that places a sample on the film.
+const FILM_SET: u32 = 0;
+
+/// Camera rays that are traced together, and their memory, which the next batch uses again.
+#[derive(Default)]
+pub(super) struct Batch {
+    /// Number of the pixel in its tile, and place in the pixel.
+    places: Vec<(usize, FilterSample)>,
+    samplers: Vec<Sampler>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    radiance: Vec<Vec3>,
+    memory: Memory,
+}
+
+/// What a sample depends on besides the world.
+pub(super) struct Shot {
+    pub(super) settings: Settings,
+    pub(super) prepared: Prepared,
+    pub(super) camera: Camera,
+    filter: FilterSampler,
+}
+
+impl Shot {
+    /// A picture of `world` as its camera sees it.
+    pub(super) fn new(world: &World, settings: Settings, prepared: Prepared) -> Self {
+        let camera = Camera::new(&world.camera, settings.width, settings.height);
+        let filter = FilterSampler::new(&settings.filter);
+        Self { settings, prepared, camera, filter }
+    }
+
+    /// Adds samples to pixels of the tile, which come with their numbers; gives the number of rays traced.
+    pub(super) fn sample(
+        &self,
+        world: &World,
+        batch: &mut Batch,
+        tile: &mut Tile,
+        pixels: &[(usize, (u32, u32))],
+        samples: Range<u32>,
+    ) -> u64 {
+        let Batch { places, samplers, rays, hits, radiance, memory } = batch;
+        places.clear();
+        samplers.clear();
+        rays.clear();
+        for sample in samples {
+            for &(number, (x, y)) in pixels {
+                let sampler =
+                    Sampler::new(self.settings.sampler, self.settings.seed, y * self.settings.width + x, sample);
+                let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
+                rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
+                places.push((number, filter));
+                samplers.push(sampler);
+            }
+        }
+        hits.resize(rays.len(), Hit::MISS);
+        radiance.resize(rays.len(), Vec3::ZERO);
+        world.intersect_many(rays, hits);
+        let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
+        let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, memory, radiance);
+        for (i, (number, filter)) in places.iter().enumerate() {
+            tile.add(*number, filter, radiance[i]);
+            if self.settings.aov {
+                tile.add_features(*number, filter, &features(world, &hits[i]));
+            }
+        }
+        rays.len() as u64 + traced
+    }
+}
+
+/// What the first surface is.
+fn features(world: &World, hit: &Hit) -> Features {
+    if !hit.is_hit() {
+        return Features::default();
+    }
+    let surface = world.surface_at(hit);
+    Features {
+        albedo: surface.diffuse,
+        position: surface.position,
+        normal: surface.normal,
+        shading_normal: surface.shading_normal,
+        uv: surface.uv,
+    }
+}

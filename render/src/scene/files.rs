@@ -1,0 +1,31 @@
+//! Where a model and the files that it names are kept: on disk, or wherever a program has them.
+
+use std::borrow::Cow;
+use std::io;
+use std::path::Path;
+
+/// Files by their paths. Those that a model names are asked for beside it: in the folder of its own path.
+pub trait Files {
+    /// The bytes of the file at `path`.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::NotFound`] where there is none, or what else prevents reading.
+    fn read(&self, path: &Path) -> io::Result<Cow<'_, [u8]>>;
+
+    /// Whether there is a file at `path`.
+    fn contains(&self, path: &Path) -> bool;
+}
+
+/// The files of the operating system.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> io::Result<Cow<'_, [u8]>> {
+        std::fs::read(path).map(Cow::Owned)
+    }
+
+    fn contains(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+}
