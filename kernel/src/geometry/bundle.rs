@@ -192,7 +192,7 @@ impl<L: Copy> Bundle<L> {
         };
         for (side, (from, to)) in sides.into_iter().enumerate() {
             for axis in 0..3 {
-                let slope = raise(to[axis] - from[axis], pad[axis] * LEAST_COMPONENT);
+                let slope = raise(to[axis] - from[axis], (pad[axis] * LEAST_COMPONENT).max(f32::MIN_POSITIVE));
                 let inverse = 1.0 / slope;
                 shaft.inverse[side][axis] = inverse;
                 shaft.shift[side][axis] = from[axis] * inverse;

@@ -27,7 +27,6 @@ pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use files::{Disk, Files};
 pub use framing::frame;
-#[cfg(feature = "cli")]
 pub(crate) use model::count;
 pub use model::{load, load_from};
 pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};
