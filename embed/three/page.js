@@ -20,10 +20,12 @@ async function show(file) {
     scene.traverse((object) => object.isLight && lights.push(object));
     lights.forEach((light) => light.removeFromParent());
     const camera = cameras[0] ?? framing(scene);
-    const controls = new OrbitControls(camera, renderer.domElement);
+    // Before the controls turn it to the origin.
     const forward = camera.getWorldDirection(new THREE.Vector3());
     const place = camera.getWorldPosition(new THREE.Vector3());
+    const controls = new OrbitControls(camera, renderer.domElement);
     controls.target.copy(place).addScaledVector(forward, place.length() || 1);
+    controls.update();
     const draw = () => {
         const [width, height] = size ?? [innerWidth, innerHeight];
         renderer.setPixelRatio(size ? 1 : devicePixelRatio);
