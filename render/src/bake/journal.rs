@@ -38,6 +38,9 @@ pub(super) enum Stage {
     Moments = 4,
 }
 
+/// Values by stage and number.
+type Entries = BTreeMap<(u8, u64), Vec<u32>>;
+
 /// The journal of a bake.
 #[derive(Debug)]
 pub struct Journal {
@@ -48,7 +51,7 @@ pub struct Journal {
 
 #[derive(Debug)]
 struct State {
-    entries: BTreeMap<(u8, u64), Vec<u32>>,
+    entries: Entries,
     saved: Instant,
     /// What went wrong when it was written; the bake goes on.
     failure: Option<OutputError>,
@@ -152,7 +155,7 @@ impl integrator::Journal for Journal {
     }
 }
 
-fn encode(hash: u64, entries: &BTreeMap<(u8, u64), Vec<u32>>) -> Vec<u8> {
+fn encode(hash: u64, entries: &Entries) -> Vec<u8> {
     let mut bytes =
         Vec::with_capacity(HEADER + CHECKSUM + entries.values().map(|words| 13 + 4 * words.len()).sum::<usize>());
     bytes.extend(MAGIC);
@@ -170,7 +173,7 @@ fn encode(hash: u64, entries: &BTreeMap<(u8, u64), Vec<u32>>) -> Vec<u8> {
 }
 
 /// The hash and the entries of a file.
-fn decode(bytes: &[u8]) -> Option<(u64, BTreeMap<(u8, u64), Vec<u32>>)> {
+fn decode(bytes: &[u8]) -> Option<(u64, Entries)> {
     let (contents, checksum) = bytes.split_last_chunk::<CHECKSUM>()?;
     let mut rest = contents;
     let mut take = |length: usize| {

@@ -170,12 +170,13 @@ pub fn bake(
     let surfaces = Surfaces::new(scene, &atlas);
     let mut texels = surfaces.texels();
     let (is_free, uncovered) = uncover(world, &surfaces, &mut texels);
-    let (lit, covered): (Vec<(Texel, bool)>, Vec<(Texel, bool)>) =
-        texels.into_iter().zip(is_free).partition(|(_, is_free)| *is_free);
-    let lit: Vec<Texel> = lit.into_iter().map(|(texel, _)| texel).collect();
+    let (mut lit, mut covered) = (Vec::new(), Vec::new());
+    for (texel, is_free) in texels.into_iter().zip(is_free) {
+        if is_free { lit.push(texel) } else { covered.push(texel) }
+    }
     let light = Job { world, options, journal, watch }.light(&lit)?;
 
-    let mut grids = grids(&atlas, &lit, covered.iter().map(|(texel, _)| texel));
+    let mut grids = grids(&atlas, &lit, &covered);
     let names: Vec<&'static str> =
         std::iter::once("").chain(Lens::layers(options.directional).iter().copied()).take(light.layers()).collect();
     let mut layers: Vec<Vec<Vec<Vec3>>> = names.iter().map(|_| black(&atlas)).collect();
@@ -244,7 +245,7 @@ pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
 }
 
 /// For each page what is known of its texels.
-fn grids<'t>(atlas: &Atlas, lit: &[Texel], covered: impl Iterator<Item = &'t Texel>) -> Vec<Grid> {
+fn grids(atlas: &Atlas, lit: &[Texel], covered: &[Texel]) -> Vec<Grid> {
     let grid = |page: &atlas::Page| Grid {
         page: *page,
         owners: vec![NO_CHART; page.texels()],
@@ -257,7 +258,7 @@ fn grids<'t>(atlas: &Atlas, lit: &[Texel], covered: impl Iterator<Item = &'t Tex
         grid.sources[texel.index as usize] = source;
     };
     lit.iter().for_each(|texel| set(texel, Source::Light));
-    covered.for_each(|texel| set(texel, Source::Covered));
+    covered.iter().for_each(|texel| set(texel, Source::Covered));
     grids
 }
 

@@ -7,7 +7,7 @@
 //! is the brightness there, for a step is seen relative to it. Texels that only filters need may change more than those that
 //! stand for a place.
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::atlas::{Atlas, NO_CHART};
 use super::dilate::{Grid, Source};
@@ -181,16 +181,16 @@ impl Seams {
         let Some(brightness) = layers.first() else { return };
         let (scales, costs) = self.scales(brightness);
         for layer in layers {
-            for channel in 0..3 {
-                let values: Vec<f64> = self
-                    .unknowns
-                    .iter()
-                    .map(|&(page, texel)| layer[page as usize][texel as usize][channel].into())
-                    .collect();
-                let changes = self.changes(&values, &scales, &costs);
-                for ((&(page, texel), value), change) in self.unknowns.iter().zip(values).zip(changes) {
-                    layer[page as usize][texel as usize][channel] = (value + change) as f32;
-                }
+            let at = |&(page, texel): &(u32, u32)| (page as usize, texel as usize);
+            let places: Vec<(usize, usize)> = self.unknowns.iter().map(at).collect();
+            let changes = [0, 1, 2].map(|channel| {
+                let values: Vec<f64> = places.iter().map(|&(page, texel)| layer[page][texel][channel].into()).collect();
+                self.changes(&values, &scales, &costs)
+            });
+            for (i, (page, texel)) in places.into_iter().enumerate() {
+                let change = DVec3::from_array([0, 1, 2].map(|channel: usize| changes[channel][i]));
+                let value = &mut layer[page][texel];
+                *value = (value.as_dvec3() + change).as_vec3();
             }
         }
     }

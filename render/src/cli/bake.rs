@@ -164,6 +164,9 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         sky: arguments.sky,
         emits_both_sides: arguments.emits_both_sides,
         seed: arguments.seed,
+        // No camera looks, and the lack of one needs no warning.
+        eye: Some(Vec3::ZERO),
+        target: Some(Vec3::NEG_Z),
         ..Overrides::default()
     };
     let pool = thread_pool(&arguments.common)?;
@@ -218,6 +221,9 @@ fn bake(
         return Ok(EXIT_INTERRUPTED);
     };
     warn(style, &mut baked.warnings);
+    if let Some(failure) = journal.failure() {
+        print_warning(style, &format!("the state could not be kept meanwhile: {failure}"));
+    }
     let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
     warn(style, &mut warnings);
     journal.remove().map_err(CliError::system)?;
