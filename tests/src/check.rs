@@ -78,14 +78,24 @@ fn check_isa(tree: &BvhView, rays: &[Ray], batch: &[Ray], expected: &[Option<Hit
     }
     let mut hits = vec![Hit::MISS; batch.len()];
     let mut occluded = vec![false; batch.len()];
-    tree.intersect_many(batch, &mut hits);
-    tree.occluded_many(batch, &mut occluded);
-    for (i, (ray, &expected)) in batch.iter().zip(expected.iter().cycle()).enumerate() {
-        assert_eq!(bits(Some(hits[i])), bits(Some(expected.unwrap_or(Hit::MISS))), "{level}, many, {ray:?}");
-        assert_eq!(occluded[i], expected.is_some(), "{level}, many, any, {ray:?}");
+    for way in ["many", "gather"] {
+        if way == "many" {
+            tree.intersect_many(batch, &mut hits);
+            tree.occluded_many(batch, &mut occluded);
+        } else {
+            tree.intersect_gather(batch, &mut hits);
+            tree.occluded_gather(batch, &mut occluded);
+        }
+        for (i, (ray, &expected)) in batch.iter().zip(expected.iter().cycle()).enumerate() {
+            assert_eq!(bits(Some(hits[i])), bits(Some(expected.unwrap_or(Hit::MISS))), "{level}, {way}, {ray:?}");
+            assert_eq!(occluded[i], expected.is_some(), "{level}, {way}, any, {ray:?}");
+        }
+        hits.fill(Hit::MISS);
+        occluded.fill(false);
     }
     check_packets::<4>(tree, rays, expected);
     check_packets::<8>(tree, rays, expected);
+    check_packets::<16>(tree, rays, expected);
 }
 
 /// Packets with the rays in order, in reverse and rotated, with all and with some lanes active.
@@ -99,7 +109,7 @@ where
         let count = rays.len();
         let orders: [Vec<usize>; 3] =
             [(0..count).collect(), (0..count).rev().collect(), (0..count).map(|i| (i + count / 2) % count).collect()];
-        for (order, mask) in orders.into_iter().zip([u32::MAX, 0b1011_0110, 0b0101_1001]) {
+        for (order, mask) in orders.into_iter().zip([u32::MAX, 0b1110_1001_1011_0110, 0b0011_0100_0101_1001]) {
             let ordered: Vec<Ray> = order.iter().map(|&i| rays[i]).collect();
             let mut packet = RayPacket::<N>::from_rays(&ordered);
             packet.active &= mask;

@@ -88,10 +88,10 @@ impl<L: Copy> Bundle<L> {
         let first = rays.trailing_zeros() as usize % N;
         let mut sharing = rays;
         let mut negative = [false; 3];
-        for axis in 0..3 {
-            let signs = signs(&packet.direction[axis]);
-            negative[axis] = signs >> first & 1 != 0;
-            sharing &= if negative[axis] { signs } else { !signs };
+        for (negative, values) in negative.iter_mut().zip(&packet.direction) {
+            let signs = signs(values);
+            *negative = signs >> first & 1 != 0;
+            sharing &= if *negative { signs } else { !signs };
         }
         let fastest = |axis: usize| self.direction[axis].abs().eq(self.largest).bits();
         let (x, y) = (fastest(0), fastest(1));

@@ -39,16 +39,21 @@ fn hits_are_those_that_are_kept() {
 }
 
 /// The checksums of closest and of any hits by each way to trace.
-fn ways(tree: &BvhView, rays: &[Ray]) -> [(&'static str, [Checksum; 2]); 4] {
+fn ways(tree: &BvhView, rays: &[Ray]) -> [(&'static str, [Checksum; 2]); 6] {
     let one: Vec<Hit> = rays.iter().map(|ray| tree.intersect(ray).unwrap_or(Hit::MISS)).collect();
     let (mut many, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
     tree.intersect_many(rays, &mut many);
     tree.occluded_many(rays, &mut occluded);
+    let (mut gathered, mut gathered_any) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+    tree.intersect_gather(rays, &mut gathered);
+    tree.occluded_gather(rays, &mut gathered_any);
     [
         ("one by one", [closest(&one), any(rays.iter().map(|ray| tree.occluded(ray)))]),
         ("many", [closest(&many), any(occluded)]),
         ("packets of 4", packets::<4>(tree, rays)),
         ("packets of 8", packets::<8>(tree, rays)),
+        ("packets of 16", packets::<16>(tree, rays)),
+        ("gathers", [closest(&gathered), any(gathered_any)]),
     ]
 }
 

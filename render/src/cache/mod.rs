@@ -30,7 +30,6 @@ pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
 
 pub use file::CacheFileError;
-#[cfg(feature = "cli")]
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
 

@@ -87,7 +87,7 @@ fn trace(tree: &BvhView, bytes: &mut Bytes) {
         let mut hits = vec![Hit::MISS; batch.len()];
         tree.intersect_many(&batch, &mut hits);
         assert!(hits.iter().zip(expected.iter().cycle()).all(|(&hit, &expected)| found(Some(hit)) == expected));
-        let packet = RayPacket::<8>::from_rays(&rays);
+        let packet = RayPacket::<16>::from_rays(&rays);
         let mut hits = HitPacket::MISS;
         tree.intersect_packet(&packet, &mut hits);
         for (lane, (ray, &expected)) in rays.iter().zip(&expected).enumerate() {

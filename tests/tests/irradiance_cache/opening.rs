@@ -37,7 +37,7 @@ fn room(lower: [f64; 2], upper: [f64; 2], more: &[[DVec3; 4]], turns: f64) -> Wo
     World::new(Scene {
         meshes: vec![mesh(&triangles, 0)],
         materials: vec![material(Vec3::ZERO, Vec3::ZERO)],
-        sky: Sky { radiance: Vec3::ONE },
+        sky: Sky { radiance: Vec3::ONE, ..Sky::default() },
         camera: Some(camera),
         ..Scene::default()
     })
