@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Vec3, dvec3};
 use halfdome::cache::{Cache, Record};
 use halfdome::irradiance::{Part, Request, Sensor, by_cache};
 use halfdome::scene::{CameraPose, Scene, Sky};
-use halfdome::settings::{CachedOptions, GatherLayout};
+use halfdome::settings::{CachedOptions, GatherLayout, Metric};
 use halfdome::world::World;
 use halfdome_tests::polygon_light::polygon;
 use halfdome_tests::render::{Patience, material, mesh, quad};
@@ -46,8 +46,9 @@ fn room(lower: [f64; 2], upper: [f64; 2], more: &[[DVec3; 4]], turns: f64) -> Wo
 
 /// The one record at a point that looks up.
 fn record(world: &World, position: DVec3, layout: GatherLayout, rays: u32, seed: u64) -> Record {
-    // The tightest error keeps clamps from weakening the gradient.
-    let options = CachedOptions { layout, rays, error: 0.01, ..CachedOptions::default() };
+    // A record that reaches this far has no clamp that weakens its gradient.
+    let metric = Metric::SplitSphere;
+    let options = CachedOptions { layout, rays, error: 0.5, metric, ..CachedOptions::default() };
     let cache = Cache::new(options, world.surroundings_hash());
     let sensor = Sensor { position: position.as_vec3(), normal: Vec3::Z };
     let found = by_cache(world, &[sensor], cache, &Request { spp: 1, seed, part: Part::Indirect }, &Patience);
@@ -80,9 +81,9 @@ fn an_occluder_before_the_opening() {
     }
 }
 
-/// Extrapolation is as far off as the second derivative says: four times less at half the distance.
+/// A record's gradient is what finite differences of the exact irradiance tend to.
 #[test]
-fn extrapolation_errs_by_the_square_of_the_distance() {
+fn gradients_are_those_of_finite_differences() {
     let (lower, upper) = ([0.2, -0.7], [1.7, 0.9]);
     let world = room(lower, upper, &[], 0.0);
     let corners = [(lower[0], lower[1]), (lower[0], upper[1]), (upper[0], upper[1]), (upper[0], lower[1])];
@@ -90,10 +91,10 @@ fn extrapolation_errs_by_the_square_of_the_distance() {
     let centre = exact(DVec3::ZERO);
     for (layout, rays, seeds) in [(GatherLayout::Stratified, 20_000, 8), (GatherLayout::Hemicube, 49_152, 1)] {
         let (irradiance, gradient) = mean(&world, DVec3::ZERO, layout, rays, seeds);
-        assert!((irradiance / centre.irradiance.abs() - 1.0).abs() < 0.003, "{layout:?}: {irradiance}");
+        assert!((irradiance / centre.irradiance.abs() - 1.0).abs() < 0.01, "{layout:?}: {irradiance}");
         for axis in [DVec3::X, DVec3::Y] {
             // A sweep of steps: the quotient is level where the steps are neither too long nor too short.
-            for step in [0.02, 0.05, 0.1, 0.2] {
+            for step in [0.01, 0.03, 0.1] {
                 let ends = [step, -step].map(|step| exact(axis * step).irradiance.abs());
                 let quotient = (ends[0] - ends[1]) / (2.0 * step);
                 let size = centre.gradient.truncate().length();
@@ -117,7 +118,7 @@ fn a_turned_room_has_turned_gradients() {
         (record.irradiance.y, [record.rotational[1], record.translational[1]].map(|g| back * g.as_dvec3()))
     });
     let (irradiance, still) = gradients[0];
-    assert!(still.iter().all(|gradient| gradient.length() > 0.1));
+    assert!(still.iter().all(|gradient| gradient.length() > 0.05), "{still:?}");
     for (turned_irradiance, turned) in &gradients[1..] {
         assert!((turned_irradiance - irradiance).abs() < 1e-5);
         for (turned, still) in turned.iter().zip(&still) {

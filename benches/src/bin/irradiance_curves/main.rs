@@ -141,7 +141,7 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
         let values = pool.install(estimate);
         row(name, seconds(UsageWho::RUSAGE_SELF) - before, &values);
     };
-    for (spp, rays, error) in [(64, 1024, 0.6), (128, 2048, 0.55), (256, 4096, 0.5)] {
+    for (spp, rays, error) in [(64, 1024, 0.6), (128, 2048, 0.55), (256, 3072, 0.5)] {
         let name = format!("cache, {spp} samples, {rays} rays, {error}");
         ours(&name, &|| walls.by_cache(&world, (spp, rays, error), 0, &Patience).values);
     }

@@ -23,7 +23,7 @@ const SIDE: u32 = 96;
 /// One in so many along a side has a reference.
 const STEP: u32 = 6;
 /// Samples of direct light at a sensor, and rays and error of records.
-const SETTINGS: (u32, u32, f32) = (128, 2048, 0.55);
+const SETTINGS: (u32, u32, f32) = (256, 3072, 0.5);
 
 impl Walls {
     /// With references of twice `spp` paths.
