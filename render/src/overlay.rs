@@ -46,15 +46,17 @@ mod tests {
             axis: normal.any_orthonormal_vector(),
             obstacles: [f32::INFINITY; crate::cache::SECTORS],
         };
-        // The back wall at the height of the camera, which looks along z; the same from behind; and the floor behind the
-        // tall block.
-        let wall = Vec3::new(0.278, 0.273, 0.5592);
+        // The back wall above the blocks, which the camera at z = -0.8 looks at along z; the same from behind; and the floor
+        // behind the tall block.
+        let wall = Vec3::new(0.278, 0.473, 0.5592);
         let records =
             vec![record(1, wall, Vec3::NEG_Z), record(2, wall, Vec3::Z), record(3, Vec3::new(0.37, 0.0, 0.5), Vec3::Y)];
         let cache = Cache::of(CachedOptions::default(), world.surroundings_hash(), records);
         let visible = visible_records(&world, &cache, 200, 100);
         let [(record, point)] = visible[..] else { panic!("{visible:?}") };
         assert_eq!(record.key, 1);
-        assert!((point - Vec2::new(100.0, 50.0)).length() < 1e-3, "{point}");
+        let height = (wall.y - world.camera.eye.y) / (wall.z - world.camera.eye.z);
+        let half = (world.camera.vfov.to_radians() / 2.0).tan();
+        assert!((point - Vec2::new(100.0, 50.0 - 50.0 * height / half)).length() < 1e-3, "{point}");
     }
 }

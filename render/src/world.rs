@@ -235,6 +235,16 @@ impl Surface<'_> {
         offset_origin(&self.triangle, self.normal, self.barycentric[0], self.barycentric[1], direction)
     }
 
+    /// Where a ray from `point` ends that comes as far as this surface, and does not hit it. Its test sees the corners at
+    /// the distance of `point`, and errs by units in the last place of that, which are more than those of a ray that
+    /// leaves.
+    pub(crate) fn end_from(&self, point: Vec3) -> Vec3 {
+        const ERROR: f32 = 8.0 / (1u32 << 24) as f32;
+        let back = point - self.position;
+        let distance = ERROR * back.abs().max_element() * self.normal.abs().element_sum();
+        self.origin_towards(back) + self.normal * distance.copysign(self.normal.dot(back))
+    }
+
     /// The same surface with its normals on the side from which a ray in `direction` comes.
     pub(crate) fn facing(self, direction: Vec3) -> Self {
         if self.normal.dot(direction) > 0.0 {

@@ -125,7 +125,8 @@ fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> O
         return None;
     }
     let density = world.lights.area_density(prim_id) * to_light.length_squared() / cosine_at_light;
-    let shadow = Ray::between(surface.origin_towards(direction), light.origin_towards(-direction));
+    let origin = surface.origin_towards(direction);
+    let shadow = Ray::between(origin, light.end_from(origin));
     Some(LightSample { shadow, direction, radiance: emitted / density, density })
 }
 

@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use super::assembly::container;
 use super::*;
-use crate::scene::{Disk, Scene};
 use crate::scene::gltf::{read_binary, read_json};
+use crate::scene::{Disk, Scene};
 
 /// Four positions at byte 0, colours of three bytes at a stride of four from 48 on, and a strip of 16-bit indices
 /// 0 1 2 3 at 64.
