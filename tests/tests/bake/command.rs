@@ -84,7 +84,12 @@ fn maps_are_finite_lit_and_the_same_for_any_number_of_threads() {
             fs::remove_file(program.folder.join("out.json")).unwrap();
             files
         };
-        for options in ["--denoise", "--brute --sampling bicubic", "--directional sh1 --preset three", "--mode ao --ao-distance 0.5"] {
+        for options in [
+            "--denoise",
+            "--brute --sampling bicubic",
+            "--directional sh1 --preset three",
+            "--mode ao --ao-distance 0.5",
+        ] {
             let one = run(&format!("{options} --threads 1"));
             assert!(run(&format!("{options} --threads 3")) == one, "{options}");
             let colors = colors(&program.folder.join("out-0.exr"));

@@ -117,9 +117,13 @@ mod tests {
         assert_eq!(text.lines().filter(|line| line.contains(" polygon ")).count(), 32);
         assert!(text.contains("void plastic m1 0 0 5 0.57 0.043 0.044 0 0\n"));
         assert!(text.contains("void light m3 0 0 3 18.4 15.6 8\n"));
-        assert!(
-            text.lines().last().unwrap().starts_with("m3 polygon p7_1 0 0 9 0.343 0.5487 0.227 0.213 0.5487 0.332 ")
-        );
+        let lamp = text.lines().last().unwrap().strip_prefix("m3 polygon p7_1 0 0 9 ").unwrap();
+        let corners: Vec<f32> = lamp.split(' ').map(|number| number.parse().unwrap()).collect();
+        assert_eq!(corners.len(), 9);
+        for corner in corners.chunks(3) {
+            let is = |axis: usize, values: [f32; 2]| values.iter().any(|value| (corner[axis] - value).abs() < 1e-6);
+            assert!(is(0, [0.213, 0.343]) && is(1, [0.5487; 2]) && is(2, [0.227, 0.332]), "{lamp}");
+        }
     }
 
     #[test]
