@@ -60,7 +60,8 @@ pub(crate) fn intersect_side(ray: &Ray, triangle: &Triangle) -> Option<(Hit, boo
         (u * inverse, v * inverse, w * inverse, determinant > 0.0)
     };
     let (u, v, w) = refine([(ax, ay), (bx, by), (cx, cy)], [u, v, w]);
-    let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * sz;
+    // Which zero the terms add up to is up to their order: the positive one counts.
+    let mut t = (u * a[kz] + v * b[kz] + w * c[kz]) * sz + 0.0;
 
     // The ray's interval in the triangle's widened box.
     let reach = |k: usize| a[k].abs().max(b[k].abs()).max(c[k].abs());

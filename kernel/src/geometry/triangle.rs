@@ -72,7 +72,8 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
         (u, v, w) = (L::load(&weights[0]), L::load(&weights[1]), L::load(&weights[2]));
     }
     let (u, v, w) = refine([ax, ay], [bx, by], [cx, cy], [u, v, w]);
-    let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2];
+    // Adding zero makes a negative zero positive: which one comes out is up to the backend.
+    let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2] + zero;
 
     // The interval in which the ray is inside the triangle's own box.
     let reach = reach(a[2], b[2], c[2]);
@@ -80,7 +81,6 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     let (near_y, far_y) = interval(ray, 1, [a[1], b[1], c[1]], reach);
     let (near_z, far_z) = interval(ray, 2, [a[2], b[2], c[2]], reach);
     let (near, far) = (near_x.max(near_y).max(near_z), far_x.min(far_y).min(far_z));
-    // Adding zero makes a negative zero positive: which one the minima and maxima give is up to the backend.
     let t = L::select(t.lt(near), near + zero, t);
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
