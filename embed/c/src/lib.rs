@@ -1,7 +1,7 @@
 //! halfdome's kernel for C: functions and structures of which cbindgen makes `include/halfdome.h`.
 //!
-//! All `unsafe` here is about pointers from C, of which [`border`] makes slices and references. A function's failure or
-//! panic becomes an [`hd_status`] in [`status`], so that nothing unwinds into C.
+//! All `unsafe` here is about pointers from C, of which `border` makes slices and references. A function's failure or
+//! panic becomes an `hd_status` in `status`, so that nothing unwinds into C.
 //!
 //! Names are C's, with the prefix `hd_`, as they stand in the header.
 #![allow(non_camel_case_types, reason = "names as they stand in the header")]

@@ -2,8 +2,8 @@
 //!
 //! An instance is one worker's: it has a scene, and renders its share of the tiles step by step. JavaScript asks for room,
 //! writes there what the next function reads, and reads the answer where [`output`] says; no function keeps an address. So
-//! this border needs no unsafe code but the names of its functions. Functions give [`DONE`], [`FAILED`], where the answer
-//! is a message, or [`NOTHING`].
+//! this border needs no unsafe code but the names of its functions. Functions give `DONE`, `FAILED`, where the answer
+//! is a message, or `NOTHING`.
 
 mod files;
 mod page;
