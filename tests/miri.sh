@@ -14,7 +14,7 @@ rustup component add miri rust-src --toolchain nightly
 filter=("$@")
 [ ${#filter[@]} -gt 0 ] || filter=(
     bvh::blob bvh::build bvh::node geometry simd traverse::tests::an_empty_tree traverse::tests::corners_on_a_line
-    traverse::tests::rays_out_of_limits traverse::visits::tests::one_node
+    traverse::visits::tests::one_node
 )
 export MIRIFLAGS=-Zmiri-strict-provenance
 cargo +nightly miri test -p halfdome-kernel --lib -- "${filter[@]}"
