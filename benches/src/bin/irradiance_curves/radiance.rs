@@ -18,7 +18,8 @@ const CLEARANCE: f32 = 1e-5;
 /// Where Radiance's programs and its library are.
 pub(crate) struct Radiance {
     programs: PathBuf,
-    library: PathBuf,
+    /// Where its functions in `.cal` files are.
+    calculations: PathBuf,
 }
 
 impl Radiance {
@@ -32,7 +33,7 @@ impl Radiance {
         let pythons = fs::read_dir(&lib).map_err(|_| missing())?.flatten();
         let packages = pythons.map(|python| python.path().join("site-packages/pyradiance"));
         let package = packages.into_iter().find(|package| package.join("bin/rtrace").is_file()).ok_or_else(missing)?;
-        Ok(Self { programs: package.join("bin"), library: package.join("lib") })
+        Ok(Self { programs: package.join("bin"), calculations: package.join("lib") })
     }
 
     /// The irradiance at `sensors`.
@@ -58,7 +59,7 @@ impl Radiance {
     }
 
     fn run(&self, command: &mut Command) -> Result<(), String> {
-        let status = command.env("RAYPATH", &self.library).status();
+        let status = command.env("RAYPATH", &self.calculations).status();
         match status {
             Ok(status) if status.success() => Ok(()),
             Ok(status) => Err(format!("{command:?}: {status}")),
