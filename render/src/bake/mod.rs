@@ -14,7 +14,7 @@ pub mod check;
 mod covered;
 mod denoise;
 mod dilate;
-mod direct;
+pub(crate) mod direct;
 mod edges;
 mod filter;
 pub mod gltf;
