@@ -6,6 +6,7 @@ mod building;
 mod cache;
 mod cubemap;
 mod error;
+mod help;
 mod info;
 mod interrupt;
 mod irradiance;
