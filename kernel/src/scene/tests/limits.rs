@@ -86,29 +86,58 @@ fn rays_beyond_the_limits_hit_nothing() {
     assert!(check(&scene.view(), &raw) > 100);
 }
 
+/// A scene with two items: `inner` moved down by one, in two copies of which the first is seen through mask 2 alone.
+fn pair_of(inner: &'static SceneView<'static>) -> &'static SceneView<'static> {
+    let item = Item::new(inner).placed(&Affine3A::from_translation(Vec3::NEG_Z)).unwrap();
+    Box::leak(Box::new(Box::leak(Box::new(scene(vec![item.with_mask(2), item]))).view()))
+}
+
 #[test]
-fn scenes_nest_as_deep_as_hits_can_say() {
-    let triangle = bvh(&[[vec3(-1.0, -1.0, 0.0), vec3(1.0, -1.0, 0.0), vec3(0.0, 1.0, 0.0)]]);
-    let step = Affine3A::from_translation(vec3(0.0, 0.0, -1.0));
+fn scenes_nest_until_paths_have_no_numbers() {
+    let triangle: &Bvh = Box::leak(Box::new(bvh(&[[Vec3::NEG_ONE, vec3(1.0, -1.0, -1.0), vec3(0.0, 1.0, -1.0)]])));
     let mut deepest: &SceneView =
         Box::leak(Box::new(Box::leak(Box::new(scene(vec![Item::new(triangle.view())]))).view()));
-    let ray = SceneRay::new(Ray::new(vec3(0.0, 0.0, 2.0), Vec3::NEG_Z));
-    for level in 1..=MAX_LEVELS {
-        let items =
-            vec![Item::new(deepest).placed(&step).unwrap().with_mask(2), Item::new(deepest).placed(&step).unwrap()];
-        let view = Box::leak(Box::new(scene(items))).view();
-        assert_eq!(view.levels(), level);
-        let found = view.intersect(&ray.with_mask(1)).unwrap();
-        assert_eq!((found.hit.t, found.geometry_id), (2.0 + level as f32, 0));
-        let path: Vec<_> = (0..MAX_LEVELS).map(|i| if i < level { 1 } else { SceneHit::NO_INSTANCE }).collect();
-        assert_eq!(found.instances[..], path);
-        assert_eq!(view.to_scene(&found, 0.0), Some(Affine3A::from_translation(vec3(0.0, 0.0, -(level as f32)))));
-        check(&view, &[ray, ray.with_mask(1), ray.with_mask(2)]);
-        deepest = Box::leak(Box::new(view));
+    let ray = SceneRay::new(Ray::new(vec3(0.0, 0.0, 1.0), Vec3::NEG_Z));
+    // Each level doubles the paths and adds its own: 2^(level + 1) - 1 of them.
+    for level in 1..=63 {
+        deepest = pair_of(deepest);
+        assert_eq!(deepest.levels(), level);
+        let found = deepest.intersect(&ray.with_mask(1)).unwrap();
+        assert_eq!((found.hit.t, found.geometry_id, found.depth), (2.0 + level as f32, 0, level as u32));
+        assert_eq!(instances(deepest, &found), vec![1; level]);
+        let moved = Affine3A::from_translation(vec3(0.0, 0.0, -(level as f32)));
+        assert_eq!(deepest.to_scene(&found, 0.0), Some(moved));
+        if level < 9 {
+            check(deepest, &[ray, ray.with_mask(1), ray.with_mask(2)]);
+        }
     }
-    let error = Scene::build(vec![Item::new(deepest)], &BuildOptions::default()).err();
-    let expected = InvalidScene::TooNested { item: 0, levels: MAX_LEVELS + 1, allowed: MAX_LEVELS };
-    assert_eq!(error, Some(Error::InvalidScene(expected)));
+    for nowhere in [SceneHit::MISS, SceneHit { path: u64::MAX, ..deepest.intersect(&ray.with_mask(1)).unwrap() }] {
+        assert_eq!((instances(deepest, &nowhere), deepest.to_scene(&nowhere, 0.0)), (vec![], None));
+    }
+    let error = Scene::build(vec![Item::new(deepest), Item::new(deepest)], &BuildOptions::default()).err();
+    assert_eq!(error, Some(Error::InvalidScene(InvalidScene::TooManyPaths { item: 0 })));
+}
+
+#[test]
+fn paths_are_told_apart_among_items_of_all_kinds() {
+    let triangle = bvh(&[[Vec3::NEG_ONE, vec3(1.0, -1.0, -1.0), vec3(0.0, 1.0, -1.0)]]);
+    fn at<'a>(x: f32, item: &Item<'a>) -> Item<'a> {
+        item.placed(&Affine3A::from_translation(Vec3::X * x)).unwrap()
+    }
+    let mesh = Item::new(triangle.view());
+    let (leaf, empty) = (scene(vec![mesh, at(4.0, &mesh)]), scene(vec![]));
+    let (leaf, empty) = (leaf.view(), empty.view());
+    let (leaf, empty) = (Item::new(&leaf), Item::new(&empty));
+    let branch = scene(vec![empty, at(8.0, &mesh), at(12.0, &leaf), empty]);
+    let branch = branch.view();
+    let root = scene(vec![leaf, at(40.0, &mesh), empty, Item::new(&branch), at(44.0, &mesh)]);
+    let root = root.view();
+    let ways: [(f32, &[u32]); 7] =
+        [(0.0, &[0]), (4.0, &[0]), (40.0, &[]), (8.0, &[3]), (12.0, &[3, 2]), (16.0, &[3, 2]), (44.0, &[])];
+    for (x, way) in ways {
+        let found = root.intersect(&SceneRay::new(Ray::new(vec3(x, 0.0, 1.0), Vec3::NEG_Z))).unwrap();
+        assert_eq!((&instances(&root, &found)[..], found.depth as usize), (way, way.len()), "{x}");
+    }
 }
 
 #[test]
@@ -132,12 +161,14 @@ fn scenes_from_memory_are_checked() {
     let view = built.view();
     let tree = view.tree();
     let nodes: Vec<Node> = (0..tree.keys()).flat_map(|key| tree.nodes(key).to_vec()).collect();
-    let (items, parts, numbers) = (view.items(), view.parts(), tree.items());
-    let again = SceneView::new(items, parts, &nodes, numbers).unwrap();
+    let (parts, numbers) = (view.parts(), tree.items());
+    let mut items = view.items().to_vec();
+    let again = SceneView::new(&mut items, parts, &nodes, numbers).unwrap();
     let rays = rays(&mut random, &view, 300);
     assert!(check(&again, &rays) > 10);
     let invalid = |nodes: &[Node], parts: &[Part], numbers: &[u32]| {
-        matches!(SceneView::new(items, parts, nodes, numbers).err(), Some(Error::InvalidTree(_)))
+        let mut items = view.items().to_vec();
+        matches!(SceneView::new(&mut items, parts, nodes, numbers).err(), Some(Error::InvalidTree(_)))
     };
     let mut other = parts.to_vec();
     other[numbers[3] as usize].item = 12;

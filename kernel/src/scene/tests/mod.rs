@@ -32,8 +32,13 @@ fn scene(items: Vec<Item>) -> Scene {
 }
 
 /// Bits of a hit, so that NaN and zeros of different signs tell.
-fn bits(hit: Option<SceneHit>) -> Option<[u32; 13]> {
+fn bits(hit: Option<SceneHit>) -> Option<[u32; 8]> {
     hit.map(bytemuck::cast)
+}
+
+/// The indices of the items on the way to a hit.
+fn instances(scene: &SceneView, hit: &SceneHit) -> Vec<u32> {
+    scene.instances(hit).map(|(index, _)| index).collect()
 }
 
 /// A verdict that looks arbitrary, and depends on the hit alone.

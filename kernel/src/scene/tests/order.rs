@@ -26,8 +26,8 @@ fn masks_hide_at_every_level() {
         check(&outer.view(), &[ray]);
         if first.is_some() {
             let found = found.unwrap();
-            assert_eq!((found.geometry_id, found.instances[0]), (mask.trailing_zeros(), 0));
-            assert_eq!(found.instances[1], SceneHit::NO_INSTANCE);
+            assert_eq!((found.geometry_id, found.depth), (mask.trailing_zeros(), 1));
+            assert_eq!(instances(&outer.view(), &found), [0]);
         }
     }
 }
@@ -73,8 +73,8 @@ fn of_equally_near_hits_the_lowest_ids_count() {
         // All have a part 0 and t = 2. In the inner scene geometry 0 is the planes.
         assert_eq!((found.hit.t, found.hit.prim_id, found.geometry_id), (2.0, 0, 0), "{order:?}");
         let place_of_scene = order.iter().position(|&i| i == 3).unwrap() as u32;
-        // Without instances come those behind all with: NO_INSTANCE is the highest.
-        assert_eq!(found.instances[0], place_of_scene, "{order:?}");
+        // The scene's own path is the last.
+        assert_eq!(instances(&scene.view(), &found), [place_of_scene], "{order:?}");
         assert_eq!((found.hit.u, found.hit.v), (0.0, 0.75));
         check(&scene.view(), &[ray]);
         // Rejecting them one after the other gives all in order, each once.
@@ -121,7 +121,7 @@ fn filters_see_each_hit_once_and_in_one_order() {
             }
             total += seen.len();
             assert_eq!(*first.get_or_insert_with(|| seen.clone()), seen);
-            seen.sort_unstable_by_key(|hit| (hit.geometry_id, hit.hit.prim_id, hit.instances));
+            seen.sort_unstable_by_key(|hit| (hit.geometry_id, hit.hit.prim_id, hit.path));
             assert!(seen.windows(2).all(|pair| bits(Some(pair[0])) != bits(Some(pair[1]))));
         }
     }

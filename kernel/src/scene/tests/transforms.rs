@@ -78,10 +78,11 @@ fn exact_transforms_give_what_transformed_triangles_do() {
         assert_eq!(found.is_some(), expected.is_some(), "{ray:?}");
         let (Some(found), Some(expected)) = (found, expected) else { continue };
         hits += 1;
-        let flat_id = (found.instances[0] * places.len() as u32 + found.geometry_id) * 80 + found.hit.prim_id;
+        let instance = instances(&outer.view(), &found)[0];
+        let flat_id = (instance * places.len() as u32 + found.geometry_id) * 80 + found.hit.prim_id;
         let again = crate::geometry::intersect_triangle(&ray, &flat[flat_id as usize]).unwrap();
         assert!((found.hit.t - expected.t).abs() <= 4.0 * f32::EPSILON * expected.t.abs(), "{ray:?}");
-        if places[found.instances[0] as usize].matrix3.x_axis.x != 0.0
+        if places[instance as usize].matrix3.x_axis.x != 0.0
             && places[found.geometry_id as usize].matrix3.x_axis.x != 0.0
         {
             // No axes exchanged: equal bit for bit.
