@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::direct::{Direct, Receive};
 use super::footprint::footprint;
-use super::journal::{Journal, Stage};
+use super::journal::{Journal, Notes, Stage};
 use super::moments::{Lens, Moments};
 use super::openness::Openness;
 use super::options::{BakeOptions, Directional, Mode};
@@ -92,7 +92,8 @@ impl Job<'_> {
             first = Some(map);
         }
         let source = first.as_ref().map_or(Source::paths(options), |map| Source::Known(map));
-        let (frozen, filled) = self.fill(texels, *options, self.options.seed, source, Stage::Records)?;
+        let notes = Notes { journal: self.journal, stage: Stage::Records };
+        let (frozen, filled) = self.fill(texels, 1.0, (*options, self.options.seed), source, &notes)?;
         let (mut values, traced) = self.interpolate(&frozen, texels, source)?;
         if self.options.mode == Mode::Full {
             values.add(&alone);
