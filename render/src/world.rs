@@ -12,7 +12,7 @@ use halfdome_kernel::{
 };
 
 use crate::light::{Lights, SkyLight};
-use crate::scene::{CameraPose, Material, Mesh, Scene, Texture, TextureMap};
+use crate::scene::{CameraPose, Material, Mesh, Scene, Specular, Texture, TextureMap};
 use crate::threads::Threads;
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -257,6 +257,13 @@ impl Surface<'_> {
     /// The frame about the shading normal.
     pub(crate) fn frame(&self) -> Frame {
         Frame::from_normal(self.shading_normal)
+    }
+
+    /// Whether a ray in `direction` hits the back of a body here, coming from within. Surfaces that are meant to be seen from
+    /// both sides have no back, and glass is no body.
+    pub(crate) fn is_back_of_body(&self, direction: Vec3) -> bool {
+        let is_glass = matches!(self.material.specular, Specular::Glass { .. });
+        !self.material.emits_both_sides && !is_glass && self.normal.dot(direction) > 0.0
     }
 
     /// Radiance emitted towards the origin of a ray in `direction`.

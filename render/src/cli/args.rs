@@ -9,7 +9,9 @@ use clap::{Args, Parser, Subcommand};
 use super::CORNELL;
 use super::bake::BakeArguments;
 use super::cache::CacheCommand;
+use super::cubemap::CubemapArguments;
 use super::irradiance::IrradianceArguments;
+use super::probes::ProbesArguments;
 use super::progress::Mode;
 use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
@@ -23,7 +25,8 @@ Exit codes:
   0  done
   1  bad input or usage, found before the render
   2  the system failed, for example while the picture was written
-  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on
+  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on;
+     `cubemap` and `probes` write nothing
   5  an experiment of `halfdome validate` failed, or a check of `halfdome bake --check-uv`
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
@@ -53,6 +56,26 @@ Examples:
   halfdome bake level.glb --check-uv=charts.png
 
 Texels lie on the fronts of surfaces. A bake whose level, options and files are unchanged does nothing.";
+
+const CUBEMAP_EXAMPLES: &str = "\
+Examples:
+  halfdome cubemap studio.hdr -o studio.ktx2 --diffuse              for Bevy's EnvironmentMapLight: both of its maps
+  halfdome cubemap room.glb --at 0,1.5,0 -o room.ktx2 --spp 1024    what a point of a scene sees
+  halfdome cubemap sky --daylight 30,90 -o day.exr -o day.png       a clear sky, unfolded
+  halfdome cubemap studio.hdr -o studio.hdr --axes three            six faces for three.js, which filters them itself
+  halfdome cubemap studio.hdr -o s.ktx2 --seams lookup --print-lookup wgsl
+
+Faces are in KTX2's order (+X, -X, +Y, -Y, +Z, -Z) and turned as Vulkan and Direct3D have them. A map depends on source, \
+options and seed alone. An interrupted run writes nothing.";
+
+const PROBES_EXAMPLES: &str = "\
+Examples:
+  halfdome probes level.glb --grid 16x4x16 -o level.ktx2 -o level.json   for Bevy's IrradianceVolume, with its transform
+  halfdome probes level.glb --grid 4x4x4 --min -2,0,-2 --max 2,4,2 -o room.exr
+  halfdome probes level.glb --points seats.txt -o seats.json
+
+A probe that is inside of something is moved to a free point of its cell, or filled from its neighbours; its state says so. \
+Probes depend on scene, options and seed alone. An interrupted run writes nothing.";
 
 const VALIDATE_EXAMPLES: &str = "\
 Examples:
@@ -93,6 +116,12 @@ pub(super) enum Command {
     /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
     #[command(after_help = EXIT_CODES)]
     Tree(TreeArguments),
+    /// Make a prefiltered cube map of an environment, or of what a point in a scene sees
+    #[command(after_help = format!("{CUBEMAP_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Cubemap(Box<CubemapArguments>),
+    /// Find the light around points in a scene: spherical harmonics, and volumes of them for Bevy
+    #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Probes(Box<ProbesArguments>),
     /// Render scenes whose answer is known exactly, and compare
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
@@ -248,7 +277,7 @@ fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
         .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= 64.0);
     stops.ok_or_else(|| "expected stops from -64 to 64".to_owned())
 }
