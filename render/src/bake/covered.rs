@@ -44,7 +44,7 @@ pub(crate) fn uncover(world: &World, surfaces: &Surfaces, texels: &mut [Texel]) 
                 let others = surfaces.points_within(texel, GRID);
                 let free = are_covered(world, &others).into_iter().position(|covered| !covered);
                 if let Some(free) = free {
-                    texel.point = others[free];
+                    (texel.point, texel.is_moved) = (others[free], true);
                 }
                 Some(free.is_some())
             };

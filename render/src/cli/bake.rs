@@ -191,14 +191,15 @@ fn bake(
 ) -> Result<u8, CliError> {
     let hashes = files.hashes(&scene, options);
     if let Ok(old) = Manifest::read(&files.manifest) {
-        if old.made_from == hashes && files.are_whole(&old) {
-            say(style, &format!("{} is up to date", files.model.display()));
-            return Ok(EXIT_DONE);
-        }
         let changes = hashes.changes_since(&old.made_from);
         if !changes.is_empty() {
             // Any surface may reflect light to any other.
             say(style, &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")));
+        } else if let Some(fault) = files.fault(&old) {
+            say(style, &format!("{fault}, so all of it is baked"));
+        } else {
+            say(style, &format!("{} is up to date", files.model.display()));
+            return Ok(EXIT_DONE);
         }
     }
     let state = Journal::path(&files.model);

@@ -22,7 +22,9 @@ use crate::settings::{Integrator, PathOptions, Settings};
 use crate::world::World;
 
 pub use cached::CacheUse;
-pub(crate) use cached::{Frozen, Journal, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect};
+pub(crate) use cached::{
+    Frozen, Journal, Known, Source, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect,
+};
 pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.

@@ -4,6 +4,8 @@
 //! cosines are divided out. All else, the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
 //! at random, so that noise has no pattern from probe to probe, and light without fine detail has none at all.
 
+use std::slice;
+
 use glam::{DQuat, DVec3, Vec3};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
@@ -111,7 +113,7 @@ impl<'a> Gatherer<'a> {
             sums.normal = normal;
             let sensor = self.world.sensor(position, normal);
             let address = (seed, number.wrapping_mul(2).wrapping_add(side as u32));
-            traced += self.direct.sample(self.world, &sensor, address, self.options.spp, &mut sums);
+            traced += self.direct.sample(self.world, slice::from_ref(&sensor), address, self.options.spp, &mut sums);
         }
         let directions: Vec<(DVec3, f64)> = self.sphere.points().collect();
         for (batch, directions) in (0..).zip(directions.chunks(BATCH)) {

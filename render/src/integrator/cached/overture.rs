@@ -26,8 +26,10 @@ const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
 const LEAST_PIXELS: f32 = 6.0;
 /// ... and the most pixels.
 const MOST_PIXELS: f32 = 40.0;
-/// The fewest and the most texels of a lightmap.
-const TEXELS: [f32; 2] = [1.5, 40.0];
+/// The fewest texels of a lightmap, over the error, ...
+const LEAST_TEXELS: f32 = 5.0;
+/// ... and the most.
+const MOST_TEXELS: f32 = 40.0;
 /// Parts of the scene's diagonal that make up the unit of spacing where there is no camera ...
 const PARTS: f32 = 1024.0;
 /// ... and the most units that a record reaches.
@@ -51,7 +53,8 @@ const LEVEL_SHIFT: u32 = 56;
 pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> (Frozen, u64) {
     let camera = Camera::new(&world.camera, settings.width, settings.height);
     let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
-    let (frozen, traced) = fill(world, cache, settings.seed, &candidates, &passes, &Forgetful, watch);
+    let overture = Overture { world, seed: settings.seed, source: Source::Paths(None), journal: &Forgetful, watch };
+    let (frozen, traced) = overture.fill(cache, &candidates, &passes);
     (frozen, rays + traced)
 }
 
@@ -65,65 +68,74 @@ pub(crate) fn fill_for_surfaces(
 ) -> (Frozen, u64) {
     let least_units = SENSOR_UNITS * cache.options().error;
     let candidates = loose_candidates(world, surfaces.iter().copied(), 0, least_units);
-    fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), &Forgetful, watch)
+    let overture = Overture { world, seed, source: Source::Paths(None), journal: &Forgetful, watch };
+    overture.fill(cache, &candidates, &loose_passes(candidates.len()))
 }
 
 /// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
-/// width of a texel there.
+/// width of a texel there. Light comes from `source`, unless the cache has a number of bounces.
 pub(crate) fn fill_for_texels<'w>(
     world: &'w World,
     seed: u64,
     cache: Cache,
     texels: &[(Surface<'w>, f32)],
+    source: Source,
     journal: &dyn Journal,
     watch: &dyn Watch,
 ) -> (Frozen, u64) {
+    let least_texels = LEAST_TEXELS * cache.options().error;
     let candidate = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| Candidate {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
-        bounds: Bounds { lower: TEXELS[0] * spacing, upper: TEXELS[1] * spacing },
+        bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
     };
     let candidates: Vec<Candidate> = (0..).zip(texels).map(candidate).collect();
-    fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), journal, watch)
+    Overture { world, seed, source, journal, watch }.fill(cache, &candidates, &loose_passes(candidates.len()))
 }
 
-/// Fills `cache` from paths, or from caches of one, two, three reflections in turn.
-fn fill(
-    world: &World,
-    mut cache: Cache,
+/// What caches are filled with.
+struct Overture<'a> {
+    world: &'a World,
     seed: u64,
-    candidates: &[Candidate],
-    passes: &[Pass],
-    journal: &dyn Journal,
-    watch: &dyn Watch,
-) -> (Frozen, u64) {
-    let options = *cache.options();
-    let mut traced = 0;
-    let mut fill = |cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]| {
-        let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
-        let level = Level { world, options: &options, source, gatherer, watch, journal };
-        traced += level.fill(cache, candidates, passes);
-    };
-    let Some(bounces) = options.bounces else {
-        fill(&mut cache, Source::Paths(None), candidates, passes);
-        return (Frozen::new(cache), traced);
-    };
-    // Candidates from the surface down; the first that are needed are found last.
-    let mut deeper: Vec<Vec<Candidate>> = Vec::new();
-    for level in 1..bounces {
-        let above = deeper.last().map_or(candidates, Vec::as_slice);
-        deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
+    /// Where light comes from, unless a cache has a number of bounces.
+    source: Source<'a>,
+    journal: &'a dyn Journal,
+    watch: &'a dyn Watch,
+}
+
+impl Overture<'_> {
+    /// Fills `cache` from the source, or from caches of one, two, three reflections in turn.
+    fn fill(&self, mut cache: Cache, candidates: &[Candidate], passes: &[Pass]) -> (Frozen, u64) {
+        let Self { world, seed, source, journal, watch } = *self;
+        let options = *cache.options();
+        let mut traced = 0;
+        let mut fill = |cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]| {
+            let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
+            let level = Level { world, options: &options, source, gatherer, watch, journal };
+            traced += level.fill(cache, candidates, passes);
+        };
+        let Some(bounces) = options.bounces else {
+            fill(&mut cache, source, candidates, passes);
+            return (Frozen::new(cache), traced);
+        };
+        // Candidates from the surface down; the first that are needed are found last.
+        let mut deeper: Vec<Vec<Candidate>> = Vec::new();
+        for level in 1..bounces {
+            let above = deeper.last().map_or(candidates, Vec::as_slice);
+            deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
+        }
+        // One reflection of direct light: the surface that the gather sees, and the light.
+        let mut below: Option<Frozen> = None;
+        for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
+            let mut cache =
+                Cache::new(CachedOptions { bounces: Some(reflections), ..options }, world.surroundings_hash());
+            let source = below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache);
+            fill(&mut cache, source, candidates, &loose_passes(candidates.len()));
+            below = Some(Frozen::new(cache));
+        }
+        fill(&mut cache, below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache), candidates, passes);
+        (Frozen::new(cache), traced)
     }
-    // One reflection of direct light: the surface that the gather sees, and the light.
-    let mut below: Option<Frozen> = None;
-    for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
-        let mut cache = Cache::new(CachedOptions { bounces: Some(reflections), ..options }, world.surroundings_hash());
-        let source = below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache);
-        fill(&mut cache, source, candidates, &loose_passes(candidates.len()));
-        below = Some(Frozen::new(cache));
-    }
-    fill(&mut cache, below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache), candidates, passes);
-    (Frozen::new(cache), traced)
 }
 
 /// What the camera sees through the middles of pixels in ever finer grids: candidates, a pass or two for each grid, and
