@@ -17,6 +17,8 @@ use super::lobe::Lobe;
 /// How large a square may be, as a part of the lobe's width or of its own distance from the axis, whichever is more. The
 /// error goes with the square of this; the tests hold it to a quarter of a percent.
 const FINENESS: f64 = 0.2;
+/// How large it may be at most, radians: light too changes over a square, and with the weight.
+const MAX_EXTENT: f64 = 0.12;
 /// Texels are divided this often at most.
 const DIVISIONS: u32 = 6;
 
@@ -154,7 +156,7 @@ impl Sums<'_> {
         let extent = f64::from(square.extent);
         if distance - 0.5 * extent > self.reach {
             Verdict::Nothing
-        } else if extent <= FINENESS * self.width.max(distance) {
+        } else if extent <= (FINENESS * self.width.max(distance)).min(MAX_EXTENT) {
             Verdict::Whole
         } else {
             Verdict::Parts

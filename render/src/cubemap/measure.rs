@@ -96,12 +96,10 @@ mod tests {
                 assert!(treated.seam < 1e-6 && treated.seam < 1e-4 * none.seam, "{size}: {treated:?}");
             }
             // The stretch moves what is near the edges by half a texel, the warp as much but in fewer places; the lookup has
-            // the error of interpolation alone, of second order.
-            assert!(
-                lookup.error < 0.5 * none.error && lookup.error < 0.5 * stretch.error,
-                "{size}: {lookup:?} {none:?}"
-            );
-            assert!(warp.error <= 1.1 * stretch.error, "{size}: {warp:?} {stretch:?}");
+            // the error of interpolation alone, of second order: less by a factor that grows with the size.
+            let factor = f64::from(size) / 3.5;
+            assert!(factor * lookup.error < none.error.min(stretch.error), "{size}: {lookup:?} {none:?} {stretch:?}");
+            assert!(warp.error < stretch.error, "{size}: {warp:?} {stretch:?}");
         }
         let ratio = smooth(16)[3].error / smooth(64)[3].error;
         assert!((12.0..20.0).contains(&ratio), "a quarter of the step has a sixteenth of the error: {ratio}");

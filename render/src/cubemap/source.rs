@@ -15,7 +15,7 @@ use crate::world::World;
 /// The set of random numbers that places a ray in its texel.
 const TEXEL_SET: u32 = 0;
 /// Points of a texel across, at most, at which the sky is looked up.
-const MAX_POINTS: u32 = 32;
+const MAX_POINTS: u32 = 256;
 
 /// What is seen in all directions.
 pub struct Source<'a>(Kind<'a>);

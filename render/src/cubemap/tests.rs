@@ -165,7 +165,7 @@ fn threads_and_interruptions_leave_no_trace() {
     assert!(one.levels[0].texels.iter().all(|texel| texel.is_finite() && texel.min_element() >= 0.0));
     assert!(one.rays > 6 * 64 * 4);
     let work = work(&source, &options);
-    for steps in [1, work / 2, work - 8] {
+    for steps in [1, work / 2, work - 6 * 64] {
         assert_eq!(make(&source, &options, &Patience(steps.into())), None, "{steps} of {work}");
     }
 }
