@@ -149,7 +149,7 @@ pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
         say(style, "interrupted; nothing is written");
         return Ok(EXIT_INTERRUPTED);
     };
-    warn(style, &mut warnings(&found));
+    warn(style, &mut warnings(&found, arguments.grid.is_some()));
     let grid = match &places {
         Places::Grid(grid) => Some(grid),
         Places::Points(_) => None,
@@ -165,12 +165,13 @@ fn number(found: &Probes, state: State) -> usize {
     found.probes.iter().filter(|probe| probe.state == state).count()
 }
 
-fn warnings(found: &Probes) -> Vec<String> {
+fn warnings(found: &Probes, is_grid: bool) -> Vec<String> {
     let mut warnings = Vec::new();
     let covered = number(found, State::Covered);
     if covered > 0 {
         let probes = count(covered, "probe is", "probes are");
-        warnings.push(format!("{probes} inside of something, with no free neighbour to fill them from"));
+        let place = if is_grid { ", with no free neighbour to be filled from" } else { "" };
+        warnings.push(format!("{probes} inside of something{place}"));
     }
     if !found.probes.is_empty() && found.probes.iter().all(|probe| probe.light.harmonics[0] == Vec3::ZERO) {
         warnings.push("all probes are dark; give the scene a --sky, for example, or try --emission both".to_owned());

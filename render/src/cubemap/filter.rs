@@ -253,7 +253,7 @@ mod tests {
     fn the_mean_over_the_sphere_stays() {
         let sun = DVec3::new(0.4, 0.7, -0.59).normalize();
         let sky = |d: DVec3| Vec3::new(if d.dot(sun) > 0.99 { 100.0 } else { 0.0 }, d.y.max(0.0) as f32, 1.0);
-        let pyramid = pyramid(32, Seams::None, sky);
+        let pyramid = pyramid(16, Seams::None, sky);
         let mean = |texels: &dyn Fn(Face, u32, u32) -> Vec3| {
             let grid = pyramid.grid;
             let side = |x: u32| [grid.place(f64::from(x)), grid.place(f64::from(x) + 1.0)];

@@ -73,7 +73,7 @@ pub struct Probes {
 /// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher says stop. They depend on
 /// the world, the grid and the options alone.
 pub fn on_grid(world: &World, grid: &Grid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
-    let mut probes = place::probes(world, grid);
+    let mut probes = place::probes(world, grid, watch)?;
     let rays = gather(world, &mut probes, |probe| probe.state != State::Covered, options, watch)?;
     place::fill(grid, &mut probes);
     Some(Probes { probes, rays })
@@ -85,7 +85,7 @@ pub fn at_points(world: &World, points: &[Vec3], options: &Options, watch: &dyn 
         let state = if place::is_covered(backs) { State::Covered } else { State::Free };
         Probe { position, state, backs, light: Light::default() }
     };
-    let mut probes: Vec<Probe> = points.iter().zip(place::backs(world, points)).map(probe).collect();
+    let mut probes: Vec<Probe> = points.iter().zip(place::backs(world, points, watch)?).map(probe).collect();
     let rays = gather(world, &mut probes, |_| true, options, watch)?;
     Some(Probes { probes, rays })
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::gather::Light;
 use super::quadrature::Quadrature;
 use super::{Grid, Probe, State};
+use crate::driver::Watch;
 use crate::world::World;
 
 /// A point is covered if it sees more backs than this part of all directions.
@@ -28,36 +29,39 @@ pub(super) fn is_covered(backs: f32) -> bool {
     backs > BACKS
 }
 
-/// The part of all directions in which each point sees the back of something.
-pub(super) fn backs(world: &World, points: &[Vec3]) -> Vec<f32> {
+/// The part of all directions in which each point sees the back of something; `None` if the watcher says stop.
+pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option<Vec<f32>> {
     let sphere: Vec<(Vec3, f32)> =
         Quadrature::new(RINGS).points().map(|(direction, weight)| (direction.as_vec3(), weight as f32)).collect();
     let share = |point: &Vec3| {
+        if watch.stop() {
+            return None;
+        }
         let rays: Vec<Ray> = sphere.iter().map(|(direction, _)| Ray::new(*point, *direction)).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         world.intersect_many(&rays, &mut hits);
         let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && world.surface_at(hit).is_back_of_body(ray.direction);
         let seen = rays.iter().zip(&hits).zip(&sphere).filter(|(pair, _)| is_back(*pair));
-        seen.map(|(_, (_, weight))| weight).sum::<f32>() / (4.0 * std::f32::consts::PI)
+        Some(seen.map(|(_, (_, weight))| weight).sum::<f32>() / (4.0 * std::f32::consts::PI))
     };
     points.par_iter().map(share).collect()
 }
 
-/// Probes of a grid, moved where they would be covered. Their light is yet to be found.
-pub(super) fn probes(world: &World, grid: &Grid) -> Vec<Probe> {
+/// Probes of a grid, moved where they would be covered; `None` if the watcher says stop. Their light is yet to be found.
+pub(super) fn probes(world: &World, grid: &Grid, watch: &dyn Watch) -> Option<Vec<Probe>> {
     let middles: Vec<Vec3> = grid.positions().collect();
-    let seen = backs(world, &middles);
+    let seen = backs(world, &middles, watch)?;
     let place = |(position, backs): (Vec3, f32)| {
         let mut probe = Probe { position, state: State::Free, backs, light: Light::default() };
         if is_covered(backs) {
             let points: Vec<Vec3> = offsets().iter().map(|offset| position + *offset * grid.cell()).collect();
-            let seen = self::backs(world, &points);
+            let seen = self::backs(world, &points, watch)?;
             match seen.iter().position(|backs| !is_covered(*backs)) {
                 Some(free) => (probe.position, probe.backs, probe.state) = (points[free], seen[free], State::Moved),
                 None => probe.state = State::Covered,
             }
         }
-        probe
+        Some(probe)
     };
     middles.into_par_iter().zip(seen).map(place).collect()
 }

@@ -69,7 +69,8 @@ fn listed_points_keep_their_places_and_are_marked() {
         let points = "# seats\n0.278 0.3 0.279\n\n0.36 0.1 0.35\n";
         program.put("seats.txt", points);
         let line = format!("probes cornell --points seats.txt -o a.json {SMALL}");
-        succeed(&program.run_line(&line));
+        let outcome = program.run_line(&line);
+        assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), "warning: 1 probe is inside of something\n"));
         let document = read(program, "a.json");
         assert_eq!(document["grid"], Value::Null);
         let states: Vec<&Value> = document["probes"].as_array().unwrap().iter().map(|probe| &probe["state"]).collect();
@@ -106,7 +107,7 @@ fn wrong_input_is_named() {
     in_folder(|program| {
         program.put("seats.txt", "0 0 0\n0 0\n");
         program.put("none.txt", "# nobody\n");
-        program.put("empty.obj", "v 0 0 0\n");
+        program.put("dark.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
         refuse(
             program,
             &[
@@ -118,6 +119,7 @@ fn wrong_input_is_named() {
                 ("probes cornell --grid 2x2x2 -o a.hdr", "a.hdr is not the name of probes that can be written"),
                 ("probes cornell --grid 2x2x2 -o a.json -o a.json", "a.json would be written twice"),
                 ("probes cornell --grid 2x2x2 --min 1,0,0 --max 0,1,1 -o a.json", "has no inside"),
+                ("probes dark.obj --grid 2x2x2 -o a.json", "has no inside"),
                 ("probes cornell --grid 2x2x2 -o missing/a.json", "the folder missing does not exist"),
                 ("probes cornell --points seats.txt --grid 2x2x2 -o a.json", "cannot be used with"),
                 ("probes cornell --points seats.txt -o a.ktx2", "listed points make no volume"),
@@ -128,9 +130,9 @@ fn wrong_input_is_named() {
                 ("probes cornell --grid 2x2x2 --rays 1 -o a.json", "18"),
             ],
         );
-        // Nothing shines.
+        // Nothing shines; the box must be given, as the model is flat.
         let dark =
-            program.run_line(&format!("probes empty.obj --grid 1x1x1 --min 0,0,0 --max 1,1,1 -o a.json {SMALL}"));
+            program.run_line(&format!("probes dark.obj --grid 1x1x1 --min 0,0.5,0 --max 1,1,1 -o a.json {SMALL}"));
         assert_eq!(dark.code, Some(0), "{}", dark.stderr);
         assert!(dark.stderr.contains("all probes are dark"), "{}", dark.stderr);
     });
