@@ -21,6 +21,7 @@
 //!
 //! Nothing here allocates or panics.
 
+mod candidates;
 mod closest;
 mod facing;
 mod filter;
@@ -32,6 +33,7 @@ pub(crate) mod moving;
 mod overlap;
 mod packet;
 mod pending;
+mod shrub;
 // Miri would take hours.
 #[cfg(all(test, not(miri)))]
 mod query_tests;
@@ -237,6 +239,8 @@ impl<const ANY: bool, F: FnMut(usize, Option<Hit>)> Work for Many<'_, ANY, F> {
             for (number, ray) in self.rays.iter().enumerate() {
                 land(number, flight::trace::<ANY, S>(self.tree, ray));
             }
+        } else if shrub::is_shrub(self.tree) {
+            shrub::trace::<ANY, S>(self.tree, self.rays, self.land);
         } else {
             flock::trace::<ANY, S>(self.tree, self.rays, self.land);
         }
