@@ -203,3 +203,65 @@ fn along<const K: usize, const N: usize, L: Lanes<N>>([x, y]: [L::Mask; 2], v: [
 fn in_order<const N: usize, L: Lanes<N>>(fastest: [L::Mask; 2], v: [L; 3]) -> [L; 3] {
     [along::<0, N, L>(fastest, v), along::<1, N, L>(fastest, v), along::<2, N, L>(fastest, v)]
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, vec3};
+
+    use super::*;
+    use crate::geometry::Ray;
+    use crate::simd::{Work, dispatch};
+    use crate::traverse::tests::{Random, isas};
+
+    /// Eight rays, each alone and all in lanes.
+    struct Compare<'a>(&'a [Ray; 8], &'a Aabb);
+
+    impl Work for Compare<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn run<S: Simd>(self) {
+            let [a, b, c, d, e, f, g, h] = self.0;
+            let load = |ray: &Ray| S::F8::load(bytemuck::cast_ref(ray));
+            let rays = [load(a), load(b), load(c), load(d), load(e), load(f), load(g), load(h)];
+            let lanes = SetupLanes::new(S::transpose(rays), self.1);
+            let rows = lanes.rows::<S>();
+            for (lane, ray) in self.0.iter().enumerate() {
+                let alone = RaySetup::new(ray, self.1);
+                assert_eq!(lanes.live >> lane & 1 == 1, alone.is_some(), "{ray:?}");
+                let Some(alone) = alone else { continue };
+                let setup = rows.setup(lane);
+                assert_eq!(setup.slabs.negative, alone.slabs.negative, "{ray:?}");
+                assert_eq!(bits(&setup.slabs), bits(&alone.slabs), "{ray:?}");
+                assert_eq!(rows.interval(lane), (ray.t_min, ray.t_max));
+                // Backward rays have the first two axes the other way round.
+                let ([x, y, z], numbers) = (alone.line.axes, alone.line.numbers);
+                let backward = ray.direction[z as usize] < 0.0;
+                let order = if backward { [1, 0, 2, 4, 3, 5, 7, 6] } else { [0, 1, 2, 3, 4, 5, 6, 7] };
+                assert_eq!(setup.line.axes, if backward { [y, x, z] } else { [x, y, z] }, "{ray:?}");
+                assert_eq!(setup.line.numbers.map(f32::to_bits), order.map(|k: usize| numbers[k].to_bits()), "{ray:?}");
+            }
+        }
+    }
+
+    fn bits(slabs: &Slabs) -> [[u32; 3]; 3] {
+        [slabs.inverse, slabs.near_shift, slabs.far_shift].map(|v| v.map(f32::to_bits))
+    }
+
+    #[test]
+    fn eight_rays_are_made_ready_as_each_alone() {
+        let mut random = Random(31);
+        let scene = Aabb { min: vec3(-1.0, -2.0, -0.5), max: vec3(3.0, 1.0, 0.5) };
+        let steps = [-1.0f32, 1.0, 0.0, -0.0, 1e-12, -1e-12, 1e16, f32::NAN];
+        for round in 0..if cfg!(miri) { 4 } else { 400 } {
+            let rays = core::array::from_fn(|_| {
+                let mut any = || steps[random.bits() as usize % (steps.len() - round % 3)];
+                let direction = if round % 2 == 0 { Vec3::new(any(), any(), any()) } else { random.vector() };
+                let t_min = random.unit() - 0.5;
+                Ray { origin: random.vector() * 3.0, t_min, direction, t_max: 3.0 * random.unit() - 0.5 }
+            });
+            for scene in [&scene, &Aabb::EMPTY] {
+                isas().for_each(|isa| dispatch(isa, Compare(&rays, scene)));
+            }
+        }
+    }
+}

@@ -24,7 +24,7 @@ pub(super) const FLOCK: usize = 64;
 
 /// Gives `land` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Option<Hit>)) {
+pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
     let mut birds: [Bird; FLOCK] = core::array::from_fn(|_| Bird::LANDED);
     let mut lists = Lists::default();
     let mut resting = List::default();
@@ -61,7 +61,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
         }
         for k in 0..lists.done.restart() {
             let i = lists.done.bird(k);
-            land(birds[i].number, birds[i].best.found());
+            land(birds[i].number, birds[i].best.or_miss());
             resting.push(i as u8, true);
         }
     }
