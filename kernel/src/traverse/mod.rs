@@ -207,7 +207,12 @@ impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
+        // Not where there is no room on the stack, either.
+        if queues::suit(self.tree) && !cfg!(target_os = "none") {
+            queues::trace::<ANY, S>(self.tree, self.rays, self.land);
+        } else {
+            gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
+        }
     }
 }
 
