@@ -6,7 +6,6 @@
 //! gathers for itself, by paths. That Cycles' maps tend to it too is seen from `brighter`. Cycles' error falls with the root
 //! of its samples, as long as noise is what it is: the time for our error follows from that.
 
-use std::error::Error;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
@@ -22,6 +21,9 @@ use halfdome::scene::{Scene, cornell_box};
 use halfdome::world::World;
 use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
+
+/// What went wrong, from whatever thread.
+type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Irradiance counts as at least this part of the mean where errors are relative to it.
 const DARK: f64 = 0.1;
@@ -58,7 +60,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
+fn compare(options: &Options) -> Result<(), Failure> {
     let scene = cornell_box();
     let defaults = BakeOptions { size: options.size, ..BakeOptions::default() };
     let mut long = BakeOptions { brute: true, spp: options.reference / 4, seed: 1, ..defaults.clone() };
@@ -83,7 +85,7 @@ fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
 }
 
 /// Our bake on so many threads, 0 for as many as there are.
-fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Result<(Bake, Timed), Box<dyn Error>> {
+fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Result<(Bake, Timed), Failure> {
     struct Patient;
     impl Watch for Patient {
         fn advance(&self, _: u64, _: u64) {}
@@ -145,7 +147,7 @@ impl Distance {
 }
 
 /// Cycles' maps on the same texels, one for each number of samples.
-fn cycles(scene: &Scene, atlas: &Atlas, spp: &[u32]) -> Result<Vec<Timed>, Box<dyn Error>> {
+fn cycles(scene: &Scene, atlas: &Atlas, spp: &[u32]) -> Result<Vec<Timed>, Failure> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let python = root.join("../target/renderers/bin/python");
     if !python.is_file() {
