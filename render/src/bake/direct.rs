@@ -24,14 +24,14 @@ const SALT: u64 = 0x3c6e_f372_fe94_f82b;
 const BATCH: u32 = 2048;
 
 /// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
-pub(super) trait Receive {
+pub(crate) trait Receive {
     /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
     fn receive(&mut self, direction: Vec3, irradiance: Vec3);
 }
 
 /// Samples of direct light, and their memory.
 #[derive(Default)]
-pub(super) struct Direct {
+pub(crate) struct Direct {
     shadows: Vec<Ray>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
@@ -43,7 +43,7 @@ pub(super) struct Direct {
 impl Direct {
     /// Gives to `sink` the irradiance of `spp` samples, each at one of `surfaces`, at least one; gives the number of rays.
     /// `number` selects the random numbers.
-    pub(super) fn sample(
+    pub(crate) fn sample(
         &mut self,
         world: &World,
         surfaces: &[Surface],
@@ -70,10 +70,9 @@ impl Direct {
 
     /// Makes the two rays of a sample.
     fn aim(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
-        // One set for both, so that the points on each lamp are spread as evenly as all are.
-        let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
-        let choice = unit_double(Vec2::new(z, w));
-        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, choice, Vec2::new(x, y)) {
+        let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
+        let numbers = (unit_double(Vec2::new(x, finer)), y);
+        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, numbers) {
             self.shadows.push(light.shadow);
             self.values.push(light.radiance * PI);
         }

@@ -15,7 +15,7 @@ pub mod check;
 mod covered;
 mod denoise;
 mod dilate;
-mod direct;
+pub(crate) mod direct;
 mod edges;
 mod filter;
 mod footprint;

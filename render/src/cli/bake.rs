@@ -233,12 +233,12 @@ fn bake(
 }
 
 /// Prints warnings, and takes them out.
-fn warn(style: Style, warnings: &mut Vec<String>) {
+pub(super) fn warn(style: Style, warnings: &mut Vec<String>) {
     warnings.drain(..).for_each(|warning| print_warning(style, &warning));
 }
 
 /// Tells what happens, in the form that progress has.
-fn say(style: Style, text: &str) {
+pub(super) fn say(style: Style, text: &str) {
     match style {
         Style::Silent => {}
         Style::Json => super::progress::print_line(&serde_json::json!({ "event": "note", "message": text })),
@@ -250,7 +250,7 @@ fn say(style: Style, text: &str) {
 }
 
 /// One of the values of a type, by its name.
-fn names<T: Copy + Send + Sync + 'static, const N: usize>(
+pub(super) fn names<T: Copy + Send + Sync + 'static, const N: usize>(
     all: [T; N],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
@@ -264,6 +264,6 @@ fn positive(text: &str) -> Result<f32, String> {
 }
 
 /// An error about the options.
-fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
+pub(super) fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
     Invalid::new(problem, remedy).into()
 }

@@ -18,7 +18,7 @@ use halfdome_kernel::{Hit, Ray};
 
 use crate::cache::Cache;
 use crate::driver::Watch;
-use crate::settings::{Integrator, Settings};
+use crate::settings::{Integrator, PathOptions, Settings};
 use crate::world::World;
 
 pub use cached::CacheUse;
@@ -77,6 +77,17 @@ pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, 
         }
         _ => (Prepared::Nothing, 0),
     }
+}
+
+/// Writes the radiance along each ray, found by paths; gives the number of further rays traced.
+pub(crate) fn radiance_by_paths(
+    world: &World,
+    options: &PathOptions,
+    rays: &CameraRays,
+    wave: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    path::radiance(world, options, rays, wave, radiance, |_| ())
 }
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
