@@ -1,5 +1,8 @@
 //! The overture: fills a cache for what a camera sees, coarse to fine, or for given points.
 //!
+//! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and what the gathers' rays hit asks
+//! it for indirect light, of which paths bring most of the noise. A few points gather from paths themselves.
+//!
 //! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first, as Driscoll hopes
 //! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
 //! deeper cache is needed where the gathers' rays end, so its candidates are found by rays from the candidates above.
@@ -16,7 +19,7 @@ use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
 use crate::driver::Watch;
 use crate::estimator::{GatherPoint, Gatherer};
-use crate::settings::{CachedOptions, Metric, Settings};
+use crate::settings::{CachedOptions, Gradients, Metric, Settings};
 use crate::world::{Surface, World};
 
 /// Steps between the camera's candidates, in pixels.
@@ -36,6 +39,10 @@ const MOST_UNITS: f32 = 160.0;
 const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
+/// From so many candidates without a record on it is worth it to gather from another cache instead of by paths alone ...
+const MANY: usize = 1024;
+/// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
+const FEWER: u32 = 8;
 /// Rays by which a candidate finds candidates for the next deeper cache.
 const SCOUTS: u32 = 8;
 /// The most candidates that send scouts.
@@ -87,7 +94,8 @@ pub(crate) fn fill_for_texels<'w>(
     fill(world, cache, seed, &candidates, &loose_passes(candidates.len()), journal, watch)
 }
 
-/// Fills `cache` from paths, or from caches of one, two, three reflections in turn.
+/// Fills `cache` from paths, from a cache of fewer rays that is filled from paths, or from caches of one, two, three reflections
+/// in turn.
 fn fill(
     world: &World,
     mut cache: Cache,
@@ -100,12 +108,22 @@ fn fill(
     let options = *cache.options();
     let mut traced = 0;
     let mut fill = |cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]| {
+        let options = *cache.options();
         let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
         let level = Level { world, options: &options, source, gatherer, watch, journal };
         traced += level.fill(cache, candidates, passes);
     };
     let Some(bounces) = options.bounces else {
-        fill(&mut cache, Source::Paths(None), candidates, passes);
+        let is_open = |place: &Place| !cache.covers(place.position, place.normal);
+        let open = candidates.par_iter().filter(|candidate| is_open(&candidate.place)).count();
+        let below = (open >= MANY).then(|| {
+            let options = below(&options);
+            let candidates = scout(world, candidates, seed, 1, SENSOR_UNITS * options.error);
+            let mut cache = Cache::new(options, world.surroundings_hash());
+            fill(&mut cache, Source::Paths(None), &candidates, &loose_passes(candidates.len()));
+            Frozen::new(cache)
+        });
+        fill(&mut cache, below.as_ref().map_or(Source::Paths(None), Source::Cache), candidates, passes);
         return (Frozen::new(cache), traced);
     };
     // Candidates from the surface down; the first that are needed are found last.
@@ -124,6 +142,16 @@ fn fill(
     }
     fill(&mut cache, below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache), candidates, passes);
     (Frozen::new(cache), traced)
+}
+
+/// The options of the cache from which those of a cache with `options` gather.
+fn below(options: &CachedOptions) -> CachedOptions {
+    CachedOptions {
+        rays: (options.rays / FEWER).max(CachedOptions::MIN_RAYS),
+        metric: Metric::Hessian,
+        gradients: Gradients::Both,
+        ..*options
+    }
 }
 
 /// What the camera sees through the middles of pixels in ever finer grids: candidates, a pass or two for each grid, and
