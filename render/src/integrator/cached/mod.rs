@@ -9,6 +9,7 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
+mod candidates;
 mod known;
 mod level;
 mod lookup;
