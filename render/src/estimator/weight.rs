@@ -9,6 +9,7 @@ use crate::settings::LightSampling;
 /// technique cannot meet: a mirror or the camera's pinhole for bounces, a light without a surface for light samples.
 impl LightSampling {
     /// Of light that a bounce found.
+    #[inline]
     pub(crate) fn of_bounce(self, bounce: f32, light: f32) -> f32 {
         match self {
             Self::Naive => 1.0,
@@ -19,6 +20,7 @@ impl LightSampling {
     }
 
     /// Of light that was sampled.
+    #[inline]
     pub(crate) fn of_light(self, light: f32, bounce: f32) -> f32 {
         match self {
             Self::Naive if light == f32::INFINITY => 1.0,
