@@ -1,24 +1,21 @@
 //! Triangles that rays of a flock may hit: gathered from all of them, and tested eight at a time, each lane with a ray of
 //! its own.
 
-use super::flock::FLOCK;
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::setup::{Axis, Line};
 use crate::geometry::triangle::{self, Crossing, LineLanes};
 use crate::simd::{Lanes, Simd};
 
-/// What the blocks of a flock may hold, and room for the eight that a block writes, whether its lanes are candidates or not.
-const ROOM: usize = (FLOCK + 1) * WIDTH;
-
-/// Triangles that may be hit, and by whom.
-pub(super) struct Candidates {
+/// Triangles that may be hit, and by whom. There is to be room for eight more than there may be: a block writes eight,
+/// whether its lanes are candidates or not.
+pub(super) struct Candidates<const ROOM: usize> {
     /// The block times eight, plus the lane.
     codes: [u32; ROOM],
     birds: [u8; ROOM],
     len: usize,
 }
 
-impl Candidates {
+impl<const ROOM: usize> Candidates<ROOM> {
     pub(super) const EMPTY: Self = Self { codes: [0; ROOM], birds: [0; ROOM], len: 0 };
 
     #[inline(always)]

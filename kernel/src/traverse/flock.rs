@@ -22,6 +22,9 @@ use crate::simd::{Lanes, Simd, lanes_of};
 /// Rays of a flock. Fewer hide less; more do not fit into the first-level cache.
 pub(super) const FLOCK: usize = 64;
 
+/// One block of each ray.
+type FlocksCandidates = Candidates<{ (FLOCK + 1) * WIDTH }>;
+
 /// Gives `land` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
@@ -29,7 +32,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
     let mut lists = Lists::default();
     let mut resting = List::default();
     (0..FLOCK as u8).for_each(|i| resting.push(i, true));
-    let mut candidates = Candidates::EMPTY;
+    let mut candidates = FlocksCandidates::EMPTY;
     let mut departed = 0;
     loop {
         while resting.len() >= WIDTH && departed < rays.len() {
@@ -106,7 +109,11 @@ fn depart<S: Simd>(
 
 /// Tests the candidates, eight at a time, and tells their birds of the hits.
 #[inline(always)]
-fn test<const ANY: bool, S: Simd>(blocks: &[TriangleBlock], candidates: &mut Candidates, birds: &mut [Bird; FLOCK]) {
+fn test<const ANY: bool, S: Simd>(
+    blocks: &[TriangleBlock],
+    candidates: &mut FlocksCandidates,
+    birds: &mut [Bird; FLOCK],
+) {
     for (codes, numbers) in candidates.eights() {
         let lines = numbers.map(|number| &birds[usize::from(number) % FLOCK].setup.line);
         let mut triangles = [Place::new(blocks, codes[0], lines[0]); WIDTH];
@@ -157,7 +164,7 @@ impl Bird {
 
     /// Adds the triangles of the block that is next which may be hit.
     #[inline(always)]
-    fn find_candidates<S: Simd>(&mut self, number: usize, blocks: &[TriangleBlock], candidates: &mut Candidates) {
+    fn find_candidates<S: Simd>(&mut self, number: usize, blocks: &[TriangleBlock], candidates: &mut FlocksCandidates) {
         let first = self.pending.take_block();
         if let Some(block) = blocks.get(first as usize) {
             let line = &self.setup.line;

@@ -168,7 +168,8 @@ impl<C: Collector> Work for Walk<'_, C> {
 
 impl BvhView<'_> {
     /// Like [`intersect_many`](Self::intersect_many), and quicker for rays that share an origin and go many ways, as those
-    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets.
+    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets. In a tree of one node they
+    /// are the same.
     pub fn intersect_gather(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
