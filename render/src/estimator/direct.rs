@@ -91,11 +91,14 @@ pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> 
 #[inline(always)]
 fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
-    match choice.source {
-        Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
-        Source::Punctual(light) => Some(sample_punctual(surface, light, choice.probability)),
-        Source::Sky => sample_sky(world, surface, u),
-    }
+    let rarer = match choice.source {
+        Source::Triangle(prim_id) => return sample_triangle(world, surface, *prim_id, u),
+        Source::Punctual(light) => sample_punctual(surface, light, choice.probability),
+        Source::Sky => sample_sky(world, surface, u)?,
+    };
+    // Taken apart and put together, or the samples of triangles would be kept in memory as well.
+    let LightSample { shadow, direction, radiance, density } = rarer;
+    Some(LightSample { shadow, direction, radiance, density })
 }
 
 #[inline(always)]
@@ -106,10 +109,9 @@ fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> O
     }
     let light = world.surface(prim_id, point.x, point.y);
     let to_light = light.position - surface.position;
-    let emitted = light.emitted(to_light);
-    // One condition instead of three: which of them fails cannot be foreseen.
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), light.normal.dot(to_light).abs());
-    if !((cosine > 0.0) & (cosine_at_light > 0.0) & (emitted.max_element() > 0.0)) {
+    // One condition instead of three: which of them fails cannot be foreseen.
+    if !((cosine > 0.0) & (cosine_at_light > 0.0) & light.emits_towards(to_light)) {
         return None;
     }
     let distance_squared = to_light.length_squared();
@@ -118,9 +120,10 @@ fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> O
     let density = world.lights.area_density(prim_id) * distance_squared / (cosine_at_light * per_distance);
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    Some(LightSample { shadow, direction, radiance: emitted * density.recip(), density })
+    Some(LightSample { shadow, direction, radiance: light.emission * density.recip(), density })
 }
 
+#[inline(never)]
 fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -> LightSample {
     let (to_light, received) = receive(light, surface.position);
     let shadow = match light {
@@ -133,6 +136,7 @@ fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -
     LightSample { shadow, direction, radiance: received / probability, density: f32::INFINITY }
 }
 
+#[inline(never)]
 fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> {
     let direction = world.sky.sample(surface, u);
     let density = sky_density(world, surface, direction);
