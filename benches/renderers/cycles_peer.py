@@ -142,4 +142,5 @@ def load_material(description):
     return material
 
 
-main()
+if __name__ == "__main__":
+    main()

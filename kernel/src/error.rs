@@ -152,14 +152,10 @@ pub enum InvalidScene {
         /// The item's index.
         item: usize,
     },
-    /// Scenes lie one in the other, too many of them.
-    TooNested {
-        /// The index of an item that has too many.
+    /// Scenes lie in others so often that the ways through them are more than a number of 64 bits tells apart.
+    TooManyPaths {
+        /// The index of the item with which they become too many.
         item: usize,
-        /// How many.
-        levels: usize,
-        /// How many there may be.
-        allowed: usize,
     },
 }
 
@@ -184,8 +180,8 @@ impl fmt::Display for InvalidScene {
             Self::Imprecise { item } => {
                 write!(f, "item {item} is distorted so much, with the scenes in it, that its place cannot be told")
             }
-            Self::TooNested { item, levels, allowed } => {
-                write!(f, "item {item} holds scenes in scenes {levels} deep, and {allowed} are allowed")
+            Self::TooManyPaths { item } => {
+                write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
             }
         }
     }

@@ -7,6 +7,7 @@ pub mod cache;
 mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod cubemap;
 pub mod driver;
 mod estimator;
 pub mod film;
@@ -15,6 +16,7 @@ pub mod irradiance;
 mod light;
 pub mod output;
 pub mod overlay;
+pub mod probes;
 pub mod scene;
 pub mod settings;
 mod threads;

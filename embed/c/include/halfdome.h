@@ -56,16 +56,6 @@
 #define HD_BLOB_ALIGNMENT 64
 
 /**
- * How many scenes may lie one in the other below the outermost.
- */
-#define HD_MAX_LEVELS 8
-
-/**
- * What stands in hd_scene_hit.instances where there is none.
- */
-#define HD_NO_INSTANCE 4294967295
-
-/**
  * What became of a call.
  */
 enum hd_status
@@ -317,10 +307,13 @@ typedef struct hd_scene_hit {
      */
     uint32_t geometry_id;
     /**
-     * On the way there, the items that are scenes, the outermost first: their numbers each in the scene that has them.
-     * HD_NO_INSTANCE in unused places.
+     * How many items that are scenes the ray went through on its way there.
      */
-    uint32_t instances[HD_MAX_LEVELS];
+    uint32_t depth;
+    /**
+     * The number of that way among all in the scene; hd_scene_instances lists the items.
+     */
+    uint64_t path;
 } hd_scene_hit;
 
 #ifdef __cplusplus
@@ -414,7 +407,7 @@ hd_status hd_scene_build(const struct hd_item *items,
                          struct hd_scene **scene);
 
 /**
- * Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then instances.
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
  */
 hd_status hd_scene_intersect(const struct hd_scene *scene, const struct hd_scene_ray *ray, struct hd_scene_hit *hit);
 
@@ -438,6 +431,15 @@ hd_status hd_scene_occluded_many(const struct hd_scene *scene,
                                  const struct hd_scene_ray *rays,
                                  bool *occluded,
                                  size_t count);
+
+/**
+ * Writes the items that are scenes on the way to a hit of this scene, the outermost first: their numbers, each in the scene
+ * that has it, as many as hit->depth says. instances has room for capacity of them.
+ */
+hd_status hd_scene_instances(const struct hd_scene *scene,
+                             const struct hd_scene_hit *hit,
+                             uint32_t *instances,
+                             size_t capacity);
 
 /**
  * Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
-use halfdome_kernel::scene::{Item, MAX_LEVELS, Object, Scene, SceneHit, SceneRay, SceneView};
+use halfdome_kernel::scene::{Item, Object, Scene, SceneHit, SceneRay, SceneView};
 
-use crate::border::{Versioned, check, elements, forever, make, versioned};
+use crate::border::{Versioned, check, elements, forever, handle, make, room, versioned};
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 use crate::trace::{Traceable, any, closest, hd_hit, hd_ray};
@@ -24,14 +24,6 @@ struct Level {
     _scene: Arc<Scene<'static>>,
     _items: Vec<Arc<dyn Any + Send + Sync>>,
 }
-
-/// How many scenes may lie one in the other below the outermost.
-pub const HD_MAX_LEVELS: usize = 8;
-
-/// What stands in hd_scene_hit.instances where there is none.
-pub const HD_NO_INSTANCE: u32 = 0xFFFF_FFFF;
-
-const _: () = assert!(HD_MAX_LEVELS == MAX_LEVELS && HD_NO_INSTANCE == SceneHit::NO_INSTANCE);
 
 /// Something in a scene: either a tree or a scene, of which there may be many instances.
 #[derive(Clone, Copy)]
@@ -80,9 +72,10 @@ pub struct hd_scene_hit {
     pub hit: hd_hit,
     /// The item that has the mesh: its number in the scene that has the item.
     pub geometry_id: u32,
-    /// On the way there, the items that are scenes, the outermost first: their numbers each in the scene that has them.
-    /// HD_NO_INSTANCE in unused places.
-    pub instances: [u32; HD_MAX_LEVELS],
+    /// How many items that are scenes the ray went through on its way there.
+    pub depth: u32,
+    /// The number of that way among all in the scene; hd_scene_instances lists the items.
+    pub path: u64,
 }
 
 impl Traceable for hd_scene {
@@ -186,7 +179,7 @@ fn transform(rows: &[f32; 12]) -> Affine3A {
     }
 }
 
-/// Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then instances.
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_intersect(
     scene: Option<&hd_scene>,
@@ -230,6 +223,35 @@ pub unsafe extern "C" fn hd_scene_occluded_many(
 ) -> hd_status {
     // SAFETY: the caller's promise.
     unsafe { any(scene, ["rays", "occluded"], rays, occluded, count) }
+}
+
+/// Writes the items that are scenes on the way to a hit of this scene, the outermost first: their numbers, each in the scene
+/// that has it, as many as hit->depth says. instances has room for capacity of them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_instances(
+    scene: Option<&hd_scene>,
+    hit: *const hd_scene_hit,
+    instances: *mut u32,
+    capacity: usize,
+) -> hd_status {
+    guard(|| {
+        let hd_scene(level) = handle("scene", scene)?;
+        check("hit", hit, 1)?;
+        // SAFETY: the caller's promise.
+        let hit: SceneHit = bytemuck::cast(unsafe { *hit });
+        let found = level.view.instances(&hit).map(|(number, _)| number);
+        if found.clone().count() != hit.depth as usize {
+            return Err(Failure::new(HD_ERROR_VALUE, "hit is none of this scene"));
+        }
+        if hit.depth as usize > capacity {
+            let needed = format!("instances has room for {capacity}, and the hit has {}", hit.depth);
+            return Err(Failure::new(HD_ERROR_SIZE, needed));
+        }
+        // SAFETY: the caller's promise.
+        let room = unsafe { room("instances", instances, hit.depth as usize) }?;
+        room.iter_mut().zip(found).for_each(|(place, number)| *place = number);
+        Ok(())
+    })
 }
 
 /// Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.

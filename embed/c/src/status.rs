@@ -66,7 +66,7 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match error {
             Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
-            Error::InvalidScene(InvalidScene::TooNested { .. }) => HD_ERROR_LIMIT,
+            Error::InvalidScene(InvalidScene::TooManyPaths { .. }) => HD_ERROR_LIMIT,
             Error::InvalidScene(_) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
             Error::OtherByteOrder | Error::OtherVersion { .. } => HD_ERROR_VERSION,

@@ -29,16 +29,22 @@ static hd_scene_ray ray_at(float x, float y, float time, uint32_t mask) {
     return ray;
 }
 
+/* No number of an item. */
+#define NO_INSTANCE 0xFFFFFFFFu
+
 /* The ray straight down at (x, y) hits at z = 8 - t, or nothing at t = 0. */
 static void expect(const hd_scene *scene, hd_scene_ray ray, float t, uint32_t geometry_id, uint32_t instance) {
     hd_scene_hit hit;
     bool occluded;
+    uint32_t found = NO_INSTANCE;
     OK(hd_scene_intersect(scene, &ray, &hit));
     OK(hd_scene_occluded(scene, &ray, &occluded));
     CHECK(occluded == (t != 0.0f) && (hit.hit.prim_id == HD_NO_PRIM) == (t == 0.0f));
     if (t != 0.0f) {
-        CHECK(hit.hit.t == t && hit.hit.prim_id == 0 && hit.geometry_id == geometry_id && hit.instances[0] == instance);
-        CHECK(hit.instances[HD_MAX_LEVELS - 1] == HD_NO_INSTANCE);
+        CHECK(hit.hit.t == t && hit.hit.prim_id == 0 && hit.geometry_id == geometry_id);
+        CHECK(hit.depth == (instance == NO_INSTANCE ? 0 : 1));
+        OK(hd_scene_instances(scene, &hit, &found, 1));
+        CHECK(found == instance);
     }
 }
 
@@ -57,15 +63,15 @@ static hd_scene *three_items(const hd_tree *tree) {
 }
 
 static void check_three(const hd_scene *scene) {
-    expect(scene, ray_at(0.25f, 0.25f, 0, ALL), 8, 0, HD_NO_INSTANCE);
+    expect(scene, ray_at(0.25f, 0.25f, 0, ALL), 8, 0, NO_INSTANCE);
     expect(scene, ray_at(0.75f, 0.75f, 0, ALL), 0, 0, 0);
-    expect(scene, ray_at(5.0f, 0.5f, 0, ALL), 5, 1, HD_NO_INSTANCE);
-    expect(scene, ray_at(5.0f, 0.5f, 0, 2), 5, 1, HD_NO_INSTANCE);
+    expect(scene, ray_at(5.0f, 0.5f, 0, ALL), 5, 1, NO_INSTANCE);
+    expect(scene, ray_at(5.0f, 0.5f, 0, 2), 5, 1, NO_INSTANCE);
     expect(scene, ray_at(5.0f, 0.5f, 0, 5), 0, 0, 0);
-    expect(scene, ray_at(-3.75f, 0.25f, 0, ALL), 8, 2, HD_NO_INSTANCE);
+    expect(scene, ray_at(-3.75f, 0.25f, 0, ALL), 8, 2, NO_INSTANCE);
     expect(scene, ray_at(-3.75f, 0.25f, 0.5f, ALL), 0, 0, 0);
-    expect(scene, ray_at(-3.75f, 2.25f, 0.5f, ALL), 8, 2, HD_NO_INSTANCE);
-    expect(scene, ray_at(-3.75f, 4.25f, 7.0f, ALL), 8, 2, HD_NO_INSTANCE);
+    expect(scene, ray_at(-3.75f, 2.25f, 0.5f, ALL), 8, 2, NO_INSTANCE);
+    expect(scene, ray_at(-3.75f, 4.25f, 7.0f, ALL), 8, 2, NO_INSTANCE);
 }
 
 static void known_hits(void) {
@@ -131,22 +137,35 @@ static void bad_scenes_are_refused(void) {
     matrix[5] = 0.0f;
     FAILS(HD_ERROR_VALUE, "item 1", hd_scene_build(items, 2, NULL, &scene));
 
-    /* Deeper than scenes may lie in each other. */
+    /* Each scene has the one before it twice, until there are more ways through them than numbers. */
     hd_scene *level = three_items(tree);
-    for (int depth = 1; depth <= HD_MAX_LEVELS + 1; depth++) {
-        const hd_item inner = item_of(NULL, level, NULL, 0);
-        hd_status status = hd_scene_build(&inner, 1, NULL, &scene);
-        CHECK(status == (depth <= HD_MAX_LEVELS ? HD_OK : HD_ERROR_LIMIT));
+    int depth = 0;
+    for (hd_status status = HD_OK; status == HD_OK; depth++) {
+        hd_item inner[2] = {item_of(NULL, level, NULL, 0), item_of(NULL, level, NULL, 0)};
+        inner[1].mask = 2;
+        status = hd_scene_build(inner, 2, NULL, &scene);
+        CHECK(status == HD_OK || status == HD_ERROR_LIMIT);
         if (status == HD_OK) {
             hd_scene_free(level);
             level = scene;
         }
     }
-    CHECK(scene == NULL);
+    CHECK(scene == NULL && depth == 64);
+    /* It sees but one of each two. */
+    hd_scene_ray ray = ray_at(0.25f, 0.25f, 0, 1);
+    hd_scene_hit hit;
+    uint32_t way[64] = {0};
+    OK(hd_scene_intersect(level, &ray, &hit));
+    CHECK(hit.depth == 63);
+    OK(hd_scene_instances(level, &hit, way, hit.depth));
+    FAILS(HD_ERROR_SIZE, "room for 62", hd_scene_instances(level, &hit, way, 62));
+    FAILS(HD_ERROR_NULL, "instances", hd_scene_instances(level, &hit, NULL, 64));
+    FAILS(HD_ERROR_NULL, "hit", hd_scene_instances(level, NULL, way, 64));
+    FAILS(HD_ERROR_NULL, "scene", hd_scene_instances(NULL, &hit, way, 64));
+    hit.path = UINT64_MAX;
+    FAILS(HD_ERROR_VALUE, "none of this scene", hd_scene_instances(level, &hit, way, 64));
     hd_scene_free(level);
 
-    hd_scene_ray ray = ray_at(0.25f, 0.25f, 0, ALL);
-    hd_scene_hit hit;
     bool occluded;
     FAILS(HD_ERROR_NULL, "scene is NULL", hd_scene_intersect(NULL, &ray, &hit));
     FAILS(HD_ERROR_NULL, "ray is NULL", hd_scene_intersect(good, NULL, &hit));

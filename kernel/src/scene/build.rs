@@ -22,9 +22,8 @@ impl<'a> Scene<'a> {
     /// [numeric limits](crate#numeric-limits) at some time as out of range. Neither are in the scene.
     ///
     /// # Errors
-    /// [`InvalidScene::TooNested`](crate::InvalidScene::TooNested) if scenes lie in scenes more than
-    /// [`MAX_LEVELS`](super::MAX_LEVELS) deep, [`InvalidScene::Imprecise`](crate::InvalidScene::Imprecise) if distorting
-    /// transforms lie one in the other so that rounding gets out of hand, and [`InvalidTree::TooLarge`].
+    /// [`InvalidScene::Imprecise`](crate::InvalidScene::Imprecise) if distorting transforms lie one in the other so that rounding
+    /// gets out of hand, [`InvalidScene::TooManyPaths`](crate::InvalidScene::TooManyPaths), and [`InvalidTree::TooLarge`].
     pub fn build(items: Vec<Item<'a>>, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, items, options)
     }
@@ -35,10 +34,10 @@ impl<'a> Scene<'a> {
     /// Those of [`build`](Self::build).
     pub fn build_on<E: Executor>(
         executor: &E,
-        items: Vec<Item<'a>>,
+        mut items: Vec<Item<'a>>,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        let extent = Extent::of(&items)?;
+        let extent = Extent::of(&mut items)?;
         let count = items.iter().map(|item| u64::from(item.count())).sum::<u64>();
         if count > Child::MAX_INDEX.into() {
             return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());

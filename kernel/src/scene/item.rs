@@ -30,12 +30,14 @@ pub struct Item<'a> {
     pub(super) object: Object<'a>,
     pub(super) placement: Placement<'a>,
     pub(super) mask: u32,
+    /// The paths through items before it in its scene.
+    pub(super) first_path: u64,
 }
 
 impl<'a> Item<'a> {
     /// An object where its own coordinates say, for all rays to see.
     pub fn new(object: impl Into<Object<'a>>) -> Self {
-        Self { object: object.into(), placement: Placement::AsItIs, mask: u32::MAX }
+        Self { object: object.into(), placement: Placement::AsItIs, mask: u32::MAX, first_path: 0 }
     }
 
     /// The item where `to_scene` takes its points.
@@ -145,6 +147,14 @@ impl Item<'_> {
             Object::Scene(scene) => scene.error().max_element(),
             _ => 0.0,
         })
+    }
+
+    /// The number of paths through the item.
+    pub(super) fn paths(&self) -> u64 {
+        match self.object {
+            Object::Scene(scene) => scene.paths(),
+            _ => 0,
+        }
     }
 
     /// The number of scenes one in the other, from here on.

@@ -13,11 +13,17 @@
 //! The ray is taken into the item's own space by the inverse of its transform, in `f64`, rounded once, and is there what it
 //! would be in a tree of its own: the hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with that local ray. Its
 //! direction is not normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `geometry_id`
-//! counts, then the lowest `prim_id`, then the lowest indices of `instances`. So what is hit does not depend on the order of
+//! counts, then the lowest `prim_id`, then the lowest `path`. So what is hit does not depend on the order of
 //! the tree, and is equal bit for bit on every instruction set and to the loop in [`mod@reference`].
 //!
 //! The [numeric limits](crate#numeric-limits) hold in every space: where a transform takes a ray beyond them, it hits nothing
 //! there.
+//!
+//! # Instances
+//! A scene has a path for itself and those of each scene in it, as often as that is in it. They are numbered depth first: those
+//! through the first item, those through the second and so on, and last the scene's own. So one number says which items a
+//! hit lies in, however deep. Tracing recurses once a level, with some 3 KB of stack each; how deep that will be
+//! [`SceneView::levels`] says.
 //!
 //! # Motion
 //! Times are 0..=1; what lies beyond counts as the nearer end, and at a time that is NaN a ray hits nothing. What moves has
@@ -46,11 +52,11 @@ mod walk;
 pub use build::Scene;
 pub use item::{Item, Object};
 pub use quad::Quads;
-pub use ray::{MAX_LEVELS, SceneHit, SceneRay};
+pub use ray::{SceneHit, SceneRay};
 pub use shape::Shape;
 pub use sphere::{Sphere, Spheres};
 pub use transform::MAX_CONDITION;
-pub use view::{Part, SceneView};
+pub use view::{Instances, Part, SceneView};
 
 use core::slice;
 

@@ -4,9 +4,6 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::geometry::{Hit, Ray};
 
-/// The most scenes that may lie one in the other, below the outermost.
-pub const MAX_LEVELS: usize = 8;
-
 /// A ray with what a scene asks of it besides.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -27,9 +24,10 @@ pub struct SceneHit {
     pub hit: Hit,
     /// The item that has the geometry: its index in the scene that has the item.
     pub geometry_id: u32,
-    /// On the way there, the items that are scenes, the outermost first: their indices each in the scene that has
-    /// them. [`SceneHit::NO_INSTANCE`] in unused places.
-    pub instances: [u32; MAX_LEVELS],
+    /// How many items that are scenes the ray went through on its way there; 0 in the outermost scene itself.
+    pub depth: u32,
+    /// The number of that way among all in the scene; [`SceneView::instances`](super::SceneView::instances) lists the items.
+    pub path: u64,
 }
 
 impl SceneRay {
@@ -61,11 +59,8 @@ impl From<Ray> for SceneRay {
 }
 
 impl SceneHit {
-    /// What stands in `instances` where there is none.
-    pub const NO_INSTANCE: u32 = u32::MAX;
-
     /// What batches write for a ray that hits nothing.
-    pub const MISS: Self = Self { hit: Hit::MISS, geometry_id: u32::MAX, instances: [Self::NO_INSTANCE; MAX_LEVELS] };
+    pub const MISS: Self = Self { hit: Hit::MISS, geometry_id: u32::MAX, depth: 0, path: u64::MAX };
 
     /// Whether something was hit.
     #[inline]
@@ -73,10 +68,10 @@ impl SceneHit {
         self.hit.is_hit()
     }
 
-    /// Whether this hit is nearer than `other`, or as near and before it: by geometry, then by part, then by instances.
+    /// Whether this hit is nearer than `other`, or as near and before it: by geometry, then by part, then by path.
     #[inline]
     pub(super) fn precedes(&self, other: &Self) -> bool {
-        let order = |hit: &Self| (hit.geometry_id, hit.hit.prim_id, hit.instances);
+        let order = |hit: &Self| (hit.geometry_id, hit.hit.prim_id, hit.path);
         self.hit.t < other.hit.t || self.hit.t == other.hit.t && order(self) < order(other)
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes as plain as can be: loops over all items and all triangles, one after the other, without any tree. Slow; every
 //! other way to trace a scene gives the same hits bit for bit.
 
-use super::{MAX_LEVELS, Object, SceneHit, SceneRay, SceneView, shape};
+use super::{Object, SceneHit, SceneRay, SceneView, shape};
 use crate::bvh::TriangleBlock;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
@@ -20,8 +20,8 @@ pub fn intersect_filtered(
 ) -> Option<SceneHit> {
     let mut best: Option<SceneHit> = None;
     let mut stopped = false;
-    all_hits(scene, ray, &mut [SceneHit::NO_INSTANCE; MAX_LEVELS], 0, &mut |hit| {
-        let order = |hit: &SceneHit| (hit.geometry_id, hit.hit.prim_id, hit.instances);
+    all_hits(scene, ray, 0, 0, &mut |hit| {
+        let order = |hit: &SceneHit| (hit.geometry_id, hit.hit.prim_id, hit.path);
         let is_better = match &best {
             Some(best) if hit.hit.t == best.hit.t => order(&hit) < order(best),
             Some(best) => hit.hit.t < best.hit.t,
@@ -38,14 +38,8 @@ pub fn intersect_filtered(
     best
 }
 
-/// Shows all hits of a ray within its interval.
-fn all_hits(
-    scene: &SceneView,
-    ray: &SceneRay,
-    instances: &mut [u32; MAX_LEVELS],
-    depth: usize,
-    see: &mut dyn FnMut(SceneHit),
-) {
+/// Shows all hits of a ray within its interval, in a scene the first of whose paths is `first_path`.
+fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see: &mut dyn FnMut(SceneHit)) {
     let SceneRay { ray, time, mask } = *ray;
     if !can_hit(&ray) || time.is_nan() {
         return;
@@ -59,7 +53,8 @@ fn all_hits(
         let Some(local) = item.placement.to_local(&ray, time) else {
             continue;
         };
-        let mut see_here = |hit| see(SceneHit { hit, geometry_id: part.item, instances: *instances });
+        let path = first_path + (scene.paths() - 1);
+        let mut see_here = |hit| see(SceneHit { hit, geometry_id: part.item, depth, path });
         match item.object {
             Object::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0, &local, &mut see_here),
             Object::Moving(tree) => {
@@ -70,9 +65,7 @@ fn all_hits(
             }
             Object::Shape(shape) => shape::intersect(shape, part.prim_id, &local, time).into_iter().for_each(see_here),
             Object::Scene(inner) => {
-                instances[depth] = part.item;
-                all_hits(inner, &SceneRay { ray: local, time, mask }, instances, depth + 1, see);
-                instances[depth] = SceneHit::NO_INSTANCE;
+                all_hits(inner, &SceneRay { ray: local, time, mask }, first_path + item.first_path, depth + 1, see);
             }
         }
     }

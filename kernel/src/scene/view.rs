@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 use super::transform::MAX_ERROR;
-use super::{Item, MAX_LEVELS, Object, SceneHit};
+use super::{Item, Object, SceneHit};
 use crate::bvh::{BoxTreeView, Node};
 use crate::error::{Error, InvalidScene};
 use crate::geometry::Aabb;
@@ -21,8 +21,7 @@ pub struct Part {
 
 /// A scene that lies in somebody's memory, checked once so that tracing need not.
 ///
-/// How deep scenes lie in each other is known from the outset, [`MAX_LEVELS`] at most, as each borrows those in it. Tracing
-/// recurses once a level, with some 3 KB of stack each.
+/// How deep scenes lie in each other is known from the outset, as each borrows those in it.
 #[derive(Clone, Copy)]
 pub struct SceneView<'a> {
     items: &'a [Item<'a>],
@@ -38,19 +37,22 @@ pub(super) struct Extent {
     reach: Aabb,
     error: Vec3,
     levels: usize,
+    /// Never 0.
+    paths: u64,
     keys: usize,
 }
 
 impl Extent {
+    /// Numbers the paths through items too.
+    ///
     /// # Errors
-    /// [`InvalidScene::TooNested`] and [`InvalidScene::Imprecise`].
-    pub(super) fn of(items: &[Item]) -> Result<Self, Error> {
-        let mut extent = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, keys: 1 };
-        for (index, item) in items.iter().enumerate() {
-            let levels = item.levels();
-            if levels > MAX_LEVELS {
-                return Err(InvalidScene::TooNested { item: index, levels, allowed: MAX_LEVELS }.into());
-            }
+    /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
+    pub(super) fn of(items: &mut [Item]) -> Result<Self, Error> {
+        let mut extent = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
+        for (index, item) in items.iter_mut().enumerate() {
+            item.first_path = extent.paths - 1;
+            let paths = extent.paths.checked_add(item.paths());
+            extent.paths = paths.ok_or(InvalidScene::TooManyPaths { item: index })?;
             let error = item.error();
             // Not for a NaN either.
             if !error.cmple(Vec3::splat(MAX_ERROR)).all() {
@@ -58,7 +60,7 @@ impl Extent {
             }
             extent.reach = extent.reach.union(&item.reach());
             extent.error = extent.error.max(error);
-            extent.levels = extent.levels.max(levels);
+            extent.levels = extent.levels.max(item.levels());
             extent.keys = extent.keys.max(item.keys());
         }
         Ok(extent)
@@ -73,12 +75,18 @@ impl Extent {
 
 impl<'a> SceneView<'a> {
     /// Borrows a scene whose tree is `nodes` and `numbers`, as in [`BoxTreeView::new`]; the numbers name `parts`. The tree has
-    /// as many keys as the item that has most.
+    /// as many keys as the item that has most. The items' paths are numbered.
     ///
     /// # Errors
     /// [`InvalidTree`](crate::InvalidTree) says what is wrong with the tree, and [`InvalidScene`] what is with the items.
-    pub fn new(items: &'a [Item<'a>], parts: &'a [Part], nodes: &'a [Node], numbers: &'a [u32]) -> Result<Self, Error> {
+    pub fn new(
+        items: &'a mut [Item<'a>],
+        parts: &'a [Part],
+        nodes: &'a [Node],
+        numbers: &'a [u32],
+    ) -> Result<Self, Error> {
         let extent = Extent::of(items)?;
+        let items: &'a [Item<'a>] = items;
         let aabb = |key: usize, number: u32| {
             let part = parts.get(number as usize)?;
             let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
@@ -140,17 +148,23 @@ impl<'a> SceneView<'a> {
     /// The transform from the space of the geometry of a hit to that of this scene at a time, rounded; `None` if the hit
     /// is none of this scene, or the time is NaN. Normals take its inverse transpose.
     pub fn to_scene(&self, hit: &SceneHit, time: f32) -> Option<Affine3A> {
-        let mut scene = self;
+        let mut instances = self.instances(hit);
         let mut whole = Affine3A::IDENTITY;
-        for &index in hit.instances.iter().take_while(|&&index| index != SceneHit::NO_INSTANCE) {
-            let item = scene.items.get(index as usize)?;
+        while let Some((_, item)) = instances.next() {
             whole *= item.to_scene(time)?;
-            let Object::Scene(inner) = item.object() else {
-                return None;
-            };
-            scene = inner;
         }
-        Some(whole * scene.items.get(hit.geometry_id as usize)?.to_scene(time)?)
+        Some(whole * instances.scene?.items.get(hit.geometry_id as usize)?.to_scene(time)?)
+    }
+
+    /// The items that are scenes on the way to a hit, the outermost first; none for what is no hit of this scene.
+    pub fn instances(&self, hit: &SceneHit) -> Instances<'a> {
+        Instances { scene: (hit.path < self.paths()).then_some(*self), path: hit.path }
+    }
+
+    /// The number of paths in this scene: its own, and those through its items.
+    #[inline(always)]
+    pub(super) fn paths(&self) -> u64 {
+        self.extent.paths
     }
 
     /// What rays' reach has to span.
@@ -163,5 +177,33 @@ impl<'a> SceneView<'a> {
     #[inline(always)]
     pub(super) fn error(&self) -> Vec3 {
         self.extent.error
+    }
+}
+
+/// The items on the way to a hit, each with its index in the scene that has it; made by [`SceneView::instances`].
+#[derive(Clone)]
+pub struct Instances<'a> {
+    /// Where the way has led so far; `None` if there is no such way.
+    scene: Option<SceneView<'a>>,
+    /// The rest of the way, from there.
+    path: u64,
+}
+
+impl<'a> Iterator for Instances<'a> {
+    type Item = (u32, &'a Item<'a>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let scene = self.scene?;
+        if self.path + 1 == scene.paths() {
+            return None;
+        }
+        // Of items with the same first path the last is the scene that has it.
+        let index = scene.items.partition_point(|item| item.first_path <= self.path).checked_sub(1)?;
+        let item = &scene.items[index];
+        let Object::Scene(inner) = item.object else {
+            return None;
+        };
+        *self = Self { scene: Some(*inner), path: self.path - item.first_path };
+        Some((index as u32, item))
     }
 }

@@ -3,7 +3,7 @@
 use core::ops::{ControlFlow, Range};
 
 use super::shape;
-use super::{Item, MAX_LEVELS, Object, SceneHit, SceneRay, SceneView};
+use super::{Item, Object, SceneHit, SceneRay, SceneView};
 use crate::geometry::Hit;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
@@ -33,7 +33,7 @@ impl Work for Trace<'_> {
                 scene: self.scene,
                 isa: self.scene.isa(),
                 ray: *ray,
-                instances: SceneHit::MISS.instances,
+                first_path: 0,
                 depth: 0,
                 search: &mut search,
                 triangles: &mut triangles,
@@ -56,8 +56,9 @@ struct Visit<'a, 'f> {
     scene: &'a SceneView<'a>,
     isa: Isa,
     ray: SceneRay,
-    instances: [u32; MAX_LEVELS],
-    depth: usize,
+    /// The first of the paths through this scene, in the outermost.
+    first_path: u64,
+    depth: u32,
     search: &'a mut Search<'f>,
     /// Memory for walks through trees of triangles, one at a time.
     triangles: &'a mut Pending,
@@ -144,7 +145,8 @@ impl Visit<'_, '_> {
         let Some(ray) = item.placement.to_local(&ray, time) else {
             return ControlFlow::Continue(());
         };
-        let mut found = Found { search: &mut *self.search, geometry_id: index, instances: self.instances };
+        let path = self.first_path + (self.scene.paths() - 1);
+        let mut found = Found { search: &mut *self.search, geometry_id: index, depth: self.depth, path };
         match item.object {
             Object::Mesh(tree) => flight::walk::<S, _>(&tree, &ray, self.triangles, &mut found),
             Object::Moving(tree) => moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut found),
@@ -153,13 +155,9 @@ impl Visit<'_, '_> {
                 None => ControlFlow::Continue(()),
             },
             Object::Scene(scene) => {
-                let mut instances = self.instances;
-                if let Some(place) = instances.get_mut(self.depth) {
-                    *place = index;
-                }
-                let ray = SceneRay { ray, time, mask };
+                let (ray, first_path) = (SceneRay { ray, time, mask }, self.first_path + item.first_path);
                 let (search, triangles) = (&mut *self.search, &mut *self.triangles);
-                enter(Visit { scene, isa: self.isa, ray, instances, depth: self.depth + 1, search, triangles })
+                enter(Visit { scene, isa: self.isa, ray, first_path, depth: self.depth + 1, search, triangles })
             }
         }
     }
@@ -169,7 +167,8 @@ impl Visit<'_, '_> {
 struct Found<'a, 'f> {
     search: &'a mut Search<'f>,
     geometry_id: u32,
-    instances: [u32; MAX_LEVELS],
+    depth: u32,
+    path: u64,
 }
 
 impl Collector for Found<'_, '_> {
@@ -180,7 +179,7 @@ impl Collector for Found<'_, '_> {
 
     #[inline(always)]
     fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
-        let hit = SceneHit { hit, geometry_id: self.geometry_id, instances: self.instances };
+        let hit = SceneHit { hit, geometry_id: self.geometry_id, depth: self.depth, path: self.path };
         if !hit.precedes(&self.search.best) {
             return ControlFlow::Continue(());
         }

@@ -12,7 +12,6 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::texels::{Point, Surfaces, Texel};
-use crate::scene::Specular;
 use crate::world::World;
 
 /// Rays of a point.
@@ -45,7 +44,7 @@ pub(crate) fn uncover(world: &World, surfaces: &Surfaces, texels: &mut [Texel]) 
                 let others = surfaces.points_within(texel, GRID);
                 let free = are_covered(world, &others).into_iter().position(|covered| !covered);
                 if let Some(free) = free {
-                    texel.point = others[free];
+                    (texel.point, texel.is_moved) = (others[free], true);
                 }
                 Some(free.is_some())
             };
@@ -76,14 +75,7 @@ fn are_covered(world: &World, points: &[Point]) -> Vec<bool> {
         .collect();
     let mut hits = vec![Hit::MISS; rays.len()];
     world.intersect_many(&rays, &mut hits);
-    let is_back = |(ray, hit): (&Ray, &Hit)| {
-        hit.is_hit() && {
-            let surface = world.surface_at(hit);
-            let is_body =
-                !surface.material.emits_both_sides && !matches!(surface.material.specular, Specular::Glass { .. });
-            is_body && surface.normal.dot(ray.direction) > 0.0
-        }
-    };
+    let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && world.surface_at(hit).is_back_of_body(ray.direction);
     let count = RAYS as usize;
     let backs = rays.chunks(count).zip(hits.chunks(count));
     backs

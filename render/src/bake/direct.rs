@@ -1,4 +1,4 @@
-//! Direct light at a texel: from emitters, by samples of the lights and of directions alike, weighted by the power
+//! Direct light on a texel: from emitters, by samples of the lights and of directions alike, weighted by the power
 //! heuristic (Veach 1997), and from lights without a surface. The sky belongs to the gathers.
 
 use std::f32::consts::PI;
@@ -16,20 +16,22 @@ use crate::world::{Surface, World};
 const LIGHT_SET: u32 = 0;
 /// The set of a direction.
 const DIRECTION_SET: u32 = 1;
+/// The set that says where on the texel.
+const PLACE_SET: u32 = 2;
 /// Keeps the numbers of direct light apart from those of gathers.
 const SALT: u64 = 0x3c6e_f372_fe94_f82b;
 /// Samples that are traced together, about.
 const BATCH: u32 = 2048;
 
 /// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
-pub(super) trait Receive {
+pub(crate) trait Receive {
     /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
     fn receive(&mut self, direction: Vec3, irradiance: Vec3);
 }
 
 /// Samples of direct light, and their memory.
 #[derive(Default)]
-pub(super) struct Direct {
+pub(crate) struct Direct {
     shadows: Vec<Ray>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
@@ -39,12 +41,12 @@ pub(super) struct Direct {
 }
 
 impl Direct {
-    /// Gives to `sink` the irradiance of `spp` samples, each in full; gives the number of rays. `number` selects the
-    /// random numbers.
-    pub(super) fn sample(
+    /// Gives to `sink` the irradiance of `spp` samples, each at one of `surfaces`, at least one; gives the number of rays.
+    /// `number` selects the random numbers.
+    pub(crate) fn sample(
         &mut self,
         world: &World,
-        surface: &Surface,
+        surfaces: &[Surface],
         (seed, number): (u64, u32),
         spp: u32,
         sink: &mut dyn Receive,
@@ -58,7 +60,8 @@ impl Direct {
             self.densities.clear();
             for sample in first..spp.min(first + BATCH) {
                 let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
-                self.aim(world, surface, &sampler);
+                let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
+                self.aim(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);
             }
             traced += self.collect(world, share, sink);
         }

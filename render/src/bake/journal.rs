@@ -21,7 +21,7 @@ use crate::output::{OutputError, OutputFile};
 use crate::settings::Invalid;
 
 const MAGIC: [u8; 8] = *b"halfdBAK";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 8 + 4 + 8 + 8;
 const CHECKSUM: usize = 8;
 
@@ -32,10 +32,12 @@ pub(super) enum Stage {
     Texels = 1,
     /// Blocks of texels with what a cache could not tell.
     Missing = 2,
-    /// Irradiance records.
+    /// Irradiance records of the final cache.
     Records = 3,
     /// Blocks of records with what is kept of where light comes from.
     Moments = 4,
+    /// Irradiance records of the rough cache.
+    Rough = 5,
 }
 
 /// Values by stage and number.
@@ -145,13 +147,22 @@ impl Journal {
     }
 }
 
-impl integrator::Journal for Journal {
+/// Irradiance records in a journal.
+pub(super) struct Notes<'a> {
+    pub(super) journal: &'a Journal,
+    /// Of which cache they are.
+    pub(super) stage: Stage,
+}
+
+impl integrator::Journal for Notes<'_> {
     fn known(&self, key: u64) -> Option<Record> {
-        self.get(Stage::Records, key).and_then(|words| Some(Record::from_words(key, words.as_slice().try_into().ok()?)))
+        self.journal
+            .get(self.stage, key)
+            .and_then(|words| Some(Record::from_words(key, words.as_slice().try_into().ok()?)))
     }
 
     fn note(&self, record: &Record) {
-        self.put(Stage::Records, record.key, record.words().to_vec());
+        self.journal.put(self.stage, record.key, record.words().to_vec());
     }
 }
 

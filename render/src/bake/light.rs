@@ -1,22 +1,25 @@
 //! The light of every texel.
 //!
 //! Direct light is sampled at every texel. What surfaces reflect, and the sky, comes from an irradiance cache in space: texels
-//! of different charts that lie side by side there share records, which a cache in the plane of the map could not. Without a
-//! cache every texel gathers for itself, with the same rays that a record there would have.
+//! of different charts that lie side by side there share records, which a cache in the plane of the map could not.
+//!
+//! Without a cache every texel gathers for itself, by paths, with as many rays as a record would have.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::direct::{Direct, Receive};
-use super::journal::{Journal, Stage};
+use super::footprint::footprint;
+use super::journal::{Journal, Notes, Stage};
 use super::moments::{Lens, Moments};
 use super::openness::Openness;
 use super::options::{BakeOptions, Directional, Mode};
-use super::texels::Texel;
+use super::texels::{Surfaces, Texel};
+use super::values::Values;
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
 use crate::estimator::GatherPoint;
-use crate::integrator::{Frozen, Uncached, fill_for_texels};
+use crate::integrator::{Source, Uncached};
 use crate::world::{Surface, World};
 
 /// Texels that a thread takes at once.
@@ -25,6 +28,7 @@ const BLOCK: usize = 64;
 /// What a bake works with.
 pub(super) struct Job<'a> {
     pub(super) world: &'a World,
+    pub(super) surfaces: &'a Surfaces<'a>,
     pub(super) options: &'a BakeOptions,
     pub(super) journal: &'a Journal,
     pub(super) watch: &'a dyn Watch,
@@ -42,49 +46,15 @@ pub(super) struct Light {
     pub(super) cache: Option<(Cache, CacheUse)>,
 }
 
-/// As many vectors for each texel, one after the other.
-#[derive(Clone, Debug, Default)]
-struct Values {
-    layers: usize,
-    all: Vec<Vec3>,
-}
-
 impl Light {
     /// Vectors for each texel.
     pub(super) fn layers(&self) -> usize {
-        self.values.layers
+        self.values.layers()
     }
 
     /// Those of each texel.
     pub(super) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
         self.values.texels()
-    }
-}
-
-impl Values {
-    /// Of these irradiances and moments.
-    fn of(layers: usize, texels: impl Iterator<Item = (Vec3, [DVec3; 4])>) -> Self {
-        let vectors = |(irradiance, moments): (Vec3, [DVec3; 4])| {
-            std::iter::once(irradiance).chain(moments.map(|moment| moment.as_vec3())).take(layers)
-        };
-        Self { layers, all: texels.flat_map(vectors).collect() }
-    }
-
-    fn texels(&self) -> impl Iterator<Item = &[Vec3]> {
-        self.all.chunks_exact(self.layers)
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.all.iter_mut().zip(&other.all).for_each(|(value, other)| *value += *other);
-    }
-
-    fn to_words(&self) -> Vec<u32> {
-        self.all.iter().flat_map(|value| value.to_array()).map(f32::to_bits).collect()
-    }
-
-    fn from_words(layers: usize, words: &[u32]) -> Self {
-        let vector = |v: &[u32]| Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(v[i])));
-        Self { layers, all: words.chunks_exact(3).map(vector).collect() }
     }
 }
 
@@ -109,28 +79,37 @@ impl Receive for Sums {
 impl Job<'_> {
     /// The light of `texels`; `None` if the watcher says stop.
     pub(super) fn light(&self, texels: &[Texel]) -> Option<Light> {
-        let (mut values, mut rays) = self.blocks(Stage::Texels, texels, |texels| self.alone(texels))?;
-        let mut gathers = if self.gathers_alone() { texels.len() as u64 } else { 0 };
-        let mut cache = None;
-        if self.needs_cache() {
-            let (frozen, filled) = self.fill(texels)?;
-            let (indirect, traced) = self.interpolate(&frozen, texels)?;
-            values.add(&indirect);
-            rays += filled + traced;
-            let usage = frozen.usage();
-            gathers = usage.records + usage.misses;
-            cache = Some((frozen.cache, usage));
+        let (alone, mut rays) = self.blocks(Stage::Texels, texels, |texels| self.alone(texels))?;
+        if !self.needs_cache() {
+            let gathers = if self.gathers_alone() { texels.len() as u64 } else { 0 };
+            return Some(Light { values: alone, rays, gathers, cache: None });
         }
-        Some(Light { values, rays, gathers, cache })
+        let options = &self.options.cache;
+        let (mut gathers, mut first) = (0, None);
+        if self.looks_up() {
+            let (map, records, traced) = self.first_map(texels, &alone)?;
+            (gathers, rays) = (gathers + records, rays + traced);
+            first = Some(map);
+        }
+        let source = first.as_ref().map_or(Source::paths(options), |map| Source::Known(map));
+        let notes = Notes { journal: self.journal, stage: Stage::Records };
+        let (frozen, filled) = self.fill(texels, 1.0, (*options, self.options.seed), source, &notes)?;
+        let (mut values, traced) = self.interpolate(&frozen, texels, source)?;
+        if self.options.mode == Mode::Full {
+            values.add(&alone);
+        }
+        let usage = frozen.usage();
+        gathers += usage.records + usage.misses;
+        Some(Light { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)) })
     }
 
     /// What is kept of directions.
-    fn directional(&self) -> Directional {
+    pub(super) fn directional(&self) -> Directional {
         if self.options.mode == Mode::Ao { Directional::None } else { self.options.directional }
     }
 
     /// Vectors for each texel.
-    fn layers(&self) -> usize {
+    pub(super) fn layers(&self) -> usize {
         1 + Lens::layers(self.directional()).len()
     }
 
@@ -138,7 +117,7 @@ impl Job<'_> {
         matches!(self.options.mode, Mode::Full | Mode::Indirect)
     }
 
-    fn needs_cache(&self) -> bool {
+    pub(super) fn needs_cache(&self) -> bool {
         self.is_indirect() && !self.options.brute
     }
 
@@ -146,7 +125,7 @@ impl Job<'_> {
         self.is_indirect() && self.options.brute
     }
 
-    fn surface(&self, texel: &Texel) -> Surface<'_> {
+    pub(super) fn surface(&self, texel: &Texel) -> Surface<'_> {
         self.world.receiver(texel.point.prim_id, texel.point.barycentric)
     }
 
@@ -155,7 +134,7 @@ impl Job<'_> {
     }
 
     /// The values of texels, found in blocks on all threads, or known from before; and the rays of those that were not.
-    fn blocks(
+    pub(super) fn blocks(
         &self,
         stage: Stage,
         texels: &[Texel],
@@ -180,7 +159,7 @@ impl Job<'_> {
         let blocks: Vec<Option<(Values, u64)>> = numbered.par_chunks(BLOCK).enumerate().map(block).collect();
         let blocks = blocks.into_iter().collect::<Option<Vec<_>>>()?;
         let rays = blocks.iter().map(|(_, rays)| rays).sum();
-        Some((Values { layers, all: blocks.into_iter().flat_map(|(values, _)| values.all).collect() }, rays))
+        Some((Values::joined(layers, blocks.into_iter().map(|(values, _)| values)), rays))
     }
 
     /// What texels find without a cache.
@@ -188,10 +167,11 @@ impl Job<'_> {
         let (mut values, mut rays) = match self.options.mode {
             Mode::Ao => self.openness(texels),
             Mode::Full | Mode::Direct => self.direct(texels),
+            Mode::Indirect if self.looks_up() => self.direct(texels),
             Mode::Indirect => (Values::of(self.layers(), texels.iter().map(|_| (Vec3::ZERO, [DVec3::ZERO; 4]))), 0),
         };
         if self.gathers_alone() {
-            let (gathered, traced) = self.gather(texels);
+            let (gathered, traced) = self.gather(texels, Source::paths(&self.options.cache));
             values.add(&gathered);
             rays += traced;
         }
@@ -221,25 +201,26 @@ impl Job<'_> {
             let (normal, lens) = (surface.shading_normal, self.lens(texel, &surface));
             let mut sums = Sums { normal, lens, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
             let address = (options.seed, *number as u32);
-            rays += direct.sample(world, &surface, address, options.spp, &mut sums);
+            let (surfaces, traced) = footprint(world, self.surfaces, texel);
+            rays += traced + direct.sample(world, &surfaces, address, options.spp, &mut sums);
             (sums.irradiance.as_vec3(), sums.moments)
         });
         (Values::of(self.layers(), received), rays)
     }
 
     /// What texels gather.
-    fn gather(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
+    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: Source) -> (Values, u64) {
         let Self { world, options, .. } = self;
         let point =
             |(number, texel): &(usize, Texel)| GatherPoint { key: *number as u64, surface: self.surface(texel) };
         let points: Vec<GatherPoint> = texels.iter().map(point).collect();
-        let (irradiance, rays) = Uncached::new(world, &options.cache, options.seed).irradiance(&points);
+        let (irradiance, rays) = Uncached::new(world, &options.cache, source, options.seed).irradiance(&points);
         let (moments, further) = self.gather_moments(texels);
         (Values::of(self.layers(), irradiance.into_iter().zip(moments)), rays + further)
     }
 
     /// The moments that texels gather; zeros if there is nothing to keep.
-    fn gather_moments(&self, texels: &[(usize, Texel)]) -> (Vec<[DVec3; 4]>, u64) {
+    pub(super) fn gather_moments(&self, texels: &[(usize, Texel)]) -> (Vec<[DVec3; 4]>, u64) {
         let mut moments = vec![[DVec3::ZERO; 4]; texels.len()];
         if self.directional() == Directional::None {
             return (moments, 0);
@@ -252,65 +233,5 @@ impl Job<'_> {
             rays += gatherer.gather(self.world, &surface, &lens, *number as u32, sums);
         }
         (moments, rays)
-    }
-
-    /// A cache that serves all texels, and its rays; `None` if it was stopped.
-    fn fill(&self, texels: &[Texel]) -> Option<(Frozen, u64)> {
-        let Self { world, options, journal, watch } = *self;
-        let surfaces: Vec<(Surface, f32)> = texels.iter().map(|texel| (self.surface(texel), texel.spacing)).collect();
-        let cache = Cache::new(options.cache, world.surroundings_hash());
-        let filled = fill_for_texels(world, options.seed, cache, &surfaces, journal, watch);
-        (!watch.stop()).then_some(filled)
-    }
-
-    /// Indirect light of all texels from a cache; those without a record gather.
-    fn interpolate(&self, frozen: &Frozen, texels: &[Texel]) -> Option<(Values, u64)> {
-        let (moments, mut rays) = self.moments_of_records(frozen, texels)?;
-        let moments: Vec<&[Vec3]> = moments.texels().collect();
-        let found: Vec<Option<(Vec3, [DVec3; 4])>> = texels
-            .par_iter()
-            .map(|texel| {
-                let surface = self.surface(texel);
-                let irradiance = frozen.irradiance(&surface)?;
-                let (mut sums, mut weights) = ([DVec3::ZERO; 4], 0.0);
-                if !moments.is_empty() {
-                    frozen.cache.weigh(surface.position, surface.shading_normal, |record, weight| {
-                        weights += f64::from(weight);
-                        for (sum, moment) in sums.iter_mut().zip(&moments[record][1..]) {
-                            *sum += f64::from(weight) * moment.as_dvec3();
-                        }
-                    });
-                    sums.iter_mut().for_each(|sum| *sum /= weights);
-                }
-                Some((irradiance, sums))
-            })
-            .collect();
-        let missing: Vec<usize> = (0..texels.len()).filter(|&i| found[i].is_none()).collect();
-        let mut values = Values::of(self.layers(), found.into_iter().map(Option::unwrap_or_default));
-        let lost: Vec<Texel> = missing.iter().map(|&i| texels[i]).collect();
-        let (gathered, traced) = self.blocks(Stage::Missing, &lost, |texels| {
-            let texels: Vec<(usize, Texel)> = texels.iter().map(|&(i, texel)| (missing[i], texel)).collect();
-            self.gather(&texels)
-        })?;
-        rays += traced;
-        let layers = values.layers;
-        for (i, gathered) in missing.into_iter().zip(gathered.texels()) {
-            values.all[i * layers..(i + 1) * layers].copy_from_slice(gathered);
-        }
-        Some((values, rays))
-    }
-
-    /// The moments at each record, behind an empty irradiance; nothing if there is nothing to keep.
-    fn moments_of_records(&self, frozen: &Frozen, texels: &[Texel]) -> Option<(Values, u64)> {
-        if self.directional() == Directional::None {
-            return Some((Values { layers: 1, all: Vec::new() }, 0));
-        }
-        let keys: Vec<usize> = frozen.cache.records().iter().map(|record| record.key as usize).collect();
-        let points: Vec<Texel> = keys.iter().map(|&key| texels[key]).collect();
-        self.blocks(Stage::Moments, &points, |points| {
-            let points: Vec<(usize, Texel)> = points.iter().map(|&(i, texel)| (keys[i], texel)).collect();
-            let (moments, rays) = self.gather_moments(&points);
-            (Values::of(self.layers(), moments.into_iter().map(|moments| (Vec3::ZERO, moments))), rays)
-        })
     }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+pub use super::hashes::{Hash, Hashes};
 use crate::scene::{Place, SceneError};
 
 /// The version of the manifest's form; it changes when old readers would misunderstand a new manifest.
@@ -51,26 +52,6 @@ pub enum Unit {
     #[serde(rename = "openness")]
     Openness,
 }
-
-/// Hashes, 64 bits each, of what a bake depends on.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Hashes {
-    /// Of all options.
-    pub options: Hash,
-    /// Of all materials.
-    pub materials: Hash,
-    /// Of lights without a surface.
-    pub lights: Hash,
-    /// Of the sky.
-    pub sky: Hash,
-    /// Of each mesh, with its name, in the scene's order.
-    pub meshes: Vec<(String, Hash)>,
-}
-
-/// A hash of 64 bits; 16 hexadecimal digits in JSON, whose numbers have fewer bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
-pub struct Hash(pub u64);
 
 /// A page of the lightmap.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -160,51 +141,6 @@ impl Manifest {
     }
 }
 
-impl Hashes {
-    /// What differs between two bakes, one line for each; none if they are the same.
-    pub fn changes_since(&self, old: &Self) -> Vec<String> {
-        let fields = [
-            (self.options, old.options, "the options"),
-            (self.materials, old.materials, "materials"),
-            (self.lights, old.lights, "lights"),
-            (self.sky, old.sky, "the sky"),
-        ];
-        let changed = fields.iter().filter(|(new, old, _)| new != old);
-        let mut changes: Vec<String> = changed.map(|(_, _, what)| format!("{what} changed")).collect();
-        let names = |hashes: &Self| hashes.meshes.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
-        if names(self) != names(old) {
-            changes.push("meshes were added, removed or renamed".to_owned());
-        } else {
-            let meshes = self.meshes.iter().zip(&old.meshes).filter(|(new, old)| new != old);
-            changes.extend(meshes.map(|((name, _), _)| format!("mesh {name:?} changed")));
-        }
-        changes
-    }
-}
-
-impl Hash {
-    /// FNV-1a of these bytes (Fowler, Noll and Vo).
-    pub fn of(bytes: &[u8]) -> Self {
-        let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        Self(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
-    }
-}
-
-impl From<Hash> for String {
-    fn from(hash: Hash) -> Self {
-        format!("{:016x}", hash.0)
-    }
-}
-
-impl TryFrom<String> for Hash {
-    type Error = String;
-
-    fn try_from(digits: String) -> Result<Self, String> {
-        let hash = u64::from_str_radix(&digits, 16).ok().filter(|_| digits.len() == 16 && !digits.starts_with('+'));
-        hash.map(Self).ok_or_else(|| format!("{digits:?} is not a hash of 16 hexadecimal digits"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,16 +176,5 @@ mod tests {
         assert!(problem("{}").starts_with("this is not a lightmap's manifest: missing field `version`"));
         let text = manifest().to_json().replace("85944171f73967e8", "+5944171f73967e8");
         assert!(problem(&text).contains("is not a hash of 16 hexadecimal digits"), "{}", problem(&text));
-    }
-
-    #[test]
-    fn changes_are_told() {
-        let old = manifest().made_from;
-        assert!(old.changes_since(&old).is_empty());
-        let mut new = old.clone();
-        (new.sky, new.meshes[0].1) = (Hash(7), Hash(8));
-        assert_eq!(new.changes_since(&old), ["the sky changed", "mesh \"wall\" changed"]);
-        new.meshes.pop();
-        assert_eq!(new.changes_since(&old), ["the sky changed", "meshes were added, removed or renamed"]);
     }
 }

@@ -10,17 +10,21 @@
 //! with the same bytes.
 
 pub mod atlas;
+mod cached;
 pub mod check;
 mod covered;
 mod denoise;
 mod dilate;
-mod direct;
+pub(crate) mod direct;
 mod edges;
 mod filter;
+mod footprint;
 pub mod gltf;
+mod hashes;
 mod islands;
 mod journal;
 mod light;
+mod lookup;
 pub mod manifest;
 mod moments;
 mod noise;
@@ -33,12 +37,13 @@ pub mod report;
 mod seams;
 mod texels;
 mod unwrap;
+mod values;
 
 use glam::{Vec2, Vec3};
 
 use crate::cache::Record;
 use crate::driver::Watch;
-use crate::scene::{Mesh, Scene, count};
+use crate::scene::{Scene, count};
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -48,12 +53,12 @@ use denoise::denoise;
 use dilate::Grid;
 use edges::shared_edges;
 use light::Job;
-use manifest::{Hash, Hashes};
 use moments::Lens;
 use seams::{Seams, cuts};
 use texels::{Surfaces, Texel};
 
 pub use dilate::Source;
+pub use hashes::{combined, hashes};
 pub use journal::Journal;
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
 pub use picture::charts_picture;
@@ -130,33 +135,6 @@ impl Atlas {
     }
 }
 
-/// Hashes of all that a bake depends on; equal ones give equal maps.
-pub fn hashes(scene: &Scene, options: &BakeOptions) -> Hashes {
-    let nothing = Scene::default();
-    let mesh = |mesh: &Mesh| {
-        let shape = Scene { meshes: vec![mesh.clone()], ..nothing.clone() }.hash();
-        let numbers = mesh.lightmap_texcoords.iter().flat_map(|uv| uv.to_array());
-        let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).chain(shape.to_le_bytes()).collect();
-        (mesh.name.clone(), Hash::of(&bytes))
-    };
-    let named: Vec<String> = options.named().into_iter().map(|(name, value)| format!("{name}={value}")).collect();
-    Hashes {
-        options: Hash::of(named.join("\n").as_bytes()),
-        materials: Hash(Scene { materials: scene.materials.clone(), ..nothing.clone() }.hash()),
-        lights: Hash(Scene { lights: scene.lights.clone(), ..nothing.clone() }.hash()),
-        sky: Hash(Scene { sky: scene.sky.clone(), ..nothing.clone() }.hash()),
-        meshes: scene.meshes.iter().map(mesh).collect(),
-    }
-}
-
-/// One hash of all of them and of this version of the program.
-pub fn combined(hashes: &Hashes) -> u64 {
-    let Hashes { options, materials, lights, sky, meshes } = hashes;
-    let all = [options, materials, lights, sky].into_iter().chain(meshes.iter().map(|(_, hash)| hash));
-    let bytes: Vec<u8> = all.flat_map(|hash| hash.0.to_le_bytes()).chain(env!("CARGO_PKG_VERSION").bytes()).collect();
-    Hash::of(&bytes).0
-}
-
 /// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
 /// found is in the journal. The watcher hears of texels in place of samples, [`work`] in all.
 pub fn bake(
@@ -174,7 +152,7 @@ pub fn bake(
     for (texel, is_free) in texels.into_iter().zip(is_free) {
         if is_free { lit.push(texel) } else { covered.push(texel) }
     }
-    let light = Job { world, options, journal, watch }.light(&lit)?;
+    let light = Job { world, surfaces: &surfaces, options, journal, watch }.light(&lit)?;
 
     let mut grids = grids(&atlas, &lit, &covered);
     let names: Vec<&'static str> =
@@ -237,11 +215,11 @@ pub fn bake(
     Some(Bake { atlas, maps, record_places, statistics, warnings })
 }
 
-/// The number of texels that a bake tells its watcher of, about: those on surfaces, again where a cache serves them.
+/// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.
 pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     let texels = Surfaces::new(scene, atlas).texels().len() as u64;
     let by_cache = !options.brute && matches!(options.mode, Mode::Full | Mode::Indirect);
-    texels * (1 + u64::from(by_cache))
+    texels * (1 + u64::from(by_cache) + u64::from(by_cache && options.cache.bounces.is_none()))
 }
 
 /// For each page what is known of its texels.

@@ -5,14 +5,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DVec3, Quat, Vec3, vec3};
 
-use rayon::prelude::*;
-
 use super::filter::footprint;
 use super::*;
-use crate::estimator::GatherPoint;
-use crate::integrator::Uncached;
 use crate::scene::{Material, Mesh, cornell_box};
-use crate::settings::CachedOptions;
+
+mod accuracy;
+mod shadows;
 
 /// Never stops.
 struct Patient;
@@ -209,51 +207,6 @@ fn a_sealed_box_is_dark_inside() {
             }
         }
         assert!(dark > 1000 && bright > 1000);
-    }
-}
-
-/// Indirect light of a level from few gathers, against gathers of many rays at some of its texels.
-#[test]
-fn a_cache_tells_what_gathers_do() {
-    let room = scene(
-        vec![
-            hollow("room", Vec3::ZERO, vec3(1.0, 1.0, 1.0), true),
-            hollow("crate", vec3(0.55, 0.0, 0.2), vec3(0.85, 0.4, 0.5), false),
-            Mesh { material: 1, ..hollow("lamp", vec3(0.2, 0.9, 0.3), vec3(0.5, 0.95, 0.7), false) },
-        ],
-        vec![glowing(0.0, 0.6), glowing(10.0, 0.0)],
-    );
-    let mut options = BakeOptions { mode: Mode::Indirect, size: 256, ..BakeOptions::default() };
-    let atlas = Atlas::new(&room, &options).unwrap();
-    let world = World::new(room.clone()).unwrap();
-    let surfaces = Surfaces::new(&room, &atlas);
-    let mut texels = surfaces.texels();
-    let (is_free, _) = uncover(&world, &surfaces, &mut texels);
-    let some: Vec<Texel> =
-        texels.iter().zip(is_free).filter(|(_, is_free)| *is_free).map(|(texel, _)| *texel).step_by(301).collect();
-    let reference: Vec<Vec3> = some
-        .par_iter()
-        .enumerate()
-        .map(|(key, texel)| {
-            let many = CachedOptions { rays: 1 << 17, ..CachedOptions::default() };
-            let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-            Uncached::new(&world, &many, 99).irradiance(&[GatherPoint { key: key as u64, surface }]).0[0]
-        })
-        .collect();
-    let mean = reference.iter().map(|value| value.x).sum::<f32>() / reference.len() as f32;
-    // Records of 4096 rays have some 2% of noise themselves.
-    options.cache.rays = 4096;
-    for (cache_error, most_gathers, most_rms, most_of_99) in [(0.3, 0.12, 0.03, 0.08), (0.6, 0.06, 0.04, 0.15)] {
-        options.cache.error = cache_error;
-        let bake = baked(&room, &options);
-        let found = |texel: &Texel| bake.maps[texel.page as usize].layers[0].texels[texel.index as usize].x;
-        let relative = |(texel, exact): (&Texel, &Vec3)| (found(texel) - exact.x).abs() / exact.x.max(0.1 * mean);
-        let mut errors: Vec<f32> = some.iter().zip(&reference).map(relative).collect();
-        errors.sort_by(f32::total_cmp);
-        let rms = (errors.iter().map(|error| error * error).sum::<f32>() / errors.len() as f32).sqrt();
-        let most = errors[errors.len() * 99 / 100];
-        let share = bake.statistics.gathers as f64 / bake.statistics.texels as f64;
-        assert!(share < most_gathers && rms < most_rms && most < most_of_99, "{cache_error}: {share} {rms} {most}");
     }
 }
 

@@ -7,7 +7,7 @@
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
-use super::atlas::{Atlas, NO_CHART};
+use super::atlas::{Atlas, NO_CHART, Page};
 use super::islands::texel_steps;
 use super::raster::{Polygon, rasterize};
 use crate::scene::Scene;
@@ -28,6 +28,8 @@ pub(crate) struct Texel {
     pub(crate) tangents: [Vec3; 2],
     /// The part of it that its chart covers, up to 1.
     pub(crate) coverage: f32,
+    /// Whether something covers its middle, so that its point is elsewhere.
+    pub(crate) is_moved: bool,
 }
 
 /// A point of a triangle.
@@ -63,6 +65,17 @@ pub(crate) struct Surfaces<'a> {
     atlas: &'a Atlas,
     /// For each mesh the number of its first triangle among all of the scene.
     first_prims: Vec<u32>,
+    /// For each triangle of the scene its part, and its number there; none for those that are in no part.
+    faces: Vec<Option<(u32, u32)>>,
+}
+
+/// A place on a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) page: usize,
+    /// The texel, row by row.
+    pub(crate) texel: u32,
+    pub(crate) chart: u32,
 }
 
 impl<'a> Surfaces<'a> {
@@ -72,7 +85,32 @@ impl<'a> Surfaces<'a> {
             *next += mesh.triangles.len() as u32;
             Some(first)
         });
-        Self { scene, atlas, first_prims: first_prims.collect() }
+        let first_prims: Vec<u32> = first_prims.collect();
+        let mut faces = vec![None; scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum()];
+        for (number, part) in (0..).zip(&atlas.parts) {
+            for (triangle, face) in (0..).zip(&part.faces) {
+                faces[(first_prims[part.mesh] + face) as usize] = Some((number, triangle));
+            }
+        }
+        Self { scene, atlas, first_prims, faces }
+    }
+
+    /// The sizes of all pages.
+    pub(crate) fn pages(&self) -> &[Page] {
+        &self.atlas.pages
+    }
+
+    /// Where a point of a triangle of the scene lies; `None` if it is on no page.
+    pub(crate) fn place(&self, prim_id: u32, [u, v]: [f32; 2]) -> Option<Place> {
+        let (part, triangle) = self.faces[prim_id as usize]?;
+        let part = &self.atlas.parts[part as usize];
+        let chart = part.charts[triangle as usize];
+        let size = self.atlas.pages[part.page];
+        let [a, b, c] = part.triangles[triangle as usize].map(|vertex| part.vertices[vertex as usize].uv);
+        let [x, y] = size.to_texels(a + (b - a) * u + (c - a) * v).to_array();
+        let column = |x: f64, side: u32| (x as u32).min(side - 1);
+        let texel = column(y, size.height) * size.width + column(x, size.width);
+        (chart != NO_CHART).then_some(Place { page: part.page, texel, chart })
     }
 
     /// All texels on surfaces, page by page and row by row.
@@ -120,6 +158,7 @@ impl<'a> Surfaces<'a> {
             spacing: steps[0].cross(steps[1]).length().sqrt() as f32,
             tangents: steps.map(|step| step.as_vec3()),
             coverage: coverage as f32,
+            is_moved: false,
         })
     }
 
@@ -157,6 +196,15 @@ impl<'a> Surfaces<'a> {
             triangles.iter().find_map(|&triangle| self.locate(chart.part as u32, triangle, low + place, MARGIN))
         };
         places.into_iter().filter_map(locate).collect()
+    }
+
+    /// The points of a texel's own triangle that lie on a grid of `side` by `side` in it.
+    pub(crate) fn spread(&self, texel: &Texel, side: u32) -> Vec<Point> {
+        let Some((part, triangle)) = self.faces[texel.point.prim_id as usize] else { return Vec::new() };
+        let width = self.atlas.pages[texel.page as usize].width;
+        let low = DVec2::new((texel.index % width).into(), (texel.index / width).into());
+        let places = (0..side * side).map(|i| DVec2::new((i % side).into(), (i / side).into()) + 0.5);
+        places.filter_map(|place| self.locate(part, triangle, low + place / f64::from(side), MARGIN)).collect()
     }
 
     /// The point of a triangle at a place on its page that is at least `margin` texels inside.

@@ -9,7 +9,12 @@ use clap::{Args, Parser, Subcommand};
 use super::CORNELL;
 use super::bake::BakeArguments;
 use super::cache::CacheCommand;
+use super::cubemap::CubemapArguments;
+use super::help::{
+    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, PROBES_EXAMPLES, RENDER_EXAMPLES, VALIDATE_EXAMPLES,
+};
 use super::irradiance::IrradianceArguments;
+use super::probes::ProbesArguments;
 use super::progress::Mode;
 use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
@@ -17,49 +22,6 @@ use crate::driver::MAX_BLOCK;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
-
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  done
-  1  bad input or usage, found before the render
-  2  the system failed, for example while the picture was written
-  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on
-  5  an experiment of `halfdome validate` failed, or a check of `halfdome bake --check-uv`
-  A second Ctrl-C ends the program at once, with 130 and no picture.";
-
-const EXAMPLES: &str = "\
-Examples:
-  halfdome                              the built-in Cornell box, with 32 samples per pixel
-  halfdome render room.glb              a model, to room.exr and room.png
-  halfdome render room.toml --spp 1024  a scene file, with more samples
-  halfdome info room.glb --json         what is in a model";
-
-const RENDER_EXAMPLES: &str = "\
-Examples:
-  halfdome render cornell --size 256x256 --spp 16 -o small.png
-  halfdome render hall.obj --eye 0,1.7,4 --target 0,1,0 --sky 0.5,0.6,0.8
-  halfdome render hall.toml --integrator normals -o normals.exr
-  halfdome render hall.glb --exposure -1 --tone reinhard --progress none
-
-Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
-one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
-its front and 20 above, from where all of it is in the picture.";
-
-const BAKE_EXAMPLES: &str = "\
-Examples:
-  halfdome bake level.glb -o level.baked.glb --preset bevy --density 16
-  halfdome bake level.glb -o level.baked.glb --preset three --sky 0.5 --report report.html
-  halfdome bake room.obj -o room.baked.obj --mode ao --ao-distance 2
-  halfdome bake level.glb --check-uv=charts.png
-
-Texels lie on the fronts of surfaces. A bake whose level, options and files are unchanged does nothing.";
-
-const VALIDATE_EXAMPLES: &str = "\
-Examples:
-  halfdome validate                       all experiments, in a minute or two
-  halfdome validate furnace lights-sky    a family, and a single experiment
-  halfdome validate --plots figures       with figures (SVG) and their points (CSV)
-  halfdome validate --quick --json        for programs; one line has name, quantity, measured, expected, tolerance, pass";
 
 /// Renders scenes with global illumination
 ///
@@ -93,6 +55,12 @@ pub(super) enum Command {
     /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
     #[command(after_help = EXIT_CODES)]
     Tree(TreeArguments),
+    /// Make a prefiltered cube map of an environment, or of what a point in a scene sees
+    #[command(after_help = format!("{CUBEMAP_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Cubemap(Box<CubemapArguments>),
+    /// Find the light around points in a scene: spherical harmonics, and volumes of them for Bevy
+    #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Probes(Box<ProbesArguments>),
     /// Render scenes whose answer is known exactly, and compare
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
@@ -248,7 +216,7 @@ fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
         .map(|name| ToneCurve::from_name(&name).expect("only names of curves are possible"))
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= 64.0);
     stops.ok_or_else(|| "expected stops from -64 to 64".to_owned())
 }

@@ -191,14 +191,15 @@ fn bake(
 ) -> Result<u8, CliError> {
     let hashes = files.hashes(&scene, options);
     if let Ok(old) = Manifest::read(&files.manifest) {
-        if old.made_from == hashes && files.are_whole(&old) {
-            say(style, &format!("{} is up to date", files.model.display()));
-            return Ok(EXIT_DONE);
-        }
         let changes = hashes.changes_since(&old.made_from);
         if !changes.is_empty() {
             // Any surface may reflect light to any other.
             say(style, &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")));
+        } else if let Some(fault) = files.fault(&old) {
+            say(style, &format!("{fault}, so all of it is baked"));
+        } else {
+            say(style, &format!("{} is up to date", files.model.display()));
+            return Ok(EXIT_DONE);
         }
     }
     let state = Journal::path(&files.model);
@@ -232,12 +233,12 @@ fn bake(
 }
 
 /// Prints warnings, and takes them out.
-fn warn(style: Style, warnings: &mut Vec<String>) {
+pub(super) fn warn(style: Style, warnings: &mut Vec<String>) {
     warnings.drain(..).for_each(|warning| print_warning(style, &warning));
 }
 
 /// Tells what happens, in the form that progress has.
-fn say(style: Style, text: &str) {
+pub(super) fn say(style: Style, text: &str) {
     match style {
         Style::Silent => {}
         Style::Json => super::progress::print_line(&serde_json::json!({ "event": "note", "message": text })),
@@ -249,7 +250,7 @@ fn say(style: Style, text: &str) {
 }
 
 /// One of the values of a type, by its name.
-fn names<T: Copy + Send + Sync + 'static, const N: usize>(
+pub(super) fn names<T: Copy + Send + Sync + 'static, const N: usize>(
     all: [T; N],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
@@ -263,6 +264,6 @@ fn positive(text: &str) -> Result<f32, String> {
 }
 
 /// An error about the options.
-fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
+pub(super) fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
     Invalid::new(problem, remedy).into()
 }

@@ -4,12 +4,15 @@ mod args;
 mod bake;
 mod building;
 mod cache;
+mod cubemap;
 mod error;
+mod help;
 mod info;
 mod interrupt;
 mod irradiance;
 mod memory;
 mod preview;
+mod probes;
 mod progress;
 mod render;
 mod summary;
@@ -67,6 +70,8 @@ pub fn main() -> ExitCode {
         Command::Cache(command) => (cache::run(&command), Mode::Auto),
         Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
         Command::Bake(arguments) => (bake::run(&arguments), arguments.common.progress),
+        Command::Cubemap(arguments) => (cubemap::run(&arguments), arguments.common.progress),
+        Command::Probes(arguments) => (probes::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {

@@ -18,11 +18,13 @@ use halfdome_kernel::{Hit, Ray};
 
 use crate::cache::Cache;
 use crate::driver::Watch;
-use crate::settings::{Integrator, Settings};
+use crate::settings::{Integrator, PathOptions, Settings};
 use crate::world::World;
 
 pub use cached::CacheUse;
-pub(crate) use cached::{Frozen, Journal, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect};
+pub(crate) use cached::{
+    Frozen, Journal, Known, Source, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect,
+};
 pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
@@ -75,6 +77,17 @@ pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, 
         }
         _ => (Prepared::Nothing, 0),
     }
+}
+
+/// Writes the radiance along each ray, found by paths; gives the number of further rays traced.
+pub(crate) fn radiance_by_paths(
+    world: &World,
+    options: &PathOptions,
+    rays: &CameraRays,
+    wave: &mut Wavefront,
+    radiance: &mut [Vec3],
+) -> u64 {
+    path::radiance(world, options, rays, wave, radiance, &mut |_| ())
 }
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.

@@ -19,7 +19,7 @@ use crate::integrator::{CameraRays, Wavefront, fill_for_surfaces, indirect};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
-pub use points::{PointsError, Sensor, read_points};
+pub use points::{PointsError, Sensor, read_points, read_positions};
 
 /// What of the light counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -36,27 +36,12 @@ impl Sensor {
     }
 
     /// The sensor of a line.
-    fn parse(text: &str) -> Result<Self, (String, &'static str)> {
-        const SIX: &str = "give six numbers: a position x y z and a normal nx ny nz";
-        let mut numbers = [0.0f64; 6];
-        let words: Vec<&str> = text.split_whitespace().collect();
-        if words.len() != numbers.len() {
-            let plural = if words.len() == 1 { "" } else { "s" };
-            return Err((format!("has {} value{plural} instead of six", words.len()), SIX));
-        }
-        for (number, word) in numbers.iter_mut().zip(words) {
-            *number = word.parse().map_err(|_| (format!("{word:?} is not a number"), SIX))?;
-        }
-        let [x, y, z, nx, ny, nz] = numbers;
-        let (position, normal) = (glam::dvec3(x, y, z), glam::dvec3(nx, ny, nz));
-        if !position.is_finite() || position.abs().max_element() > f64::from(MAX_COORDINATE) {
-            return Err((
-                format!("the position {x} {y} {z} is not in reach"),
-                "give finite coordinates of at most 2^60, in the scene's units",
-            ));
-        }
+    fn parse(text: &str) -> Result<Self, Wrong> {
+        let [x, y, z, nx, ny, nz] = numbers(text, "six", "give six numbers: a position x y z and a normal nx ny nz")?;
+        let position = position([x, y, z])?;
+        let normal = glam::dvec3(nx, ny, nz);
         match normal.is_finite().then(|| normal.try_normalize()).flatten() {
-            Some(normal) => Ok(Self { position: position.as_vec3(), normal: normal.as_vec3() }),
+            Some(normal) => Ok(Self { position, normal: normal.as_vec3() }),
             None => Err((
                 format!("the normal {nx} {ny} {nz} has no direction"),
                 "give three finite numbers that are not all zero; the length does not matter",
@@ -65,12 +50,54 @@ impl Sensor {
     }
 }
 
+/// What is wrong with a line, and what would be right.
+type Wrong = (String, &'static str);
+
+/// The numbers of a line, which has `count` of them.
+fn numbers<const N: usize>(text: &str, count: &str, remedy: &'static str) -> Result<[f64; N], Wrong> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    if words.len() != N {
+        let plural = if words.len() == 1 { "" } else { "s" };
+        return Err((format!("has {} value{plural} instead of {count}", words.len()), remedy));
+    }
+    let mut numbers = [0.0; N];
+    for (number, word) in numbers.iter_mut().zip(words) {
+        *number = word.parse().map_err(|_| (format!("{word:?} is not a number"), remedy))?;
+    }
+    Ok(numbers)
+}
+
+/// A point that rays can start from.
+fn position([x, y, z]: [f64; 3]) -> Result<Vec3, Wrong> {
+    let position = glam::dvec3(x, y, z);
+    if !position.is_finite() || position.abs().max_element() > f64::from(MAX_COORDINATE) {
+        return Err((
+            format!("the position {x} {y} {z} is not in reach"),
+            "give finite coordinates of at most 2^60, in the scene's units",
+        ));
+    }
+    Ok(position.as_vec3())
+}
+
 /// Reads sensors.
 ///
 /// # Errors
 /// The first line that is no sensor, or what the system says about reading.
 pub fn read_points(reader: impl BufRead) -> Result<Vec<Sensor>, PointsError> {
-    let mut sensors = Vec::new();
+    read_lines(reader, Sensor::parse)
+}
+
+/// Reads points without a normal, `x y z` on a line.
+///
+/// # Errors
+/// The first line that is no point, or what the system says about reading.
+pub fn read_positions(reader: impl BufRead) -> Result<Vec<Vec3>, PointsError> {
+    read_lines(reader, |text| position(numbers(text, "three", "give three numbers: a position x y z")?))
+}
+
+/// What `parse` makes of all lines that are neither blank nor comments.
+fn read_lines<T>(reader: impl BufRead, parse: impl Fn(&str) -> Result<T, Wrong>) -> Result<Vec<T>, PointsError> {
+    let mut found = Vec::new();
     for (number, line) in (1..).zip(reader.lines()) {
         let error = |problem: String, remedy: &str| PointsError { line: number, problem, remedy: remedy.to_owned() };
         let line = line.map_err(|failure| match failure.kind() {
@@ -81,9 +108,9 @@ pub fn read_points(reader: impl BufRead) -> Result<Vec<Sensor>, PointsError> {
         if text.is_empty() || text.starts_with('#') {
             continue;
         }
-        sensors.push(Sensor::parse(text).map_err(|(problem, remedy)| error(problem, remedy))?);
+        found.push(parse(text).map_err(|(problem, remedy)| error(problem, remedy))?);
     }
-    Ok(sensors)
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -100,6 +127,17 @@ mod tests {
         ];
         assert_eq!(read_points(text.as_bytes()).unwrap(), expected);
         assert!(read_points(&b""[..]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn positions_have_three_numbers() {
+        assert_eq!(
+            read_positions(&b"1 2 3\n# no\n-4 5e-1 6\n"[..]).unwrap(),
+            [vec3(1.0, 2.0, 3.0), vec3(-4.0, 0.5, 6.0)]
+        );
+        let error = |text: &str| read_positions(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(error("1 2"), "line 1: has 2 values instead of three\n  help: give three numbers: a position x y z");
+        assert!(error("1 2 3\n\n1 inf 3").starts_with("line 3: the position 1 inf 3 is not in reach"));
     }
 
     #[test]

@@ -1,13 +1,15 @@
-//! KTX 2.0 with one image in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): what Bevy wants of a lightmap.
+//! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): what Bevy wants of lightmaps, cube maps and irradiance volumes.
 //!
-//! The file is a header of 80 bytes, the place of the only mip level, the data format descriptor, key and value pairs,
-//! and the texels; nothing is compressed. Alpha is 1.
+//! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and the
+//! texels, smallest level first; nothing is compressed. A level holds its faces one after the other (+X, -X, +Y, -Y, +Z,
+//! -Z), or its slices. Alpha is 1.
 //!
 //! Sources: "KTX File Format Specification", version 2.0; "Khronos Data Format Specification", version 1.3, section 5
 //! (the basic descriptor block) and 10.2 (half floats). Both of the Khronos Group.
 
 use std::path::Path;
 
+use glam::Vec3;
 use half::f16;
 
 use super::{EncodedMap, Map, OutputError};
@@ -21,34 +23,106 @@ const LEVEL_INDEX: u32 = 24;
 /// Bytes of a texel, to a multiple of which texels are aligned.
 const TEXEL: u32 = 8;
 
-/// The bytes of a KTX2 file; `path` is for messages.
+/// A texture of one or several mip levels.
+#[derive(Clone, Debug)]
+pub struct Texture<'a> {
+    /// What it is, with its extent in texels.
+    pub shape: Shape,
+    /// Texels of each level from the largest on, each level half as long along all axes as the one before: face by face or
+    /// slice by slice, row by row from the top.
+    pub levels: Vec<&'a [Vec3]>,
+}
+
+/// What a texture is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A picture: width and height.
+    Plane([u32; 2]),
+    /// Six square faces of this side.
+    Cube(u32),
+    /// Slices of a volume: width, height and depth.
+    Volume([u32; 3]),
+}
+
+impl Shape {
+    /// Texels in the mip level of this number.
+    fn texels(self, level: u32) -> u64 {
+        let side = |side: u32| u64::from((side >> level).max(1));
+        match self {
+            Self::Plane([width, height]) => side(width) * side(height),
+            Self::Cube(size) => 6 * side(size) * side(size),
+            Self::Volume([width, height, depth]) => side(width) * side(height) * side(depth),
+        }
+    }
+
+    /// Width, height, depth and faces as the header has them: a depth of 0 for what is flat.
+    fn extent(self) -> [u32; 4] {
+        match self {
+            Self::Plane([width, height]) => [width, height, 0, 1],
+            Self::Cube(size) => [size, size, 0, 6],
+            Self::Volume([width, height, depth]) => [width, height, depth, 1],
+        }
+    }
+
+    /// Where texels begin and go on: right, down, and for volumes inwards.
+    fn orientation(self) -> &'static str {
+        if matches!(self, Self::Volume(_)) { "rdi" } else { "rd" }
+    }
+}
+
+/// The bytes of a KTX2 file of one picture; `path` is for messages.
 ///
 /// # Errors
 /// If the map has not as many texels as its size says.
 pub fn encode_ktx2(path: &Path, map: &Map) -> Result<EncodedMap, OutputError> {
-    map.check(path)?;
-    let (texels, clamped) = map.within(f16::MAX.to_f32());
-    let (descriptor, pairs) = (words(&descriptor()), key_value_data());
-    let descriptor_at = HEADER + LEVEL_INDEX;
+    encode_ktx2_texture(path, &Texture { shape: Shape::Plane([map.width, map.height]), levels: vec![map.texels] })
+}
+
+/// The bytes of a KTX2 file; `path` is for messages.
+///
+/// # Errors
+/// If there is no level, or one has not as many texels as the shape says.
+pub fn encode_ktx2_texture(path: &Path, texture: &Texture) -> Result<EncodedMap, OutputError> {
+    for (level, texels) in (0..).zip(&texture.levels) {
+        let expected = texture.shape.texels(level);
+        if texels.is_empty() || texels.len() as u64 != expected {
+            let problem = format!("level {level} has {} texels instead of {expected}", texels.len());
+            return Err(OutputError::new(path, problem, "give it one colour for each texel, and at least one"));
+        }
+    }
+    if texture.levels.is_empty() {
+        return Err(OutputError::new(path, "the texture has no levels", "give it at least one"));
+    }
+    let levels = texture.levels.len() as u32;
+    let (descriptor, pairs) = (words(&descriptor()), key_value_data(texture.shape.orientation()));
+    let descriptor_at = HEADER + LEVEL_INDEX * levels;
     let pairs_at = descriptor_at + descriptor.len() as u32;
     let texels_at = (pairs_at + pairs.len() as u32).next_multiple_of(TEXEL);
-    let texels_length = u64::from(TEXEL) * map.texels.len() as u64;
 
-    let mut bytes = Vec::with_capacity(texels_at as usize + texels_length as usize);
-    bytes.extend(IDENTIFIER);
-    let (type_size, depth, layers, faces, levels, supercompression) = (2, 0, 0, 1, 1, 0);
-    bytes.extend(words(&[VK_FORMAT_R16G16B16A16_SFLOAT, type_size, map.width, map.height, depth]));
+    let [width, height, depth, faces] = texture.shape.extent();
+    let (type_size, layers, supercompression) = (2, 0, 0);
+    let mut bytes = Vec::from(IDENTIFIER);
+    bytes.extend(words(&[VK_FORMAT_R16G16B16A16_SFLOAT, type_size, width, height, depth]));
     bytes.extend(words(&[layers, faces, levels, supercompression]));
     bytes.extend(words(&[descriptor_at, descriptor.len() as u32, pairs_at, pairs.len() as u32]));
-    let global_data = [0_u64; 2];
-    for number in global_data.into_iter().chain([texels_at.into(), texels_length, texels_length]) {
-        bytes.extend(number.to_le_bytes());
+    let mut numbers = vec![0_u64; 2];
+    let lengths = texture.levels.iter().map(|texels| u64::from(TEXEL) * texels.len() as u64);
+    for (level, length) in lengths.clone().enumerate() {
+        let smaller: u64 = lengths.clone().skip(level + 1).sum();
+        numbers.extend([u64::from(texels_at) + smaller, length, length]);
     }
+    numbers.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
     bytes.extend(descriptor);
     bytes.extend(pairs);
     bytes.resize(texels_at as usize, 0);
-    for texel in texels {
-        bytes.extend(texel.extend(1.0).to_array().map(|value| f16::from_f32(value).to_le_bytes()).as_flattened());
+    let mut clamped = 0;
+    for level in texture.levels.iter().rev() {
+        let map = Map { width: level.len() as u32, height: 1, texels: level };
+        let (texels, changed) = map.within(f16::MAX.to_f32());
+        clamped += changed;
+        for texel in texels {
+            bytes.extend(texel.extend(1.0).to_array().map(|value| f16::from_f32(value).to_le_bytes()).as_flattened());
+        }
     }
     Ok(EncodedMap { bytes, clamped })
 }
@@ -84,10 +158,10 @@ fn descriptor() -> [u32; 23] {
 }
 
 /// Where the first texel is, and who wrote the file; keys in the order of their bytes.
-fn key_value_data() -> Vec<u8> {
+fn key_value_data(orientation: &str) -> Vec<u8> {
     let writer = concat!("halfdome ", env!("CARGO_PKG_VERSION"));
     let mut bytes = Vec::new();
-    for (key, value) in [("KTXorientation", "rd"), ("KTXwriter", writer)] {
+    for (key, value) in [("KTXorientation", orientation), ("KTXwriter", writer)] {
         let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
         bytes.extend((pair.len() as u32).to_le_bytes());
         bytes.extend(pair);
@@ -102,7 +176,6 @@ fn words(words: &[u32]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
     use ktx2::dfd::{Basic, Block};
     use ktx2::{ColorModel, ColorPrimaries, Format, Reader, TransferFunction};
 
@@ -147,6 +220,43 @@ mod tests {
         assert_eq!(reader.color_primaries(), Some(ColorPrimaries::BT709));
         assert_eq!(reader.transfer_function(), Some(TransferFunction::Linear));
         assert_eq!(reader.is_alpha_premultiplied(), Some(false));
+    }
+
+    /// The first channel of a level's texels.
+    fn reds(data: &[u8]) -> Vec<f32> {
+        data.chunks_exact(8).map(|texel| f16::from_le_bytes([texel[0], texel[1]]).to_f32()).collect()
+    }
+
+    #[test]
+    fn another_reader_finds_faces_levels_and_slices() {
+        let texels: Vec<Vec3> = (0..96).map(|i| Vec3::splat(i as f32)).collect();
+        let encode = |shape, levels: &[&[Vec3]]| {
+            encode_ktx2_texture(Path::new("a.ktx2"), &Texture { shape, levels: levels.to_vec() })
+        };
+        let cube = encode(Shape::Cube(4), &[&texels, &texels[..24], &texels[..6]]).unwrap().bytes;
+        let reader = Reader::new(&cube).unwrap();
+        let header = reader.header();
+        assert_eq!((header.pixel_width, header.pixel_height, header.pixel_depth), (4, 4, 0));
+        assert_eq!((header.layer_count, header.face_count, header.level_count), (0, 6, 3));
+        let found: Vec<_> = reader.levels().map(|level| reds(level.data)).collect();
+        let expected = [96, 24, 6].map(|count| (0..count).map(|i| i as f32).collect::<Vec<_>>());
+        assert_eq!(found, expected);
+        let volume = encode(Shape::Volume([2, 6, 8]), &[&texels]).unwrap().bytes;
+        let reader = Reader::new(&volume).unwrap();
+        let header = reader.header();
+        assert_eq!((header.pixel_width, header.pixel_height, header.pixel_depth), (2, 6, 8));
+        assert_eq!((header.face_count, header.level_count), (1, 1));
+        assert_eq!(reader.key_value_data().next(), Some(("KTXorientation", b"rdi\0".as_slice())));
+        assert_eq!(reds(reader.levels().next().unwrap().data), expected[0]);
+        assert_eq!(
+            encode(Shape::Cube(4), &[&texels[..95]]).unwrap_err().problem,
+            "level 0 has 95 texels instead of 96"
+        );
+        assert_eq!(
+            encode(Shape::Cube(4), &[&texels, &texels[..6]]).unwrap_err().problem,
+            "level 1 has 6 texels instead of 24"
+        );
+        assert_eq!(encode(Shape::Cube(4), &[]).unwrap_err().problem, "the texture has no levels");
     }
 
     #[test]

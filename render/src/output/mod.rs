@@ -23,7 +23,7 @@ pub use self::error::OutputError;
 pub use self::exr::read as read_exr;
 pub use self::file::OutputFile;
 pub use self::hdr::encode_hdr;
-pub use self::ktx2::encode_ktx2;
+pub use self::ktx2::{Shape, Texture, encode_ktx2, encode_ktx2_texture};
 pub use self::map::{EncodedMap, Map};
 pub use self::png::encode_rgb8 as encode_png;
 pub use self::tone::{ToneCurve, ToneMapping};

@@ -111,7 +111,7 @@ pub(super) fn text(value: &Value) -> Reading<String> {
 }
 
 /// A point in space.
-pub(super) fn point(value: &Value) -> Reading<Vec3> {
+pub(crate) fn point(value: &Value) -> Reading<Vec3> {
     value.three().map_or_else(|| expected("three finite numbers x, y, z"), Ok)
 }
 

@@ -13,7 +13,7 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{Hit, offset_distance, offset_point};
 
 use super::{Face, World};
-use crate::scene::{Material, TextureMap};
+use crate::scene::{Material, Specular, TextureMap};
 
 /// The material of whatever measures light.
 static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
@@ -182,6 +182,13 @@ impl Surface<'_> {
     #[inline(always)]
     pub(crate) fn frame(&self) -> Frame {
         Frame::from_normal(self.shading_normal)
+    }
+
+    /// Whether a ray in `direction` hits the back of a body here, coming from within. Surfaces that are meant to be seen from
+    /// both sides have no back, and glass is no body.
+    pub(crate) fn is_back_of_body(&self, direction: Vec3) -> bool {
+        let is_glass = matches!(self.material.specular, Specular::Glass { .. });
+        !self.material.emits_both_sides && !is_glass && self.normal.dot(direction) > 0.0
     }
 
     /// Radiance emitted towards the origin of a ray in `direction`.

@@ -117,8 +117,12 @@ fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
         assert!(program.files() == before);
         // A map that somebody changed is made again.
         fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
-        assert!(!talk("").contains("up to date"));
+        assert!(talk("").contains("out-0.exr is not as it was written"));
         assert!(program.files() == before);
+        // A report is one more file, and no reason to bake again once it is there.
+        let told = talk("--report out.html");
+        assert!(told.contains("out.html was not written last time") && !told.contains("options"), "{told}");
+        assert!(talk("--report out.html").contains("up to date") && talk("").contains("up to date"));
         assert!(talk("--seed 5").contains("the options changed"));
         let mut moved = level();
         moved["nodes"][1]["translation"] = json!([0.6, 0, 0.5]);

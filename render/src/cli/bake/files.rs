@@ -88,20 +88,24 @@ impl Files {
     /// Hashes of what the files depend on.
     pub(super) fn hashes(&self, scene: &Scene, options: &BakeOptions) -> Hashes {
         let mut hashes = bake::hashes(scene, options);
-        let also = format!("{:016x} {} {}", hashes.options.0, self.preset.name(), self.report.is_some());
+        // Whether there is a report changes no other file.
+        let also = format!("{:016x} {}", hashes.options.0, self.preset.name());
         hashes.options = Hash::of(also.as_bytes());
         hashes
     }
 
-    /// Whether all files that a manifest names are as they were written.
-    pub(super) fn are_whole(&self, manifest: &Manifest) -> bool {
-        let mut names: Vec<&Path> = vec![&self.model];
-        names.extend(self.report.as_deref());
-        let is_named = |path: &Path| manifest.outputs.iter().any(|output| output.file == self.relative(path));
-        names.into_iter().all(is_named)
-            && manifest.outputs.iter().all(|output| {
-                std::fs::read(self.beside(&output.file)).is_ok_and(|bytes| Hash::of(&bytes) == output.hash)
-            })
+    /// Why files must be written anew although nothing that they depend on changed: what is asked for and was not written,
+    /// or is not as it was written; `None` if all is well.
+    pub(super) fn fault(&self, manifest: &Manifest) -> Option<String> {
+        let asked = [Some(self.model.as_path()), self.report.as_deref()].into_iter().flatten();
+        let is_new = |path: &&Path| manifest.outputs.iter().all(|output| output.file != self.relative(path));
+        if let Some(new) = asked.into_iter().find(is_new) {
+            return Some(format!("{} was not written last time", new.display()));
+        }
+        let changed = manifest.outputs.iter().find(|output| {
+            std::fs::read(self.beside(&output.file)).map_or(true, |bytes| Hash::of(&bytes) != output.hash)
+        });
+        changed.map(|output| format!("{} is not as it was written", self.beside(&output.file).display()))
     }
 
     /// A file in the folder of the model.

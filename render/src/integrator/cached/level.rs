@@ -6,7 +6,8 @@ use halfdome_kernel::{Hit, Ray};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Frozen, Misses, indirect};
+use super::known::{Known, Unknown};
+use super::{Frozen, Misses, indirect, known};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
 use crate::driver::Watch;
 use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
@@ -16,11 +17,13 @@ use crate::world::World;
 
 /// Where light beyond the first surface comes from.
 #[derive(Clone, Copy)]
-pub(super) enum Source<'a> {
+pub(crate) enum Source<'a> {
     /// Paths, of at most this many surfaces or as many as chance lets them have.
     Paths(Option<u32>),
     /// A cache of light with one reflection less.
     Cache(&'a Frozen),
+    /// Somebody who knows all light on surfaces.
+    Known(&'a dyn Known),
 }
 
 /// A cache that is being filled.
@@ -53,27 +56,31 @@ impl Journal for Forgetful {
     fn note(&self, _: &Record) {}
 }
 
-/// Gathers by paths for points that have no cache.
+/// Gathers for points that have no cache.
 pub(crate) struct Uncached<'a> {
     world: &'a World,
     gatherer: Gatherer,
-    max_depth: Option<u32>,
+    source: Source<'a>,
 }
 
 impl<'a> Uncached<'a> {
     /// Gathers as records of a cache with these options are made.
-    pub(crate) fn new(world: &'a World, options: &CachedOptions, seed: u64) -> Self {
-        let gatherer = Gatherer::new(options.layout, options.rays, false, seed);
-        // The surface that the gather sees, and the light.
-        Self { world, gatherer, max_depth: options.bounces.map(|bounces| bounces + 1) }
+    pub(crate) fn new(world: &'a World, options: &CachedOptions, source: Source<'a>, seed: u64) -> Self {
+        Self { world, gatherer: Gatherer::new(options.layout, options.rays, false, seed), source }
     }
 
     /// Irradiance at points, in their order, and the number of rays.
     pub(crate) fn irradiance(&self, points: &[GatherPoint]) -> (Vec<Vec3>, u64) {
-        let source = Source::Paths(self.max_depth);
-        let mut follower = Follower { world: self.world, source, memory: Default::default() };
+        let mut follower = Follower { world: self.world, source: self.source, memory: Default::default() };
         let (found, rays) = self.gatherer.gather(self.world, points, &mut follower);
         (found.into_iter().map(|found| found.gather.irradiance).collect(), rays)
+    }
+}
+
+impl Source<'_> {
+    /// The paths that a cache with these options is made with: they meet the surface that a gather sees, and the light.
+    pub(crate) fn paths(options: &CachedOptions) -> Self {
+        Self::Paths(options.bounces.map(|bounces| bounces + 1))
     }
 }
 
@@ -166,16 +173,17 @@ impl Level<'_> {
 struct Follower<'a> {
     world: &'a World,
     source: Source<'a>,
-    memory: (Wavefront, Misses),
+    memory: (Wavefront, Misses, Unknown),
 }
 
 impl Follow for Follower<'_> {
     fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
         let camera = CameraRays { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
-        let (wave, misses) = &mut self.memory;
+        let (wave, misses, unknown) = &mut self.memory;
         match self.source {
             Source::Paths(max_depth) => indirect(self.world, max_depth, &camera, wave, radiance),
             Source::Cache(frozen) => super::radiance(self.world, frozen, &camera, wave, misses, radiance),
+            Source::Known(known) => known::radiance(self.world, known, &camera, wave, unknown, radiance),
         }
     }
 }

@@ -9,6 +9,8 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
+mod candidates;
+mod known;
 mod level;
 mod lookup;
 mod overture;
@@ -22,8 +24,9 @@ use crate::cache::Cache;
 use crate::settings::{PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-use level::{Forgetful, Level, Source};
-pub(crate) use level::{Journal, Uncached};
+pub(crate) use known::Known;
+use level::{Forgetful, Level};
+pub(crate) use level::{Journal, Source, Uncached};
 pub(crate) use lookup::Misses;
 pub(crate) use overture::{fill_for_camera, fill_for_surfaces, fill_for_texels};
 

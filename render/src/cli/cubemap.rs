@@ -1,0 +1,249 @@
+//! `halfdome cubemap`: an environment, or what a point in a scene sees, as a prefiltered cube map.
+
+mod files;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::Vec3;
+use serde_json::json;
+
+use super::args::{CommonArguments, exposure};
+use super::bake::{invalid, names, say, warn};
+use super::cache::print;
+use super::progress::{Progress, Style, print_line};
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world, thread_pool};
+use crate::cubemap::{self, Axes, CubeMap, Filter, Language, Mapping, Options, Seams, Source, measure};
+use crate::output::{ToneCurve, ToneMapping};
+use crate::scene::{Overrides, PunctualLight, Scene, Sky, SkyOverrides, value};
+use files::Files;
+
+/// The name of the options' sky in place of a path.
+const SKY: &str = "sky";
+
+/// What `halfdome cubemap` takes.
+#[derive(Args, Clone, Debug)]
+pub(super) struct CubemapArguments {
+    /// A picture of all directions (.hdr, .exr; equirectangular), `sky` for the sky of the options, or with --at a scene
+    /// (.toml, .obj, .ply, .gltf, .glb, `cornell`)
+    source: PathBuf,
+
+    /// The point in the scene, in its units
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = value::argument(value::point))]
+    at: Option<Vec3>,
+
+    /// File to write; may be given several times: .ktx2 (RGBA16F with all levels), .exr (all levels, unfolded), .hdr
+    /// (six files, NAME-px.hdr and so on, and further ones for each level), .png (to look at, with seams as lookups show
+    /// them). A manifest NAME.json is written too
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    outputs: Vec<PathBuf>,
+
+    /// Texels across a face of the first level, a power of two
+    #[arg(long, value_name = "TEXELS", default_value = "256", value_parser = side)]
+    size: u32,
+
+    /// Levels, each half as large as the one before [default: down to 4 texels]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
+    levels: Option<u32>,
+
+    /// Paths for each texel of the first level, in a scene
+    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+
+    /// Against seams where filters know one face alone: none (hardware filters across edges), stretch (faces scaled until
+    /// their outermost texels meet), warp (bent near their edges) or lookup (scaled, and shaders scale what they look up)
+    #[arg(long, value_name = "HOW", default_value = "none", value_parser = names(Seams::ALL, Seams::name))]
+    seams: Seams,
+
+    /// What levels are filtered by: ggx (by roughness) or phong (by a power of the cosine)
+    #[arg(long, value_name = "LOBE", default_value = "ggx", value_parser = names(Filter::ALL, Filter::name))]
+    filter: Filter,
+
+    /// ggx: how a shader finds the level of a roughness: linear (roughness times the last level's number: Bevy) or sqrt (its
+    /// root: Godot)
+    #[arg(long, value_name = "HOW", default_value = "linear", value_parser = names(Mapping::ALL, Mapping::name))]
+    mapping: Mapping,
+
+    /// What is looked up for a direction (x, y, z) of the world: bevy (x, y, -z), three (-x, y, z) or world (x, y, z)
+    #[arg(long, value_name = "WHOSE", default_value = "bevy", value_parser = names(Axes::ALL, Axes::name))]
+    axes: Axes,
+
+    /// Make a second map of irradiance over π (NAME-diffuse), with faces of SIDE texels [default: none; 32 without a SIDE]
+    #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
+    #[arg(value_parser = side)]
+    diffuse: Option<u32>,
+
+    /// Print the lookup for shaders (wgsl, glsl) instead of the table of seams, and write it beside the map
+    #[arg(long, value_name = "LANGUAGE", value_parser = names(Language::ALL, Language::name))]
+    print_lookup: Option<Language>,
+
+    /// Exposure of PNG pictures in stops: each doubles the brightness
+    #[arg(long, value_name = "EV", default_value = "0", allow_hyphen_values = true, value_parser = exposure)]
+    exposure: f32,
+
+    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::radiance))]
+    sky: Option<Vec3>,
+
+    #[command(flatten)]
+    sky_light: SkyOverrides,
+
+    /// Which sides of all emitters emit: front or both [default: as each material says]
+    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::emission))]
+    emits_both_sides: Option<bool>,
+
+    /// Selects the random numbers [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// How it runs.
+    #[command(flatten)]
+    pub(super) common: CommonArguments,
+}
+
+impl CubemapArguments {
+    fn options(&self, seed: u64) -> Result<Options, CliError> {
+        let (size, most) = (self.size, Options::max_levels(self.size));
+        let levels = self.levels.unwrap_or(Options::default_levels(size));
+        if levels > most {
+            let problem = format!("a cube map of {size} texels has no {levels} levels");
+            return Err(invalid(problem, format!("give --levels 1 to {most}, or a larger --size")));
+        }
+        let Self { seams, filter, mapping, axes, diffuse, .. } = *self;
+        Ok(Options { size, levels, seams, filter, mapping, axes, diffuse, seed })
+    }
+
+    fn overrides(&self) -> Overrides {
+        let eye = self.at.unwrap_or(Vec3::ZERO);
+        Overrides {
+            sky: self.sky,
+            sky_light: self.sky_light.clone(),
+            emits_both_sides: self.emits_both_sides,
+            seed: self.seed,
+            // The camera is not used, and the lack of one needs no warning.
+            eye: Some(eye),
+            target: Some(eye + Vec3::NEG_Z * eye.abs().max_element().max(1.0)),
+            ..Overrides::default()
+        }
+    }
+
+    /// The sky that the source is, if it is no scene; and whether it has a sun besides.
+    fn environment(&self) -> Result<Option<(Sky, bool)>, CliError> {
+        let extension = self.source.extension().unwrap_or_default().to_ascii_lowercase();
+        let is_picture = extension == "hdr" || extension == "exr";
+        if !is_picture && self.source != Path::new(SKY) {
+            return match self.at {
+                Some(_) => Ok(None),
+                None => Err(invalid(
+                    format!("{} is taken for a scene, and no point in it is given", self.source.display()),
+                    "add --at X,Y,Z; or name a picture of all directions (.hdr, .exr), or `sky`",
+                )),
+            };
+        }
+        if self.at.is_some() {
+            let problem = format!("{} is no scene, so --at means nothing", self.source.display());
+            return Err(invalid(problem, "leave --at out, or name a scene"));
+        }
+        let mut overrides = self.overrides();
+        if is_picture && overrides.sky_light.picture.replace(self.source.clone()).is_some() {
+            let problem = format!("both {} and --sky-picture are given", self.source.display());
+            return Err(invalid(problem, "leave one of them out"));
+        }
+        let mut scene = Scene::default();
+        overrides.apply(&mut scene).map_err(CliError::input)?;
+        let sun = scene.lights.iter().any(|light| matches!(light, PunctualLight::Directional { .. }));
+        Ok(Some((scene.sky, sun)))
+    }
+}
+
+/// Makes a cube map and writes it.
+pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
+    let tone = ToneMapping { exposure: arguments.exposure, curve: ToneCurve::default() };
+    let files = Files::new(&arguments.outputs, arguments.print_lookup, tone)?;
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    match arguments.environment()? {
+        Some((sky, sun)) => {
+            let options = arguments.options(arguments.seed.unwrap_or(0))?;
+            if sun {
+                let text = "the sun is a light of its own, and is not in the map";
+                warn(style, &mut vec![text.to_owned()]);
+            }
+            finish(arguments, &Source::sky(sky), &options, &thread_pool(&arguments.common)?, &files, style)
+        }
+        None => {
+            let options = arguments.options(0)?;
+            let (world, settings, pool) = prepare_world(&arguments.source, arguments.overrides(), &arguments.common)?;
+            let options = Options { seed: settings.seed, ..options };
+            let source = Source::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
+            finish(arguments, &source, &options, &pool, &files, style)
+        }
+    }
+}
+
+fn finish(
+    arguments: &CubemapArguments,
+    source: &Source,
+    options: &Options,
+    pool: &rayon::ThreadPool,
+    files: &Files,
+    style: Style,
+) -> Result<u8, CliError> {
+    interrupt::catch()?;
+    let progress = Progress::start(style, cubemap::work(source, options));
+    let map = pool.install(|| cubemap::make(source, options, &progress));
+    drop(progress);
+    let Some(map) = map else {
+        say(style, "interrupted; nothing is written");
+        return Ok(EXIT_INTERRUPTED);
+    };
+    if map.levels[0].texels.iter().all(|texel| *texel == Vec3::ZERO) {
+        let text = "all of the map is black: nothing is seen, or nothing lights it";
+        warn(style, &mut vec![text.to_owned()]);
+    }
+    let (written, mut warnings) = files.write(&map, &arguments.source.display().to_string())?;
+    warn(style, &mut warnings);
+    match style {
+        Style::Silent => {}
+        Style::Json => print_line(&json!({
+            "event": "end",
+            "size": options.size,
+            "levels": options.levels,
+            "rays": map.rays,
+            "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        })),
+        Style::Bar => written.iter().for_each(|path| say(style, &format!("wrote {}", path.display()))),
+    }
+    match arguments.print_lookup {
+        Some(language) => print(&cubemap::lookup(&map, language))?,
+        None => print(&table(&map))?,
+    }
+    Ok(EXIT_DONE)
+}
+
+/// The seams of each level: the map's own, and those that each treatment leaves on a smooth function, with its error.
+fn table(map: &CubeMap) -> String {
+    let mut text =
+        "seams between faces, in % of the mean; of a smooth function by each treatment: seam, error\n".to_owned();
+    text += "level   size   this map";
+    Seams::ALL.iter().for_each(|seams| text += &format!("{:>19}", seams.name()));
+    text += "\n";
+    for (number, level) in map.levels.iter().enumerate() {
+        let size = level.grid.size;
+        text += &format!("{number:5} {size:6} {:10.4}", 100.0 * measure::seam(level));
+        for error in measure::smooth(size) {
+            text += &format!("{:10.4} {:8.4}", 100.0 * error.seam, 100.0 * error.error);
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// The side of a face.
+fn side(text: &str) -> Result<u32, String> {
+    let sides = Options::MIN_SIZE..=Options::MAX_SIZE;
+    let side = text.parse().ok().filter(|side: &u32| side.is_power_of_two() && sides.contains(side));
+    side.ok_or_else(|| format!("expected a power of two from {} to {}", sides.start(), sides.end()))
+}

@@ -1,0 +1,239 @@
+//! `halfdome probes`: what arrives from all directions at points in a scene.
+
+mod files;
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::Vec3;
+use serde_json::json;
+
+use super::args::CommonArguments;
+use super::bake::{invalid, say, warn};
+use super::progress::{Progress, Style, print_line};
+use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
+use crate::irradiance;
+use crate::probes::{self, Grid, Options, Probes, State};
+use crate::scene::{Overrides, SkyOverrides, count, value};
+use crate::world::World;
+use files::Files;
+
+/// What `halfdome probes` takes.
+#[derive(Args, Clone, Debug)]
+pub(super) struct ProbesArguments {
+    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    scene: PathBuf,
+
+    /// File to write; may be given several times: .json (positions, states and coefficients), .exr (a texel for each probe,
+    /// channels by coefficient) or, of a grid, .ktx2 (Bevy's irradiance volume)
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    outputs: Vec<PathBuf>,
+
+    /// Probes along x, y and z, in the middles of cells of a box: for example 8x4x8
+    #[arg(long, value_name = "NXxNYxNZ", value_parser = cells, required_unless_present = "points")]
+    grid: Option<[u32; 3]>,
+
+    /// Lower corner of the box [default: the scene's]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = value::argument(value::point))]
+    #[arg(requires = "grid")]
+    min: Option<Vec3>,
+
+    /// Upper corner of the box [default: the scene's]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = value::argument(value::point))]
+    #[arg(requires = "grid")]
+    max: Option<Vec3>,
+
+    /// In place of a grid, points: a line `x y z` for each, blank lines and # comments aside; - is standard input
+    #[arg(long, value_name = "FILE", conflicts_with = "grid")]
+    points: Option<PathBuf>,
+
+    /// Directions of each probe in which paths look for what surfaces reflect, and the sky; about
+    #[arg(long, value_name = "N", default_value = "2048", value_parser = clap::value_parser!(u32).range(18..=16_777_216))]
+    rays: u32,
+
+    /// Samples of direct light on each of a probe's two sides
+    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+
+    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::radiance))]
+    sky: Option<Vec3>,
+
+    #[command(flatten)]
+    sky_light: SkyOverrides,
+
+    /// Which sides of all emitters emit: front or both [default: as each material says]
+    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::emission))]
+    emits_both_sides: Option<bool>,
+
+    /// Selects the random numbers [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// How it runs.
+    #[command(flatten)]
+    pub(super) common: CommonArguments,
+}
+
+impl ProbesArguments {
+    fn overrides(&self) -> Overrides {
+        Overrides {
+            sky: self.sky,
+            sky_light: self.sky_light.clone(),
+            emits_both_sides: self.emits_both_sides,
+            seed: self.seed,
+            // No camera looks, and the lack of one needs no warning.
+            eye: Some(Vec3::ZERO),
+            target: Some(Vec3::NEG_Z),
+            ..Overrides::default()
+        }
+    }
+
+    /// The grid in a world.
+    fn grid(&self, count: [u32; 3], world: &World) -> Result<Grid, CliError> {
+        let bounds = world.tree().bounds();
+        let (min, max) = match (self.min, self.max) {
+            (Some(min), Some(max)) => (min, max),
+            _ if bounds.is_empty() => {
+                let problem = format!("{} has no surfaces, and so no bounds", self.scene.display());
+                return Err(invalid(problem, "give the grid's box by --min and --max"));
+            }
+            (min, max) => (min.unwrap_or(bounds.min), max.unwrap_or(bounds.max)),
+        };
+        // Rays could not tell points of such a box apart, or not reach them.
+        let is_box = min.cmplt(max).all() && min.abs().max(max.abs()).max_element() <= halfdome_kernel::MAX_COORDINATE;
+        match is_box {
+            true => Ok(Grid { min, max, count }),
+            false => Err(invalid(
+                format!("the grid's box from {min} to {max} has no inside"),
+                "give --min and --max so that each coordinate of --max is the greater one",
+            )),
+        }
+    }
+}
+
+/// Where probes are.
+enum Places {
+    Grid(Grid),
+    Points(Vec<Vec3>),
+}
+
+/// Finds probes and writes them.
+pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
+    let files = Files::new(&arguments.outputs, arguments.grid.is_some())?;
+    let points = arguments.points.as_deref().map(read_points).transpose()?;
+    let style = arguments.common.progress.style(io::stderr().is_terminal());
+    let (world, settings, pool) = prepare_world(&arguments.scene, arguments.overrides(), &arguments.common)?;
+    let places = match (points, arguments.grid) {
+        (Some(points), _) => Places::Points(points),
+        (None, Some(count)) => Places::Grid(arguments.grid(count, &world)?),
+        (None, None) => unreachable!("one of them is required"),
+    };
+    let options = Options { rays: arguments.rays, spp: arguments.spp, seed: settings.seed };
+    let number = match &places {
+        Places::Grid(grid) => grid.len(),
+        Places::Points(points) => points.len(),
+    };
+    interrupt::catch()?;
+    let progress = Progress::start(style, number as u64);
+    let found = pool.install(|| match &places {
+        Places::Grid(grid) => probes::on_grid(&world, grid, &options, &progress),
+        Places::Points(points) => probes::at_points(&world, points, &options, &progress),
+    });
+    drop(progress);
+    let Some(found) = found else {
+        say(style, "interrupted; nothing is written");
+        return Ok(EXIT_INTERRUPTED);
+    };
+    warn(style, &mut warnings(&found));
+    let grid = match &places {
+        Places::Grid(grid) => Some(grid),
+        Places::Points(_) => None,
+    };
+    let mut clamped = files.write(&found, grid, &options)?;
+    warn(style, &mut clamped);
+    report(style, &found, &arguments.outputs);
+    Ok(EXIT_DONE)
+}
+
+/// Probes of one state.
+fn number(found: &Probes, state: State) -> usize {
+    found.probes.iter().filter(|probe| probe.state == state).count()
+}
+
+fn warnings(found: &Probes) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let covered = number(found, State::Covered);
+    if covered > 0 {
+        let probes = count(covered, "probe is", "probes are");
+        warnings.push(format!("{probes} inside of something, with no free neighbour to fill them from"));
+    }
+    if !found.probes.is_empty() && found.probes.iter().all(|probe| probe.light.harmonics[0] == Vec3::ZERO) {
+        warnings.push("all probes are dark; give the scene a --sky, for example, or try --emission both".to_owned());
+    }
+    warnings
+}
+
+fn report(style: Style, found: &Probes, files: &[PathBuf]) {
+    let [free, moved, filled, covered] = State::ALL.map(|state| number(found, state));
+    match style {
+        Style::Silent => {}
+        Style::Json => print_line(&json!({
+            "event": "end",
+            "probes": found.probes.len(),
+            "free": free,
+            "moved": moved,
+            "filled": filled,
+            "covered": covered,
+            "rays": found.rays,
+            "files": files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        })),
+        Style::Bar => {
+            let probes = count(found.probes.len(), "probe", "probes");
+            let inside = format!("{moved} moved out of bodies, {filled} filled, {covered} covered");
+            say(style, &format!("{probes}: {free} free, {inside}; {} rays", found.rays));
+            files.iter().for_each(|path| say(style, &format!("wrote {}", path.display())));
+        }
+    }
+}
+
+/// The points in a file, or on standard input if it is called `-`.
+fn read_points(path: &Path) -> Result<Vec<Vec3>, CliError> {
+    let reader: Box<dyn BufRead> = if path == Path::new("-") {
+        Box::new(io::stdin().lock())
+    } else {
+        let file = File::open(path).map_err(|error| {
+            CliError::Input(format!("{}: cannot be read: {error}\n  help: name a file of points", path.display()))
+        })?;
+        Box::new(BufReader::new(file))
+    };
+    let naming = |error: String| CliError::Input(format!("{}: {error}", path.display()));
+    let points = irradiance::read_positions(reader).map_err(|error| naming(error.to_string()))?;
+    match points.len() as u64 {
+        0 => Err(naming("there are no points in it\n  help: give a line `x y z` for each probe".to_owned())),
+        number if number > Grid::MAX_PROBES => {
+            Err(naming(format!("there are {number} points in it\n  help: give at most {}", Grid::MAX_PROBES)))
+        }
+        _ => Ok(points),
+    }
+}
+
+/// Cells along three axes.
+fn cells(text: &str) -> Result<[u32; 3], String> {
+    let cells: Option<Vec<u32>> = text.split(['x', 'X', '×']).map(|side| side.parse().ok()).collect();
+    let count = cells.and_then(|cells| <[u32; 3]>::try_from(cells).ok());
+    let fits = |count: &[u32; 3]| {
+        let sides = count.iter().all(|side| (1..=1024).contains(side));
+        sides && count.iter().map(|&side| u64::from(side)).product::<u64>() <= Grid::MAX_PROBES
+    };
+    count.filter(fits).ok_or_else(|| {
+        format!(
+            "expected three whole numbers from 1 to 1024, of {} probes at most, for example 8x4x8",
+            Grid::MAX_PROBES
+        )
+    })
+}

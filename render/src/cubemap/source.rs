@@ -1,0 +1,130 @@
+//! Where a cube map's light comes from: the sky alone, or a point in a scene, where it is found by path tracing.
+
+use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::{Hit, Ray};
+
+use super::face::{Axes, Face};
+use super::grid::Grid;
+use crate::integrator::{CameraRays, Wavefront, radiance_by_paths};
+use crate::light::SkyLight;
+use crate::scene::Sky;
+use crate::settings::PathOptions;
+use crate::world::World;
+
+/// The set of random numbers that places a ray in its texel.
+const TEXEL_SET: u32 = 0;
+/// Points of a texel across, at most, at which the sky is looked up.
+const MAX_POINTS: u32 = 256;
+
+/// What is seen in all directions.
+pub struct Source<'a>(Kind<'a>);
+
+enum Kind<'a> {
+    Sky { light: SkyLight, width: u32 },
+    Point { world: &'a World, position: Vec3, spp: u32, seed: u64 },
+}
+
+/// What looks at a source, and its memory.
+#[derive(Default)]
+pub(super) struct Viewer {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    samplers: Vec<Sampler>,
+    weights: Vec<f64>,
+    radiance: Vec<Vec3>,
+    wave: Wavefront,
+}
+
+impl<'a> Source<'a> {
+    /// The sky. Its sun, which daylight has besides, is a light without a surface and is not seen.
+    pub fn sky(sky: Sky) -> Source<'static> {
+        let width = sky.picture.as_ref().map_or(0, |picture| picture.width);
+        Source(Kind::Sky { light: SkyLight::new(sky), width })
+    }
+
+    /// A point in a scene, with `spp` paths for each texel, at least 1.
+    pub fn point(world: &'a World, position: Vec3, spp: u32, seed: u64) -> Self {
+        Self(Kind::Point { world, position, spp, seed })
+    }
+
+    /// Mean radiance in a texel, and the number of rays. `number` is the texel's.
+    pub(super) fn texel(
+        &self,
+        viewer: &mut Viewer,
+        (grid, axes): (&Grid, Axes),
+        number: u32,
+        (face, x, y): (Face, u32, u32),
+    ) -> (Vec3, u64) {
+        let border = |place: u32| grid.place(f64::from(place));
+        let (left, right, top, bottom) = (border(x), border(x + 1), border(y), border(y + 1));
+        // A point of the texel, and the solid angle of its surroundings over their area.
+        let aim = |u: f64, v: f64| {
+            let point = face.point(left + (right - left) * u, top + (bottom - top) * v);
+            (axes.swap(point).normalize().as_vec3(), point.length_squared().powf(-1.5))
+        };
+        match &self.0 {
+            Kind::Sky { light, width } => {
+                // Two points for each texel of the picture around the horizon; constant skies need no more than one.
+                let points = (width.div_ceil(2 * grid.size)).clamp(u32::from(*width > 0) + 1, MAX_POINTS);
+                let place = |i: u32| (f64::from(i) + 0.5) / f64::from(points);
+                let all = (0..points).flat_map(|j| (0..points).map(move |i| (i, j)));
+                let seen = all.map(|(i, j)| aim(place(i), place(j)));
+                (mean(seen.map(|(direction, weight)| (light.radiance(direction), weight))), 0)
+            }
+            Kind::Point { world, position, spp, seed } => viewer.look(world, *position, (*seed, number), *spp, aim),
+        }
+    }
+
+    /// Samples of a texel.
+    pub(super) fn samples(&self) -> u64 {
+        match self.0 {
+            Kind::Sky { .. } => 1,
+            Kind::Point { spp, .. } => spp.into(),
+        }
+    }
+}
+
+impl Viewer {
+    /// The mean of `spp` paths from a point, towards random points of what `aim` maps the unit square to.
+    fn look(
+        &mut self,
+        world: &World,
+        position: Vec3,
+        (seed, number): (u64, u32),
+        spp: u32,
+        aim: impl Fn(f64, f64) -> (Vec3, f64),
+    ) -> (Vec3, u64) {
+        self.rays.clear();
+        self.weights.clear();
+        self.samplers.clear();
+        self.samplers.extend((0..spp).map(|sample| Sampler::new(Pattern::Sobol, seed, number, sample)));
+        for sampler in &self.samplers {
+            let Vec2 { x, y } = sampler.uniform2(TEXEL_SET);
+            let (direction, weight) = aim(x.into(), y.into());
+            self.rays.push(Ray::new(position, direction));
+            self.weights.push(weight);
+        }
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        self.radiance.resize(self.rays.len(), Vec3::ZERO);
+        world.intersect_many(&self.rays, &mut self.hits);
+        let camera = CameraRays {
+            rays: &self.rays,
+            hits: &self.hits,
+            samplers: &self.samplers,
+            first_set: TEXEL_SET + 1,
+            density: f32::INFINITY,
+        };
+        let traced = radiance_by_paths(world, &PathOptions::default(), &camera, &mut self.wave, &mut self.radiance);
+        let finite = self.radiance.iter().map(|seen| if seen.is_finite() { *seen } else { Vec3::ZERO });
+        (mean(finite.zip(self.weights.iter().copied())), self.rays.len() as u64 + traced)
+    }
+}
+
+/// A weighted mean.
+fn mean(values: impl Iterator<Item = (Vec3, f64)>) -> Vec3 {
+    let (sum, weights) = values.fold((DVec3::ZERO, 0.0), |(sum, weights), (value, weight)| {
+        (sum + value.as_dvec3() * weight, weights + weight)
+    });
+    (sum / weights).as_vec3()
+}

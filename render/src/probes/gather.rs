@@ -1,0 +1,157 @@
+//! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
+//!
+//! Emitters and lights without a surface are sampled, as they are for a bake's texels: by two sensors back to back, whose
+//! cosines are divided out. All else, the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
+//! at random, so that noise has no pattern from probe to probe, and light without fine detail has none at all.
+
+use std::slice;
+
+use glam::{DQuat, DVec3, Vec3};
+use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::{Hit, Ray};
+
+use super::Options;
+use super::harmonics::basis;
+use super::quadrature::Quadrature;
+use crate::bake::direct::{Direct, Receive};
+use crate::integrator::{CameraRays, Wavefront, indirect};
+use crate::world::World;
+
+/// The set of random numbers by which a probe's directions are turned.
+const TURN_SET: u32 = 0;
+/// Keeps these numbers apart from others.
+const SALT: u64 = 0x510e_527f_ade6_82d1;
+/// Rays that are traced together, at most.
+const BATCH: usize = 2048;
+
+/// What arrives at a point, linear sRGB.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Light {
+    /// Coefficients of radiance, W/(m² sr), in the order and with the signs of [`harmonics`](super::harmonics).
+    pub harmonics: [Vec3; 9],
+    /// Irradiance, W/m², for normals along +x, -x, +y, -y, +z and -z.
+    pub axes: [Vec3; 6],
+}
+
+impl Light {
+    /// A weighted sum.
+    pub(super) fn add(&mut self, other: &Self, weight: f32) {
+        self.harmonics.iter_mut().zip(other.harmonics).for_each(|(sum, value)| *sum += value * weight);
+        self.axes.iter_mut().zip(other.axes).for_each(|(sum, value)| *sum += value * weight);
+    }
+}
+
+/// Sums of fluxes, each times what a light's fifteen numbers say of its direction.
+#[derive(Default)]
+struct Sums {
+    normal: Vec3,
+    harmonics: [DVec3; 9],
+    axes: [DVec3; 6],
+}
+
+impl Sums {
+    /// Adds radiance times solid angle from a unit vector.
+    fn add(&mut self, direction: DVec3, flux: DVec3) {
+        self.harmonics.iter_mut().zip(basis(direction)).for_each(|(sum, y)| *sum += flux * y);
+        let DVec3 { x, y, z } = direction;
+        let cosines = [x, -x, y, -y, z, -z].map(|cosine| cosine.max(0.0));
+        self.axes.iter_mut().zip(cosines).for_each(|(sum, cosine)| *sum += flux * cosine);
+    }
+
+    fn light(&self) -> Light {
+        Light { harmonics: self.harmonics.map(|sum| sum.as_vec3()), axes: self.axes.map(|sum| sum.as_vec3()) }
+    }
+}
+
+impl Receive for Sums {
+    fn receive(&mut self, direction: Vec3, irradiance: Vec3) {
+        let cosine = self.normal.dot(direction);
+        if cosine > 0.0 {
+            self.add(direction.as_dvec3().normalize(), irradiance.as_dvec3() / f64::from(cosine));
+        }
+    }
+}
+
+/// Gathers for probes, and their memory.
+pub(super) struct Gatherer<'a> {
+    world: &'a World,
+    options: &'a Options,
+    sphere: &'a Quadrature,
+    rays: Vec<Ray>,
+    weights: Vec<f64>,
+    samplers: Vec<Sampler>,
+    hits: Vec<Hit>,
+    radiance: Vec<Vec3>,
+    wave: Wavefront,
+    direct: Direct,
+}
+
+impl<'a> Gatherer<'a> {
+    pub(super) fn new(world: &'a World, options: &'a Options, sphere: &'a Quadrature) -> Self {
+        Self {
+            world,
+            options,
+            sphere,
+            rays: Vec::new(),
+            weights: Vec::new(),
+            samplers: Vec::new(),
+            hits: Vec::new(),
+            radiance: Vec::new(),
+            wave: Wavefront::default(),
+            direct: Direct::default(),
+        }
+    }
+
+    /// The light at a point, and the number of rays. `number` selects the random numbers.
+    pub(super) fn light(&mut self, position: Vec3, number: u32) -> (Light, u64) {
+        let seed = self.options.seed ^ SALT;
+        let turn = turn(Sampler::new(Pattern::Random, seed, number, 0).uniform4(TURN_SET));
+        let mut sums = Sums::default();
+        let mut traced = 0;
+        let axis = (turn * DVec3::Z).as_vec3();
+        for (side, normal) in [axis, -axis].into_iter().enumerate() {
+            sums.normal = normal;
+            let sensor = self.world.sensor(position, normal);
+            let address = (seed, number.wrapping_mul(2).wrapping_add(side as u32));
+            traced += self.direct.sample(self.world, slice::from_ref(&sensor), address, self.options.spp, &mut sums);
+        }
+        let directions: Vec<(DVec3, f64)> = self.sphere.points().collect();
+        for (batch, directions) in (0..).zip(directions.chunks(BATCH)) {
+            self.rays.clear();
+            self.rays.extend(directions.iter().map(|(d, _)| Ray::new(position, (turn * *d).as_vec3().normalize())));
+            self.weights.clear();
+            self.weights.extend(directions.iter().map(|(_, weight)| *weight));
+            self.samplers.clear();
+            let first = batch * BATCH as u32;
+            self.samplers.extend(
+                (first..first + directions.len() as u32).map(|ray| Sampler::new(Pattern::Sobol, seed, number, ray)),
+            );
+            traced += self.gather(&mut sums);
+        }
+        (sums.light(), traced)
+    }
+
+    /// Adds what a batch of rays finds.
+    fn gather(&mut self, sums: &mut Sums) -> u64 {
+        let Self { world, rays, hits, samplers, wave, radiance, .. } = self;
+        hits.resize(rays.len(), Hit::MISS);
+        radiance.resize(rays.len(), Vec3::ZERO);
+        world.intersect_many(rays, hits);
+        let camera = CameraRays { rays, hits, samplers, first_set: TURN_SET + 1, density: 0.0 };
+        let traced = indirect(world, None, &camera, wave, radiance);
+        for ((ray, weight), seen) in rays.iter().zip(&self.weights).zip(radiance) {
+            let seen = if seen.is_finite() { seen.as_dvec3() } else { DVec3::ZERO };
+            sums.add(ray.direction.as_dvec3(), seen * *weight);
+        }
+        rays.len() as u64 + traced
+    }
+}
+
+/// A rotation, each as likely as any other (Shoemake 1992, "Uniform Random Rotations").
+fn turn([a, b, c, _]: [f32; 4]) -> DQuat {
+    use std::f64::consts::TAU;
+    let [a, b, c] = [a, b, c].map(f64::from);
+    let (low, high) = ((1.0 - a).sqrt(), a.sqrt());
+    let ((s1, c1), (s2, c2)) = ((TAU * b).sin_cos(), (TAU * c).sin_cos());
+    DQuat::from_xyzw(low * s1, low * c1, high * s2, high * c2).normalize()
+}

@@ -1,0 +1,116 @@
+//! Light probes: what arrives from all directions at points in space, on a grid or wherever they are listed.
+
+mod gather;
+mod grid;
+pub mod harmonics;
+mod place;
+mod quadrature;
+#[cfg(test)]
+mod tests;
+mod volume;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+pub use gather::Light;
+pub use grid::Grid;
+pub use volume::{Volume, volume};
+
+use crate::driver::Watch;
+use crate::settings::named;
+use crate::world::World;
+use gather::Gatherer;
+use quadrature::Quadrature;
+
+/// How light is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Directions of a probe in which paths look for what surfaces reflect, and the sky; about, and at least 18.
+    pub rays: u32,
+    /// Samples of direct light on each of a probe's two sides, at least 1.
+    pub spp: u32,
+    /// Selects the random numbers.
+    pub seed: u64,
+}
+
+/// A probe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// Where the light was found.
+    pub position: Vec3,
+    /// Whether the place is as good as any.
+    pub state: State,
+    /// The part of all directions in which the backs of surfaces are seen there, from 0 to 1.
+    pub backs: f32,
+    /// What arrives.
+    pub light: Light,
+}
+
+/// Whether a probe is in the open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It is.
+    Free,
+    /// Its place on the grid was inside of something, and it stands beside it.
+    Moved,
+    /// All of its cell is inside of something, and its light is that of its neighbours.
+    Filled,
+    /// It is inside of something: on a grid nothing is free, and its light is none; a listed point has what is seen there.
+    Covered,
+}
+
+named!(State: Free = "free", Moved = "moved", Filled = "filled", Covered = "covered");
+
+/// Probes in the order of their points, and what they took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probes {
+    /// The probes.
+    pub probes: Vec<Probe>,
+    /// Rays traced for light.
+    pub rays: u64,
+}
+
+/// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher says stop. They depend on
+/// the world, the grid and the options alone.
+pub fn on_grid(world: &World, grid: &Grid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
+    let mut probes = place::probes(world, grid);
+    let rays = gather(world, &mut probes, |probe| probe.state != State::Covered, options, watch)?;
+    place::fill(grid, &mut probes);
+    Some(Probes { probes, rays })
+}
+
+/// Probes at points, which are never moved. Else like [`on_grid`].
+pub fn at_points(world: &World, points: &[Vec3], options: &Options, watch: &dyn Watch) -> Option<Probes> {
+    let probe = |(&position, backs): (&Vec3, f32)| {
+        let state = if place::is_covered(backs) { State::Covered } else { State::Free };
+        Probe { position, state, backs, light: Light::default() }
+    };
+    let mut probes: Vec<Probe> = points.iter().zip(place::backs(world, points)).map(probe).collect();
+    let rays = gather(world, &mut probes, |_| true, options, watch)?;
+    Some(Probes { probes, rays })
+}
+
+/// Finds the light of the chosen probes; gives the number of rays.
+fn gather(
+    world: &World,
+    probes: &mut [Probe],
+    chosen: impl Fn(&Probe) -> bool + Sync,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Option<u64> {
+    let sphere = Quadrature::with_directions(options.rays);
+    let one = |gatherer: &mut Gatherer, (number, probe): (usize, &mut Probe)| {
+        if watch.stop() {
+            return None;
+        }
+        let mut rays = 0;
+        if chosen(probe) {
+            (probe.light, rays) = gatherer.light(probe.position, number as u32);
+        }
+        watch.advance(1, rays);
+        Some(rays)
+    };
+    let rays: Option<Vec<u64>> =
+        probes.par_iter_mut().enumerate().map_init(|| Gatherer::new(world, options, &sphere), one).collect();
+    Some(rays?.iter().sum())
+}
