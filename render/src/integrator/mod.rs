@@ -87,7 +87,7 @@ pub(crate) fn radiance_by_paths(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    path::radiance(world, options, rays, wave, radiance, |_| ())
+    path::radiance(world, options, rays, wave, radiance, &mut |_| ())
 }
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
