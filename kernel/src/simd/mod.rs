@@ -22,7 +22,7 @@ mod twice;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-pub use isa::{Isa, Level};
+pub use isa::{Isa, Level, Task};
 pub(crate) use isa::{Work, dispatch};
 pub(crate) use portable::Portable;
 

@@ -54,7 +54,7 @@ mod tests {
         let atlas = Atlas::new(&scene, &BakeOptions { size: 64, ..BakeOptions::default() }).unwrap();
         let surfaces = Surfaces::new(&scene, &atlas);
         let texels = surfaces.texels();
-        let known = |number: usize| (number % 7 != 0).then(|| Vec3::splat(number as f32));
+        let known = |number: usize| (!number.is_multiple_of(7)).then(|| Vec3::splat(number as f32));
         let lookup = Lookup::new(&surfaces, &texels, (0..texels.len()).map(known).collect());
         assert!(texels.len() > 1000);
         for (number, texel) in texels.iter().enumerate() {

@@ -154,7 +154,7 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
             for accuracy in radiance::ACCURACIES {
                 let before = seconds(UsageWho::RUSAGE_CHILDREN);
                 let values = radiance.irradiance(&scene, walls.sensors(), accuracy)?;
-                let name = format!("rtrace -I -ab 6 -ad 1024 -aa {accuracy}");
+                let name = format!("rtrace -I {}", accuracy.join(" "));
                 row(&name, seconds(UsageWho::RUSAGE_CHILDREN) - before, &values);
             }
         }
