@@ -77,5 +77,5 @@ pub use geometry::{
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
 pub use scene::{Item, SceneHit, SceneRay, SceneView};
-pub use simd::{Isa, Level};
+pub use simd::{Isa, Level, Task};
 pub use traverse::{Facing, Hits, Verdict};

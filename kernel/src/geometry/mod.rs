@@ -33,6 +33,7 @@ mod packet;
 mod ray;
 mod reference;
 pub(crate) mod setup;
+pub(crate) mod setup_lanes;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;

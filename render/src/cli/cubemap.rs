@@ -33,8 +33,9 @@ pub(super) struct CubemapArguments {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = value::argument(value::point))]
     at: Option<Vec3>,
 
-    /// File to write; may be given several times: .ktx2 (RGBA16F with all levels), .exr or .png (all levels, unfolded), .hdr
-    /// (six files, NAME-px.hdr and so on, and further ones for each level). A manifest NAME.json is written too
+    /// File to write; may be given several times: .ktx2 (RGBA16F with all levels), .exr (all levels, unfolded), .hdr
+    /// (six files, NAME-px.hdr and so on, and further ones for each level), .png (to look at, with seams as lookups show
+    /// them). A manifest NAME.json is written too
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 

@@ -11,6 +11,9 @@
 //!
 //! The first level's cross stands on the left. On its right stand those of all others, each below the one before, which
 //! together are as high. What is between them is black.
+//!
+//! To look at, there is a second picture, in which all crosses are equally large and stand side by side: there each pixel is
+//! what a bilinear filter that knows one face alone would show, so that seams can be seen.
 
 use glam::Vec3;
 
@@ -49,28 +52,67 @@ pub fn place(size: u32, level: u32, face: Face) -> Place {
     Place { corner: [left + column * side, top + row * side], turned: face == Face::NegativeZ }
 }
 
-/// The picture.
+/// The picture of all texels.
 pub fn unfold(levels: &[Level]) -> Picture {
     let size = levels.first().map_or(1, |level| level.grid.size);
-    let [width, height] = extent(size, levels.len());
-    let mut pixels = vec![Vec3::ZERO; width as usize * height as usize];
+    let mut canvas = Canvas::new(extent(size, levels.len()));
     for (number, level) in (0..).zip(levels) {
         let side = level.grid.size;
         for face in Face::ALL {
-            let Place { corner: [left, top], turned } = place(size, number, face);
-            for (i, texel) in (0..).zip(level.face(face)) {
-                let (x, y) = (i % side, i / side);
-                let (x, y) = if turned { (side - 1 - x, side - 1 - y) } else { (x, y) };
-                pixels[((top + y) * width + left + x) as usize] = *texel;
-            }
+            let texels = level.face(face);
+            canvas.draw(place(size, number, face), side, |x, y| texels[(y * side + x) as usize]);
         }
     }
-    let channel = |(i, name): (usize, &str)| Channel {
-        name: name.to_owned(),
-        values: pixels.iter().map(|pixel| pixel[i]).collect(),
-    };
-    let channels = ["R", "G", "B"].into_iter().enumerate().map(channel).collect();
-    Picture { width, height, channels, metadata: Metadata { integrator: "cubemap".to_owned(), ..Metadata::default() } }
+    canvas.picture()
+}
+
+/// The picture of what lookups show, with faces of at most [`SHOWN`] pixels.
+pub fn show(levels: &[Level]) -> Picture {
+    let side = levels.first().map_or(1, |level| level.grid.size).min(SHOWN);
+    let mut canvas = Canvas::new([3 * side * levels.len() as u32, 4 * side]);
+    let coordinate = |pixel: u32| (2.0 * f64::from(pixel) + 1.0) / f64::from(side) - 1.0;
+    for (number, level) in (0..).zip(levels) {
+        for face in Face::ALL {
+            let mut place = place(side, 0, face);
+            place.corner[0] += 3 * side * number;
+            let shown = |x, y| level.sample(face, face.point(coordinate(x), coordinate(y))).unwrap_or_default();
+            canvas.draw(place, side, |x, y| shown(x, y).as_vec3());
+        }
+    }
+    canvas.picture()
+}
+
+/// Pixels across a face of the picture to look at.
+pub const SHOWN: u32 = 128;
+
+/// A picture that is being drawn.
+struct Canvas {
+    extent: [u32; 2],
+    pixels: Vec<Vec3>,
+}
+
+impl Canvas {
+    fn new(extent: [u32; 2]) -> Self {
+        Self { extent, pixels: vec![Vec3::ZERO; extent[0] as usize * extent[1] as usize] }
+    }
+
+    /// Draws a face of `side` pixels.
+    fn draw(&mut self, Place { corner: [left, top], turned }: Place, side: u32, color: impl Fn(u32, u32) -> Vec3) {
+        for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
+            let (right, down) = if turned { (side - 1 - x, side - 1 - y) } else { (x, y) };
+            self.pixels[((top + down) * self.extent[0] + left + right) as usize] = color(x, y);
+        }
+    }
+
+    fn picture(self) -> Picture {
+        let channel = |(i, name): (usize, &str)| Channel {
+            name: name.to_owned(),
+            values: self.pixels.iter().map(|pixel| pixel[i]).collect(),
+        };
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(channel).collect();
+        let metadata = Metadata { integrator: "cubemap".to_owned(), ..Metadata::default() };
+        Picture { width: self.extent[0], height: self.extent[1], channels, metadata }
+    }
 }
 
 #[cfg(test)]
@@ -102,6 +144,14 @@ mod tests {
         }
         for x in 0..47 {
             assert!(pixel(x, 24).distance(pixel(x + 1, 24)) < 0.13, "column {x}");
+        }
+        // In the picture to look at, the first level has its texels and the others as many pixels.
+        let shown = show(&[level(16), level(8), level(4)]);
+        assert_eq!((shown.width, shown.height), (3 * 48, 64));
+        let red = |picture: &Picture, x: u32, y: u32| picture.channels[0].values[(y * picture.width + x) as usize];
+        for (x, y) in [(20, 3), (40, 20), (3, 30), (17, 60)] {
+            assert_eq!(red(&shown, x, y), red(&picture, x, y), "{x} {y}");
+            assert!((red(&shown, 48 + x, y) - red(&picture, x, y)).abs() < 0.1, "{x} {y}");
         }
         // The middle of +z of the third level.
         let middle = place(16, 2, Face::PositiveZ).corner;

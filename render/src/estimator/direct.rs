@@ -29,8 +29,8 @@ struct LightSample {
     direction: Vec3,
     /// Radiance over density; of a light without a surface, irradiance at right angles to it over probability.
     radiance: Vec3,
-    /// Density per solid angle of this direction; infinite for a light that no bounce can hit.
-    density: f32,
+    /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
+    per_density: f32,
 }
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected. The
@@ -45,7 +45,7 @@ pub(crate) fn connect(
     let choice = world.lights.choose(choice)?;
     let light = sample_light(world, surface, &choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * lights.of_light(light.density, bounce_density);
+    let radiance = reflected * light.radiance * lights.of_light(light.per_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn connect_lamp(
     let (choice, rarer) = world.lights.choose_lamp(choice)?;
     let light = sample_light(world, surface, &choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * rarer * lights.of_light(light.density / rarer, bounce_density);
+    let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -91,11 +91,14 @@ pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> 
 #[inline(always)]
 fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
-    match choice.source {
-        Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
-        Source::Punctual(light) => Some(sample_punctual(surface, light, choice.probability)),
-        Source::Sky => sample_sky(world, surface, u),
-    }
+    let rarer = match choice.source {
+        Source::Triangle(prim_id) => return sample_triangle(world, surface, *prim_id, u),
+        Source::Punctual(light) => sample_punctual(surface, light, choice.probability),
+        Source::Sky => sample_sky(world, surface, u)?,
+    };
+    // Taken apart and put together, or the samples of triangles would be kept in memory as well.
+    let LightSample { shadow, direction, radiance, per_density } = rarer;
+    Some(LightSample { shadow, direction, radiance, per_density })
 }
 
 #[inline(always)]
@@ -106,21 +109,21 @@ fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> O
     }
     let light = world.surface(prim_id, point.x, point.y);
     let to_light = light.position - surface.position;
-    let emitted = light.emitted(to_light);
-    // One condition instead of three: which of them fails cannot be foreseen.
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), light.normal.dot(to_light).abs());
-    if !((cosine > 0.0) & (cosine_at_light > 0.0) & (emitted.max_element() > 0.0)) {
+    // One condition instead of three: which of them fails cannot be foreseen.
+    if !((cosine > 0.0) & (cosine_at_light > 0.0) & light.emits_towards(to_light)) {
         return None;
     }
-    let distance_squared = to_light.length_squared();
-    let per_distance = distance_squared.sqrt().recip();
+    let per_distance = to_light.length_squared().sqrt().recip();
     let direction = to_light * per_distance;
-    let density = world.lights.area_density(prim_id) * distance_squared / (cosine_at_light * per_distance);
+    let per_area_density = world.lights.area_density(prim_id).recip();
+    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * per_area_density;
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    Some(LightSample { shadow, direction, radiance: emitted * density.recip(), density })
+    Some(LightSample { shadow, direction, radiance: light.emission * per_density, per_density })
 }
 
+#[inline(never)]
 fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -> LightSample {
     let (to_light, received) = receive(light, surface.position);
     let shadow = match light {
@@ -130,15 +133,17 @@ fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -
         }
     };
     let direction = to_light.normalize_or_zero();
-    LightSample { shadow, direction, radiance: received / probability, density: f32::INFINITY }
+    LightSample { shadow, direction, radiance: received / probability, per_density: 0.0 }
 }
 
+#[inline(never)]
 fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> {
     let direction = world.sky.sample(surface, u);
     let density = sky_density(world, surface, direction);
     let shadow = Ray::new(surface.origin_towards(direction), direction);
-    let radiance = world.sky.radiance(direction) / density;
-    (density > 0.0).then_some(LightSample { shadow, direction, radiance, density })
+    let per_density = density.recip();
+    let radiance = world.sky.radiance(direction) * per_density;
+    (density > 0.0).then_some(LightSample { shadow, direction, radiance, per_density })
 }
 
 /// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.

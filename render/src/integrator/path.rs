@@ -27,18 +27,18 @@ pub(super) fn radiance(
     camera: &CameraRays,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
-    watch: impl FnMut(&Wavefront),
+    watch: &mut dyn FnMut(&Wavefront),
 ) -> u64 {
     wave.follow(world, camera, &mut PathTracer { world, options, watch }, radiance)
 }
 
-struct PathTracer<'a, W> {
+struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
-    watch: W,
+    watch: &'a mut dyn FnMut(&Wavefront),
 }
 
-impl<W: FnMut(&Wavefront)> Walk for PathTracer<'_, W> {
+impl Walk for PathTracer<'_> {
     fn max_depth(&self) -> u32 {
         self.options.max_depth
     }
@@ -128,9 +128,9 @@ pub(super) fn emission(
     ray: &Ray,
     t: f32,
 ) -> Vec3 {
-    let emitted = surface.emitted(ray.direction);
-    if emitted == Vec3::ZERO {
-        return emitted;
+    // Most surfaces emit nothing.
+    if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
+        return Vec3::ZERO;
     }
-    emitted * lights.of_bounce(path.density, emitted_density(world, surface, ray.direction, t))
+    surface.emission * lights.of_bounce(path.density, emitted_density(world, surface, ray.direction, t))
 }

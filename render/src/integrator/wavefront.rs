@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Address, Sampler, unit_double};
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::{Hit, Ray, Task};
 
 use super::CameraRays;
 use crate::estimator::Connection;
@@ -134,7 +134,7 @@ impl Wavefront {
         let mut traced = 0;
         for depth in 1..=walk.max_depth() {
             self.draw(world, camera, depth, walk.takes_chances(depth));
-            self.advance(depth, walk, radiance);
+            world.tree().isa().run(Advance { wave: self, depth, walk, radiance });
             walk.watch(self);
             traced += self.connections.resolve(world, radiance);
             if self.paths.is_empty() {
@@ -205,6 +205,24 @@ impl Wavefront {
     /// The numbers of the paths' camera rays.
     pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
         self.paths.iter().map(|path| path.index as usize)
+    }
+}
+
+/// All paths' step from hit number `depth`, as a task: compiled for each instruction set, as there is no batch that it
+/// could be.
+struct Advance<'a, W> {
+    wave: &'a mut Wavefront,
+    depth: u32,
+    walk: &'a mut W,
+    radiance: &'a mut [Vec3],
+}
+
+impl<W: Walk> Task for Advance<'_, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.wave.advance(self.depth, self.walk, self.radiance);
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Surface<'w> {
     /// Diffuse reflectance here.
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
-    emission: Vec3,
+    pub emission: Vec3,
     /// How far from the triangle's plane rays start.
     offset: f32,
     pub prim_id: u32,
@@ -194,7 +194,12 @@ impl Surface<'_> {
     /// Radiance emitted towards the origin of a ray in `direction`.
     #[inline(always)]
     pub(crate) fn emitted(&self, direction: Vec3) -> Vec3 {
-        let is_seen = self.material.emits_both_sides | (self.normal.dot(direction) < 0.0);
-        if is_seen { self.emission } else { Vec3::ZERO }
+        if self.emits_towards(direction) { self.emission } else { Vec3::ZERO }
+    }
+
+    /// Whether the origin of a ray in `direction` is on a side that emits.
+    #[inline(always)]
+    pub(crate) fn emits_towards(&self, direction: Vec3) -> bool {
+        self.material.emits_both_sides | (self.normal.dot(direction) < 0.0)
     }
 }

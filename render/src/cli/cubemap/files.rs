@@ -108,7 +108,7 @@ impl Files {
                 written.bytes(path.to_owned(), &bytes)
             }
             Format::Png => {
-                write(path, &unfold::unfold(levels), &self.tone).map_err(CliError::system)?;
+                write(path, &unfold::show(levels), &self.tone).map_err(CliError::system)?;
                 written.paths.push(path.to_owned());
                 Ok(())
             }
