@@ -11,4 +11,4 @@ if ! ls /usr/share/vulkan/icd.d/*.json > /dev/null 2>&1; then
     $sudo apt-get update
     $sudo apt-get install -y --no-install-recommends libvulkan1 mesa-vulkan-drivers
 fi
-cargo test "$@"
+cargo test --locked "$@"

@@ -72,10 +72,10 @@ pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
 pub use error::{Error, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
     Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
-    offset_origin, triangle_normal,
+    offset_distance, offset_origin, offset_point, triangle_normal,
 };
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
 pub use scene::{Item, SceneHit, SceneRay, SceneView};
-pub use simd::{Isa, Level};
+pub use simd::{Isa, Level, Task};
 pub use traverse::{Facing, Hits, Verdict};

@@ -41,6 +41,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         "--size 70x33 --spp 3 --integrator direct --sampler r2",
         "--size 70x33 --spp 3 --integrator ao --ao-weighting hit-length --sampler random",
         "--size 70x33 --spp 3 --integrator flat",
+        "--size 70x33 --spp 3 --integrator albedo",
         "--size 70x33 --spp 3 --integrator heat --lights naive --stop threshold --add-back",
         "--size 70x33 --spp 3 --lights direct --stop roulette --survival 0.5 --progressive=16",
     ] {

@@ -2,11 +2,11 @@
 //! how long each takes for the same error.
 //!
 //! `setup-renderers.sh` installs Cycles; without it there is only our line. Errors are relative to each texel's irradiance,
-//! root mean square over the texels whose neighbours lie on the same chart, against a bake of ours in which each texel
-//! gathers for itself, by paths. That Cycles' maps tend to it too is seen from `brighter`. Cycles' error falls with the root
+//! root mean square over the texels whose neighbours lie on the same chart, against two bakes of ours in which each texel
+//! gathers for itself, by paths: `mean((x - a)(x - b))` is free of their noise. That Cycles' maps tend to them too is seen
+//! from `brighter`. Cycles' error falls with the root
 //! of its samples, as long as noise is what it is: the time for our error follows from that.
 
-use std::error::Error;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
@@ -23,6 +23,9 @@ use halfdome::world::World;
 use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
 
+/// What went wrong, from whatever thread.
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
 /// Irradiance counts as at least this part of the mean where errors are relative to it.
 const DARK: f64 = 0.1;
 
@@ -35,8 +38,8 @@ struct Options {
     /// Samples a texel of Cycles, once each
     #[arg(long, value_name = "N", num_args = 1.., default_values_t = [64, 256])]
     spp: Vec<u32>,
-    /// Rays of a gather of the reference, and a quarter of its samples of direct light
-    #[arg(long, value_name = "N", default_value_t = 8192)]
+    /// Rays of a gather of each of the two references, and four times their samples of direct light
+    #[arg(long, value_name = "N", default_value_t = 4096)]
     reference: u32,
 }
 
@@ -58,22 +61,26 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
+fn compare(options: &Options) -> Result<(), Failure> {
     let scene = cornell_box();
     let defaults = BakeOptions { size: options.size, ..BakeOptions::default() };
-    let mut long = BakeOptions { brute: true, spp: options.reference / 4, seed: 1, ..defaults.clone() };
-    long.cache.rays = options.reference;
-    let reference = ours("reference", &scene, &long, 0)?.1;
+    let reference = |seed| -> Result<Timed, Failure> {
+        let mut options = BakeOptions { brute: true, spp: options.reference / 4, seed, ..defaults.clone() };
+        options.cache.rays = 4 * options.spp;
+        Ok(ours("reference", &scene, &options, 0)?.1)
+    };
+    let references = [reference(1)?, reference(2)?];
+    println!("The references are there.");
     let (bake, own) = ours("halfdome", &scene, &defaults, 1)?;
     let inner = inner(&bake);
-    let ours = Distance::of(&own, &reference, &inner);
+    let ours = Distance::of(&own, &references, &inner);
     println!("{} texels are compared", inner.len());
     println!("{:<16} {:>8} {:>8} {:>9} {:>24}", "", "seconds", "error", "brighter", "seconds for our error");
     println!("{}", ours.line(&own, own.seconds));
     match cycles(&scene, &bake.atlas, &options.spp) {
         Ok(maps) => {
             for map in maps {
-                let error = Distance::of(&map, &reference, &inner);
+                let error = Distance::of(&map, &references, &inner);
                 println!("{}", error.line(&map, map.seconds * (error.rms / ours.rms).powi(2)));
             }
         }
@@ -83,7 +90,7 @@ fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
 }
 
 /// Our bake on so many threads, 0 for as many as there are.
-fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Result<(Bake, Timed), Box<dyn Error>> {
+fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Result<(Bake, Timed), Failure> {
     struct Patient;
     impl Watch for Patient {
         fn advance(&self, _: u64, _: u64) {}
@@ -120,7 +127,7 @@ fn inner(bake: &Bake) -> Vec<usize> {
     (0..map.owners.len()).filter(is_inner).collect()
 }
 
-/// How far a map is from the reference.
+/// How far a map is from the references.
 struct Distance {
     rms: f64,
     /// By how much it is brighter on the whole.
@@ -128,14 +135,14 @@ struct Distance {
 }
 
 impl Distance {
-    fn of(map: &Timed, reference: &Timed, texels: &[usize]) -> Self {
+    fn of(map: &Timed, [a, b]: &[Timed; 2], texels: &[usize]) -> Self {
         let value = |map: &Timed, texel: usize| map.texels[texel].map(|value| f64::from(value.element_sum()));
-        let pairs: Vec<(f64, f64)> =
-            texels.iter().filter_map(|&texel| Some((value(map, texel)?, value(reference, texel)?))).collect();
-        let number = pairs.len() as f64;
-        let [found, exact] = [0, 1].map(|i| pairs.iter().map(|pair| [pair.0, pair.1][i]).sum::<f64>() / number);
-        let square = |&(value, expected): &(f64, f64)| ((value - expected) / expected.max(DARK * exact)).powi(2);
-        Self { rms: (pairs.iter().map(square).sum::<f64>() / number).sqrt(), brighter: found / exact - 1.0 }
+        let of_texel = |&texel: &usize| Some([value(map, texel)?, value(a, texel)?, value(b, texel)?]);
+        let values: Vec<[f64; 3]> = texels.iter().filter_map(of_texel).collect();
+        let mean = |of: &dyn Fn(&[f64; 3]) -> f64| values.iter().map(of).sum::<f64>() / values.len() as f64;
+        let exact = mean(&|[_, a, b]| 0.5 * (a + b));
+        let square = |[x, a, b]: &[f64; 3]| (x - a) * (x - b) / (0.5 * (a + b)).max(DARK * exact).powi(2);
+        Self { rms: mean(&square).max(0.0).sqrt(), brighter: mean(&|values| values[0]) / exact - 1.0 }
     }
 
     fn line(&self, map: &Timed, for_our_error: f64) -> String {
@@ -145,7 +152,7 @@ impl Distance {
 }
 
 /// Cycles' maps on the same texels, one for each number of samples.
-fn cycles(scene: &Scene, atlas: &Atlas, spp: &[u32]) -> Result<Vec<Timed>, Box<dyn Error>> {
+fn cycles(scene: &Scene, atlas: &Atlas, spp: &[u32]) -> Result<Vec<Timed>, Failure> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let python = root.join("../target/renderers/bin/python");
     if !python.is_file() {

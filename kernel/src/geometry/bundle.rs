@@ -81,15 +81,15 @@ impl<L: Copy> Bundle<L> {
 
     /// The course of the first ray of `rays`, which are not none, and which of them share it.
     #[inline(always)]
-    pub(crate) fn course<const N: usize>(&self, packet: &RayPacket<N>, rays: u32) -> (Course, u32)
+    pub(crate) fn course<const N: usize>(&self, rays: u32) -> (Course, u32)
     where
         L: Lanes<N>,
     {
         let first = rays.trailing_zeros() as usize % N;
         let mut sharing = rays;
         let mut negative = [false; 3];
-        for (negative, values) in negative.iter_mut().zip(&packet.direction) {
-            let signs = signs(values);
+        for (negative, &direction) in negative.iter_mut().zip(&self.direction) {
+            let signs = signs(direction);
             *negative = signs >> first & 1 != 0;
             sharing &= if *negative { signs } else { !signs };
         }
@@ -169,12 +169,12 @@ impl<L: Copy> Bundle<L> {
     where
         L: Lanes<N>,
     {
+        let (origins, is_pointed) = self.origins(rays);
         let rays = L::Mask::from_bits(rays);
-        let (mut origins, mut ends) = (Aabb::EMPTY, Aabb::EMPTY);
+        let mut ends = Aabb::EMPTY;
         for axis in 0..3 {
-            let origin = self.origin[axis];
-            (origins.min[axis], origins.max[axis]) = range(rays, origin);
-            (ends.min[axis], ends.max[axis]) = range(rays, origin + lengths * self.direction[axis]);
+            let end = self.origin[axis] + lengths * self.direction[axis];
+            (ends.min[axis], ends.max[axis]) = range(rays, end);
         }
         let reach = (scene.max - origins.min).abs().max((scene.max - origins.max).abs());
         let reach = reach.max((scene.min - origins.min).abs()).max((scene.min - origins.max).abs());
@@ -188,7 +188,7 @@ impl<L: Copy> Bundle<L> {
             shift: [[0.0; 3]; 2],
             rises: [[false; 3]; 2],
             pad: pad.to_array(),
-            is_pointed: origins.min == origins.max,
+            is_pointed,
         };
         for (side, (from, to)) in sides.into_iter().enumerate() {
             for axis in 0..3 {
@@ -200,6 +200,29 @@ impl<L: Copy> Bundle<L> {
             }
         }
         shaft
+    }
+}
+
+impl<L: Copy> Bundle<L> {
+    /// The box around the origins of `rays`, which are not none, and whether they are one point.
+    #[inline(always)]
+    fn origins<const N: usize>(&self, rays: u32) -> (Aabb, bool)
+    where
+        L: Lanes<N>,
+    {
+        let first = rays.trailing_zeros() as usize % N;
+        let [x, y, z] = self.origin;
+        let point = Vec3::new(x.store()[first], y.store()[first], z.store()[first]);
+        let same = x.eq(L::splat(point.x)) & y.eq(L::splat(point.y)) & z.eq(L::splat(point.z));
+        if same.bits() & rays == rays {
+            return (Aabb { min: point, max: point }, true);
+        }
+        let rays = L::Mask::from_bits(rays);
+        let mut origins = Aabb::EMPTY;
+        for axis in 0..3 {
+            (origins.min[axis], origins.max[axis]) = range(rays, self.origin[axis]);
+        }
+        (origins, false)
     }
 }
 
@@ -228,12 +251,8 @@ pub(crate) fn greatest<const N: usize, L: Lanes<N>>(lanes: L) -> f32 {
 
 /// The sign bits, those of zeros and NaN too.
 #[inline(always)]
-fn signs<const N: usize>(values: &[f32; N]) -> u32 {
-    let mut signs = 0;
-    for (lane, value) in values.iter().enumerate() {
-        signs |= (value.to_bits() >> 31) << lane;
-    }
-    signs
+fn signs<const N: usize, L: Lanes<N>>(lanes: L) -> u32 {
+    L::splat(1.0).copysign(lanes).lt(L::splat(0.0)).bits()
 }
 
 #[inline(always)]

@@ -33,11 +33,12 @@ mod packet;
 mod ray;
 mod reference;
 pub(crate) mod setup;
+pub(crate) mod setup_lanes;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use closest::SurfacePoint;
-pub use offset::{offset_origin, triangle_normal};
+pub use offset::{offset_distance, offset_origin, offset_point, triangle_normal};
 pub use overlap::overlaps;
 pub use packet::{HitPacket, RayPacket};
 pub use ray::{Hit, Ray};

@@ -35,30 +35,28 @@ pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
 /// as that of a triangle without area, the point stays.
 ///
 /// The distance is a few units in the last place of the triangle's coordinates and of its extent; it scales with the
-/// scene, and there is no length to tune.
+/// scene, and there is no length to tune. Who leaves the same triangle often may keep its [`offset_distance`], and
+/// move the point by [`offset_point`], which is all that this function does.
 #[inline]
 pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, direction: Vec3) -> Vec3 {
     let [a, b, c] = *triangle;
     let point = (1.0 - u - v) * a + u * b + v * c;
-    let coordinates = a.abs().max(b.abs()).max(c.abs());
-    let extent = (a.max(b).max(c) - a.min(b).min(c)).max_element();
-    let distance = normal.abs().dot(coordinates * POINT_ERROR + Vec3::splat(extent * TEST_ERROR));
-    let offset = if normal.dot(direction) < 0.0 { -normal } else { normal } * distance;
-    let moved = point + offset;
-    // The sum may have been rounded back: go one step further, away from the plane.
-    Vec3::new(step(moved.x, offset.x), step(moved.y, offset.y), step(moved.z, offset.z))
+    offset_point(point, normal, offset_distance(triangle, normal), direction)
 }
 
-/// The next float after `x` in the direction of `sign`; `x` if that is zero.
+/// The distance from the plane of `triangle`, whose unit normal is `normal`, at which a ray that leaves it has to start.
 #[inline]
-fn step(x: f32, sign: f32) -> f32 {
-    if sign > 0.0 {
-        x.next_up()
-    } else if sign < 0.0 {
-        x.next_down()
-    } else {
-        x
-    }
+pub fn offset_distance(triangle: &Triangle, normal: Vec3) -> f32 {
+    let [a, b, c] = *triangle;
+    let coordinates = a.abs().max(b.abs()).max(c.abs());
+    let extent = (a.max(b).max(c) - a.min(b).min(c)).max_element();
+    normal.abs().dot(coordinates * POINT_ERROR + Vec3::splat(extent * TEST_ERROR))
+}
+
+/// `point` moved by `distance` along `normal`, to the side to which `direction` points.
+#[inline(always)]
+pub fn offset_point(point: Vec3, normal: Vec3, distance: f32, direction: Vec3) -> Vec3 {
+    point + normal * distance.copysign(normal.dot(direction))
 }
 
 // Miri would take hours.

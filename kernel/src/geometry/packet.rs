@@ -1,6 +1,7 @@
 //! Rays and hits in packets, as structures of arrays.
 
 use super::{Hit, Ray};
+use crate::simd::{Lanes, Portable, Simd};
 
 /// `N` rays; component-wise what [`Ray`] is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +44,12 @@ impl<const N: usize> RayPacket<N> {
             t_max: [0.0; N],
             active: (1u64 << N.min(rays.len())).wrapping_sub(1) as u32,
         };
-        for (lane, ray) in rays.iter().take(N).enumerate() {
+        let eights = rays.as_chunks::<8>().0.iter().take(N / 8);
+        let together = 8 * eights.len();
+        for (eight, rays) in eights.enumerate() {
+            packet.set_eight(8 * eight, rays);
+        }
+        for (lane, ray) in rays.iter().enumerate().take(N).skip(together) {
             for axis in 0..3 {
                 packet.origin[axis][lane] = ray.origin[axis];
                 packet.direction[axis][lane] = ray.direction[axis];
@@ -51,6 +57,23 @@ impl<const N: usize> RayPacket<N> {
             (packet.t_min[lane], packet.t_max[lane]) = (ray.t_min, ray.t_max);
         }
         packet
+    }
+
+    /// Packs eight rays into the lanes from `first` on.
+    fn set_eight(&mut self, first: usize, rays: &[Ray; 8]) {
+        type F8 = <Portable as Simd>::F8;
+        let rows = rays.map(|ray| F8::load(bytemuck::cast_ref(&ray)));
+        let [ox, oy, oz, t_min, dx, dy, dz, t_max] = Portable::transpose(rows);
+        let set = |numbers: &mut [f32; N], lanes: F8| numbers[first..first + 8].copy_from_slice(&lanes.store());
+        let ([px, py, pz], [qx, qy, qz]) = (&mut self.origin, &mut self.direction);
+        set(px, ox);
+        set(py, oy);
+        set(pz, oz);
+        set(&mut self.t_min, t_min);
+        set(qx, dx);
+        set(qy, dy);
+        set(qz, dz);
+        set(&mut self.t_max, t_max);
     }
 
     /// The lanes of the active rays.

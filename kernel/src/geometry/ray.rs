@@ -1,5 +1,7 @@
 //! One ray and one hit.
 
+use core::hint::select_unpredictable;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -77,6 +79,12 @@ impl Hit {
     #[inline(always)]
     pub(crate) fn none_before(t_max: f32) -> Self {
         Self { t: t_max, ..Self::MISS }
+    }
+
+    /// The result of a search, or a miss: without a branch, as it is as good as random which.
+    #[inline(always)]
+    pub(crate) fn or_miss(self) -> Self {
+        Self { t: select_unpredictable(self.is_hit(), self.t, Self::MISS.t), ..self }
     }
 
     /// The result of a search.

@@ -41,7 +41,7 @@ impl Axis {
 
     /// The order of [`Line::axes`] for a ray that runs fastest along axis `z`, 0 to 2.
     #[inline(always)]
-    pub(crate) fn course(z: usize, negative: bool) -> [Self; 3] {
+    pub(crate) const fn course(z: usize, negative: bool) -> [Self; 3] {
         let [x, y, z] = [Self::CYCLE[z + 1], Self::CYCLE[z + 2], Self::CYCLE[z]];
         if negative { [y, x, z] } else { [x, y, z] }
     }
@@ -74,10 +74,9 @@ impl Slabs {
 pub(crate) struct Line {
     /// The axis along which the ray runs fastest is the last one, and the others so that the shear keeps the winding.
     pub axes: [Axis; 3],
-    pub origin: [f32; 3],
-    pub inverse: [f32; 3],
-    /// `d[0] / d[2]` and `d[1] / d[2]`, by way of the reciprocal.
-    pub shear: [f32; 2],
+    /// The origin, the reciprocals of the direction, and the shear: `d[0] / d[2]` and `d[1] / d[2]`, by way of the
+    /// reciprocal.
+    pub numbers: [f32; 8],
 }
 
 /// A ray made ready.
@@ -91,7 +90,7 @@ impl RaySetup {
     /// The setup of no ray.
     pub(crate) const NOWHERE: Self = Self {
         slabs: Slabs { inverse: [0.0; 3], near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] },
-        line: Line { axes: [Axis::X; 3], origin: [0.0; 3], inverse: [0.0; 3], shear: [0.0; 2] },
+        line: Line { axes: [Axis::X; 3], numbers: [0.0; 8] },
     };
 
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
@@ -125,12 +124,9 @@ impl RaySetup {
         }
 
         let [x, y, z] = axes.map(|axis| axis as usize);
-        let line = Line {
-            axes,
-            origin: [o[x], o[y], o[z]],
-            inverse: [inverse[x], inverse[y], inverse[z]],
-            shear: [d[x] * inverse[z], d[y] * inverse[z]],
-        };
+        let shear = [d[x] * inverse[z], d[y] * inverse[z]];
+        let numbers = [o[x], o[y], o[z], inverse[x], inverse[y], inverse[z], shear[0], shear[1]];
+        let line = Line { axes, numbers };
         Some(Self { slabs, line })
     }
 }

@@ -20,17 +20,24 @@ impl<L> LineLanes<L> {
     where
         L: Lanes<N>,
     {
-        Self {
-            origin: splat(line.origin),
-            inverse: splat(line.inverse),
-            shear: [L::splat(line.shear[0]), L::splat(line.shear[1])],
-        }
+        let [ox, oy, oz, ix, iy, iz, sx, sy] = line.numbers;
+        Self::new([
+            L::splat(ox),
+            L::splat(oy),
+            L::splat(oz),
+            L::splat(ix),
+            L::splat(iy),
+            L::splat(iz),
+            L::splat(sx),
+            L::splat(sy),
+        ])
     }
-}
 
-#[inline(always)]
-fn splat<const N: usize, L: Lanes<N>>(v: [f32; 3]) -> [L; 3] {
-    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+    /// From the [numbers](Line::numbers) of the lines.
+    #[inline(always)]
+    pub(crate) fn new([ox, oy, oz, ix, iy, iz, sx, sy]: [L; 8]) -> Self {
+        Self { origin: [ox, oy, oz], inverse: [ix, iy, iz], shear: [sx, sy] }
+    }
 }
 
 /// Where lanes meet their triangles, whatever their `t` intervals: only lanes of `bits` mean anything.

@@ -33,6 +33,62 @@ impl Simd for Avx2 {
         }
         (bits & 255).count_ones() as usize
     }
+
+    #[inline(always)]
+    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+        look_up(numbers, places)
+    }
+
+    #[inline(always)]
+    fn transpose(rows: [F32x8; 8]) -> [F32x8; 8] {
+        transpose(rows)
+    }
+}
+
+/// [`Simd::look_up`].
+#[inline(always)]
+pub(super) fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+    // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.
+    unsafe {
+        let places = _mm256_loadu_si256(places.as_ptr().cast());
+        F32x8(_mm256_permutevar8x32_ps(_mm256_loadu_ps(numbers.as_ptr()), places))
+    }
+}
+
+/// [`Simd::transpose`]: pairs of numbers first, then pairs of pairs, then halves.
+#[inline(always)]
+pub(super) fn transpose(rows: [F32x8; 8]) -> [F32x8; 8] {
+    let [a, b, c, d, e, f, g, h] = rows;
+    let (p, q) = (transpose_halves([a, b, c, d]), transpose_halves([e, f, g, h]));
+    // SAFETY: AVX is there, see the module.
+    unsafe {
+        [
+            F32x8(_mm256_permute2f128_ps::<0x20>(p[0], q[0])),
+            F32x8(_mm256_permute2f128_ps::<0x20>(p[1], q[1])),
+            F32x8(_mm256_permute2f128_ps::<0x20>(p[2], q[2])),
+            F32x8(_mm256_permute2f128_ps::<0x20>(p[3], q[3])),
+            F32x8(_mm256_permute2f128_ps::<0x31>(p[0], q[0])),
+            F32x8(_mm256_permute2f128_ps::<0x31>(p[1], q[1])),
+            F32x8(_mm256_permute2f128_ps::<0x31>(p[2], q[2])),
+            F32x8(_mm256_permute2f128_ps::<0x31>(p[3], q[3])),
+        ]
+    }
+}
+
+/// Four times four numbers in the lower lanes, and as many in the upper ones, mirrored at their diagonals.
+#[inline(always)]
+fn transpose_halves([a, b, c, d]: [F32x8; 4]) -> [__m256; 4] {
+    // SAFETY: AVX is there, see the module.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_ps(a.0, b.0), _mm256_unpacklo_ps(c.0, d.0));
+        let (ab_high, cd_high) = (_mm256_unpackhi_ps(a.0, b.0), _mm256_unpackhi_ps(c.0, d.0));
+        [
+            _mm256_shuffle_ps::<0x44>(ab, cd),
+            _mm256_shuffle_ps::<0xee>(ab, cd),
+            _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+            _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+        ]
+    }
 }
 
 /// Fetches the cache lines at an address.
@@ -113,6 +169,14 @@ impl Lanes<8> for F32x8 {
     fn abs(self) -> Self {
         // SAFETY: AVX is there, see the module.
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        // SAFETY: AVX is there, see the module.
+        unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            Self(_mm256_or_ps(_mm256_andnot_ps(sign, self.0), _mm256_and_ps(sign, other.0)))
+        }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {

@@ -32,6 +32,17 @@ impl Simd for Avx512 {
         }
         (bits & 255).count_ones() as usize
     }
+
+    #[inline(always)]
+    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+        F32x8(avx2::look_up(numbers, places))
+    }
+
+    #[inline(always)]
+    fn transpose([a, b, c, d, e, f, g, h]: [F32x8; 8]) -> [F32x8; 8] {
+        let [a, b, c, d, e, f, g, h] = avx2::transpose([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]);
+        [F32x8(a), F32x8(b), F32x8(c), F32x8(d), F32x8(e), F32x8(f), F32x8(g), F32x8(h)]
+    }
 }
 
 /// Eight lanes: those of AVX2, but for what masks are.
@@ -105,6 +116,10 @@ impl Lanes<8> for F32x8 {
     #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        Self(self.0.copysign(other.0))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {
@@ -256,6 +271,14 @@ impl Lanes<16> for F32x16 {
     fn abs(self) -> Self {
         // SAFETY: AVX-512 F is there, see the module.
         Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        // SAFETY: AVX-512 F and DQ are there, see the module.
+        unsafe {
+            let sign = _mm512_set1_ps(-0.0);
+            Self(_mm512_or_ps(_mm512_andnot_ps(sign, self.0), _mm512_and_ps(sign, other.0)))
+        }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Mask16 {

@@ -105,6 +105,13 @@ impl Isa {
         Self::best()
     }
 
+    /// Runs `task` with the instructions of this level: plain loops in it, and in what is inlined into it, become as wide
+    /// as those are. Results do not depend on the level, as the compiler fuses nothing.
+    #[inline]
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        dispatch(self, Plain(task))
+    }
+
     fn best() -> Self {
         Level::ALL.into_iter().rev().find_map(Self::new).unwrap_or(Self::PORTABLE)
     }
@@ -143,6 +150,27 @@ fn has_avx2() -> bool {
 /// Whether it is known to have what [`Level::Avx512`] adds.
 fn has_avx512() -> bool {
     has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq")
+}
+
+/// Code without intrinsics that [`Isa::run`] compiles for every level.
+pub trait Task {
+    /// What it gives.
+    type Output;
+
+    /// The code. It is to be `#[inline(always)]`, as is all in it that takes time: what stays a function of its own is
+    /// compiled for what the target always has.
+    fn run(self) -> Self::Output;
+}
+
+/// A task as a kernel that makes no use of intrinsics.
+struct Plain<T>(T);
+
+impl<T: Task> Work for Plain<T> {
+    type Output = T::Output;
+    #[inline(always)]
+    fn run<S: Simd>(self) -> T::Output {
+        self.0.run()
+    }
 }
 
 /// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it calls.

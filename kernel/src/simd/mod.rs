@@ -22,7 +22,7 @@ mod twice;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-pub use isa::{Isa, Level};
+pub use isa::{Isa, Level, Task};
 pub(crate) use isa::{Work, dispatch};
 pub(crate) use portable::Portable;
 
@@ -41,6 +41,12 @@ pub(crate) trait Simd: Copy {
     /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
     /// them is of no meaning.
     fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
+
+    /// In each lane that of eight numbers whose index the lane of `places` holds, in its lowest three bits.
+    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> Self::F8;
+
+    /// Eight times eight numbers, mirrored at the diagonal: lane `i` of row `j` becomes lane `j` of row `i`.
+    fn transpose(rows: [Self::F8; 8]) -> [Self::F8; 8];
 }
 
 /// `N` numbers that are computed with together.
@@ -64,6 +70,8 @@ pub(crate) trait Lanes<const N: usize>:
     fn max(self, other: Self) -> Self;
     /// Absolute values.
     fn abs(self) -> Self;
+    /// The magnitudes of `self` with the signs of `other`, those of zeros and NaN too.
+    fn copysign(self, other: Self) -> Self;
     /// `self < other`; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
     /// `self <= other`; false for NaN.

@@ -29,6 +29,29 @@ impl Simd for Portable {
         }
         count
     }
+
+    #[inline(always)]
+    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> wide::f32x8 {
+        let mut found = [0.0; 8];
+        for (found, &place) in found.iter_mut().zip(places) {
+            *found = numbers[place as usize & 7];
+        }
+        wide::f32x8::new(found)
+    }
+
+    #[inline(always)]
+    fn transpose(rows: [wide::f32x8; 8]) -> [wide::f32x8; 8] {
+        // `wide` mirrors eight rows with AVX or one number at a time, but four rows everywhere.
+        let [low, high]: [[[wide::f32x4; 2]; 4]; 2] = bytemuck::cast(rows);
+        let quarter = |rows: &[[wide::f32x4; 2]; 4], half: usize| {
+            wide::f32x4::transpose([rows[0][half], rows[1][half], rows[2][half], rows[3][half]])
+        };
+        let (a, b, c, d) = (quarter(&low, 0), quarter(&high, 0), quarter(&low, 1), quarter(&high, 1));
+        bytemuck::cast([
+            [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]], [a[3], b[3]]],
+            [[c[0], d[0]], [c[1], d[1]], [c[2], d[2]], [c[3], d[3]]],
+        ])
+    }
 }
 
 macro_rules! portable {
@@ -63,6 +86,10 @@ macro_rules! portable {
             #[inline(always)]
             fn abs(self) -> Self {
                 <$lanes>::abs(self)
+            }
+            #[inline(always)]
+            fn copysign(self, other: Self) -> Self {
+                <$lanes>::abs(self) | other & Self::splat(-0.0)
             }
             #[inline(always)]
             fn lt(self, other: Self) -> Self {

@@ -50,6 +50,7 @@ fn check<const N: usize, L: Lanes<N>>() {
             same(x * y, &|p, q| p * q);
             same(x / y, &|p, q| p / q);
             same(x.abs(), &|p, _| p.abs());
+            same(x.copysign(y), &f32::copysign);
             same(L::splat(2.5), &|_, _| 2.5);
             same(L::select(x.lt(y), x, y), &|p, q| if p < q { p } else { q });
             let bits = |mask: L::Mask, scalar: &dyn Fn(f32, f32) -> bool| {
@@ -94,6 +95,19 @@ fn check_children<L: Lanes<8> + Children>() {
     }
 }
 
+/// Every number is told apart.
+#[inline(always)]
+fn check_transposition<S: Simd>() {
+    let rows: [[f32; 8]; 8] = core::array::from_fn(|row| core::array::from_fn(|lane| (8 * row + lane) as f32));
+    let [a, b, c, d, e, f, g, h] = &rows;
+    let load = S::F8::load;
+    let mirrored = S::transpose([load(a), load(b), load(c), load(d), load(e), load(f), load(g), load(h)]);
+    for (lane, numbers) in mirrored.into_iter().enumerate() {
+        assert_eq!(numbers.store(), core::array::from_fn(|row| rows[row][lane]));
+    }
+    assert_eq!(S::look_up(h, &[3, 0, 7, 7, 1, 2, 12, 5]).store(), [59.0, 56.0, 63.0, 63.0, 57.0, 58.0, 60.0, 61.0]);
+}
+
 struct Check;
 
 impl Work for Check {
@@ -104,6 +118,7 @@ impl Work for Check {
         check::<8, S::F8>();
         check::<16, S::F16>();
         check_children::<S::F8>();
+        check_transposition::<S>();
         S::prefetch::<320>(core::ptr::null());
     }
 }

@@ -63,6 +63,10 @@ impl<L: Lanes<8>> Lanes<16> for Twice<L> {
         Self(self.0.abs(), self.1.abs())
     }
     #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        Self(self.0.copysign(other.0), self.1.copysign(other.1))
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> Self::Mask {
         Twice(self.0.lt(other.0), self.1.lt(other.1))
     }

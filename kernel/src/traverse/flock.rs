@@ -5,59 +5,129 @@
 //! mispredicted branch for each. Here a visit puts its ray on the list of the next visit's kind, and nothing branches on
 //! it; and each ray fetches what it visits next a whole round before its turn (what the database people call asynchronous
 //! memory access chaining: Kocberber, Falsafi and Grot 2015). Triangles that are crossed are few, and their test is long:
-//! they are gathered, of all rays, and tested eight at a time, each lane with a ray of its own.
+//! they are gathered, of all rays, and tested eight at a time, each lane with a ray of its own. All rays visit the root
+//! first: they set out eight at a time, a lane each.
 
 use core::hint::select_unpredictable;
 
-use super::pending::{Pending, corners};
+use super::candidates::{self, Candidates, Place};
+use super::pending::{Pending, corners, meet_children};
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup::{RaySetup, Slabs};
+use crate::geometry::setup::RaySetup;
+use crate::geometry::setup_lanes::SetupLanes;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Lanes, Simd};
+use crate::simd::{Lanes, Simd, lanes_of};
 
 /// Rays of a flock. Fewer hide less; more do not fit into the first-level cache.
 pub(super) const FLOCK: usize = 64;
-/// What their blocks may hold, and room for the eight that a block writes, whether its lanes are candidates or not.
-const CANDIDATES: usize = (FLOCK + 1) * WIDTH;
+
+/// One block of each ray.
+type FlocksCandidates = Candidates<{ (FLOCK + 1) * WIDTH }>;
 
 /// Gives `land` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Option<Hit>)) {
+pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
     let mut birds: [Bird; FLOCK] = core::array::from_fn(|_| Bird::LANDED);
-    let mut waiting = rays.iter().enumerate();
     let mut lists = Lists::default();
-    let mut candidates = Candidates { codes: [0; CANDIDATES], birds: [0; CANDIDATES], len: 0 };
-    for (i, bird) in birds.iter_mut().enumerate() {
-        if let Some((number, ray)) = waiting.next() {
-            bird.start(tree, ray, number);
-            lists.push(i as u8, bird.pending.top());
+    let mut resting = List::default();
+    (0..FLOCK as u8).for_each(|i| resting.push(i, true));
+    let mut candidates = FlocksCandidates::EMPTY;
+    let mut departed = 0;
+    loop {
+        while resting.len() >= WIDTH && departed < rays.len() {
+            depart::<S>(tree, rays, departed, &mut birds, &mut resting, &mut lists);
+            departed += WIDTH;
         }
-    }
-    while !lists.are_empty() {
-        let turn = core::mem::take(&mut lists);
-        for &i in turn.nodes.birds() {
-            birds[usize::from(i) % FLOCK].enter::<S>(tree.nodes());
+        if lists.are_empty() {
+            return;
+        }
+        let visitors = lists.nodes.restart();
+        for k in 0..visitors {
+            birds[lists.nodes.bird(k)].enter::<S>(tree.nodes());
         }
         // Apart from the visits, whose results take long to arrive.
-        for &i in turn.nodes.birds() {
-            birds[usize::from(i) % FLOCK].join::<S>(i, tree, &mut lists);
+        for k in 0..visitors {
+            let i = lists.nodes.bird(k);
+            birds[i].join::<S>(i, tree, &mut lists);
         }
-        candidates.len = 0;
-        for &i in turn.leaves.birds() {
-            birds[usize::from(i) % FLOCK].find_candidates::<S>(i, tree.blocks(), &mut candidates);
+        candidates.clear();
+        let visitors = lists.leaves.restart();
+        for k in 0..visitors {
+            let i = lists.leaves.bird(k);
+            birds[i].find_candidates::<S>(i, tree.blocks(), &mut candidates);
         }
-        test::<ANY, S>(tree.blocks(), &candidates, &mut birds);
-        for &i in turn.leaves.birds() {
-            birds[usize::from(i) % FLOCK].join::<S>(i, tree, &mut lists);
+        test::<ANY, S>(tree.blocks(), &mut candidates, &mut birds);
+        for k in 0..visitors {
+            let i = lists.leaves.bird(k);
+            birds[i].join::<S>(i, tree, &mut lists);
         }
-        for &i in turn.done.birds() {
-            let bird = &mut birds[usize::from(i) % FLOCK];
-            land(bird.number, bird.best.found());
-            if let Some((number, ray)) = waiting.next() {
-                bird.start(tree, ray, number);
-                lists.push(i, bird.pending.top());
-            }
+        for k in 0..lists.done.restart() {
+            let i = lists.done.bird(k);
+            land(birds[i].number, birds[i].best.or_miss());
+            resting.push(i as u8, true);
+        }
+    }
+}
+
+/// Sends up to eight of `rays`, from the one numbered `first` on, through the root.
+#[inline(always)]
+fn depart<S: Simd>(
+    tree: &BvhView,
+    rays: &[Ray],
+    first: usize,
+    birds: &mut [Bird; FLOCK],
+    resting: &mut List,
+    lists: &mut Lists,
+) {
+    let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
+    let mut rows = [S::F8::splat(f32::NAN); WIDTH];
+    for (row, ray) in rows.iter_mut().zip(&rays[first..]) {
+        *row = S::F8::load(bytemuck::cast_ref(ray));
+    }
+    let setups = SetupLanes::new(S::transpose(rows), &tree.bounds());
+    let (near, far) = meet_children::<S>(&setups, root);
+    let live = setups.live;
+    let setups = setups.rows::<S>();
+    for lane in 0..WIDTH.min(rays.len() - first) {
+        let i = resting.pop();
+        let bird = &mut birds[i];
+        bird.setup = setups.setup(lane);
+        bird.octant = bird.setup.slabs.octant();
+        let (t_min, t_max) = setups.interval(lane);
+        bird.t_min = t_min;
+        bird.best = Hit::none_before(t_max);
+        bird.number = first + lane;
+        // One that can hit nothing has landed at once.
+        bird.pending.clear();
+        if live >> lane & 1 != 0 {
+            bird.pending.start_below::<S>(root, near[lane], far[lane], bird.octant);
+        }
+        bird.join::<S>(i, tree, lists);
+    }
+}
+
+/// Tests the candidates, eight at a time, and tells their birds of the hits.
+#[inline(always)]
+fn test<const ANY: bool, S: Simd>(
+    blocks: &[TriangleBlock],
+    candidates: &mut FlocksCandidates,
+    birds: &mut [Bird; FLOCK],
+) {
+    for (codes, numbers) in candidates.eights() {
+        let lines = numbers.map(|number| &birds[usize::from(number) % FLOCK].setup.line);
+        let mut triangles = [Place::new(blocks, codes[0], lines[0]); WIDTH];
+        for lane in 1..WIDTH {
+            triangles[lane] = Place::new(blocks, codes[lane], lines[lane]);
+        }
+        let Some(crossing) = candidates::cross::<S>(&triangles, &lines) else {
+            continue;
+        };
+        let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
+        for lane in lanes_of(crossing.bits) {
+            let lane = lane % WIDTH;
+            let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: triangles[lane].prim_id() };
+            birds[usize::from(numbers[lane]) % FLOCK].take::<ANY, S>(hit);
         }
     }
 }
@@ -83,49 +153,34 @@ impl Bird {
         pending: Pending::EMPTY,
     };
 
-    /// Starts with `ray`. One that can hit nothing has landed at once.
-    #[inline(always)]
-    fn start(&mut self, tree: &BvhView, ray: &Ray, number: usize) {
-        self.best = Hit::none_before(ray.t_max);
-        self.number = number;
-        self.pending.clear();
-        if let Some(setup) = RaySetup::new(ray, &tree.bounds()) {
-            self.setup = setup;
-            self.octant = setup.slabs.octant();
-            self.t_min = ray.t_min;
-            self.pending.start();
-        }
-    }
-
     /// Visits the node that is next.
     #[inline(always)]
     fn enter<S: Simd>(&mut self, nodes: &[Node]) {
         let (child, _) = self.pending.take();
         if let Some(node) = nodes.get(child as usize) {
-            let slabs: &Slabs = &self.setup.slabs;
-            self.pending.enter::<S>(node, slabs, self.octant, self.t_min, self.best.t);
+            self.pending.enter::<S>(node, &self.setup.slabs, self.octant, self.t_min, self.best.t);
         }
     }
 
     /// Adds the triangles of the block that is next which may be hit.
     #[inline(always)]
-    fn find_candidates<S: Simd>(&mut self, number: u8, blocks: &[TriangleBlock], candidates: &mut Candidates) {
+    fn find_candidates<S: Simd>(&mut self, number: usize, blocks: &[TriangleBlock], candidates: &mut FlocksCandidates) {
         let first = self.pending.take_block();
         if let Some(block) = blocks.get(first as usize) {
             let line = &self.setup.line;
             let inside = triangle::inside(&LineLanes::<S::F8>::splat(line), corners(block, line.axes));
-            candidates.push::<S>(first, inside, number);
+            candidates.push::<S>(first, inside, number as u8);
         }
     }
 
     /// Fetches what is next, and joins the list of its kind.
     #[inline(always)]
-    fn join<S: Simd>(&self, number: u8, tree: &BvhView, lists: &mut Lists) {
+    fn join<S: Simd>(&self, number: usize, tree: &BvhView, lists: &mut Lists) {
         let top = self.pending.top();
         let node = tree.nodes().as_ptr().wrapping_add(top as usize).cast();
         let block = tree.blocks().as_ptr().wrapping_add(Child::first_block(top) as usize).cast();
         S::prefetch::<{ size_of::<Node>() }>(select_unpredictable(Child::is_node(top), node, block));
-        lists.push(number, top);
+        lists.push(number as u8, top);
     }
 
     /// Takes a hit if it precedes the best one, and forgets what is behind it.
@@ -162,13 +217,31 @@ impl List {
         self.len = self.len.wrapping_add(u8::from(it_belongs));
     }
 
+    /// Takes the last one off the list, which has one.
     #[inline(always)]
-    fn birds(&self) -> &[u8] {
-        &self.birds[..usize::from(self.len)]
+    fn pop(&mut self) -> usize {
+        self.len = self.len.wrapping_sub(1);
+        self.bird(usize::from(self.len))
+    }
+
+    /// Begins anew, and gives the number of birds there were. They can be read still, each until as many are pushed.
+    #[inline(always)]
+    fn restart(&mut self) -> usize {
+        usize::from(core::mem::take(&mut self.len))
+    }
+
+    #[inline(always)]
+    fn bird(&self, place: usize) -> usize {
+        usize::from(self.birds[place % 256]) % FLOCK
+    }
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        usize::from(self.len)
     }
 }
 
-/// Who visits what in the next turn.
+/// Who visits what next.
 #[derive(Default)]
 struct Lists {
     nodes: List,
@@ -190,101 +263,4 @@ impl Lists {
     fn are_empty(&self) -> bool {
         self.nodes.len | self.leaves.len | self.done.len == 0
     }
-}
-
-/// Triangles that may be hit, and by whom.
-struct Candidates {
-    /// The block times eight, plus the lane.
-    codes: [u32; CANDIDATES],
-    birds: [u8; CANDIDATES],
-    len: usize,
-}
-
-impl Candidates {
-    /// Adds lanes of a block.
-    #[inline(always)]
-    fn push<S: Simd>(&mut self, block: u32, lanes: u32, bird: u8) {
-        let codes = self.codes.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
-        let birds = self.birds.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
-        if let (Some(codes), Some(birds)) = (codes, birds) {
-            *birds = [bird; WIDTH];
-            self.len += S::set_lanes(lanes, WIDTH as u32 * block, codes);
-        }
-    }
-}
-
-/// Tests the candidates, eight at a time, and tells their birds of the hits.
-#[inline(always)]
-fn test<const ANY: bool, S: Simd>(blocks: &[TriangleBlock], candidates: &Candidates, birds: &mut [Bird; FLOCK]) {
-    let all =
-        (&candidates.codes[..candidates.len.min(CANDIDATES)], &candidates.birds[..candidates.len.min(CANDIDATES)]);
-    for (codes, numbers) in all.0.chunks(WIDTH).zip(all.1.chunks(WIDTH)) {
-        let mut eight = Eight::EMPTY;
-        for (lane, (&code, &number)) in (0..WIDTH).zip(codes.iter().zip(numbers)) {
-            if let Some(block) = blocks.get(code as usize / WIDTH) {
-                eight.set(lane, block, code as usize % WIDTH, &birds[usize::from(number) % FLOCK].setup);
-            }
-        }
-        let Some(crossing) = triangle::cross(&eight.lines::<S::F8>(), eight.corners()) else {
-            continue;
-        };
-        let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
-        for (lane, &number) in (0..WIDTH).zip(numbers) {
-            if crossing.bits >> lane & 1 != 0 {
-                let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: eight.prim_id[lane] };
-                birds[usize::from(number) % FLOCK].take::<ANY, S>(hit);
-            }
-        }
-    }
-}
-
-/// Eight triangles, each with a line, and with its axes in that line's order.
-struct Eight {
-    corners: [[[f32; WIDTH]; 3]; 3],
-    origin: [[f32; WIDTH]; 3],
-    inverse: [[f32; WIDTH]; 3],
-    shear: [[f32; WIDTH]; 2],
-    prim_id: [u32; WIDTH],
-}
-
-impl Eight {
-    /// No triangles: none of their edges encloses anything.
-    const EMPTY: Self = Self {
-        corners: [[[f32::NAN; WIDTH]; 3]; 3],
-        origin: [[0.0; WIDTH]; 3],
-        inverse: [[0.0; WIDTH]; 3],
-        shear: [[0.0; WIDTH]; 2],
-        prim_id: [Hit::NO_PRIM; WIDTH],
-    };
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, block: &TriangleBlock, from: usize, ray: &RaySetup) {
-        let line = &ray.line;
-        for k in 0..3 {
-            for corner in 0..3 {
-                self.corners[corner][k][lane] = block.corners[corner][line.axes[k] as usize][from];
-            }
-            self.origin[k][lane] = line.origin[k];
-            self.inverse[k][lane] = line.inverse[k];
-        }
-        self.shear[0][lane] = line.shear[0];
-        self.shear[1][lane] = line.shear[1];
-        self.prim_id[lane] = block.prim_id[from];
-    }
-
-    #[inline(always)]
-    fn corners<L: Lanes<WIDTH>>(&self) -> [[L; 3]; 3] {
-        [three(&self.corners[0]), three(&self.corners[1]), three(&self.corners[2])]
-    }
-
-    #[inline(always)]
-    fn lines<L: Lanes<WIDTH>>(&self) -> LineLanes<L> {
-        let [x, y] = &self.shear;
-        LineLanes { origin: three(&self.origin), inverse: three(&self.inverse), shear: [L::load(x), L::load(y)] }
-    }
-}
-
-#[inline(always)]
-fn three<L: Lanes<WIDTH>>([x, y, z]: &[[f32; WIDTH]; 3]) -> [L; 3] {
-    [L::load(x), L::load(y), L::load(z)]
 }

@@ -21,7 +21,9 @@
 //!
 //! Nothing here allocates or panics.
 
+mod candidates;
 mod closest;
+mod eight;
 mod facing;
 mod filter;
 pub(crate) mod flight;
@@ -32,6 +34,7 @@ pub(crate) mod moving;
 mod overlap;
 mod packet;
 mod pending;
+mod queues;
 // Miri would take hours.
 #[cfg(all(test, not(miri)))]
 mod query_tests;
@@ -112,9 +115,9 @@ impl BvhView<'_> {
                 *hit = reference::intersect(self, ray).unwrap_or(Hit::MISS);
             }
         } else {
-            let land = |number: usize, found: Option<Hit>| {
-                if let Some(hit) = hits.get_mut(number) {
-                    *hit = found.unwrap_or(Hit::MISS);
+            let land = |number: usize, hit: Hit| {
+                if let Some(place) = hits.get_mut(number) {
+                    *place = hit;
                 }
             };
             dispatch(self.isa(), Many::<false, _> { tree: self, rays, land });
@@ -129,9 +132,9 @@ impl BvhView<'_> {
                 *occluded = reference::occluded(self, ray);
             }
         } else {
-            let land = |number: usize, found: Option<Hit>| {
-                if let Some(occluded) = occluded.get_mut(number) {
-                    *occluded = found.is_some();
+            let land = |number: usize, hit: Hit| {
+                if let Some(place) = occluded.get_mut(number) {
+                    *place = hit.is_hit();
                 }
             };
             dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
@@ -165,7 +168,8 @@ impl<C: Collector> Work for Walk<'_, C> {
 
 impl BvhView<'_> {
     /// Like [`intersect_many`](Self::intersect_many), and quicker for rays that share an origin and go many ways, as those
-    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets.
+    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets. In a tree of one node they
+    /// are the same.
     pub fn intersect_gather(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
@@ -204,7 +208,12 @@ impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
+        // Not where there is no room on the stack, either.
+        if queues::suit(self.tree) && !cfg!(target_os = "none") {
+            queues::trace::<ANY, S>(self.tree, self.rays, self.land);
+        } else {
+            gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
+        }
     }
 }
 
@@ -227,7 +236,7 @@ struct Many<'a, const ANY: bool, F> {
     land: F,
 }
 
-impl<const ANY: bool, F: FnMut(usize, Option<Hit>)> Work for Many<'_, ANY, F> {
+impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Many<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
@@ -235,8 +244,10 @@ impl<const ANY: bool, F: FnMut(usize, Option<Hit>)> Work for Many<'_, ANY, F> {
         if cfg!(target_os = "none") || self.rays.len() < flock::FLOCK {
             let mut land = self.land;
             for (number, ray) in self.rays.iter().enumerate() {
-                land(number, flight::trace::<ANY, S>(self.tree, ray));
+                land(number, flight::trace::<ANY, S>(self.tree, ray).unwrap_or(Hit::MISS));
             }
+        } else if queues::suit(self.tree) {
+            queues::trace::<ANY, S>(self.tree, self.rays, self.land);
         } else {
             flock::trace::<ANY, S>(self.tree, self.rays, self.land);
         }

@@ -62,7 +62,7 @@ pub(super) fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     let ahead = L::splat(0.0).le(bundle.t_min).bits();
     let mut waiting = bundle.live;
     while waiting != 0 {
-        let (course, mut rays) = bundle.course(packet, waiting);
+        let (course, mut rays) = bundle.course(waiting);
         let first = rays & rays.wrapping_neg();
         rays = if first & ahead == 0 { first } else { rays & ahead };
         waiting &= !rays;

@@ -5,6 +5,7 @@
 
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Axis, Slabs};
+use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Children, Lanes, Simd};
 
 /// Whatever a height is, an entry is there, and room for the eight that a node writes, whether it keeps them or not.
@@ -36,6 +37,12 @@ impl Pending {
     pub(super) fn start(&mut self) {
         (self.children[1], self.near[1]) = (Child::Node(0).pack(), f32::NEG_INFINITY);
         self.height = 2;
+    }
+
+    /// Leaves those children of the root alone to visit for which `near <= far`.
+    #[inline(always)]
+    pub(super) fn start_below<S: Simd>(&mut self, root: &Node, near: S::F8, far: S::F8, octant: u8) {
+        self.push::<S>(1, near, far, root.order[usize::from(octant & 7)], &root.children);
     }
 
     /// Forgets everything.
@@ -145,6 +152,18 @@ fn slab<S: Simd>(node: &Node, ray: &Slabs, axis: usize) -> (S::F8, S::F8) {
     let near = S::F8::load(&planes[usize::from(negative)]).mul_sub(inverse, S::F8::splat(ray.near_shift[axis]));
     let far = S::F8::load(&planes[usize::from(!negative)]).mul_sub(inverse, S::F8::splat(ray.far_shift[axis]));
     (near, far)
+}
+
+/// Where eight rays enter and leave the boxes of a node: for each ray the eight boxes.
+#[inline(always)]
+pub(super) fn meet_children<S: Simd>(rays: &SetupLanes<WIDTH, S::F8>, node: &Node) -> ([S::F8; WIDTH], [S::F8; WIDTH]) {
+    let (mut near, mut far) = ([S::F8::splat(0.0); WIDTH], [S::F8::splat(0.0); WIDTH]);
+    let [x, y, z] = &node.planes;
+    for slot in 0..WIDTH {
+        let bounds = [[x[0][slot], x[1][slot]], [y[0][slot], y[1][slot]], [z[0][slot], z[1][slot]]];
+        (near[slot], far[slot]) = rays.meet(bounds);
+    }
+    (S::transpose(near), S::transpose(far))
 }
 
 /// The corners of a block's eight triangles, in the order of `axes`.

@@ -188,6 +188,29 @@ fn random_triangles() {
     }
 }
 
+/// As many rays as wait in queues, and as fly in a flock, and one more or less.
+#[test]
+fn batches_of_any_length() {
+    let mut random = Random(8);
+    for (count, size) in [(30, 0.6), (200, 0.3)] {
+        let triangles = soup(&mut random, count, size);
+        let (bvh, _) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
+        assert_eq!(bvh.view().nodes().len() == 1, count == 30);
+        let rays = rays_at(&triangles, &mut random, 30);
+        let expected: Vec<_> = rays.iter().map(|ray| reference::intersect_all(&triangles, ray)).collect();
+        for len in (63..=76).chain(125..=138) {
+            for isa in isas() {
+                let mut hits = [Hit::MISS; 140];
+                bvh.view().with_isa(isa).intersect_many(&rays[..len], &mut hits);
+                for (hit, expected) in hits.iter().zip(&expected[..len]) {
+                    assert_eq!(bits(hit.found()), bits(*expected), "{len}");
+                }
+                assert!(hits[len..].iter().all(|hit| *hit == Hit::MISS));
+            }
+        }
+    }
+}
+
 #[test]
 fn scenes_far_from_the_origin_and_of_extreme_size() {
     let mut random = Random(2);

@@ -35,10 +35,8 @@ impl Job<'_> {
         let error = (ROUGH * options.error).min(CachedOptions::MAX_ERROR);
         let rough = CachedOptions { error, ..options };
         let notes = Notes { journal: self.journal, stage: Stage::Rough };
-        // What the error may not grow, texels do.
-        let width = ROUGH * options.error / error;
         let source = Source::paths(&rough);
-        let (frozen, rays) = self.fill(texels, width, (rough, self.options.seed ^ SALT), source, &notes)?;
+        let (frozen, rays) = self.fill(texels, (rough, self.options.seed ^ SALT), source, &notes)?;
         let indirect: Vec<Option<Vec3>> =
             texels.par_iter().map(|texel| frozen.irradiance(&self.surface(texel))).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
@@ -48,18 +46,16 @@ impl Job<'_> {
         Some((map, frozen.usage().records, rays))
     }
 
-    /// A cache that serves all texels, each taken to be so many times as wide, and its rays; `None` if it was stopped.
+    /// A cache that serves all texels, and its rays; `None` if it was stopped.
     pub(super) fn fill(
         &self,
         texels: &[Texel],
-        width: f32,
         (options, seed): (CachedOptions, u64),
         source: Source,
         notes: &Notes,
     ) -> Option<(Frozen, u64)> {
         let Self { world, watch, .. } = *self;
-        let place = |texel: &Texel| (self.surface(texel), width * texel.spacing);
-        let places: Vec<(Surface, f32)> = texels.iter().map(place).collect();
+        let places: Vec<(Surface, f32)> = texels.iter().map(|texel| (self.surface(texel), texel.spacing)).collect();
         let cache = Cache::new(options, world.surroundings_hash());
         let filled = fill_for_texels(world, seed, cache, &places, source, notes, watch);
         (!watch.stop()).then_some(filled)

@@ -70,10 +70,9 @@ impl Direct {
 
     /// Makes the two rays of a sample.
     fn aim(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
-        // One set for both, so that the points on each lamp are spread as evenly as all are.
-        let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
-        let choice = unit_double(Vec2::new(z, w));
-        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, choice, Vec2::new(x, y)) {
+        let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
+        let numbers = (unit_double(Vec2::new(x, finer)), y);
+        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, numbers) {
             self.shadows.push(light.shadow);
             self.values.push(light.radiance * PI);
         }

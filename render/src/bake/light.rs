@@ -93,7 +93,7 @@ impl Job<'_> {
         }
         let source = first.as_ref().map_or(Source::paths(options), |map| Source::Known(map));
         let notes = Notes { journal: self.journal, stage: Stage::Records };
-        let (frozen, filled) = self.fill(texels, 1.0, (*options, self.options.seed), source, &notes)?;
+        let (frozen, filled) = self.fill(texels, (*options, self.options.seed), source, &notes)?;
         let (mut values, traced) = self.interpolate(&frozen, texels, source)?;
         if self.options.mode == Mode::Full {
             values.add(&alone);

@@ -41,3 +41,33 @@ impl Known for Lookup<'_> {
         if texel.chart == place.chart { self.irradiance[number as usize] } else { None }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{Atlas, BakeOptions};
+    use crate::scene::cornell_box;
+
+    #[test]
+    fn each_point_finds_its_own_texel() {
+        let scene = cornell_box();
+        let atlas = Atlas::new(&scene, &BakeOptions { size: 64, ..BakeOptions::default() }).unwrap();
+        let surfaces = Surfaces::new(&scene, &atlas);
+        let texels = surfaces.texels();
+        let known = |number: usize| (!number.is_multiple_of(7)).then(|| Vec3::splat(number as f32));
+        let lookup = Lookup::new(&surfaces, &texels, (0..texels.len()).map(known).collect());
+        assert!(texels.len() > 1000);
+        for (number, texel) in texels.iter().enumerate() {
+            let [u, v] = texel.point.barycentric;
+            let hit = Hit { prim_id: texel.point.prim_id, u, v, ..Hit::MISS };
+            assert_eq!(lookup.irradiance(&hit), known(number), "{texel:?}");
+        }
+        // A texel of another chart is not asked.
+        let mut foreign = texels.clone();
+        foreign.iter_mut().for_each(|texel| texel.chart += 1);
+        let lookup = Lookup::new(&surfaces, &foreign, vec![Some(Vec3::ONE); foreign.len()]);
+        let Texel { point, .. } = texels[0];
+        let hit = Hit { prim_id: point.prim_id, u: point.barycentric[0], v: point.barycentric[1], ..Hit::MISS };
+        assert_eq!(lookup.irradiance(&hit), None);
+    }
+}

@@ -30,7 +30,7 @@
 
 mod dielectric;
 
-use std::f32::consts::PI;
+use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -74,6 +74,7 @@ impl Specular {
 /// Of a surface whose normals face the side that light is reflected to.
 impl Surface<'_> {
     /// The part of all light that is reflected or let through, at most.
+    #[inline]
     pub(crate) fn reflectance(&self) -> Vec3 {
         self.material.specular.reflectance(self.diffuse)
     }
@@ -84,8 +85,17 @@ impl Surface<'_> {
     }
 
     /// Where a path along the unit vector `incoming` goes on; `None` if it is absorbed.
-    pub(crate) fn sample(&self, incoming: Vec3, mut u: Vec2) -> Option<Bounce> {
+    pub(crate) fn sample(&self, incoming: Vec3, u: Vec2) -> Option<Bounce> {
+        self.sample_with(incoming, u, CosineHemisphere.map(u))
+    }
+
+    /// The same for whoever knows the direction that [`CosineHemisphere`] gives for `u`: batches of them are quick.
+    #[inline(always)]
+    pub(crate) fn sample_with(&self, incoming: Vec3, mut u: Vec2, cosine: Vec3) -> Option<Bounce> {
         let specular = self.specular_probability();
+        if specular == 0.0 {
+            return self.scatter(cosine, self.diffuse, 1.0);
+        }
         if u.x < specular {
             u.x = (u.x / specular).min(ONE_MINUS_EPSILON);
             let (direction, weight) = match self.material.specular {
@@ -95,23 +105,29 @@ impl Surface<'_> {
             };
             return Some(Bounce { direction, weight: weight / specular, density: f32::INFINITY });
         }
-        u.x = ((u.x - specular) / (1.0 - specular)).min(ONE_MINUS_EPSILON);
-        let local = CosineHemisphere.map(u);
+        let probability = 1.0 - specular;
+        u.x = ((u.x - specular) / probability).min(ONE_MINUS_EPSILON);
+        self.scatter(CosineHemisphere.map(u), self.diffuse / probability, probability)
+    }
+
+    /// Diffuse reflection in a direction about the normal, which was chosen with this probability.
+    #[inline(always)]
+    fn scatter(&self, local: Vec3, weight: Vec3, probability: f32) -> Option<Bounce> {
         let direction = self.frame().to_world(local);
-        let weight = self.diffuse / (1.0 - specular);
         // A shading normal may send light through the surface: none comes from there.
         let reflects = self.normal.dot(direction) > 0.0 && weight != Vec3::ZERO;
-        reflects.then_some(Bounce { direction, weight, density: (1.0 - specular) * local.z / PI })
+        reflects.then_some(Bounce { direction, weight, density: probability * local.z * FRAC_1_PI })
     }
 
     /// `f cos θ` for light from the unit vector `direction`, and the density with which [`sample`](Self::sample) gives
     /// it: nothing and zero for mirrors and glass.
+    #[inline(always)]
     pub(crate) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
         let cosine = self.shading_normal.dot(direction);
         if cosine <= 0.0 || self.normal.dot(direction) <= 0.0 {
             return (Vec3::ZERO, 0.0);
         }
-        let lambert = cosine / PI;
+        let lambert = cosine * FRAC_1_PI;
         (self.diffuse * lambert, (1.0 - self.specular_probability()) * lambert)
     }
 

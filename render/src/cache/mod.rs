@@ -3,6 +3,9 @@
 //!
 //! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
 //!
+//! Where the Hessian says how far records reach, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which
+//! records have from their neighbours as well (`regression`).
+//!
 //! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
 //!
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
@@ -15,6 +18,7 @@ mod merge;
 mod octree;
 mod order;
 mod record;
+mod regression;
 mod weight;
 
 use std::f32::consts::SQRT_2;
@@ -24,6 +28,7 @@ use glam::Vec3;
 use crate::settings::{CachedOptions, Gradients, Metric};
 use octree::Octree;
 use order::sort_along_curve;
+use regression::{Polynomial, polynomials};
 use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
@@ -32,6 +37,9 @@ pub(crate) use fill::{Pass, Place};
 pub use file::CacheFileError;
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
+
+/// By how much farther than it keeps others away a record tells its neighbours what it knows.
+const NEIGHBOURHOOD: f32 = 1.6;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]
@@ -43,6 +51,8 @@ pub struct Cache {
     records: Vec<Record>,
     /// Their radii before.
     original_radii: Vec<[f32; 2]>,
+    /// What each record and its neighbours say together, where the Hessian says how far they reach; else nothing.
+    polynomials: Vec<Polynomial>,
     tree: Octree,
 }
 
@@ -58,7 +68,8 @@ pub struct Interpolated {
 impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
     pub fn new(options: CachedOptions, scene: u64) -> Self {
-        Self { options, scene, records: Vec::new(), original_radii: Vec::new(), tree: Octree::default() }
+        let (records, original_radii, polynomials) = Default::default();
+        Self { options, scene, records, original_radii, polynomials, tree: Octree::default() }
     }
 
     /// A cache of these records, with their radii before clamping.
@@ -94,6 +105,9 @@ impl Cache {
         }
         let weighting = self.weighting(self.stretch());
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
+        if self.options.metric == Metric::Hessian {
+            self.polynomials = polynomials(&records, &self.weighting(NEIGHBOURHOOD));
+        }
         self.records = records;
     }
 
@@ -162,7 +176,10 @@ impl Cache {
             let record = &self.records[i];
             let weight = weighting.weight(record, position, normal);
             if weight > 0.0 {
-                let irradiance = record.extrapolate(position, normal, rotation, translation);
+                let irradiance = match self.polynomials.get(i) {
+                    Some(polynomial) if translation => polynomial.extrapolate(record, position, normal),
+                    _ => record.extrapolate(position, normal, rotation, translation),
+                };
                 negative += u32::from(irradiance.min_element() < 0.0);
                 sum += weight * irradiance.max(Vec3::ZERO);
                 weights += weight;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-use halfdome_kernel::sampling::Sampler;
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::{Address, Sampler, fill2};
 use halfdome_kernel::{Hit, Ray};
 
 use crate::camera::Camera;
@@ -21,6 +21,9 @@ pub(super) struct Batch {
     /// Number of the pixel in its tile, and place in the pixel.
     places: Vec<(usize, FilterSample)>,
     samplers: Vec<Sampler>,
+    addresses: Vec<Address>,
+    /// Numbers for the place in the pixel.
+    on_film: Vec<Vec2>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
@@ -52,19 +55,23 @@ impl Shot {
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let Batch { places, samplers, rays, hits, radiance, memory } = batch;
-        places.clear();
+        let Batch { places, samplers, addresses, on_film, rays, hits, radiance, memory } = batch;
+        let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
+        for sample in samples.clone() {
+            samplers.extend(pixels.iter().map(|&(_, (x, y))| Sampler::new(pattern, seed, y * width + x, sample)));
+        }
+        addresses.clear();
+        addresses.extend(samplers.iter().map(Sampler::address));
+        on_film.resize(addresses.len(), Vec2::ZERO);
+        fill2(world.tree().isa(), pattern, seed, FILM_SET, addresses, on_film);
+        places.clear();
         rays.clear();
-        for sample in samples {
-            for &(number, (x, y)) in pixels {
-                let sampler =
-                    Sampler::new(self.settings.sampler, self.settings.seed, y * self.settings.width + x, sample);
-                let filter = self.filter.sample(sampler.uniform2(FILM_SET).into());
-                rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
-                places.push((number, filter));
-                samplers.push(sampler);
-            }
+        let pixels = samples.flat_map(|_| pixels);
+        for (&(number, (x, y)), u) in pixels.zip(on_film.iter()) {
+            let filter = self.filter.sample(u.to_array());
+            rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
+            places.push((number, filter));
         }
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
@@ -92,6 +99,6 @@ fn features(world: &World, hit: &Hit) -> Features {
         position: surface.position,
         normal: surface.normal,
         shading_normal: surface.shading_normal,
-        uv: surface.uv,
+        uv: world.texcoord(hit),
     }
 }

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
-use crate::light::Source;
+use crate::light::{Choice, Source};
 use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
@@ -29,22 +29,23 @@ struct LightSample {
     direction: Vec3,
     /// Radiance over density; of a light without a surface, irradiance at right angles to it over probability.
     radiance: Vec3,
-    /// Density per solid angle of this direction; infinite for a light that no bounce can hit.
-    density: f32,
+    /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
+    per_density: f32,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected.
+/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected. The
+/// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction.
+#[inline(always)]
 pub(crate) fn connect(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    choice: f64,
-    u: Vec2,
+    (choice, v): (f64, f32),
 ) -> Option<Connection> {
-    let (source, probability) = world.lights.choose(choice)?;
-    let light = sample_light(world, surface, source, probability, u)?;
+    let choice = world.lights.choose(choice)?;
+    let light = sample_light(world, surface, &choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * lights.of_light(light.density, bounce_density);
+    let radiance = reflected * light.radiance * lights.of_light(light.per_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -54,13 +55,12 @@ pub(crate) fn connect_lamp(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    choice: f64,
-    u: Vec2,
+    (choice, v): (f64, f32),
 ) -> Option<Connection> {
-    let (source, probability, rarer) = world.lights.choose_lamp(choice)?;
-    let light = sample_light(world, surface, source, probability, u)?;
+    let (choice, rarer) = world.lights.choose_lamp(choice)?;
+    let light = sample_light(world, surface, &choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * rarer * lights.of_light(light.density / rarer, bounce_density);
+    let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
@@ -79,35 +79,29 @@ pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: 
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
+#[inline(always)]
 pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
-    world.lights.sky_probability() * world.sky.density(surface, direction)
-}
-
-/// Light from `source`, chosen with this probability.
-fn sample_light(world: &World, surface: &Surface, source: &Source, probability: f32, u: Vec2) -> Option<LightSample> {
-    match source {
-        Source::Triangle(prim_id) => sample_triangle(world, surface, *prim_id, u),
-        Source::Punctual(light) => {
-            let (to_light, received) = receive(light, surface.position);
-            let shadow = match light {
-                PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
-                PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
-                    Ray::between(surface.origin_towards(to_light), *position)
-                }
-            };
-            let direction = to_light.normalize_or_zero();
-            Some(LightSample { shadow, direction, radiance: received / probability, density: f32::INFINITY })
-        }
-        Source::Sky => {
-            let direction = world.sky.sample(surface, u);
-            let density = sky_density(world, surface, direction);
-            let shadow = Ray::new(surface.origin_towards(direction), direction);
-            let radiance = world.sky.radiance(direction) / density;
-            (density > 0.0).then_some(LightSample { shadow, direction, radiance, density })
-        }
+    match world.lights.sky_probability() {
+        0.0 => 0.0,
+        probability => probability * world.sky.density(surface, direction),
     }
 }
 
+/// Light from what was chosen; which point or direction, `v` says with what the choice left.
+#[inline(always)]
+fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
+    let u = Vec2::new(choice.rest, v);
+    let rarer = match choice.source {
+        Source::Triangle(prim_id) => return sample_triangle(world, surface, *prim_id, u),
+        Source::Punctual(light) => sample_punctual(surface, light, choice.probability),
+        Source::Sky => sample_sky(world, surface, u)?,
+    };
+    // Taken apart and put together, or the samples of triangles would be kept in memory as well.
+    let LightSample { shadow, direction, radiance, per_density } = rarer;
+    Some(LightSample { shadow, direction, radiance, per_density })
+}
+
+#[inline(always)]
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
     let point = TriangleWarp.map(u);
     if world.is_hole(&Hit { prim_id, u: point.x, v: point.y, ..Hit::MISS }) {
@@ -115,19 +109,41 @@ fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> O
     }
     let light = world.surface(prim_id, point.x, point.y);
     let to_light = light.position - surface.position;
-    let direction = to_light.normalize_or_zero();
-    if surface.normal.dot(direction) <= 0.0 {
+    let (cosine, cosine_at_light) = (surface.normal.dot(to_light), light.normal.dot(to_light).abs());
+    // One condition instead of three: which of them fails cannot be foreseen.
+    if !((cosine > 0.0) & (cosine_at_light > 0.0) & light.emits_towards(to_light)) {
         return None;
     }
-    let emitted = light.emitted(direction);
-    let cosine_at_light = light.normal.dot(direction).abs();
-    if emitted == Vec3::ZERO || cosine_at_light == 0.0 {
-        return None;
-    }
-    let density = world.lights.area_density(prim_id) * to_light.length_squared() / cosine_at_light;
+    let per_distance = to_light.length_squared().sqrt().recip();
+    let direction = to_light * per_distance;
+    let per_area_density = world.lights.area_density(prim_id).recip();
+    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * per_area_density;
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    Some(LightSample { shadow, direction, radiance: emitted / density, density })
+    Some(LightSample { shadow, direction, radiance: light.emission * per_density, per_density })
+}
+
+#[inline(never)]
+fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -> LightSample {
+    let (to_light, received) = receive(light, surface.position);
+    let shadow = match light {
+        PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
+        PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
+            Ray::between(surface.origin_towards(to_light), *position)
+        }
+    };
+    let direction = to_light.normalize_or_zero();
+    LightSample { shadow, direction, radiance: received / probability, per_density: 0.0 }
+}
+
+#[inline(never)]
+fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> {
+    let direction = world.sky.sample(surface, u);
+    let density = sky_density(world, surface, direction);
+    let shadow = Ray::new(surface.origin_towards(direction), direction);
+    let per_density = density.recip();
+    let radiance = world.sky.radiance(direction) * per_density;
+    (density > 0.0).then_some(LightSample { shadow, direction, radiance, per_density })
 }
 
 /// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.

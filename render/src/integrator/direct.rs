@@ -5,14 +5,16 @@
 //! infinite, as that of the camera's ray is.
 
 use glam::Vec3;
-use halfdome_kernel::sampling::unit_double;
+use halfdome_kernel::Ray;
 
 use super::path::{emission, sky};
-use super::wavefront::Path;
+use super::wavefront::{Arrival, Connections, Path, Walk};
 use super::{CameraRays, Wavefront};
 use crate::estimator::connect;
 use crate::settings::{DirectOptions, LightSampling};
 use crate::world::World;
+
+const LIGHTS: LightSampling = LightSampling::Direct;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 pub(super) fn radiance(
@@ -22,32 +24,39 @@ pub(super) fn radiance(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    const LIGHTS: LightSampling = LightSampling::Direct;
-    radiance.fill(Vec3::ZERO);
-    wave.start(camera);
-    let mut traced = 0;
-    for depth in 1..=options.max_depth {
-        wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
-            let Path { index, throughput, .. } = path;
-            if !hit.is_hit() {
-                radiance[index] += throughput * sky(world, LIGHTS, &path, ray.direction);
-                return None;
-            }
-            let surface = world.surface_at(hit);
-            radiance[index] += throughput * emission(world, LIGHTS, &path, &surface, ray, hit.t);
+    wave.follow(world, camera, &mut Direct { world, options }, radiance)
+}
 
-            let surface = surface.facing(ray.direction);
-            let choice = unit_double(first);
-            if let Some(connection) = connect(world, &surface, LIGHTS, choice, on_light) {
-                connections.push(index, throughput, connection);
-            }
-            path.through(&surface, ray, onwards)
-        });
-        traced += wave.connect(world, radiance);
-        if wave.is_empty() {
-            break;
-        }
-        traced += wave.trace(world);
+struct Direct<'a> {
+    world: &'a World,
+    options: &'a DirectOptions,
+}
+
+impl Walk for Direct<'_> {
+    fn max_depth(&self) -> u32 {
+        self.options.max_depth
     }
-    traced
+
+    #[inline(always)]
+    fn step(
+        &mut self,
+        path: Path,
+        arrival: &Arrival,
+        connections: &mut Connections,
+        radiance: &mut Vec3,
+    ) -> Option<(Path, Ray)> {
+        let (world, Arrival { ray, hit, numbers, .. }) = (self.world, arrival);
+        if !hit.is_hit() {
+            *radiance += path.throughput * sky(world, LIGHTS, &path, ray.direction);
+            return None;
+        }
+        let surface = world.surface_at(hit);
+        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit.t);
+
+        let surface = surface.facing(ray.direction);
+        if let Some(connection) = connect(world, &surface, LIGHTS, numbers.light()) {
+            connections.push(path.index, path.throughput, connection);
+        }
+        path.through(&surface, arrival)
+    }
 }

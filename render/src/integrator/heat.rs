@@ -17,7 +17,7 @@ pub(super) fn visits(
 ) -> u64 {
     let tree = world.tree();
     let mut visits: Vec<u64> = camera.rays.iter().map(|ray| tree.intersect_visits(ray).total()).collect();
-    let traced = path::radiance(world, options, camera, wave, radiance, |wave| {
+    let traced = path::radiance(world, options, camera, wave, radiance, &mut |wave| {
         for (index, ray) in wave.indices().zip(&wave.rays) {
             visits[index] += tree.intersect_visits(ray).total();
         }

@@ -87,7 +87,7 @@ pub(crate) fn radiance_by_paths(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    path::radiance(world, options, rays, wave, radiance, |_| ())
+    path::radiance(world, options, rays, wave, radiance, &mut |_| ())
 }
 
 /// Writes the radiance that each camera ray sees; gives the number of further rays traced.
@@ -104,7 +104,7 @@ pub(crate) fn radiance(
         return cached::radiance(world, frozen, camera, wave, misses, radiance);
     }
     match &settings.integrator {
-        Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, |_| ()),
+        Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, &mut |_| ()),
         Integrator::Cached(_) => unreachable!("its cache is prepared"),
         Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, camera, generations, radiance),
         Integrator::Direct(options) => direct::radiance(world, options, camera, wave, radiance),

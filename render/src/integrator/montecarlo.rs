@@ -22,8 +22,8 @@ use crate::world::{Surface, World};
 
 /// Light is sampled at each surface, so rays that gather do not count it again.
 const LIGHTS: LightSampling = LightSampling::Direct;
-/// Sets of random numbers of a ray: which light is sampled at its end and whether to go on, where on the light, and the
-/// ray's own direction.
+/// Sets of random numbers of a ray: the last bits of the light's choice at its end and whether to go on, which light and
+/// where on it, and the ray's own direction.
 const SETS_PER_RAY: u32 = 3;
 /// The most surfaces one behind the other, where mirrors or the tail would never end.
 const MAX_DEPTH: u32 = 1024;
@@ -65,14 +65,15 @@ pub(super) fn radiance(
     for first in (0..camera.rays.len()).step_by(together) {
         parents.clear();
         for index in first..camera.rays.len().min(first + together) {
-            let node = Node { path: Path::from_camera(index, camera.density), number: 0, bounces: options.bounces };
+            let node =
+                Node { path: Path::from_camera(index as u32, camera.density), number: 0, bounces: options.bounces };
             parents.push(node, camera.rays[index]);
             parents.hits.push(camera.hits[index]);
         }
         for _ in 0..MAX_DEPTH {
             children.clear();
             for ((node, ray), hit) in parents.nodes.iter().zip(&parents.rays).zip(&parents.hits) {
-                let index = node.path.index;
+                let index = node.path.index as usize;
                 gather.branch(node, ray, hit, &camera.samplers[index], children, &mut radiance[index]);
             }
             traced += children.connections.resolve(world, radiance);
@@ -133,9 +134,10 @@ impl Gather<'_> {
 
         let surface = surface.facing(ray.direction);
         let set = node.first_set();
-        let first = sampler.uniform2(set);
-        let (choice, chance) = (unit_double(first), first.y);
-        if let Some(connection) = connect(world, &surface, LIGHTS, choice, sampler.uniform2(set.wrapping_add(1))) {
+        let [finer, chance] = sampler.uniform2(set).to_array();
+        let on_light = sampler.uniform2(set.wrapping_add(1));
+        let choice = unit_double(Vec2::new(on_light.x, finer));
+        if let Some(connection) = connect(world, &surface, LIGHTS, (choice, on_light.y)) {
             children.connections.push(path.index, path.throughput, connection);
         }
         if node.bounces > 0 {

@@ -9,11 +9,10 @@
 //! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 
-use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::unit_double;
-use halfdome_kernel::{Hit, Ray};
+use glam::Vec3;
+use halfdome_kernel::Ray;
 
-use super::wavefront::{Connections, Path};
+use super::wavefront::{Arrival, Connections, Path, Walk};
 use super::{CameraRays, Wavefront};
 use crate::estimator::{connect, emitted_density, sky_density};
 use crate::settings::{LightSampling, PathOptions, Stop, Survival};
@@ -28,62 +27,49 @@ pub(super) fn radiance(
     camera: &CameraRays,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
-    mut watch: impl FnMut(&Wavefront),
+    watch: &mut dyn FnMut(&Wavefront),
 ) -> u64 {
-    radiance.fill(Vec3::ZERO);
-    wave.start(camera);
-    let mut traced = 0;
-    for depth in 1..=options.max_depth {
-        let bounce = Step { world, options, depth };
-        wave.advance(world, camera, depth, |path, ray, hit, numbers, connections| {
-            bounce.take(path, ray, hit, numbers, connections, &mut radiance[path.index])
-        });
-        watch(wave);
-        traced += wave.connect(world, radiance);
-        if wave.is_empty() {
-            break;
-        }
-        traced += wave.trace(world);
-    }
-    traced
+    wave.follow(world, camera, &mut PathTracer { world, options, watch }, radiance)
 }
 
-/// What all paths do at their surface number `depth`.
-struct Step<'a> {
+struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
-    depth: u32,
+    watch: &'a mut dyn FnMut(&Wavefront),
 }
 
-impl Step<'_> {
-    /// Takes `path` from its hit to its next ray: collects light, samples a light, and bounces.
-    #[inline]
-    fn take(
-        &self,
+impl Walk for PathTracer<'_> {
+    fn max_depth(&self) -> u32 {
+        self.options.max_depth
+    }
+
+    fn takes_chances(&self, depth: u32) -> bool {
+        matches!(self.options.stop, Stop::Roulette { after, .. } if depth > after)
+    }
+
+    /// Collects light, samples a light, and bounces.
+    #[inline(always)]
+    fn step(
+        &mut self,
         path: Path,
-        ray: &Ray,
-        hit: &Hit,
-        [first, on_light, onwards]: [Vec2; 3],
+        &Arrival { depth, ray, hit, ref numbers }: &Arrival,
         connections: &mut Connections,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
-        let Self { world, options: PathOptions { max_depth, lights, .. }, depth } = *self;
+        let (world, &PathOptions { max_depth, lights, stop }) = (self.world, self.options);
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, *lights, &path, ray.direction);
+            *radiance += path.throughput * sky(world, lights, &path, ray.direction);
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, *lights, &path, &surface, ray, hit.t);
-        if depth == *max_depth {
+        *radiance += path.throughput * emission(world, lights, &path, &surface, ray, hit.t);
+        if depth == max_depth {
             return None;
         }
 
         let surface = surface.facing(ray.direction);
-        // The choice takes its last bits from the chance of going on: as neither enters the other's term of the sum, that
-        // makes no bias.
-        let (choice, chance) = (unit_double(first), first.y);
         let reflected = path.throughput * surface.reflectance();
-        if let Stop::Threshold { cutoff, add_back } = self.options.stop
+        if let Stop::Threshold { cutoff, add_back } = stop
             && reflected.max_element() < cutoff
         {
             if add_back {
@@ -91,29 +77,31 @@ impl Step<'_> {
             }
             return None;
         }
-        if let Some(connection) = connect(world, &surface, *lights, choice, on_light) {
+        if let Some(connection) = connect(world, &surface, lights, numbers.light()) {
             connections.push(path.index, path.throughput, connection);
         }
-        let survival = self.survival(reflected);
-        if chance >= survival {
-            return None;
+        let mut throughput = path.throughput;
+        if let Stop::Roulette { after, survival } = stop
+            && depth > after
+        {
+            let survival = survive(survival, reflected);
+            if numbers.chance >= survival {
+                return None;
+            }
+            throughput /= survival;
         }
-        let bounce = surface.sample(ray.direction, onwards)?;
+        let bounce = surface.sample_with(ray.direction, numbers.onwards, numbers.cosine)?;
         let next = Path {
             index: path.index,
-            throughput: path.throughput * bounce.weight / survival,
+            throughput: throughput * bounce.weight,
             density: bounce.density,
             sky_density: sky_density(world, &surface, bounce.direction),
         };
         Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
     }
 
-    /// The probability of going on from a surface after which `reflected` of the path's light is left.
-    fn survival(&self, reflected: Vec3) -> f32 {
-        match self.options.stop {
-            Stop::Roulette { after, survival } if self.depth > after => survive(survival, reflected),
-            _ => 1.0,
-        }
+    fn watch(&mut self, wave: &Wavefront) {
+        (self.watch)(wave);
     }
 }
 
@@ -131,6 +119,7 @@ pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: 
 }
 
 /// What the surface emits along the path, weighted against the light sample that might have found it.
+#[inline(always)]
 pub(super) fn emission(
     world: &World,
     lights: LightSampling,
@@ -139,9 +128,9 @@ pub(super) fn emission(
     ray: &Ray,
     t: f32,
 ) -> Vec3 {
-    let emitted = surface.emitted(ray.direction);
-    if emitted == Vec3::ZERO {
-        return emitted;
+    // Most surfaces emit nothing.
+    if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
+        return Vec3::ZERO;
     }
-    emitted * lights.of_bounce(path.density, emitted_density(world, surface, ray.direction, t))
+    surface.emission * lights.of_bounce(path.density, emitted_density(world, surface, ray.direction, t))
 }

@@ -1,24 +1,70 @@
-//! All paths of a batch, side by side, and the shadow rays that they wait for.
+//! All paths of a batch, side by side: rays → hits → a step of each path → shadow rays and next rays.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::{Address, Sampler};
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Address, Sampler, unit_double};
+use halfdome_kernel::{Hit, Ray, Task};
 
 use super::CameraRays;
 use crate::estimator::Connection;
 use crate::world::{Surface, World};
 
+/// What paths do at their surfaces: all that one integrator has to itself.
+pub(super) trait Walk {
+    /// The greatest number of hits on a path.
+    fn max_depth(&self) -> u32;
+
+    /// Whether chance may end paths at hit number `depth`.
+    fn takes_chances(&self, _depth: u32) -> bool {
+        false
+    }
+
+    /// Takes a path from its hit to its next ray, or ends it. Light that it finds on the way is added to `radiance`, and
+    /// light that waits for a shadow ray to `connections`.
+    fn step(
+        &mut self,
+        path: Path,
+        arrival: &Arrival,
+        connections: &mut Connections,
+        radiance: &mut Vec3,
+    ) -> Option<(Path, Ray)>;
+
+    /// Sees the rays of each step before they are traced.
+    fn watch(&mut self, _wave: &Wavefront) {}
+}
+
 /// A path that is under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     /// Its camera ray.
-    pub index: usize,
+    pub index: u32,
     /// What the light that it finds from here on is multiplied by.
     pub throughput: Vec3,
     /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
+}
+
+/// Where a path has arrived.
+pub(super) struct Arrival<'a> {
+    /// The number of this hit on the path.
+    pub depth: u32,
+    pub ray: &'a Ray,
+    pub hit: &'a Hit,
+    pub numbers: Numbers,
+}
+
+/// Random numbers for a surface on a path.
+#[derive(Clone, Copy)]
+pub(super) struct Numbers {
+    on_light: Vec2,
+    /// Where the path goes on.
+    pub onwards: Vec2,
+    /// The direction about the normal that `onwards` means by the cosine.
+    pub cosine: Vec3,
+    /// Whether it goes on, if that is up to chance.
+    pub chance: f32,
 }
 
 /// Paths: element `i` of each list belongs to the same one, and finished ones are gone.
@@ -28,32 +74,34 @@ pub(crate) struct Wavefront {
     pub(super) rays: Vec<Ray>,
     hits: Vec<Hit>,
     addresses: Vec<Address>,
-    numbers: [Vec<Vec2>; SETS_PER_SURFACE as usize],
+    on_light: Vec<Vec2>,
+    onwards: Vec<Vec2>,
+    cosine: Vec<Vec3>,
+    chances: Vec<Vec2>,
     pub(super) connections: Connections,
 }
 
-/// Sets of random numbers that a path uses at a surface: which light and whether to go on, where on the light, and the
-/// next direction.
+/// Sets of random numbers that a path uses at a surface: on the light, for the next direction, and for going on.
 pub(super) const SETS_PER_SURFACE: u32 = 3;
 
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
 pub(crate) struct Connections {
     shadows: Vec<Ray>,
-    pending: Vec<(usize, Vec3)>,
+    pending: Vec<(u32, Vec3)>,
     occluded: Vec<bool>,
 }
 
 impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
-    pub(super) fn from_camera(index: usize, density: f32) -> Self {
+    pub(super) fn from_camera(index: u32, density: f32) -> Self {
         Self { index, throughput: Vec3::ONE, density, sky_density: 0.0 }
     }
 
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
     #[inline]
-    pub(super) fn through(self, surface: &Surface, ray: &Ray, u: Vec2) -> Option<(Self, Ray)> {
-        let bounce = surface.sample(ray.direction, u)?;
+    pub(super) fn through(self, surface: &Surface, arrival: &Arrival) -> Option<(Self, Ray)> {
+        let bounce = surface.sample(arrival.ray.direction, arrival.numbers.onwards)?;
         if bounce.density != f32::INFINITY {
             return None;
         }
@@ -62,11 +110,46 @@ impl Path {
     }
 }
 
+impl Numbers {
+    /// Two numbers that say which light is sampled, and where on it. The first has its last bits from the next
+    /// direction's: as neither enters the other's term of the sum, that makes no bias.
+    #[inline]
+    pub(super) fn light(&self) -> (f64, f32) {
+        (unit_double(Vec2::new(self.on_light.x, self.onwards.x)), self.on_light.y)
+    }
+}
+
 impl Wavefront {
+    /// Follows paths from the camera's rays on until all have ended, and writes the light that each finds; gives the
+    /// number of rays traced.
+    pub(super) fn follow(
+        &mut self,
+        world: &World,
+        camera: &CameraRays,
+        walk: &mut impl Walk,
+        radiance: &mut [Vec3],
+    ) -> u64 {
+        radiance.fill(Vec3::ZERO);
+        self.start(camera);
+        let mut traced = 0;
+        for depth in 1..=walk.max_depth() {
+            self.draw(world, camera, depth, walk.takes_chances(depth));
+            world.tree().isa().run(Advance { wave: self, depth, walk, radiance });
+            walk.watch(self);
+            traced += self.connections.resolve(world, radiance);
+            if self.paths.is_empty() {
+                break;
+            }
+            world.intersect_many(&self.rays, &mut self.hits);
+            traced += self.rays.len() as u64;
+        }
+        traced
+    }
+
     /// Starts a path with each camera ray, in the memory of the paths before.
-    pub(super) fn start(&mut self, camera: &CameraRays) {
+    fn start(&mut self, camera: &CameraRays) {
         self.paths.clear();
-        self.paths.extend((0..camera.rays.len()).map(|index| Path::from_camera(index, camera.density)));
+        self.paths.extend((0..camera.rays.len() as u32).map(|index| Path::from_camera(index, camera.density)));
         self.rays.clear();
         self.rays.extend_from_slice(camera.rays);
         self.hits.clear();
@@ -75,30 +158,39 @@ impl Wavefront {
         self.addresses.extend(camera.samplers.iter().map(Sampler::address));
     }
 
-    /// Draws the numbers that all paths use at their next surface, from set `first_set` on.
-    fn draw(&mut self, world: &World, camera: &CameraRays, first_set: u32) {
+    /// Draws the numbers that all paths use at hit number `depth`.
+    fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32, chances: bool) {
         let Some(sampler) = camera.samplers.first() else { return };
-        for (set, numbers) in (first_set..).zip(&mut self.numbers) {
-            numbers.resize(self.addresses.len(), Vec2::ZERO);
-            sampler.fill2(world.tree().isa(), set, &self.addresses, numbers);
+        let (isa, count) = (world.tree().isa(), self.addresses.len());
+        let first_set = camera.first_set + (depth - 1) * SETS_PER_SURFACE;
+        let draw = |set: u32, numbers: &mut Vec<Vec2>| {
+            numbers.resize(count, Vec2::ZERO);
+            sampler.fill2(isa, first_set + set, &self.addresses, numbers);
+        };
+        draw(0, &mut self.on_light);
+        draw(1, &mut self.onwards);
+        self.cosine.resize(count, Vec3::Z);
+        CosineHemisphere.map_many(isa, &self.onwards, &mut self.cosine);
+        if chances {
+            draw(2, &mut self.chances);
+        } else {
+            self.chances.resize(count, Vec2::ZERO);
         }
     }
 
-    /// Lets `step` take each path from its hit number `depth` to its next ray, or end it.
-    #[inline]
-    pub(super) fn advance(
-        &mut self,
-        world: &World,
-        camera: &CameraRays,
-        depth: u32,
-        mut step: impl FnMut(Path, &Ray, &Hit, [Vec2; SETS_PER_SURFACE as usize], &mut Connections) -> Option<(Path, Ray)>,
-    ) {
-        self.draw(world, camera, camera.first_set + (depth - 1) * SETS_PER_SURFACE);
+    /// Lets all paths take a step from hit number `depth`.
+    #[inline(always)]
+    fn advance(&mut self, depth: u32, walk: &mut impl Walk, radiance: &mut [Vec3]) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let [first, second, third] = &self.numbers;
-            let numbers = [first[i], second[i], third[i]];
-            let next = step(self.paths[i], &self.rays[i], &self.hits[i], numbers, &mut self.connections);
+            let numbers = Numbers {
+                on_light: self.on_light[i],
+                onwards: self.onwards[i],
+                cosine: self.cosine[i],
+                chance: self.chances[i].x,
+            };
+            let (path, arrival) = (self.paths[i], Arrival { depth, ray: &self.rays[i], hit: &self.hits[i], numbers });
+            let next = walk.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
             if let Some((path, ray)) = next {
                 (self.paths[kept], self.rays[kept], self.addresses[kept]) = (path, ray, self.addresses[i]);
                 kept += 1;
@@ -110,32 +202,34 @@ impl Wavefront {
         self.addresses.truncate(kept);
     }
 
-    /// Adds the light whose shadow rays are free; gives their number.
-    pub(super) fn connect(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
-        self.connections.resolve(world, radiance)
-    }
-
-    /// Finds the paths' next hits; gives the number of rays.
-    pub(super) fn trace(&mut self, world: &World) -> u64 {
-        world.intersect_many(&self.rays, &mut self.hits);
-        self.rays.len() as u64
-    }
-
-    /// Whether all paths have ended.
-    pub(super) fn is_empty(&self) -> bool {
-        self.paths.is_empty()
-    }
-
     /// The numbers of the paths' camera rays.
     pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
-        self.paths.iter().map(|path| path.index)
+        self.paths.iter().map(|path| path.index as usize)
+    }
+}
+
+/// All paths' step from hit number `depth`, as a task: compiled for each instruction set, as there is no batch that it
+/// could be.
+struct Advance<'a, W> {
+    wave: &'a mut Wavefront,
+    depth: u32,
+    walk: &'a mut W,
+    radiance: &'a mut [Vec3],
+}
+
+impl<W: Walk> Task for Advance<'_, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.wave.advance(self.depth, self.walk, self.radiance);
     }
 }
 
 impl Connections {
     /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
     #[inline]
-    pub(super) fn push(&mut self, index: usize, throughput: Vec3, connection: Connection) {
+    pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
         self.pending.push((index, throughput * connection.radiance));
         self.shadows.push(connection.shadow);
     }
@@ -145,9 +239,8 @@ impl Connections {
         self.occluded.resize(self.shadows.len(), false);
         world.occluded_many(&self.shadows, &mut self.occluded);
         for ((index, light), occluded) in self.pending.iter().zip(&self.occluded) {
-            if !occluded {
-                radiance[*index] += *light;
-            }
+            // Adding nothing is quicker than a branch that nobody can foresee.
+            radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
         }
         let traced = self.shadows.len() as u64;
         self.pending.clear();
@@ -157,6 +250,6 @@ impl Connections {
 
     /// The shadow rays that wait, with the numbers of their camera rays.
     pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
-        self.pending.iter().map(|(index, _)| *index).zip(&self.shadows)
+        self.pending.iter().map(|(index, _)| *index as usize).zip(&self.shadows)
     }
 }

@@ -136,11 +136,9 @@ impl Batch {
         self.rays.clear();
         self.values.clear();
         for sampler in &self.samplers {
-            // One set for both, so that the points on each lamp are spread as evenly as all are.
-            let [x, y, z, w] = sampler.uniform4(LIGHT_SET);
-            if let Some(light) =
-                connect_lamp(world, surface, LightSampling::Direct, unit_double(Vec2::new(z, w)), Vec2::new(x, y))
-            {
+            let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
+            let numbers = (unit_double(Vec2::new(x, finer)), y);
+            if let Some(light) = connect_lamp(world, surface, LightSampling::Direct, numbers) {
                 self.rays.push(light.shadow);
                 self.values.push(light.radiance * PI);
             }

@@ -7,7 +7,7 @@ mod sky;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome_kernel::sampling::{AliasEntry, AliasTable};
+use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
 use halfdome_kernel::{Aabb, Triangle};
 
 pub(crate) use self::sky::SkyLight;
@@ -38,6 +38,16 @@ pub(crate) enum Source {
     Punctual(PunctualLight),
     /// The sky.
     Sky,
+}
+
+/// A light that was chosen.
+pub(crate) struct Choice<'l> {
+    pub source: &'l Source,
+    /// The probability of choosing it.
+    pub probability: f32,
+    /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
+    /// light are, and points that they place on a lamp of several triangles are so over all of it.
+    pub rest: f32,
 }
 
 /// Linear sRGB to luminance (Rec. 709).
@@ -105,21 +115,24 @@ impl Lights {
         Self { sources, table, lamps, area_density, sky_probability, mean_radiance }
     }
 
-    /// Chooses a light by a number in [0, 1), of double precision as there may be millions: the light, and its probability.
-    pub(crate) fn choose(&self, u: f64) -> Option<(&Source, f32)> {
-        let (index, probability, _) = self.table.as_ref()?.sample(u);
-        Some((&self.sources[index], probability))
+    /// Chooses a light by a number in [0, 1), of double precision as there may be millions.
+    #[inline]
+    pub(crate) fn choose(&self, u: f64) -> Option<Choice<'_>> {
+        let (index, probability, rest) = self.table.as_ref()?.sample(u);
+        Some(Choice { source: &self.sources[index], probability, rest: (rest as f32).min(ONE_MINUS_EPSILON) })
     }
 
-    /// Chooses a light other than the sky by a number in [0, 1): the light, the probability with which
-    /// [`choose`](Self::choose) gives it, and by how much less often that is than here.
-    pub(crate) fn choose_lamp(&self, u: f64) -> Option<(&Source, f32, f32)> {
+    /// Chooses a light other than the sky by a number in [0, 1); and by how much less often [`choose`](Self::choose)
+    /// gives it, with the probability that is in the choice.
+    #[inline]
+    pub(crate) fn choose_lamp(&self, u: f64) -> Option<(Choice<'_>, f32)> {
         if self.sky_probability == 0.0 {
-            return self.choose(u).map(|(source, probability)| (source, probability, 1.0));
+            return self.choose(u).map(|choice| (choice, 1.0));
         }
-        let (index, probability, _) = self.lamps.as_ref()?.sample(u);
-        let among_all = self.table.as_ref()?.mass(index);
-        Some((&self.sources[index], among_all, among_all / probability))
+        let (index, among_lamps, rest) = self.lamps.as_ref()?.sample(u);
+        let probability = self.table.as_ref()?.mass(index);
+        let rest = (rest as f32).min(ONE_MINUS_EPSILON);
+        Some((Choice { source: &self.sources[index], probability, rest }, probability / among_lamps))
     }
 
     /// Whether a surface emits.
@@ -128,6 +141,7 @@ impl Lights {
     }
 
     /// The density per area with which points of triangle `prim_id` are chosen.
+    #[inline]
     pub(crate) fn area_density(&self, prim_id: u32) -> f32 {
         self.area_density.get(prim_id as usize).copied().unwrap_or(0.0)
     }

@@ -16,8 +16,8 @@ pub struct CachedOptions {
     /// Rays of a record, about, [`MIN_RAYS`](Self::MIN_RAYS) to [`MAX_RAYS`](Self::MAX_RAYS): the nearest number that
     /// the layout can have.
     pub rays: u32,
-    /// How many times light is reflected on its way to a record: `None` for without end, by paths; else each bounce has
-    /// a cache of its own.
+    /// How many times light is reflected on its way to a record: `None` for without end, by paths, which for many records
+    /// end in another cache; else each bounce has a cache of its own.
     pub bounces: Option<u32>,
 }
 

@@ -39,25 +39,34 @@ impl World {
         occluded[0]
     }
 
+    /// The number of a triangle among those of its mesh.
+    pub(super) fn index_in_mesh(&self, prim_id: u32) -> usize {
+        (prim_id - self.first_faces[self.faces[prim_id as usize].mesh as usize]) as usize
+    }
+
     fn verdict(&self, hit: &Hit) -> Verdict {
         if self.is_hole(hit) { Verdict::Reject } else { Verdict::Accept }
     }
 
     /// Whether there is a hole in the triangle where it is hit.
+    #[inline]
     pub(crate) fn is_hole(&self, hit: &Hit) -> bool {
-        let Some(face) = self.faces.get(hit.prim_id as usize).filter(|_| self.has_holes) else { return false };
-        let mesh = &self.meshes[face.mesh as usize];
-        let material = &self.materials[mesh.material];
+        if !self.has_holes || !hit.is_hit() {
+            return false;
+        }
+        let face = &self.faces[hit.prim_id as usize];
+        let material = &self.materials[face.material as usize];
         material.cutout.is_some_and(|cutout| {
-            let map = material.diffuse_map.as_ref();
-            let alpha =
-                map.map_or(1.0, |map| self.mapped(map, mesh, face.index, [1.0 - hit.u - hit.v, hit.u, hit.v]).w);
+            let alpha = material.diffuse_map.as_ref().map_or(1.0, |map| {
+                let (mesh, index) = (&self.meshes[face.mesh as usize], self.index_in_mesh(hit.prim_id));
+                self.mapped(map, mesh, index, [1.0 - hit.u - hit.v, hit.u, hit.v]).w
+            });
             cutout.alpha * alpha < cutout.cutoff
         })
     }
 
-    /// The colour of a texture, linear with alpha, on a face of `mesh` with these barycentric weights.
-    pub(super) fn mapped(&self, map: &TextureMap, mesh: &Mesh, face: u32, weights: [f32; 3]) -> Vec4 {
+    /// The colour of a texture, linear with alpha, on triangle `index` of `mesh` with these barycentric weights.
+    pub(super) fn mapped(&self, map: &TextureMap, mesh: &Mesh, index: usize, weights: [f32; 3]) -> Vec4 {
         let texture = &self.textures[map.texture];
         let texcoords = match map.set {
             0 => &mesh.texcoords,
@@ -67,7 +76,7 @@ impl World {
         if texcoords.is_empty() {
             return texture.mean();
         }
-        let corners = mesh.triangles[face as usize].map(|index| texcoords[index as usize]);
+        let corners = mesh.triangles[index].map(|index| texcoords[index as usize]);
         texture.sample(map, corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2])
     }
 }

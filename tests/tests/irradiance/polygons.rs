@@ -67,15 +67,16 @@ fn errors(layout: &dyn Layout, count: u64) -> [[f64; 2]; 3] {
 
 #[test]
 fn errors_are_small_and_fall_as_strata_double() {
-    // Medians and 95th percentiles of the relative errors of E, ∇_r and ∇_t.
+    // Medians and 95th percentiles of the relative errors of E, ∇_r and ∇_t. Of the finest strata it takes more quads: the
+    // percentile of ∇_r of 400 is anything from 1.0 to 1.4%, 1.2% in the mean.
     let bounds = [
-        (20, 63, [[0.03, 0.12], [0.04, 0.2], [0.13, 0.7]]),
-        (40, 126, [[0.008, 0.04], [0.014, 0.07], [0.05, 0.32]]),
-        (80, 251, [[0.003, 0.02], [0.005, 0.03], [0.03, 0.2]]),
-        (128, 402, [[0.0012, 0.008], [0.002, 0.015], [0.016, 0.11]]),
+        (20, 63, 400, [[0.03, 0.12], [0.04, 0.2], [0.13, 0.7]]),
+        (40, 126, 400, [[0.008, 0.04], [0.014, 0.07], [0.05, 0.32]]),
+        (80, 251, 400, [[0.003, 0.02], [0.005, 0.03], [0.03, 0.2]]),
+        (128, 402, 1600, [[0.0012, 0.008], [0.002, 0.0125], [0.016, 0.11]]),
     ];
-    for (rings, sectors, bounds) in bounds {
-        check(&format!("{rings} x {sectors}"), errors(&*stratified(rings, sectors), 400), bounds);
+    for (rings, sectors, count, bounds) in bounds {
+        check(&format!("{rings} x {sectors}"), errors(&*stratified(rings, sectors), count), bounds);
     }
 }
 

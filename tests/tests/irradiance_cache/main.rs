@@ -1,6 +1,7 @@
 //! The irradiance cache from end to end: against exact answers, against path tracing, and on the command line.
 
 mod command;
+mod differences;
 mod light;
 mod opening;
 mod records;

@@ -141,7 +141,7 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
         let values = pool.install(estimate);
         row(name, seconds(UsageWho::RUSAGE_SELF) - before, &values);
     };
-    for (spp, rays, error) in [(64, 1024, 0.6), (128, 2048, 0.55), (256, 3072, 0.5)] {
+    for (spp, rays, error) in [(8, 192, 0.8), (16, 384, 0.7), (64, 1024, 0.6), (128, 2048, 0.55), (256, 3072, 0.5)] {
         let name = format!("cache, {spp} samples, {rays} rays, {error}");
         ours(&name, &|| walls.by_cache(&world, (spp, rays, error), 0, &Patience).values);
     }
@@ -151,10 +151,12 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     }
     match Radiance::find() {
         Ok(radiance) => {
-            let before = seconds(UsageWho::RUSAGE_CHILDREN);
-            let values = radiance.irradiance(&scene, walls.sensors())?;
-            let name = format!("rtrace -I {}", radiance::SETTINGS.join(" "));
-            row(&name, seconds(UsageWho::RUSAGE_CHILDREN) - before, &values);
+            for accuracy in radiance::ACCURACIES {
+                let before = seconds(UsageWho::RUSAGE_CHILDREN);
+                let values = radiance.irradiance(&scene, walls.sensors(), accuracy)?;
+                let name = format!("rtrace -I {}", accuracy.join(" "));
+                row(&name, seconds(UsageWho::RUSAGE_CHILDREN) - before, &values);
+            }
         }
         Err(missing) => eprintln!("skipped: {missing}"),
     }

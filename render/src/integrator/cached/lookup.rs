@@ -3,12 +3,11 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Sampler, unit_double};
+use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
 use super::super::path::emission;
-use super::super::wavefront::{Path, SETS_PER_SURFACE};
+use super::super::wavefront::{Arrival, Connections, Path, SETS_PER_SURFACE, Walk};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::connect_lamp;
@@ -22,7 +21,7 @@ const MAX_SURFACES: u32 = 32;
 #[derive(Default)]
 pub(crate) struct Misses {
     /// Which camera ray saw them, and what the light that arrives by the ray is multiplied by.
-    seen: Vec<(usize, Vec3)>,
+    seen: Vec<(u32, Vec3)>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
@@ -38,51 +37,59 @@ pub(super) fn radiance(
     misses: &mut Misses,
     radiance: &mut [Vec3],
 ) -> u64 {
-    radiance.fill(Vec3::ZERO);
     misses.clear();
-    wave.start(camera);
-    let mut traced = 0;
-    for depth in 1..=MAX_SURFACES {
-        wave.advance(world, camera, depth, |path, ray, hit, [first, on_light, onwards], connections| {
-            let Path { index, throughput, .. } = path;
-            if !hit.is_hit() {
-                // The sky that a gather sees is its own affair.
-                if path.density == f32::INFINITY {
-                    radiance[index] += throughput * world.sky.radiance(ray.direction);
-                }
-                return None;
-            }
-            let surface = world.surface_at(hit);
-            radiance[index] += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
+    wave.follow(world, camera, &mut Lookup { world, frozen, camera, misses }, radiance)
+}
 
-            let surface = surface.facing(ray.direction);
-            let albedo = surface.diffuse;
-            if albedo != Vec3::ZERO {
-                if let Some(connection) =
-                    connect_lamp(world, &surface, LightSampling::Direct, unit_double(first), on_light)
-                {
-                    connections.push(index, throughput, connection);
-                }
-                match frozen.irradiance(&surface) {
-                    Some(irradiance) => radiance[index] += throughput * albedo * irradiance * (1.0 / PI),
-                    None => {
-                        let direction = surface.frame().to_world(CosineHemisphere.map(onwards));
-                        if surface.normal.dot(direction) > 0.0 {
-                            let ray = Ray::new(surface.origin_towards(direction), direction);
-                            misses.push(index, throughput * albedo, ray, camera.samplers[index]);
-                        }
+struct Lookup<'a> {
+    world: &'a World,
+    frozen: &'a Frozen,
+    camera: &'a CameraRays<'a>,
+    misses: &'a mut Misses,
+}
+
+impl Walk for Lookup<'_> {
+    fn max_depth(&self) -> u32 {
+        MAX_SURFACES
+    }
+
+    fn step(
+        &mut self,
+        path: Path,
+        arrival: &Arrival,
+        connections: &mut Connections,
+        radiance: &mut Vec3,
+    ) -> Option<(Path, Ray)> {
+        let (world, Arrival { ray, hit, numbers, .. }, Path { index, throughput, .. }) = (self.world, arrival, path);
+        if !hit.is_hit() {
+            // The sky that a gather sees is its own affair.
+            if path.density == f32::INFINITY {
+                *radiance += throughput * world.sky.radiance(ray.direction);
+            }
+            return None;
+        }
+        let surface = world.surface_at(hit);
+        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
+
+        let surface = surface.facing(ray.direction);
+        let albedo = surface.diffuse;
+        if albedo != Vec3::ZERO {
+            if let Some(connection) = connect_lamp(world, &surface, LightSampling::Direct, numbers.light()) {
+                connections.push(index, throughput, connection);
+            }
+            match self.frozen.irradiance(&surface) {
+                Some(irradiance) => *radiance += throughput * albedo * irradiance * (1.0 / PI),
+                None => {
+                    let direction = surface.frame().to_world(numbers.cosine);
+                    if surface.normal.dot(direction) > 0.0 {
+                        let ray = Ray::new(surface.origin_towards(direction), direction);
+                        self.misses.push(index, throughput * albedo, ray, self.camera.samplers[index as usize]);
                     }
                 }
             }
-            path.through(&surface, ray, onwards)
-        });
-        traced += wave.connect(world, radiance);
-        if wave.is_empty() {
-            break;
         }
-        traced += wave.trace(world);
+        path.through(&surface, arrival)
     }
-    traced
 }
 
 impl Misses {
@@ -106,12 +113,12 @@ impl Misses {
         let rays = CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };
         let further = indirect(world, max_depth, &rays, wave, &mut self.radiance);
         for (&(index, throughput), found) in self.seen.iter().zip(&self.radiance) {
-            radiance[index] += throughput * *found;
+            radiance[index as usize] += throughput * *found;
         }
         self.rays.len() as u64 + further
     }
 
-    fn push(&mut self, index: usize, throughput: Vec3, ray: Ray, sampler: Sampler) {
+    fn push(&mut self, index: u32, throughput: Vec3, ray: Ray, sampler: Sampler) {
         self.seen.push((index, throughput));
         self.rays.push(ray);
         self.samplers.push(sampler);

@@ -9,6 +9,7 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
+mod candidates;
 mod known;
 mod level;
 mod lookup;
@@ -93,7 +94,7 @@ pub(crate) fn indirect(
     let defaults = PathOptions::default();
     let stop = Stop::Roulette { after: SURE_DEPTH, survival: Survival::default() };
     let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
-    let traced = path::radiance(world, &options, rays, wave, radiance, |_| ());
+    let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| ());
     for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
         if !hit.is_hit() {
             *radiance = world.sky.radiance(ray.direction);

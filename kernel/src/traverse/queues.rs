@@ -1,0 +1,221 @@
+//! Many rays through a tree of one node: each waits at the leaf that it visits next until there are eight that run
+//! fastest along the same axis, which then meet the leaf's triangles together, a lane each (queues of rays at places of
+//! the scene: Pharr, Kolb, Gershbein and Hanrahan 1997).
+//!
+//! So small a tree stays in the first-level cache, and there is no latency to hide; what a flock does for each ray alone,
+//! its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are looked up in
+//! their block's own lanes.
+
+use core::hint::select_unpredictable;
+
+use super::eight;
+use super::pending::meet_children;
+use crate::bvh::{BvhView, Child, Node, WIDTH};
+use crate::geometry::setup::Axis;
+use crate::geometry::setup_lanes::{FORWARD, SetupLanes, rows};
+use crate::geometry::triangle::LineLanes;
+use crate::geometry::{Hit, Ray};
+use crate::simd::{Children, Lanes, Mask, Simd};
+
+/// Rays under way: enough for a few in every queue, and few enough for the first-level cache.
+const RAYS: usize = 128;
+/// Above so many blocks a flock is quicker: it tests a ray against a block's eight triangles at once.
+const MAX_BLOCKS: usize = 16;
+
+/// Whether a tree is small enough.
+#[inline(always)]
+pub(super) fn suit(tree: &BvhView) -> bool {
+    tree.nodes().len() == 1 && tree.blocks().len() <= MAX_BLOCKS
+}
+
+/// Gives `land` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
+/// has a single node.
+#[inline(always)]
+pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
+    let Some(root) = tree.nodes().first() else { return };
+    let (mut waiting, mut queues) = (Waiting::NONE, Queues::EMPTY);
+    let mut started = 0;
+    while started < rays.len().min(RAYS) {
+        let seats = [0, 1, 2, 3, 4, 5, 6, 7].map(|lane| (started + lane) as u8);
+        waiting.start::<S>(tree, root, rays, started, &seats, &mut queues);
+        started += WIDTH;
+    }
+    while let Some(queue) = queues.next() {
+        let (eight, count) = queues.take(queue);
+        let eight = &eight[..count];
+        if queue == ARRIVED {
+            for &i in eight {
+                land(waiting.numbers[usize::from(i) % RAYS], waiting.result(i));
+            }
+            if started < rays.len() {
+                waiting.start::<S>(tree, root, rays, started, eight, &mut queues);
+                started += count;
+            }
+        } else {
+            waiting.visit::<ANY, S>(tree, root.children[queue / 4 % WIDTH], FORWARD[queue % 4 % 3], eight);
+            waiting.queue_up::<S>(eight, &mut queues);
+        }
+    }
+}
+
+/// Queues: four for each leaf, one for each axis along which rays run fastest, and that of the rays that have arrived.
+const QUEUES: usize = 64;
+const ARRIVED: usize = 4 * WIDTH;
+
+/// The queues of the leaves in each slot, by axis.
+const QUEUE_OF: [[u32; WIDTH]; 3] =
+    [[0, 4, 8, 12, 16, 20, 24, 28], [1, 5, 9, 13, 17, 21, 25, 29], [2, 6, 10, 14, 18, 22, 26, 30]];
+
+/// Numbers of rays, by what they visit next.
+struct Queues {
+    /// With room for the eight that are read, whether they are there or not.
+    rays: [[u8; RAYS + WIDTH]; QUEUES],
+    lens: [u8; QUEUES],
+    /// A bit for each queue of eight or more.
+    full: u64,
+}
+
+impl Queues {
+    const EMPTY: Self = Self { rays: [[0; RAYS + WIDTH]; QUEUES], lens: [0; QUEUES], full: 0 };
+
+    #[inline(always)]
+    fn push(&mut self, queue: usize, ray: u8) {
+        let queue = queue % QUEUES;
+        let len = self.lens[queue];
+        self.rays[queue][usize::from(len) % RAYS] = ray;
+        self.lens[queue] = len + 1;
+        self.full |= u64::from(len + 1 >= WIDTH as u8) << queue;
+    }
+
+    /// A full queue; if there is none, the longest one, or none if all are empty.
+    #[inline(always)]
+    fn next(&self) -> Option<usize> {
+        if self.full != 0 {
+            return Some(self.full.trailing_zeros() as usize);
+        }
+        let (mut longest, mut most) = (0, 0);
+        for (queue, &len) in self.lens.iter().enumerate().take(ARRIVED + 1) {
+            if len > most {
+                (longest, most) = (queue, len);
+            }
+        }
+        (most > 0).then_some(longest)
+    }
+
+    /// Takes up to eight rays from the end of a queue, and gives their number.
+    #[inline(always)]
+    fn take(&mut self, queue: usize) -> ([u8; WIDTH], usize) {
+        let queue = queue % QUEUES;
+        let len = self.lens[queue];
+        let first = len.saturating_sub(WIDTH as u8);
+        self.lens[queue] = first;
+        self.full &= !(u64::from(first < WIDTH as u8) << queue);
+        let last = self.rays[queue].get(usize::from(first)..).and_then(|rays| rays.first_chunk());
+        (last.copied().unwrap_or_default(), usize::from(len - first))
+    }
+}
+
+/// Rays under way.
+struct Waiting {
+    /// Of each ray in its batch.
+    numbers: [usize; RAYS],
+    /// [`Line::numbers`](crate::geometry::setup::Line::numbers), in the order [`FORWARD`].
+    lines: [[f32; WIDTH]; RAYS],
+    /// [`eight::Found`].
+    found: [[f32; WIDTH]; RAYS],
+    /// The queues of the leaves to visit, the next one last, and where their boxes begin.
+    leaves: [[u32; WIDTH]; RAYS],
+    near: [[f32; WIDTH]; RAYS],
+    heights: [u8; RAYS],
+}
+
+impl Waiting {
+    const NONE: Self = Self {
+        numbers: [0; RAYS],
+        lines: [[0.0; WIDTH]; RAYS],
+        found: [[0.0; WIDTH]; RAYS],
+        leaves: [[0; WIDTH]; RAYS],
+        near: [[0.0; WIDTH]; RAYS],
+        heights: [0; RAYS],
+    };
+
+    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `seats`: at
+    /// most eight.
+    #[inline(always)]
+    fn start<S: Simd>(
+        &mut self,
+        tree: &BvhView,
+        root: &Node,
+        rays: &[Ray],
+        first: usize,
+        seats: &[u8],
+        queues: &mut Queues,
+    ) {
+        let mut lanes = [S::F8::splat(f32::NAN); WIDTH];
+        for (lanes, ray) in lanes.iter_mut().zip(&rays[first..]) {
+            *lanes = S::F8::load(bytemuck::cast_ref(ray));
+        }
+        let setups = SetupLanes::new(S::transpose(lanes), &tree.bounds());
+        let (near, far) = meet_children::<S>(&setups, root);
+        let found = rows::<S>(eight::nothing_found(setups.t_min, setups.t_max));
+        let (lines, courses) = (rows::<S>(setups.lines), setups.courses());
+        for (lane, &number) in seats.iter().enumerate().take(rays.len() - first) {
+            let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
+            self.numbers[i] = first + lane;
+            (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
+            let order = root.order[usize::from(courses.octant(lane))];
+            let leaves = &QUEUE_OF[courses.fastest(lane) % 3];
+            let (kept, nears) = (&mut self.leaves[i], &mut self.near[i]);
+            let height = S::F8::keep(near[lane], far[lane], order, leaves, kept, nears);
+            // One that can hit nothing has arrived at once.
+            self.heights[i] = select_unpredictable(setups.live >> lane & 1 != 0, height as u8, 0);
+        }
+        self.queue_up::<S>(&seats[..seats.len().min(rays.len() - first)], queues);
+    }
+
+    /// Up to eight rays go each to the queue of the leaf that is next, if there is any left that does not begin behind the
+    /// best hit. As near is not nearer: there may be a tie to decide.
+    #[inline(always)]
+    fn queue_up<S: Simd>(&mut self, eight: &[u8], queues: &mut Queues) {
+        let mut next = [0; WIDTH];
+        for (next, &i) in next.iter_mut().zip(eight) {
+            let i = usize::from(i) % RAYS;
+            let within = S::F8::load(&self.near[i]).le(S::F8::splat(self.found[i][0])).bits();
+            let left = within & ((1 << (self.heights[i] & 15)) - 1);
+            let top = (31 - (left | 1).leading_zeros()) as usize % WIDTH;
+            self.heights[i] = top as u8;
+            *next = select_unpredictable(left != 0, self.leaves[i][top], ARRIVED as u32);
+        }
+        // Apart from the above: each push waits for the one before.
+        for (&queue, &i) in next.iter().zip(eight) {
+            queues.push(queue as usize, i);
+        }
+    }
+
+    /// Tests up to eight rays, which share their fastest axis, against a leaf's triangles.
+    #[inline(always)]
+    fn visit<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, leaf: u32, axes: [Axis; 3], eight: &[u8]) {
+        let (mut lines, mut found) = ([S::F8::splat(0.0); WIDTH], [S::F8::splat(0.0); WIDTH]);
+        for (lane, &i) in eight.iter().enumerate().take(WIDTH) {
+            let i = usize::from(i) % RAYS;
+            (lines[lane], found[lane]) = (S::F8::load(&self.lines[i]), S::F8::load(&self.found[i]));
+        }
+        let lines = LineLanes::new(S::transpose(lines));
+        let mut found = S::transpose(found);
+        let mut any = false;
+        for block in tree.blocks().get(Child::leaf_blocks(leaf)).unwrap_or(&[]) {
+            any |= eight::hit::<ANY, S>(block, axes, &lines, &mut found);
+        }
+        if any {
+            for (row, &i) in S::transpose(found).iter().zip(eight) {
+                self.found[usize::from(i) % RAYS] = row.store();
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn result(&self, i: u8) -> Hit {
+        let [t, u, v, prim_id, ..] = self.found[usize::from(i) % RAYS];
+        Hit { t, u, v, prim_id: prim_id.to_bits() }.or_miss()
+    }
+}

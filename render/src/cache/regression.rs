@@ -1,0 +1,235 @@
+//! What a record and its neighbours say together: irradiance around a record as a polynomial of the second degree.
+//!
+//! A gather is noisy, and its gradient leaves out how irradiance curves. Its neighbours know more of both: around record
+//! i, with x and y along and across its ellipse's axis, `E(x, y) = E + g·(x, y) + ½ (x, y) H (x, y)` is the polynomial that
+//! minimizes
+//!
+//! `Σ_j w_j [ (E(x_j) - E_j)² + (β R_j)² |∇E(x_j) - ∇_t E_j|² ]`,
+//!
+//! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is what record j is worth at
+//! record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of what it sees, over which a
+//! gradient is about as uncertain as irradiance is. So noise is shared among neighbours without a ray, and what is left
+//! of the bias is of the third order in their distance.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::octree::Octree;
+use super::record::Record;
+use super::weight::Weighting;
+
+/// Irradiance about a record; vectors are of the three channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Polynomial {
+    irradiance: Vec3,
+    /// Derivatives along the record's axis and across it.
+    slope: [Vec3; 2],
+    /// Second derivatives: along, mixed, across.
+    curvature: [Vec3; 3],
+}
+
+/// β.
+const GRADIENT_WEIGHT: f32 = 0.5;
+/// The least of a gradient's weights' roots, so that the equations always have a solution.
+const LEAST_CERTAINTY: f32 = 1e-3;
+/// What a second derivative other than 0 costs, in units of the record's own weight: it decides where there are too few
+/// neighbours to tell.
+const CURVATURE_COST: f64 = 0.01;
+
+/// The polynomials of all records, from the neighbours that `weighting` gives a weight.
+pub(super) fn polynomials(records: &[Record], weighting: &Weighting) -> Vec<Polynomial> {
+    let tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
+    let fit = |(number, record): (usize, &Record)| {
+        let mut sums = Sums::default();
+        sums.add(record, record, 1.0);
+        tree.query(record.position, |i| {
+            let weight = weighting.weight(&records[i], record.position, record.normal);
+            if weight > 0.0 && i != number {
+                sums.add(record, &records[i], weight);
+            }
+        });
+        sums.solve(record)
+    };
+    records.par_iter().enumerate().map(fit).collect()
+}
+
+impl Polynomial {
+    /// Irradiance at a point with this normal, which the record can see. May be negative.
+    #[inline]
+    pub(super) fn extrapolate(&self, record: &Record, position: Vec3, normal: Vec3) -> Vec3 {
+        let step = position - record.position;
+        let (x, y) = (step.dot(record.axis), step.dot(record.normal.cross(record.axis)));
+        let [slope_x, slope_y] = self.slope;
+        let [xx, xy, yy] = self.curvature;
+        let turn = record.normal.cross(normal);
+        let turned = Vec3::from_array(record.rotational.map(|gradient| gradient.dot(turn)));
+        self.irradiance + turned + x * (slope_x + 0.5 * x * xx + y * xy) + y * (slope_y + 0.5 * y * yy)
+    }
+}
+
+/// The polynomial's coefficients: 1, x, y, x²/2, xy, y²/2.
+const TERMS: usize = 6;
+
+/// The normal equations. Lengths are in units of the record's lesser radius.
+#[derive(Default)]
+struct Sums {
+    matrix: [[f64; TERMS]; TERMS],
+    right: [DVec3; TERMS],
+}
+
+impl Sums {
+    /// Adds what `other` says around `record`.
+    fn add(&mut self, record: &Record, other: &Record, weight: f32) {
+        let unit = record.radii[0];
+        let across = record.normal.cross(record.axis);
+        let step = (other.position - record.position) / unit;
+        let (x, y) = (f64::from(step.dot(record.axis)), f64::from(step.dot(across)));
+        let turn = other.normal.cross(record.normal);
+        let along = |vectors: [Vec3; 3], axis: Vec3| Vec3::from_array(vectors.map(|vector| vector.dot(axis)));
+        let irradiance = other.irradiance + along(other.rotational, turn);
+        self.add_row([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], irradiance, weight);
+        let certainty = (GRADIENT_WEIGHT * other.mean_distance / unit).max(LEAST_CERTAINTY);
+        let weight = weight * certainty * certainty;
+        self.add_row([0.0, 1.0, 0.0, x, y, 0.0], along(other.translational, record.axis) * unit, weight);
+        self.add_row([0.0, 0.0, 1.0, 0.0, x, y], along(other.translational, across) * unit, weight);
+    }
+
+    /// Adds the equation `row · coefficients = value`.
+    fn add_row(&mut self, row: [f64; TERMS], value: Vec3, weight: f32) {
+        let weight = f64::from(weight);
+        for (i, a) in row.into_iter().enumerate().filter(|(_, a)| *a != 0.0) {
+            for (sum, b) in self.matrix[i].iter_mut().zip(row) {
+                *sum += weight * a * b;
+            }
+            self.right[i] += weight * a * value.as_dvec3();
+        }
+    }
+
+    /// The coefficients, by Cholesky's `L D Lᵀ`: the matrix is positive definite.
+    fn solve(mut self, record: &Record) -> Polynomial {
+        for (i, times) in [(3, 1.0), (4, 2.0), (5, 1.0)] {
+            self.matrix[i][i] += times * CURVATURE_COST;
+        }
+        let Self { mut matrix, right: mut solution } = self;
+        for pivot in 0..TERMS {
+            for row in pivot + 1..TERMS {
+                let factor = matrix[row][pivot] / matrix[pivot][pivot];
+                let above = matrix[pivot];
+                for (value, above) in matrix[row].iter_mut().zip(above).skip(pivot) {
+                    *value -= factor * above;
+                }
+                let eliminated = factor * solution[pivot];
+                solution[row] -= eliminated;
+            }
+        }
+        for row in (0..TERMS).rev() {
+            for column in row + 1..TERMS {
+                let known = matrix[row][column] * solution[column];
+                solution[row] -= known;
+            }
+            solution[row] /= matrix[row][row];
+        }
+        let inverse = 1.0 / record.radii[0];
+        let [irradiance, x, y, xx, xy, yy] = solution.map(DVec3::as_vec3);
+        Polynomial {
+            irradiance,
+            slope: [x, y].map(|slope| slope * inverse),
+            curvature: [xx, xy, yy].map(|curvature| curvature * inverse * inverse),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cache::record::SECTORS;
+    use crate::settings::Metric;
+    use glam::vec3;
+    use halfdome_kernel::sampling::{Frame, Stream};
+
+    /// The radius of the records, which are on average half as far from each other.
+    const RADIUS: f32 = 0.4;
+
+    /// Records at random places of the unit square, of irradiance and gradients that `light` gives, on a plane that is
+    /// turned in space.
+    fn records(light: impl Fn(f32, f32, u32) -> (Vec3, [Vec3; 2])) -> (Vec<Record>, Frame) {
+        let frame = Frame::from_normal(vec3(0.3, -0.5, 0.8).normalize());
+        let record = |i| {
+            let [x, y, angle, _] = Stream::new(8, i, 0).uniform4(0);
+            let (irradiance, [along, across]) = light(x, y, i);
+            let (sin, cos) = (9.0 * angle).sin_cos();
+            Record {
+                key: i.into(),
+                position: frame.to_world(vec3(x, y, 0.0)),
+                normal: frame.normal,
+                irradiance,
+                rotational: [Vec3::ZERO; 3],
+                translational: [0, 1, 2].map(|i| frame.to_world(vec3(along[i], across[i], 0.0))),
+                mean_distance: 1.0,
+                min_distance: 1.0,
+                radii: [RADIUS, 2.0 * RADIUS],
+                axis: frame.to_world(vec3(cos, sin, 0.0)),
+                obstacles: [f32::INFINITY; SECTORS],
+            }
+        };
+        ((0..25).map(record).collect(), frame)
+    }
+
+    const WEIGHTING: Weighting = Weighting { metric: Metric::Hessian, error: 0.3, stretch: 2.0 };
+
+    fn quadratic(x: f32, y: f32) -> (Vec3, [Vec3; 2]) {
+        let (a, b, c) = (vec3(1.0, 2.0, -1.0), vec3(0.5, -1.0, 0.0), vec3(2.0, 0.0, 1.0));
+        let value = Vec3::splat(4.0) + 0.5 * x * x * a + x * y * b + 0.5 * y * y * c + x * b;
+        (value, [x * a + y * b + b, x * b + y * c])
+    }
+
+    #[test]
+    fn curvature_is_found_from_neighbours() {
+        let (records, frame) = records(|x, y, _| quadratic(x, y));
+        let polynomials = polynomials(&records, &WEIGHTING);
+        for (record, polynomial) in records.iter().zip(&polynomials) {
+            let local = frame.to_local(record.position);
+            for (dx, dy) in [(0.0, 0.0), (RADIUS, 0.0), (0.0, -RADIUS), (-0.3, 0.2)] {
+                let exact = quadratic(local.x + dx, local.y + dy).0;
+                let position = record.position + frame.to_world(vec3(dx, dy, 0.0));
+                let found = polynomial.extrapolate(record, position, frame.normal);
+                let plain = record.extrapolate(position, frame.normal, true, true);
+                let (error, before) = ((found - exact).length(), (plain - exact).length());
+                assert!(error <= 0.05 * before + 1e-3, "{error}, by the gradient alone {before}");
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_share_their_noise() {
+        let noise = |i| Vec3::from_array([0, 1, 2].map(|channel| Stream::new(9, i, channel).uniform2(0).x - 0.5));
+        let (records, frame) =
+            records(|_, _, i| (Vec3::ONE + 0.1 * noise(i), [0.1 * noise(i + 99), 0.1 * noise(i + 199)]));
+        let mean_square =
+            |values: Vec<Vec3>| values.iter().map(|v| (*v - Vec3::ONE).length_squared()).sum::<f32>() / 25.0;
+        let polynomials = polynomials(&records, &WEIGHTING);
+        let pairs = records.iter().zip(&polynomials);
+        let after = mean_square(pairs.map(|(r, p)| p.extrapolate(r, r.position, frame.normal)).collect());
+        let before = mean_square(records.iter().map(|record| record.irradiance).collect());
+        assert!(after < 0.35 * before, "{after}, was {before}");
+    }
+
+    /// What no neighbour sees is what the record itself says, and other sides of an edge do not count.
+    #[test]
+    fn a_record_alone_is_itself() {
+        let (all, frame) = records(|x, y, _| quadratic(x, y));
+        let mut corner = [all[0], all[1]];
+        corner[1].normal = frame.tangent;
+        corner[1].axis = frame.bitangent;
+        for record in corner {
+            let found = polynomials(&corner, &WEIGHTING);
+            let polynomial = found[usize::from(record.key == corner[1].key)];
+            let position = record.position + 0.1 * record.axis;
+            let (found, expected) = (
+                polynomial.extrapolate(&record, position, record.normal),
+                record.extrapolate(position, record.normal, true, true),
+            );
+            assert!((found - expected).length() < 1e-5, "{found}, not {expected}");
+        }
+    }
+}

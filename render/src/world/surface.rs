@@ -1,0 +1,205 @@
+//! Surfaces: what the world is where a ray meets it.
+//!
+//! Most triangles are plain: all that a hit tells of them is in their [`Face`] and their material. Vertex normals and
+//! textures are looked up for the others alone.
+//!
+//! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
+//! pieces and read in large ones, which processors are slow at.
+
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::{Hit, offset_distance, offset_point};
+
+use super::{Face, World};
+use crate::scene::{Material, Specular, TextureMap};
+
+/// The material of whatever measures light.
+static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
+
+/// Where a ray met the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'w> {
+    pub position: Vec3,
+    /// Unit normal of the triangle, on its front side.
+    pub normal: Vec3,
+    /// Interpolated unit normal, on the same side.
+    pub shading_normal: Vec3,
+    /// Diffuse reflectance here.
+    pub diffuse: Vec3,
+    /// Radiance emitted here, from the sides that emit.
+    pub emission: Vec3,
+    /// How far from the triangle's plane rays start.
+    offset: f32,
+    pub prim_id: u32,
+    /// Whether the normals were turned: it is seen from behind, or from within.
+    pub is_back: bool,
+    pub material: &'w Material,
+}
+
+/// What differs between the points of a triangle that is not plain.
+struct Details {
+    normal: Vec3,
+    shading_normal: Vec3,
+    diffuse: Vec3,
+    emission: Vec3,
+}
+
+impl World {
+    /// A small white surface at a point in space, which receives what a sensor with this unit normal would. Rays leave
+    /// it as they would leave a triangle there that is as large as the scene.
+    pub(crate) fn sensor(&self, position: Vec3, normal: Vec3) -> Surface<'_> {
+        let bounds = self.tree().bounds();
+        let [b, c] = if bounds.is_empty() { [position; 2] } else { [bounds.min, bounds.max] };
+        Surface {
+            position,
+            normal,
+            shading_normal: normal,
+            diffuse: Vec3::ONE,
+            emission: Vec3::ZERO,
+            offset: offset_distance(&[position, b, c], normal),
+            prim_id: Hit::NO_PRIM,
+            is_back: false,
+            material: &WHITE,
+        }
+    }
+
+    /// The front of a triangle at barycentric coordinates, as if it were white: what it reflects is what it receives.
+    pub(crate) fn receiver(&self, prim_id: u32, [u, v]: [f32; 2]) -> Surface<'_> {
+        Surface { material: &WHITE, diffuse: Vec3::ONE, ..self.surface(prim_id, u, v) }
+    }
+
+    /// The surface at a hit.
+    #[inline(always)]
+    pub(crate) fn surface_at(&self, hit: &Hit) -> Surface<'_> {
+        self.surface(hit.prim_id, hit.u, hit.v)
+    }
+
+    /// The surface at barycentric coordinates of a triangle.
+    #[inline(always)]
+    pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
+        let face = &self.faces[prim_id as usize];
+        let weights = [1.0 - u - v, u, v];
+        let material = &self.materials[face.material as usize];
+        let mut surface = Surface {
+            position: interpolate(face.corners, weights),
+            normal: face.normal,
+            shading_normal: face.normal,
+            diffuse: material.diffuse,
+            emission: material.emission,
+            offset: face.offset,
+            prim_id,
+            is_back: false,
+            material,
+        };
+        if !face.is_plain {
+            // Field by field, or the compiler would keep every surface in memory instead of in registers.
+            let details = self.details(prim_id, weights);
+            surface.normal = details.normal;
+            surface.shading_normal = details.shading_normal;
+            surface.diffuse = details.diffuse;
+            surface.emission = details.emission;
+        }
+        surface
+    }
+
+    /// What vertex normals and textures say.
+    #[inline(never)]
+    fn details(&self, prim_id: u32, weights: [f32; 3]) -> Details {
+        let Face { normal, mesh, material, .. } = self.faces[prim_id as usize];
+        let (mesh, material) = (&self.meshes[mesh as usize], &self.materials[material as usize]);
+        let index = self.index_in_mesh(prim_id);
+        let textured = |color: Vec3, map: &Option<TextureMap>| match map {
+            Some(map) => color * self.mapped(map, mesh, index, weights).truncate(),
+            None => color,
+        };
+        let mut details = Details {
+            normal,
+            shading_normal: normal,
+            diffuse: textured(material.diffuse, &material.diffuse_map),
+            emission: textured(material.emission, &material.emission_map),
+        };
+        if !mesh.normals.is_empty() {
+            let normals = mesh.triangles[index].map(|corner| mesh.normals[corner as usize]);
+            details.shading_normal = interpolate(normals, weights).normalize_or(normal);
+            // A model's own normals say which side is the front, whatever the winding.
+            if normal.dot(details.shading_normal) < 0.0 {
+                details.normal = -normal;
+            }
+        }
+        details
+    }
+
+    /// Texture coordinates at a hit, or the barycentric ones if the mesh has none.
+    pub(crate) fn texcoord(&self, hit: &Hit) -> Vec2 {
+        let mesh = &self.meshes[self.faces[hit.prim_id as usize].mesh as usize];
+        if mesh.texcoords.is_empty() {
+            return Vec2::new(hit.u, hit.v);
+        }
+        let corners = mesh.triangles[self.index_in_mesh(hit.prim_id)].map(|corner| mesh.texcoords[corner as usize]);
+        corners[0] * (1.0 - hit.u - hit.v) + corners[1] * hit.u + corners[2] * hit.v
+    }
+}
+
+#[inline(always)]
+fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+}
+
+impl Surface<'_> {
+    /// Where a ray starts that leaves in `direction`.
+    #[inline(always)]
+    pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
+        offset_point(self.position, self.normal, self.offset, direction)
+    }
+
+    /// Where a ray from `point` ends that comes as far as this surface, and does not hit it. Its test sees the corners at
+    /// the distance of `point`, and errs by units in the last place of that, which are more than those of a ray that
+    /// leaves.
+    #[inline(always)]
+    pub(crate) fn end_from(&self, point: Vec3) -> Vec3 {
+        const ERROR: f32 = 8.0 / (1u32 << 24) as f32;
+        let back = point - self.position;
+        let distance = ERROR * back.abs().max_element() * self.normal.abs().element_sum();
+        offset_point(self.position, self.normal, self.offset + distance, back)
+    }
+
+    /// The same surface with its normals on the side from which a ray in `direction` comes.
+    #[inline(always)]
+    pub(crate) fn facing(self, direction: Vec3) -> Self {
+        let is_behind = self.normal.dot(direction) > 0.0;
+        let side = if is_behind { -1.0 } else { 1.0 };
+        Self {
+            normal: self.normal * side,
+            shading_normal: self.shading_normal * side,
+            is_back: self.is_back != is_behind,
+            ..self
+        }
+    }
+
+    /// The frame about the shading normal.
+    #[inline(always)]
+    pub(crate) fn frame(&self) -> Frame {
+        Frame::from_normal(self.shading_normal)
+    }
+
+    /// Whether a ray in `direction` hits the back of a body here, coming from within. Surfaces that are meant to be seen from
+    /// both sides have no back, and glass is no body.
+    pub(crate) fn is_back_of_body(&self, direction: Vec3) -> bool {
+        let is_glass = matches!(self.material.specular, Specular::Glass { .. });
+        !self.material.emits_both_sides && !is_glass && self.normal.dot(direction) > 0.0
+    }
+
+    /// Radiance emitted towards the origin of a ray in `direction`.
+    #[inline(always)]
+    pub(crate) fn emitted(&self, direction: Vec3) -> Vec3 {
+        if self.emits_towards(direction) { self.emission } else { Vec3::ZERO }
+    }
+
+    /// Whether the origin of a ray in `direction` is on a side that emits.
+    #[inline(always)]
+    pub(crate) fn emits_towards(&self, direction: Vec3) -> bool {
+        self.material.emits_both_sides | (self.normal.dot(direction) < 0.0)
+    }
+}

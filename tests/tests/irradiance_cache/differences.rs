@@ -1,0 +1,66 @@
+//! Gradients of records against finite differences of long path tracing, whose paths at both ends of a step use the same
+//! random numbers, so that most of their noise goes away with the difference.
+
+use glam::{DVec3, Vec3, vec3};
+use halfdome::cache::Cache;
+use halfdome::irradiance::{Part, Request, Sensor, by_cache, by_paths};
+use halfdome::scene::cornell_box;
+use halfdome::settings::{CachedOptions, GatherLayout, Metric};
+use halfdome::world::World;
+use halfdome_tests::render::Patience;
+
+/// Half of each step, in metres: a sweep, over which the quotient is level.
+const STEPS: [f32; 3] = [0.008, 0.016, 0.024];
+
+/// The luminances' means of the records' irradiance and gradient over seeds.
+fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seeds: u64) -> (f64, DVec3) {
+    // A record that reaches this far has no clamp that weakens its gradient.
+    let options = CachedOptions { layout, rays, error: 0.5, metric: Metric::SplitSphere, ..CachedOptions::default() };
+    let mut sum = (0.0, DVec3::ZERO);
+    for seed in 0..seeds {
+        let cache = Cache::new(options, world.surroundings_hash());
+        let request = Request { spp: 1, seed, part: Part::Indirect };
+        let (cache, _) = by_cache(world, &[sensor], cache, &request, &Patience).cache.unwrap();
+        let [record] = cache.records() else { panic!("{} records", cache.records().len()) };
+        sum.0 += f64::from(record.irradiance.y) / seeds as f64;
+        sum.1 += record.translational[1].as_dvec3() / seeds as f64;
+    }
+    sum
+}
+
+/// Irradiance by paths. A sensor's random numbers depend on its place in the list, so each has a list of its own.
+fn traced(world: &World, sensor: Sensor) -> f64 {
+    let request = Request { spp: 65_536, seed: 3, part: Part::Indirect };
+    f64::from(by_paths(world, &[sensor], &request, &Patience).values[0].y)
+}
+
+#[test]
+fn gradients_are_those_of_path_traced_differences() {
+    let world = World::new(cornell_box()).unwrap();
+    let sensors = [
+        Sensor { position: vec3(0.17, 0.42, 0.5592), normal: Vec3::NEG_Z },
+        Sensor { position: vec3(0.43, 0.0, 0.12), normal: Vec3::Y },
+    ];
+    for sensor in sensors {
+        let axes = [Vec3::X, if sensor.normal == Vec3::Y { Vec3::Z } else { Vec3::Y }];
+        let centre = traced(&world, sensor);
+        let quotients = STEPS.map(|step| {
+            axes.map(|axis| {
+                let at = |along: f32| traced(&world, Sensor { position: sensor.position + along * axis, ..sensor });
+                (at(step) - at(-step)) / f64::from(2.0 * step)
+            })
+        });
+        for (layout, rays, seeds) in [(GatherLayout::Stratified, 20_000, 8), (GatherLayout::Hemicube, 49_152, 4)] {
+            let (irradiance, gradient) = recorded(&world, sensor, layout, rays, seeds);
+            println!("{layout:?}: {irradiance:.4} {gradient:.4}, by paths {centre:.4} {quotients:.4?}");
+            assert!((irradiance / centre - 1.0).abs() < 0.02, "{layout:?}: {irradiance}, not {centre}");
+            for quotient in quotients {
+                let size = quotient[0].hypot(quotient[1]);
+                for (axis, exact) in axes.into_iter().zip(quotient) {
+                    let error = (gradient.dot(axis.as_dvec3()) - exact).abs() / size;
+                    assert!(error < 0.08, "{layout:?}, {axis}: {gradient}, not {quotient:?}");
+                }
+            }
+        }
+    }
+}
