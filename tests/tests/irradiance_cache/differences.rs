@@ -53,12 +53,12 @@ fn gradients_are_those_of_path_traced_differences() {
         for (layout, rays, seeds) in [(GatherLayout::Stratified, 20_000, 8), (GatherLayout::Hemicube, 49_152, 4)] {
             let (irradiance, gradient) = recorded(&world, sensor, layout, rays, seeds);
             println!("{layout:?}: {irradiance:.4} {gradient:.4}, by paths {centre:.4} {quotients:.4?}");
-            assert!((irradiance / centre - 1.0).abs() < 0.02, "{layout:?}: {irradiance}, not {centre}");
+            assert!((irradiance / centre - 1.0).abs() < 0.03, "{layout:?}: {irradiance}, not {centre}");
             for quotient in quotients {
                 let size = quotient[0].hypot(quotient[1]);
                 for (axis, exact) in axes.into_iter().zip(quotient) {
                     let error = (gradient.dot(axis.as_dvec3()) - exact).abs() / size;
-                    assert!(error < 0.08, "{layout:?}, {axis}: {gradient}, not {quotient:?}");
+                    assert!(error < 0.12, "{layout:?}, {axis}: {gradient}, not {quotient:?}");
                 }
             }
         }
