@@ -150,7 +150,7 @@ impl<'a> SceneView<'a> {
     pub fn to_scene(&self, hit: &SceneHit, time: f32) -> Option<Affine3A> {
         let mut instances = self.instances(hit);
         let mut whole = Affine3A::IDENTITY;
-        while let Some((_, item)) = instances.next() {
+        for (_, item) in instances.by_ref() {
             whole *= item.to_scene(time)?;
         }
         Some(whole * instances.scene?.items.get(hit.geometry_id as usize)?.to_scene(time)?)
