@@ -2,37 +2,60 @@
 # The kernel's tests on the targets that this machine is not: 64-bit Arm in an emulator, and WebAssembly, plain and with
 # SIMD. Among them are the checksums of hits, trees and numbers in tests/checksums, which are the same on each target.
 #
-#     tests/targets.sh [filter of tests]
+#     tests/targets.sh [arm] [wasm]      (both if neither is named)
 #
 # On Debian and Ubuntu it installs what is missing (as root, or by sudo): an emulator, a cross linker, Node.js, and
 # Rust's libraries for the targets.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-packages=()
-command -v qemu-aarch64 > /dev/null || packages+=(qemu-user)
-command -v aarch64-linux-gnu-gcc > /dev/null || packages+=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross)
-command -v node > /dev/null || packages+=(nodejs)
-if [ ${#packages[@]} -gt 0 ]; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends "${packages[@]}"
-fi
-rustup target add aarch64-unknown-linux-gnu wasm32-wasip1
+targets=("$@")
+[ ${#targets[@]} -gt 0 ] || targets=(arm wasm)
+
+# Installs what a target needs: its name for rustup, then a command and the packages that have it, in turn.
+install() {
+    rustup target add "$1"
+    shift
+    packages=()
+    while [ $# -gt 0 ]; do
+        # shellcheck disable=SC2206
+        command -v "$1" > /dev/null || packages+=($2)
+        shift 2
+    done
+    if [ ${#packages[@]} -gt 0 ]; then
+        sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
+        $sudo apt-get update
+        $sudo apt-get install -y --no-install-recommends "${packages[@]}"
+    fi
+}
+
+# The tests on a target, with further flags for the compiler.
+run() {
+    printf '\n== %s %s\n' "$1" "$2"
+    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --test checksums --target "$1"
+}
 
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
 CARGO_TARGET_WASM32_WASIP1_RUNNER="node --no-warnings $PWD/tests/wasi.mjs"
 export CARGO_TARGET_WASM32_WASIP1_RUNNER
 
-# The tests on a target, with further flags for the compiler.
-run() {
-    printf '\n== %s %s\n' "$1" "$2"
-    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --test checksums --target "$1" -- "${filter[@]}"
-}
-
-filter=("$@")
-run aarch64-unknown-linux-gnu ""
-run wasm32-wasip1 ""
-run wasm32-wasip1 "-C target-feature=+simd128"
+for target in "${targets[@]}"; do
+    case $target in
+    arm)
+        install aarch64-unknown-linux-gnu qemu-aarch64 qemu-user \
+            aarch64-linux-gnu-gcc "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
+        run aarch64-unknown-linux-gnu ""
+        ;;
+    wasm)
+        install wasm32-wasip1 node nodejs
+        run wasm32-wasip1 ""
+        run wasm32-wasip1 "-C target-feature=+simd128"
+        ;;
+    *)
+        echo "error: there is no target $target: say arm or wasm" >&2
+        exit 1
+        ;;
+    esac
+done
 printf '\nAll targets agree, in %s s.\n' "$SECONDS"
