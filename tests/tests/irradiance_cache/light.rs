@@ -53,16 +53,21 @@ fn a_furnace_has_its_exact_irradiance() {
     let sensors: Vec<Sensor> = (0..40)
         .map(|i| Sensor { position: vec3(0.1 * i as f32, -2.0 + 0.08 * i as f32, 0.0), normal: Vec3::Z })
         .collect();
-    let request = Request { spp: 1, seed: 0, part: Part::Indirect };
+    const SEEDS: u64 = 6;
     for layout in GatherLayout::ALL {
         for (bounces, series) in [(None, 1.0), (Some(1), 0.5), (Some(2), 0.75), (Some(4), 0.9375)] {
             let options = CachedOptions { rays: 12_288, bounces, layout, error: 0.5, ..CachedOptions::default() };
-            let found = cached(&world, &sensors, options, &request);
-            let mean = found.values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 40.0;
+            let of_seed = |seed: u64| {
+                let found = cached(&world, &sensors, options, &Request { spp: 1, seed, part: Part::Indirect });
+                let (_, usage) = found.cache.unwrap();
+                assert_eq!(usage.misses, 0);
+                found.values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 40.0
+            };
+            let mean = (0..SEEDS).map(of_seed).sum::<DVec3>() / SEEDS as f64;
             let error = (mean / (std::f64::consts::PI * series) - 1.0).abs().max_element();
-            assert!(error < 0.01, "{layout:?}, {bounces:?}: {mean}, off by {error}");
-            let (_, usage) = found.cache.unwrap();
-            assert_eq!(usage.misses, 0);
+            // Caches one on top of the other have few records here, so that the noise of each counts: 2% of one seed.
+            let most = if bounces.is_some_and(|bounces| bounces > 1) { 0.015 } else { 0.002 };
+            assert!(error < most, "{layout:?}, {bounces:?}: {mean}, off by {error}");
         }
     }
 }
