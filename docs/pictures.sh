@@ -11,6 +11,9 @@ trap 'rm -rf "$work"' EXIT
 (cd "$work" && "$halfdome" --version && "$halfdome")
 cp "$work/cornell.png" docs/cornell.png
 
+"$halfdome" cubemap cornell --at 0.278,0.274,0.279 --spp 64 --size 128 --exposure -1 --seams lookup -o "$work/cubemap.png"
+cp "$work/cubemap.png" docs/cubemap.png
+
 # Where the ceiling has its light from the room alone: few records, without gradients and with them.
 for gradients in off both; do
     "$halfdome" render cornell --integrator cached --metric split-sphere --cache-error 1 --record-rays 4096 \
