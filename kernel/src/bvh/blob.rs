@@ -19,7 +19,6 @@
 //! it: a blob that is accepted is safe to trace, whoever made it.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
 
 use super::{BvhView, Node, TriangleBlock, WIDTH, validate};
 use crate::error::{Error, InvalidTree};
@@ -148,10 +147,12 @@ impl Header {
             return Err(Error::BadHeader { field: "number of children a node" });
         }
         let stack = validate::validate(nodes, blocks)?;
-        let bounds = nodes.first().ok_or(InvalidTree::NoRoot)?.bounds();
+        let bounds = stored_bounds(nodes.first().ok_or(InvalidTree::NoRoot)?);
         if self.stack != stack {
             Err(Error::BadHeader { field: "height of the stack" })
-        } else if (Aabb { min: Vec3::from(self.min), max: Vec3::from(self.max) }) != bounds {
+        } else if [self.min, self.max].map(|corner| corner.map(f32::to_bits))
+            != bounds.map(|corner| corner.map(f32::to_bits))
+        {
             Err(Error::BadHeader { field: "bounds" })
         } else if !(0.0..=f32::MAX).contains(&self.cost) {
             Err(Error::BadHeader { field: "cost" })
@@ -159,6 +160,13 @@ impl Header {
             Ok(())
         }
     }
+}
+
+/// The corners of the scene's box as a header has them: zeros without a sign, as which of 0 and -0 is the lesser differs
+/// between machines, and a tree must have one blob.
+fn stored_bounds(root: &Node) -> [[f32; 3]; 2] {
+    let Aabb { min, max } = root.bounds();
+    [min + 0.0, max + 0.0].map(|corner| corner.to_array())
 }
 
 /// The checksum of a blob, or of what will be one when the checksum is in its place.
@@ -207,7 +215,7 @@ mod owned {
         /// The tree as bytes: equal for equal trees, and to be read by machines with the same order of bytes.
         pub fn to_bytes(&self) -> Blob {
             let (nodes, blocks) = (self.view().nodes(), self.view().blocks());
-            let bounds = self.view().bounds();
+            let [min, max] = stored_bounds(&nodes[0]);
             let mut header = Header {
                 magic: MAGIC,
                 byte_order: BYTE_ORDER,
@@ -216,8 +224,8 @@ mod owned {
                 stack: self.stack,
                 nodes: nodes.len() as u32,
                 blocks: blocks.len() as u32,
-                min: bounds.min.to_array(),
-                max: bounds.max.to_array(),
+                min,
+                max,
                 cost: self.cost,
                 checksum: 0,
             };

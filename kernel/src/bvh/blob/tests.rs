@@ -62,6 +62,17 @@ fn trees_come_back_as_they_were() {
     }
 }
 
+/// Which of 0 and -0 is the lesser is not the same on all machines, and these have no other coordinate.
+#[test]
+fn zeros_have_no_sign_in_the_header() {
+    for zero in [0.0, -0.0] {
+        let blob = build(&[TRIANGLE.map(|p| p.with_z(zero)), TRIANGLE.map(|p| p.with_z(-zero))]).to_bytes();
+        assert_eq!([&blob[40..44], &blob[52..56]], [[0; 4]; 2]);
+        assert_eq!(Bvh::from_bytes(&blob).unwrap().to_bytes(), blob);
+        assert_eq!(BvhView::from_bytes(&blob).unwrap().bounds().min.z, 0.0);
+    }
+}
+
 /// A file that was written once: should it differ, the version must be another.
 #[test]
 #[cfg(target_endian = "little")]
@@ -158,6 +169,12 @@ fn forged_blobs_are_refused() {
     assert_eq!(forge(20, 99), header("height of the stack"));
     assert_eq!(forge(32, f32::NAN.to_bits()), header("bounds"));
     assert_eq!(forge(52, 1e6f32.to_bits()), header("bounds"));
+    // A zero with a sign where the header of a tree has one without: the box is the same, the blob would be another.
+    let flat = build(&[TRIANGLE]).to_bytes();
+    let mut signed = flat.clone();
+    put(&mut signed, 40, (-0.0f32).to_bits());
+    assert_eq!(flat[40..44], [0; 4]);
+    assert_eq!(error(&sign(signed)), header("bounds"));
     assert_eq!(forge(56, f32::NAN.to_bits()), header("cost"));
     assert_eq!(forge(56, (-1.0f32).to_bits()), header("cost"));
     // The root's first child: the root itself, then a node behind the last one, then a block likewise.
