@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use glam::Vec3;
 
 use super::args::CommonArguments;
+use super::light::LightArguments;
 use super::progress::{Progress, Style};
 use super::summary::print_warning;
 use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare, thread_pool};
@@ -19,7 +19,7 @@ use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
 use crate::output::OutputFile;
-use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, value};
+use crate::scene::{CachedOverrides, Scene, SceneFile};
 use crate::settings::Invalid;
 use crate::world::World;
 use files::Files;
@@ -100,19 +100,8 @@ pub(super) struct BakeArguments {
     #[command(flatten)]
     cache: CachedOverrides,
 
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::radiance))]
-    sky: Option<Vec3>,
-
-    /// Which sides of all emitters emit: front or both [default: as each material says]
-    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::emission))]
-    emits_both_sides: Option<bool>,
-
-    /// Selects the random numbers [default: 0]
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    #[command(flatten)]
+    light: LightArguments,
 
     /// Go on with a bake that was stopped or killed, from the state beside the output
     #[arg(long)]
@@ -160,15 +149,7 @@ impl BakeArguments {
 /// Bakes a level, or checks its coordinates.
 pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    let overrides = Overrides {
-        sky: arguments.sky,
-        emits_both_sides: arguments.emits_both_sides,
-        seed: arguments.seed,
-        // No camera looks, and the lack of one needs no warning.
-        eye: Some(Vec3::ZERO),
-        target: Some(Vec3::NEG_Z),
-        ..Overrides::default()
-    };
+    let overrides = arguments.light.overrides();
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
         let (scene, settings) = prepare(&arguments.scene, overrides)?;

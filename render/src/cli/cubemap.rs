@@ -12,11 +12,12 @@ use serde_json::json;
 use super::args::{CommonArguments, exposure};
 use super::bake::{invalid, names, say, warn};
 use super::cache::print;
+use super::light::LightArguments;
 use super::progress::{Progress, Style, print_line};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world, thread_pool};
 use crate::cubemap::{self, Axes, CubeMap, Filter, Language, Mapping, Options, Seams, Source, measure};
 use crate::output::{ToneCurve, ToneMapping};
-use crate::scene::{Overrides, PunctualLight, Scene, Sky, SkyOverrides, value};
+use crate::scene::{PunctualLight, Scene, Sky, value};
 use files::Files;
 
 /// The name of the options' sky in place of a path.
@@ -82,22 +83,8 @@ pub(super) struct CubemapArguments {
     #[arg(long, value_name = "EV", default_value = "0", allow_hyphen_values = true, value_parser = exposure)]
     exposure: f32,
 
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::radiance))]
-    sky: Option<Vec3>,
-
     #[command(flatten)]
-    sky_light: SkyOverrides,
-
-    /// Which sides of all emitters emit: front or both [default: as each material says]
-    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::emission))]
-    emits_both_sides: Option<bool>,
-
-    /// Selects the random numbers [default: 0]
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    light: LightArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -114,20 +101,6 @@ impl CubemapArguments {
         }
         let Self { seams, filter, mapping, axes, diffuse, .. } = *self;
         Ok(Options { size, levels, seams, filter, mapping, axes, diffuse, seed })
-    }
-
-    fn overrides(&self) -> Overrides {
-        let eye = self.at.unwrap_or(Vec3::ZERO);
-        Overrides {
-            sky: self.sky,
-            sky_light: self.sky_light.clone(),
-            emits_both_sides: self.emits_both_sides,
-            seed: self.seed,
-            // The camera is not used, and the lack of one needs no warning.
-            eye: Some(eye),
-            target: Some(eye + Vec3::NEG_Z * eye.abs().max_element().max(1.0)),
-            ..Overrides::default()
-        }
     }
 
     /// The sky that the source is, if it is no scene; and whether it has a sun besides.
@@ -147,7 +120,7 @@ impl CubemapArguments {
             let problem = format!("{} is no scene, so --at means nothing", self.source.display());
             return Err(invalid(problem, "leave --at out, or name a scene"));
         }
-        let mut overrides = self.overrides();
+        let mut overrides = self.light.overrides();
         if is_picture && overrides.sky_light.picture.replace(self.source.clone()).is_some() {
             let problem = format!("both {} and --sky-picture are given", self.source.display());
             return Err(invalid(problem, "leave one of them out"));
@@ -166,7 +139,7 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     match arguments.environment()? {
         Some((sky, sun)) => {
-            let options = arguments.options(arguments.seed.unwrap_or(0))?;
+            let options = arguments.options(arguments.light.seed.unwrap_or(0))?;
             if sun {
                 let text = "the sun is a light of its own, and is not in the map";
                 warn(style, &mut vec![text.to_owned()]);
@@ -175,7 +148,8 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
         }
         None => {
             let options = arguments.options(0)?;
-            let (world, settings, pool) = prepare_world(&arguments.source, arguments.overrides(), &arguments.common)?;
+            let (world, settings, pool) =
+                prepare_world(&arguments.source, arguments.light.overrides(), &arguments.common)?;
             let options = Options { seed: settings.seed, ..options };
             let source = Source::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
             finish(arguments, &source, &options, &pool, &files, style)

@@ -10,12 +10,13 @@ use glam::Vec3;
 
 use super::args::CommonArguments;
 use super::cache::{print, read_cache};
+use super::light::LightArguments;
 use super::progress::Progress;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
 use crate::driver::Watch;
 use crate::irradiance::{self, Part, Request, Sensor};
 use crate::output::OutputFile;
-use crate::scene::{CachedOverrides, Overrides, value};
+use crate::scene::CachedOverrides;
 
 /// What `halfdome irradiance` takes.
 #[derive(Args, Clone, Debug)]
@@ -50,17 +51,8 @@ pub(super) struct IrradianceArguments {
     #[command(flatten)]
     options: CachedOverrides,
 
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, value_parser = value::argument(value::radiance))]
-    sky: Option<Vec3>,
-
-    /// Which sides of all emitters emit: front or both [default: as each material says]
-    #[arg(long = "emission", value_name = "SIDES", value_parser = value::argument(value::emission))]
-    emits_both_sides: Option<bool>,
-
-    /// Selects the random numbers [default: 0]
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    #[command(flatten)]
+    light: LightArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -71,8 +63,7 @@ pub(super) struct IrradianceArguments {
 pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let output = arguments.output.as_deref().map(OutputFile::check).transpose().map_err(CliError::input)?;
     let sensors = read_sensors(&arguments.points)?;
-    let IrradianceArguments { sky, emits_both_sides, seed, .. } = *arguments;
-    let overrides = Overrides { sky, emits_both_sides, seed, ..Overrides::default() };
+    let overrides = arguments.light.overrides();
     let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
     let options = arguments.options.options();
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;

@@ -10,6 +10,7 @@ mod help;
 mod info;
 mod interrupt;
 mod irradiance;
+mod light;
 mod memory;
 mod preview;
 mod probes;

@@ -12,11 +12,12 @@ use serde_json::json;
 
 use super::args::CommonArguments;
 use super::bake::{invalid, say, warn};
+use super::light::LightArguments;
 use super::progress::{Progress, Style, print_line};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
 use crate::irradiance;
 use crate::probes::{self, Grid, Options, Probes, State};
-use crate::scene::{Overrides, SkyOverrides, count, value};
+use crate::scene::{count, value};
 use crate::world::World;
 use files::Files;
 
@@ -57,22 +58,8 @@ pub(super) struct ProbesArguments {
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::radiance))]
-    sky: Option<Vec3>,
-
     #[command(flatten)]
-    sky_light: SkyOverrides,
-
-    /// Which sides of all emitters emit: front or both [default: as each material says]
-    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
-    #[arg(value_parser = value::argument(value::emission))]
-    emits_both_sides: Option<bool>,
-
-    /// Selects the random numbers [default: 0]
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    light: LightArguments,
 
     /// How it runs.
     #[command(flatten)]
@@ -80,19 +67,6 @@ pub(super) struct ProbesArguments {
 }
 
 impl ProbesArguments {
-    fn overrides(&self) -> Overrides {
-        Overrides {
-            sky: self.sky,
-            sky_light: self.sky_light.clone(),
-            emits_both_sides: self.emits_both_sides,
-            seed: self.seed,
-            // No camera looks, and the lack of one needs no warning.
-            eye: Some(Vec3::ZERO),
-            target: Some(Vec3::NEG_Z),
-            ..Overrides::default()
-        }
-    }
-
     /// The grid in a world.
     fn grid(&self, count: [u32; 3], world: &World) -> Result<Grid, CliError> {
         let bounds = world.tree().bounds();
@@ -127,7 +101,7 @@ pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     let files = Files::new(&arguments.outputs, arguments.grid.is_some())?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let (world, settings, pool) = prepare_world(&arguments.scene, arguments.overrides(), &arguments.common)?;
+    let (world, settings, pool) = prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common)?;
     let places = match (points, arguments.grid) {
         (Some(points), _) => Places::Points(points),
         (None, Some(count)) => Places::Grid(arguments.grid(count, &world)?),

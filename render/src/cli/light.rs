@@ -1,0 +1,42 @@
+//! The arguments that all commands share which light a scene and have no camera.
+
+use clap::Args;
+use glam::Vec3;
+
+use crate::scene::{Overrides, SkyOverrides, value};
+
+/// What lights a scene, besides what is in it, and by which random numbers its light is found.
+#[derive(Args, Clone, Debug)]
+pub(super) struct LightArguments {
+    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::radiance))]
+    sky: Option<Vec3>,
+
+    #[command(flatten)]
+    sky_light: SkyOverrides,
+
+    /// Which sides of all emitters emit: front or both [default: as each material says]
+    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
+    #[arg(value_parser = value::argument(value::emission))]
+    emits_both_sides: Option<bool>,
+
+    /// Selects the random numbers [default: 0]
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub(super) seed: Option<u64>,
+}
+
+impl LightArguments {
+    /// What these arguments say of a scene, with a camera that is not used, as the lack of one needs no warning.
+    pub(super) fn overrides(&self) -> Overrides {
+        Overrides {
+            sky: self.sky,
+            sky_light: self.sky_light.clone(),
+            emits_both_sides: self.emits_both_sides,
+            seed: self.seed,
+            eye: Some(Vec3::ZERO),
+            target: Some(Vec3::NEG_Z),
+            ..Overrides::default()
+        }
+    }
+}
