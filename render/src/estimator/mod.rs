@@ -4,10 +4,12 @@ mod direct;
 mod gather;
 mod hemisphere;
 mod horizon;
+mod incident;
 mod weight;
 
-pub(crate) use direct::{Connection, connect, connect_lamp, emitted_density, emitted_lamp_density, sky_density};
+pub(crate) use direct::{Connection, connect, connect_lamp, emitted_density, sky_density};
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub use horizon::SECTORS;
 pub(crate) use horizon::sector;
+pub(crate) use incident::{Incident, Receive};
