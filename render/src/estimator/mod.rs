@@ -6,7 +6,10 @@ mod hemisphere;
 mod horizon;
 mod weight;
 
-pub(crate) use direct::{Connection, connect, connect_lamp, emitted_density, emitted_lamp_density, sky_density};
+pub(crate) use direct::{
+    Connection, connect, connect_lamp, connect_to, emitted_density, emitted_lamp_density, point_on_emitter, shine,
+    sky_density,
+};
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub use horizon::SECTORS;
