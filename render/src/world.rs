@@ -12,7 +12,7 @@ use halfdome_kernel::{
 use crate::light::{Lights, SkyLight};
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
 use crate::threads::Threads;
-pub(crate) use surface::Surface;
+pub(crate) use surface::{Surface, WHITE};
 
 /// Geometry in a tree, materials, lights and a camera.
 #[derive(Debug)]

@@ -7,7 +7,9 @@ mod horizon;
 mod incident;
 mod weight;
 
-pub(crate) use direct::{Connection, connect, connect_lamp, emitted_density, sky_density};
+pub(crate) use direct::{
+    Connection, connect, connect_lamp, connect_to, emitted_density, point_on_emitter, shine, sky_density,
+};
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub use horizon::SECTORS;

@@ -49,11 +49,12 @@ impl World {
     }
 
     /// Whether there is a hole in the triangle where it is hit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn is_hole(&self, hit: &Hit) -> bool {
-        if !self.has_holes || !hit.is_hit() {
-            return false;
-        }
+        self.has_holes && hit.is_hit() && self.is_cut_out(hit)
+    }
+
+    fn is_cut_out(&self, hit: &Hit) -> bool {
         let face = &self.faces[hit.prim_id as usize];
         let material = &self.materials[face.material as usize];
         material.cutout.is_some_and(|cutout| {

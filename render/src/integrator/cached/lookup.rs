@@ -7,7 +7,7 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
 use super::super::path::emission;
-use super::super::wavefront::{Arrival, Connections, Path, SETS_PER_SURFACE, Walk};
+use super::super::wavefront::{Arrival, Connections, OneByOne, Path, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::connect_lamp;
@@ -38,7 +38,7 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
-    wave.follow(world, camera, &mut Lookup { world, frozen, camera, misses }, radiance)
+    wave.follow(world, camera, &mut OneByOne { world, step: Lookup { world, frozen, camera, misses } }, radiance)
 }
 
 struct Lookup<'a> {
@@ -48,7 +48,7 @@ struct Lookup<'a> {
     misses: &'a mut Misses,
 }
 
-impl Walk for Lookup<'_> {
+impl Step for Lookup<'_> {
     fn max_depth(&self) -> u32 {
         MAX_SURFACES
     }
