@@ -117,7 +117,7 @@ impl Job<'_> {
     }
 
     pub(super) fn needs_cache(&self) -> bool {
-        self.is_indirect() && !self.options.brute
+        self.options.has_cache()
     }
 
     fn gathers_alone(&self) -> bool {

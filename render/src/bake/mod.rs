@@ -218,7 +218,7 @@ pub fn bake(
 /// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.
 pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     let texels = Surfaces::new(scene, atlas).texels().len() as u64;
-    let by_cache = !options.brute && matches!(options.mode, Mode::Full | Mode::Indirect);
+    let by_cache = options.has_cache();
     texels * (1 + u64::from(by_cache) + u64::from(by_cache && options.cache.bounces.is_none()))
 }
 

@@ -103,6 +103,11 @@ impl BakeOptions {
     /// The most texels between charts.
     pub const MAX_GUTTER: u32 = 64;
 
+    /// Whether light is gathered through a cache.
+    pub fn has_cache(&self) -> bool {
+        !self.brute && matches!(self.mode, Mode::Full | Mode::Indirect)
+    }
+
     /// Texels around a chart that are its own: between two charts there are twice as many.
     pub(crate) fn padding(&self) -> u32 {
         self.gutter.unwrap_or(2 * self.sampling.reach()).div_ceil(2).max(1)

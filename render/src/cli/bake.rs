@@ -14,7 +14,7 @@ use super::args::CommonArguments;
 use super::light::LightArguments;
 use super::progress::{Progress, Style};
 use super::summary::print_warning;
-use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare, thread_pool};
+use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
@@ -26,6 +26,11 @@ use files::Files;
 
 /// How often the state of a bake is written.
 const STATE_INTERVAL: Duration = Duration::from_secs(30);
+
+/// Bytes that a bake takes for each texel of its pages, as measured, ...
+const BYTES: u64 = 150;
+/// ... and those with a cache.
+const CACHED_BYTES: u64 = 270;
 
 /// What `halfdome bake` takes.
 #[derive(Args, Clone, Debug)]
@@ -157,6 +162,10 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
+    if arguments.mode == Mode::Ao && arguments.directional != Directional::None {
+        let problem = format!("ambient occlusion has no directions for --directional {}", arguments.directional.name());
+        return Err(invalid(problem, "leave it out, or give another --mode"));
+    }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let (mut scene, settings) = prepare(&arguments.scene, overrides)?;
     let options = arguments.options(settings.seed);
@@ -192,6 +201,9 @@ fn bake(
 
     let mut atlas = Atlas::new(&scene, options)?;
     warn(style, &mut atlas.warnings);
+    let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
+    let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
+    memory::require(&format!("a bake of {texels} texels"), bytes, "give a lower --density or a smaller --size")?;
     let world = World::new(scene.clone()).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));

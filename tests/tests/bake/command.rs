@@ -234,6 +234,7 @@ fn wrong_input_is_named() {
             ("bake level.gltf -o out.gltf --density 40 --size 32", "a page has 32x32"),
             ("bake level.gltf -o out.gltf --density 1e6", "texels"),
             ("bake level.gltf -o out.gltf --size 8", "16"),
+            ("bake level.gltf -o out.gltf --mode ao --directional hl2", "ambient occlusion has no directions"),
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),
