@@ -4,13 +4,14 @@ mod direct;
 mod gather;
 mod hemisphere;
 mod horizon;
+mod prospect;
 mod weight;
 
 pub(crate) use direct::{
-    Connection, connect, connect_lamp, connect_to, emitted_density, emitted_lamp_density, point_on_emitter, shine,
-    sky_density,
+    Connection, connect, connect_lamp, connect_to, emitted_density, emitted_lamp_density, shine, sky_density,
 };
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub use horizon::SECTORS;
 pub(crate) use horizon::sector;
+pub(crate) use prospect::prospect;
