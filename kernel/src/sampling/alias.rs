@@ -135,7 +135,8 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
     pub fn sample(&self, u: f64) -> (usize, f32, f64) {
         let entries = self.entries();
         let position = u * entries.len() as f64;
-        let index = (position as usize).min(entries.len() - 1);
+        // There are fewer than 2³² entries, and this conversion is quick.
+        let index = (position as u32 as usize).min(entries.len() - 1);
         let fraction = position - index as f64;
         let entry = entries[index];
         let kept = f64::from(entry.probability);

@@ -118,14 +118,14 @@ fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Op
 #[inline(always)]
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
     let light = point_on_emitter(world, surface.position, prim_id, u)?;
-    let (sample, arrives) = shine(surface, &light, world.lights.area_density(prim_id).recip());
+    let (sample, arrives) = shine(surface, &light, world.lights.area_density(prim_id));
     arrives.then_some(sample)
 }
 
 /// The point of triangle `prim_id` that `u` means, with its normals on the side that sends light to `receiver`, if both
 /// do; `None` in a hole.
 #[inline(always)]
-pub(crate) fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
+fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
     let point = TriangleWarp.map(u);
     if world.is_hole(&Hit { prim_id, u: point.x, v: point.y, ..Hit::MISS }) {
         return None;
@@ -134,15 +134,15 @@ pub(crate) fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u3
     Some(if light.material.emits_both_sides { light.facing(light.position - receiver) } else { light })
 }
 
-/// The light from a point of an emitter, whose front emits and which is chosen with the density per area of which this
-/// is the reciprocal; and whether any of it can arrive. Without a branch, so that loops over it become lanes.
+/// The light from a point of an emitter, whose front emits and which is chosen with this density per area; and whether
+/// any of it can arrive. Without a branch, so that loops over it become lanes.
 #[inline(always)]
-pub(crate) fn shine(surface: &Surface, light: &Surface, per_area_density: f32) -> (LightSample, bool) {
+pub(crate) fn shine(surface: &Surface, light: &Surface, area_density: f32) -> (LightSample, bool) {
     let to_light = light.position - surface.position;
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), -light.normal.dot(to_light));
     let per_distance = to_light.length_squared().sqrt().recip();
     let direction = to_light * per_distance;
-    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * per_area_density;
+    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * area_density.recip();
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
     let sample = LightSample { shadow, direction, radiance: light.emission * per_density, per_density };

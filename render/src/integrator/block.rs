@@ -6,13 +6,14 @@
 //! instruction set. All lanes are computed, those behind the last path for nothing.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Address;
+use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+use halfdome_kernel::{Ray, Triangle};
 
-use crate::estimator::shine;
+use crate::estimator::{prospect, shine};
 use crate::scene::Material;
 use crate::settings::LightSampling;
-use crate::world::Surface;
+use crate::world::{Face, Surface, interpolate};
 
 /// Paths in a block: few enough for the first-level cache.
 pub(super) const LANES: usize = 64;
@@ -35,6 +36,19 @@ struct Places {
     offset: Column,
 }
 
+/// Triangles that emit light, with numbers that say where on each.
+struct Lamps {
+    corners: [Vectors; 3],
+    normal: Vectors,
+    offset: Column,
+    emission: Vectors,
+    /// The density per area of their points, if those were all alike.
+    area_density: Column,
+    on_lamp: [Column; 2],
+    /// Whether there is one.
+    is_there: [u32; LANES],
+}
+
 /// Paths that have arrived at a surface each.
 pub(super) struct Block {
     /// How many there are.
@@ -55,13 +69,9 @@ pub(super) struct Block {
     pub scatters: Column,
     /// The probability with which a path goes on.
     pub survival: Column,
-    /// Points of lights.
-    lamps: Places,
-    emission: Vectors,
-    /// The reciprocal of the density per area of a lamp's point.
-    per_area_density: Column,
-    /// Whether there is a lamp's point.
-    has_lamp: [u32; LANES],
+    /// The triangle of each.
+    pub prims: [u32; LANES],
+    lamps: Lamps,
 }
 
 /// Shadow rays of a block, and the light that each lets through.
@@ -109,24 +119,23 @@ impl Places {
 }
 
 impl Block {
+    /// All zeros, which are quick to write.
     pub(super) const EMPTY: Self = Self {
         len: 0,
         source: [0; LANES],
         addresses: [Address { pixel: 0, sample: 0 }; LANES],
         on_light: [Vec2::ZERO; LANES],
         onwards: [Vec2::ZERO; LANES],
-        cosine: [Vec3::Z; LANES],
+        cosine: [Vec3::ZERO; LANES],
         chances: [Vec2::ZERO; LANES],
         places: Places::NONE,
         shading_normal: Vectors::ZERO,
         diffuse: Vectors::ZERO,
         throughput: Vectors::ZERO,
         scatters: [0.0; LANES],
-        survival: [1.0; LANES],
-        lamps: Places::NONE,
-        emission: Vectors::ZERO,
-        per_area_density: [0.0; LANES],
-        has_lamp: [0; LANES],
+        survival: [0.0; LANES],
+        prims: [0; LANES],
+        lamps: Lamps::NONE,
     };
 
     /// Adds a path, which must have a lane left. `survival` is the probability with which chance lets it go on.
@@ -141,32 +150,33 @@ impl Block {
         self.scatters[i] = 1.0 - surface.specular_probability();
         self.throughput.set(i, throughput);
         self.survival[i] = survival;
-        self.has_lamp[i] = 0;
+        self.prims[i] = surface.prim_id;
+        self.lamps.is_there[i] = 0;
         self.len += 1;
     }
 
-    /// Lets path `i` sample this point of a lamp.
+    /// Lets path `i` sample a lamp, of which `u` says where; `area_density` is that of its points, if all were alike.
     #[inline(always)]
-    pub(super) fn set_lamp(&mut self, i: usize, lamp: &Surface, per_area_density: f32) {
-        self.lamps.set(i, lamp);
-        self.emission.set(i, lamp.emission);
-        self.per_area_density[i] = per_area_density;
-        self.has_lamp[i] = 1;
-    }
-
-    /// The position of path `i`.
-    #[inline(always)]
-    pub(super) fn position(&self, i: usize) -> Vec3 {
-        self.places.position.get(i)
+    pub(super) fn set_lamp(&mut self, i: usize, face: &Face, material: &Material, area_density: f32, u: Vec2) {
+        let is_behind =
+            material.emits_both_sides && face.normal.dot(face.corners[0] - self.places.position.get(i)) > 0.0;
+        let normal = if is_behind { -face.normal } else { face.normal };
+        self.lamps.set(i, face.corners, normal, face.offset, material.emission, area_density, u);
     }
 
     /// The surface of path `i`, as far as light is scattered by it.
     #[inline(always)]
     pub(super) fn surface<'w>(&self, i: usize, matte: &'w Material) -> Surface<'w> {
         Surface {
+            position: self.places.position.get(i),
+            normal: self.places.normal.get(i),
             shading_normal: self.shading_normal.get(i),
             diffuse: self.diffuse.get(i),
-            ..place(&self.places, i, matte)
+            emission: Vec3::ZERO,
+            offset: self.places.offset[i],
+            prim_id: 0,
+            is_back: false,
+            material: matte,
         }
     }
 
@@ -185,15 +195,15 @@ impl Block {
     fn connect_by(&self, lights: LightSampling, matte: &Material, shadows: &mut Shadows) {
         for i in 0..LANES {
             let surface = self.surface(i, matte);
-            let lamp = Surface { emission: self.emission.get(i), ..place(&self.lamps, i, matte) };
-            let (light, arrives) = shine(&surface, &lamp, self.per_area_density[i]);
+            let (lamp, area_density) = self.lamps.point(i, &surface);
+            let (light, arrives) = shine(&surface, &lamp, area_density);
             let lambert = surface.lambert(light.direction);
             let weight = lights.of_light(light.per_density, self.scatters[i] * lambert);
             let radiance = (surface.diffuse * lambert) * light.radiance * weight;
             shadows.origin.set(i, light.shadow.origin);
             shadows.way.set(i, light.shadow.direction);
             shadows.light.set(i, self.throughput.get(i) * radiance);
-            shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & self.has_lamp[i];
+            shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & self.lamps.is_there[i];
         }
     }
 
@@ -212,19 +222,50 @@ impl Block {
     }
 }
 
-#[inline(always)]
-fn place<'w>(places: &Places, i: usize, material: &'w Material) -> Surface<'w> {
-    let normal = places.normal.get(i);
-    Surface {
-        position: places.position.get(i),
-        normal,
-        shading_normal: normal,
-        diffuse: Vec3::ZERO,
-        emission: Vec3::ZERO,
-        offset: places.offset[i],
-        prim_id: 0,
-        is_back: false,
-        material,
+impl Lamps {
+    const NONE: Self = Self {
+        corners: [Vectors::ZERO; 3],
+        normal: Vectors::ZERO,
+        offset: [0.0; LANES],
+        emission: Vectors::ZERO,
+        area_density: [0.0; LANES],
+        on_lamp: [[0.0; LANES]; 2],
+        is_there: [0; LANES],
+    };
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, lamp: Triangle, normal: Vec3, offset: f32, emission: Vec3, area_density: f32, u: Vec2) {
+        for (corners, corner) in self.corners.iter_mut().zip(lamp) {
+            corners.set(i, corner);
+        }
+        self.normal.set(i, normal);
+        self.offset[i] = offset;
+        self.emission.set(i, emission);
+        self.area_density[i] = area_density;
+        (self.on_lamp[0][i], self.on_lamp[1][i]) = (u.x, u.y);
+        self.is_there[i] = 1;
+    }
+
+    /// The point of lamp `i` that is sampled from `surface`, and its density per area.
+    #[inline(always)]
+    fn point<'w>(&self, i: usize, surface: &Surface<'w>) -> (Surface<'w>, f32) {
+        let corners = [self.corners[0].get(i), self.corners[1].get(i), self.corners[2].get(i)];
+        let prospect = prospect(surface.position, surface.normal, &corners);
+        let u = prospect.map(Vec2::new(self.on_lamp[0][i], self.on_lamp[1][i]));
+        let point = TriangleWarp.map(u);
+        let normal = self.normal.get(i);
+        let lamp = Surface {
+            position: interpolate(corners, [1.0 - point.x - point.y, point.x, point.y]),
+            normal,
+            shading_normal: normal,
+            diffuse: Vec3::ZERO,
+            emission: self.emission.get(i),
+            offset: self.offset[i],
+            prim_id: 0,
+            is_back: false,
+            material: surface.material,
+        };
+        (lamp, self.area_density[i] * prospect.density(u))
     }
 }
 
@@ -254,5 +295,108 @@ impl Bounces {
     pub(super) fn get(&self, i: usize) -> (Ray, Vec3, f32, bool) {
         let ray = Ray::new(self.origin.get(i), self.direction.get(i));
         (ray, self.throughput.get(i), self.density[i], self.reflects[i] != 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use halfdome_kernel::sampling::Stream;
+    use halfdome_kernel::sampling::warp::{CosineHemisphere, UniformSphere};
+    use halfdome_kernel::{Isa, Level, Task};
+
+    use super::*;
+    use crate::world::WHITE;
+
+    /// Light and bounces of a block, compiled for an instruction set.
+    struct Shade<'a>(&'a Block, LightSampling, &'a mut Shadows, &'a mut Bounces);
+
+    impl Task for Shade<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run(self) {
+            self.0.connect(self.1, &WHITE, self.2);
+            self.0.bounce(&WHITE, self.3);
+        }
+    }
+
+    /// A surface somewhere, in some direction, some with vertex normals, and numbers for a direction from it.
+    fn surface(number: u32) -> (Surface<'static>, Vec2) {
+        let stream = Stream::new(1, number, 0);
+        let normal = UniformSphere.map(stream.uniform2(0));
+        let smooth = if number % 3 == 0 { 0.5 * UniformSphere.map(stream.uniform2(1)) } else { Vec3::ZERO };
+        let [x, y, z, offset] = stream.uniform4(2);
+        let [red, green, blue, _] = stream.uniform4(3);
+        let surface = Surface {
+            position: Vec3::new(x, y, z),
+            normal,
+            shading_normal: (normal + smooth).normalize(),
+            diffuse: Vec3::new(red, green, blue),
+            emission: Vec3::new(blue, red, green),
+            offset: 1e-6 * offset,
+            prim_id: 0,
+            is_back: false,
+            material: &WHITE,
+        };
+        (surface, stream.uniform2(4))
+    }
+
+    /// Corners of a lamp somewhere.
+    fn corners(number: u32) -> [Vec3; 3] {
+        [2000, 3000, 4000].map(|which| surface(which + number).0.position * 2.0)
+    }
+
+    #[test]
+    fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
+        // One lane less than there are: what is behind the last path must not count.
+        let count = LANES - 1;
+        let (throughput, survival) = (Vec3::new(0.3, 0.7, 0.9), 0.6);
+        let (mut block, mut shadows, mut bounces) = (Block::EMPTY, Shadows::NONE, Bounces::NONE);
+        for i in 0..count {
+            let (surface, u) = surface(i as u32);
+            block.push(i, Address::default(), &surface, throughput, survival);
+            block.cosine[i] = CosineHemisphere.map(u);
+            // Not all have a lamp.
+            if i % 5 != 0 {
+                let (lamp, u) = self::surface(1000 + i as u32);
+                block.lamps.set(i, corners(i as u32), lamp.normal, lamp.offset, lamp.emission, 2.5, u);
+            }
+        }
+        let mut lit = 0;
+        for isa in Level::ALL.into_iter().filter_map(Isa::new) {
+            for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
+                isa.run(Shade(&block, lights, &mut shadows, &mut bounces));
+                for i in 0..count {
+                    let (surface, u) = surface(i as u32);
+                    let (lamp, place) = self::surface(1000 + i as u32);
+                    let [a, b, c] = corners(i as u32);
+                    let prospect = prospect(surface.position, surface.normal, &[a, b, c]);
+                    let place = prospect.map(place);
+                    let Vec2 { x, y } = TriangleWarp.map(place);
+                    let lamp = Surface { position: a * (1.0 - x - y) + b * x + c * y, ..lamp };
+                    let (light, arrives) = shine(&surface, &lamp, 2.5 * prospect.density(place));
+                    let (reflected, density) = surface.evaluate(light.direction);
+                    let radiance = reflected * light.radiance * lights.of_light(light.per_density, density);
+                    let expected = arrives && i % 5 != 0 && radiance.max_element() > 0.0;
+                    let (shadow, light_found, is_lit) = shadows.get(i);
+                    assert_eq!(is_lit, expected, "{isa:?}, {lights:?}, {i}");
+                    if is_lit {
+                        assert_eq!((shadow, light_found), (light.shadow, throughput * radiance), "{isa:?}, {i}");
+                        lit += 1;
+                    }
+                    let (ray, weight, density, reflects) = bounces.get(i);
+                    match surface.sample(Vec3::NEG_Z, u) {
+                        Some(bounce) => {
+                            let origin = surface.origin_towards(bounce.direction);
+                            assert_eq!(ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
+                            assert_eq!((weight, density), (throughput / survival * bounce.weight, bounce.density));
+                            assert!(reflects);
+                        }
+                        None => assert!(!reflects),
+                    }
+                }
+            }
+        }
+        assert!(lit > 20, "{lit}");
     }
 }

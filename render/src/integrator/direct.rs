@@ -51,7 +51,7 @@ impl Step for Direct<'_> {
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit.t);
+        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         if let Some(connection) = connect(world, &surface, LIGHTS, numbers.light()) {

@@ -14,13 +14,13 @@
 //! glass, the sky and lights without a surface are done one by one.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::{Ray, Task};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
+use halfdome_kernel::{Hit, Ray, Task};
 
 use super::block::{Block, Bounces, LANES, Shadows};
 use super::wavefront::{Path, Walk, first_set, light_choice};
 use super::{CameraRays, Wavefront};
-use crate::estimator::{connect_to, emitted_density, point_on_emitter, sky_density};
+use crate::estimator::{connect_to, emitted_density, prospect, sky_density};
 use crate::light::Source;
 use crate::settings::{LightSampling, PathOptions, Stop, Survival};
 use crate::world::{Surface, WHITE, World};
@@ -93,7 +93,7 @@ impl Task for Advance<'_> {
     }
 }
 
-impl Advance<'_> {
+impl<'a> Advance<'a> {
     /// Collects light where path `i` has arrived, and takes it into the block unless it ends there.
     #[inline(always)]
     fn arrive(&mut self, i: usize, block: &mut Block) {
@@ -106,8 +106,8 @@ impl Advance<'_> {
         }
         let surface = world.surface_at(hit);
         // Most surfaces emit nothing.
-        if surface.emission != Vec3::ZERO {
-            *radiance += path.throughput * emission(world, lights, &path, &surface, ray, hit.t);
+        if surface.emission.cmpne(Vec3::ZERO).any() {
+            *radiance += path.throughput * emission(world, lights, &path, &surface, ray, hit);
         }
         if self.depth == max_depth {
             return;
@@ -158,11 +158,11 @@ impl Advance<'_> {
             *index = self.wave.paths[block.source[i] as usize].index;
             let (on_light, onwards) = (block.on_light[i], block.onwards[i]);
             let Some(choice) = world.lights.choose(light_choice(on_light, onwards)) else { continue };
-            if let Source::Triangle(prim_id) = *choice.source {
+            if let Source::Triangle(prim_id) = *choice.source
+                && let Some(face) = world.plain_face(prim_id)
+            {
                 let u = Vec2::new(choice.rest, on_light.y);
-                if let Some(lamp) = point_on_emitter(world, block.position(i), prim_id, u) {
-                    block.set_lamp(i, &lamp, world.lights.area_density(prim_id).recip());
-                }
+                block.set_lamp(i, face, world.material_of(face), world.lights.area_density(prim_id), u);
             } else {
                 let (surface, throughput) = self.stands_at(block, i);
                 if let Some(connection) = connect_to(world, &surface, lights, &choice, on_light.y) {
@@ -176,10 +176,10 @@ impl Advance<'_> {
 
     /// The surface of path `i` of the block, and its throughput.
     #[inline(never)]
-    fn stands_at(&self, block: &Block, i: usize) -> (Surface<'_>, Vec3) {
-        let source = block.source[i] as usize;
+    fn stands_at(&self, block: &Block, i: usize) -> (Surface<'a>, Vec3) {
+        let (source, world) = (block.source[i] as usize, self.world);
         let Wavefront { paths, rays, hits, .. } = &*self.wave;
-        (self.world.surface_at(&hits[source]).facing(rays[source].direction), paths[source].throughput)
+        (world.surface_at(&hits[source]).facing(rays[source].direction), paths[source].throughput)
     }
 
     /// Puts the paths of the block that go on to the others, of which there are `kept`; gives their number then.
@@ -187,37 +187,39 @@ impl Advance<'_> {
     fn go_on(&mut self, block: &Block, bounces: &Bounces, mut kept: usize) -> usize {
         let (world, has_sky) = (self.world, self.world.lights.sky_probability() > 0.0);
         for i in 0..block.len {
-            let source = block.source[i] as usize;
-            let index = self.wave.paths[source].index;
-            let (mut ray, throughput, density, mut goes_on) = bounces.get(i);
-            let mut path = Path { index, throughput, density, sky_density: 0.0 };
-            if has_sky {
-                path.sky_density = sky_density(world, &block.surface(i, &WHITE), ray.direction);
-            }
-            if block.scatters[i] < 1.0 {
-                goes_on = self.reflect(block, i, &mut path, &mut ray);
-            }
-            // Its place is one that is done with. Written in any case, and kept if it goes on: nobody can foresee which.
-            let wave = &mut *self.wave;
-            (wave.paths[kept], wave.rays[kept], wave.addresses[kept]) = (path, ray, block.addresses[i]);
+            // The place that is next is one that is done with. It is written in any case, and kept if the path goes on:
+            // nobody can foresee which.
+            let goes_on = if block.scatters[i] < 1.0 {
+                self.reflect(block, i, kept)
+            } else {
+                let wave = &mut *self.wave;
+                let index = wave.paths[block.source[i] as usize].index;
+                let (ray, throughput, density, reflects) = bounces.get(i);
+                let sky_density =
+                    if has_sky { sky_density(world, &block.surface(i, &WHITE), ray.direction) } else { 0.0 };
+                wave.paths[kept] = Path { index, throughput, density, sky_density, from: block.prims[i] };
+                wave.rays[kept] = ray;
+                reflects
+            };
+            self.wave.addresses[kept] = block.addresses[i];
             kept += usize::from(goes_on & (block.chances[i].x < block.survival[i]));
         }
         kept
     }
 
-    /// Lets path `i` of the block go on from a surface that may mirror or refract; whether it does.
+    /// Lets path `i` of the block go on from a surface that may mirror or refract, to place `kept`; whether it does.
     #[inline(never)]
-    fn reflect(&self, block: &Block, i: usize, path: &mut Path, ray: &mut Ray) -> bool {
+    fn reflect(&mut self, block: &Block, i: usize, kept: usize) -> bool {
         let (surface, throughput) = self.stands_at(block, i);
-        let incoming = self.wave.rays[block.source[i] as usize].direction;
+        let source = block.source[i] as usize;
+        let incoming = self.wave.rays[source].direction;
         let Some(bounce) = surface.sample_with(incoming, block.onwards[i], block.cosine[i]) else { return false };
-        *path = Path {
-            index: path.index,
-            throughput: throughput / block.survival[i] * bounce.weight,
-            density: bounce.density,
-            sky_density: sky_density(self.world, &surface, bounce.direction),
-        };
-        *ray = Ray::new(surface.origin_towards(bounce.direction), bounce.direction);
+        let sky_density = sky_density(self.world, &surface, bounce.direction);
+        let origin = surface.origin_towards(bounce.direction);
+        let throughput = throughput / block.survival[i] * bounce.weight;
+        let index = self.wave.paths[source].index;
+        self.wave.paths[kept] = Path { index, throughput, density: bounce.density, sky_density, from: surface.prim_id };
+        self.wave.rays[kept] = Ray::new(origin, bounce.direction);
         true
     }
 }
@@ -243,11 +245,24 @@ pub(super) fn emission(
     path: &Path,
     surface: &Surface,
     ray: &Ray,
-    t: f32,
+    hit: &Hit,
 ) -> Vec3 {
     // Most surfaces emit nothing.
     if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
         return Vec3::ZERO;
     }
-    surface.emission * lights.of_bounce(path.density, emitted_density(world, surface, ray.direction, t))
+    let density = emitted_density(world, surface, ray.direction, hit.t) * prospect_density(world, path, ray, hit);
+    surface.emission * lights.of_bounce(path.density, density)
+}
+
+/// How much more often the point of a lamp is looked at from where the path comes from than if its points were all alike.
+fn prospect_density(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
+    match world.plain_face(hit.prim_id) {
+        Some(face) if path.from != Hit::NO_PRIM => {
+            let normal = world.normal_towards(path.from, ray.direction);
+            let u = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
+            prospect(ray.origin, normal, &face.corners).density(u)
+        }
+        _ => 1.0,
+    }
 }

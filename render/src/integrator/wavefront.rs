@@ -67,6 +67,9 @@ pub(super) struct Path {
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
+    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
+    /// [`Hit::NO_PRIM`].
+    pub from: u32,
 }
 
 /// Where a path has arrived.
@@ -121,7 +124,7 @@ pub(crate) struct Connections {
 impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0 }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM }
     }
 
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.

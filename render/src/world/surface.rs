@@ -142,8 +142,9 @@ impl World {
     }
 }
 
+/// The sum of values at corners by barycentric weights.
 #[inline(always)]
-fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+pub(crate) fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
 

@@ -69,7 +69,7 @@ impl Step for Lookup<'_> {
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
+        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let albedo = surface.diffuse;
