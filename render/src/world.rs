@@ -100,7 +100,7 @@ impl World {
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
         let material = |prim: usize| &even[faces[prim].material as usize];
         let sky = SkyLight::new(sky);
-        let lights = Lights::new(&triangles, material, lights, sky.mean(), bvh.view().bounds());
+        let lights = Lights::new(&triangles, material, lights, &sky, bvh.view().bounds());
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
         Ok(Self {
             meshes,

@@ -36,6 +36,7 @@
 
 #[cfg(any(feature = "alloc", test))]
 mod build;
+mod inverse;
 mod item;
 mod quad;
 mod ray;
@@ -50,12 +51,12 @@ mod walk;
 
 #[cfg(any(feature = "alloc", test))]
 pub use build::Scene;
+pub use inverse::MAX_CONDITION;
 pub use item::{Item, Object};
 pub use quad::Quads;
 pub use ray::{SceneHit, SceneRay};
 pub use shape::Shape;
 pub use sphere::{Sphere, Spheres};
-pub use transform::MAX_CONDITION;
 pub use view::{Instances, Part, SceneView};
 
 use core::slice;

@@ -15,7 +15,6 @@ pub mod check;
 mod covered;
 mod denoise;
 mod dilate;
-pub(crate) mod direct;
 mod edges;
 mod filter;
 mod footprint;
@@ -23,6 +22,7 @@ pub mod gltf;
 mod hashes;
 mod islands;
 mod journal;
+mod junctions;
 mod light;
 mod lookup;
 pub mod manifest;
@@ -278,7 +278,9 @@ fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Sta
     if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
         warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
             (Mode::Direct, true) => {
-                "all maps are black: the sky is the only light, and it counts as indirect; give --mode full".to_owned()
+                "all maps are black: the sky is the only light, and without a sun in its picture it counts as indirect; \
+                 give --mode full"
+                    .to_owned()
             }
             (Mode::Ao, _) => "all maps are black: nothing is open; give a shorter --ao-distance".to_owned(),
             _ => {

@@ -38,9 +38,10 @@ pub struct BakeOptions {
 pub enum Mode {
     /// All of it: direct and indirect.
     Full,
-    /// What surfaces reflect, and the sky.
+    /// What surfaces reflect, and the sky without the sun of its picture.
     Indirect,
-    /// Emitters and lights without a surface.
+    /// Emitters, lights without a surface, and the sun of a sky's picture: that by which its texels are brighter than eight
+    /// times the rest.
     Direct,
     /// None: how open to the outside each texel is, from 0 to 1.
     Ao,

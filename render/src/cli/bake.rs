@@ -42,12 +42,13 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "NAME", default_value = "raw", value_parser = names(Preset::ALL, Preset::name))]
     preset: Preset,
 
-    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters and lights), or ao (ambient
-    /// occlusion)
+    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters, lights, and the sun of a sky's
+    /// picture), or ao (ambient occlusion)
     #[arg(long, value_name = "WHAT", default_value = "full", value_parser = names(Mode::ALL, Mode::name))]
     mode: Mode,
 
-    /// What is kept of where light comes from: none, hl2 (three normals) or sh1 (spherical harmonics)
+    /// What is kept of where light comes from: none, hl2 (irradiance for three normals) or sh1 (spherical harmonics of
+    /// radiance); as layers of the OpenEXR maps, and for bevy and three as a KTX2 array too (.hl2.ktx2, .sh1.ktx2)
     #[arg(long, value_name = "BASIS", default_value = "none")]
     #[arg(value_parser = names(Directional::ALL, Directional::name))]
     directional: Directional,

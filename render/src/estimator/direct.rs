@@ -60,8 +60,8 @@ pub(crate) fn connect_to(
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// Samples a light other than the sky. With [`LightSampling::Direct`] its samples count in full, where bounces find none
-/// of them.
+/// Samples a lamp, or the sky's glare, which no bounce is to find: what of direct light is not for gathers. With
+/// [`LightSampling::Direct`] samples of lamps count in full, where bounces find none of them.
 pub(crate) fn connect_lamp(
     world: &World,
     surface: &Surface,
@@ -69,7 +69,10 @@ pub(crate) fn connect_lamp(
     (choice, v): (f64, f32),
 ) -> Option<Connection> {
     let (choice, rarer) = world.lights.choose_lamp(choice)?;
-    let light = sample_light(world, surface, &choice, v)?;
+    let light = match choice.source {
+        Source::Sky => sample_glare(world, surface, &choice, v)?,
+        _ => sample_light(world, surface, &choice, v)?,
+    };
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
@@ -86,7 +89,7 @@ pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3,
 
 /// The same for [`connect_lamp`], which chooses among fewer lights.
 pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
-    emitted_density(world, emitter, direction, t) / (1.0 - world.lights.sky_probability())
+    emitted_density(world, emitter, direction, t) / world.lights.lamps_share()
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
@@ -167,6 +170,13 @@ fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> 
     let per_density = density.recip();
     let radiance = world.sky.radiance(direction) * per_density;
     (density > 0.0).then_some(LightSample { shadow, direction, radiance, per_density })
+}
+
+#[inline(never)]
+fn sample_glare(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
+    let (direction, radiance) = world.sky.sample_glare(Vec2::new(choice.rest, v))?;
+    let shadow = Ray::new(surface.origin_towards(direction), direction);
+    Some(LightSample { shadow, direction, radiance: radiance / choice.probability, per_density: 0.0 })
 }
 
 /// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.

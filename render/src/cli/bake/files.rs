@@ -1,9 +1,11 @@
 //! The files of a bake: the model, its maps, a manifest and a report. Each is put in its place in one step, the manifest
 //! last, so that a manifest only ever tells of files that are there.
 
+mod pages;
+
 use std::path::{Path, PathBuf};
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use serde_json::json;
 
 use super::super::CliError;
@@ -11,11 +13,10 @@ use super::super::progress::{Style, print_line};
 use super::{invalid, say};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
-use crate::bake::manifest::{Hash, Hashes, Manifest, Output, PageEntry, SurfaceEntry, Unit};
+use crate::bake::manifest::{Hash, Hashes, Manifest, Output, SurfaceEntry, Unit};
 use crate::bake::report::{self, Report, ReportPage};
 use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
-use crate::film::{Channel, Metadata, Picture};
-use crate::output::{EncodedMap, Map, OutputFile, encode_exr, encode_hdr, encode_ktx2};
+use crate::output::OutputFile;
 use crate::scene::{Scene, count};
 
 /// Where everything goes.
@@ -31,7 +32,7 @@ pub(super) struct Files {
 }
 
 /// A file that is ready to be written.
-struct Ready {
+pub(super) struct Ready {
     path: PathBuf,
     bytes: Vec<u8>,
 }
@@ -136,42 +137,13 @@ impl Files {
             self.source.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         let mut manifest = Manifest::new(source, unit, options.seed, hashes);
         let (mut ready, mut warnings) = (Vec::new(), Vec::new());
+        // The names of what the model shows, and their bytes.
         let mut maps: Vec<(String, Vec<u8>)> = Vec::new();
-        for (index, (map, size)) in bake.maps.iter().zip(&bake.atlas.pages).enumerate() {
-            let master = self.page(index, "exr");
-            let path = self.beside(&master);
-            let bytes = encode_exr(&path, &picture(bake, index, options)).map_err(CliError::system)?;
-            ready.push(Ready { path, bytes: bytes.clone() });
-            let texels: Vec<Vec3> = map.layers[0].texels.iter().map(|value| *value * scale).collect();
-            let map = Map { width: size.width, height: size.height, texels: &texels };
-            let extension = match self.preset {
-                Preset::Bevy => "ktx2",
-                Preset::Three => "hdr",
-                Preset::Raw => "exr",
-            };
-            let file = self.page(index, extension);
-            let path = self.beside(&file);
-            let encoded = match self.preset {
-                Preset::Bevy => Some(encode_ktx2(&path, &map).map_err(CliError::system)?),
-                Preset::Three => Some(encode_hdr(&path, &map).map_err(CliError::system)?),
-                Preset::Raw => None,
-            };
-            let bytes = match encoded {
-                Some(EncodedMap { bytes, clamped }) => {
-                    if clamped > 0 {
-                        let texels = count(clamped, "texel is", "texels are");
-                        warnings.push(format!(
-                            "{}: {texels} too bright for the format, and less bright there",
-                            path.display()
-                        ));
-                    }
-                    ready.push(Ready { path, bytes: bytes.clone() });
-                    bytes
-                }
-                None => bytes,
-            };
-            manifest.pages.push(PageEntry { file: file.clone(), master, width: size.width, height: size.height });
-            maps.push((file, bytes));
+        for index in 0..bake.maps.len() {
+            let page = self.encode(bake, index, options, scale, &mut warnings)?;
+            maps.push((page.entry.file.clone(), page.map));
+            manifest.pages.push(page.entry);
+            ready.extend(page.files);
         }
         manifest.surfaces = surfaces(scene, bake);
         let model = self.model(scene, bake, &maps, &mut warnings)?;
@@ -306,27 +278,6 @@ impl Files {
             }
         }
     }
-}
-
-/// A page as a picture with all of its layers, and the chart of each texel, counted from 1.
-fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
-    let (size, map) = (bake.atlas.pages[page], &bake.maps[page]);
-    let mut channels = Vec::new();
-    for layer in &map.layers {
-        for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
-            let name = if layer.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", layer.name) };
-            channels.push(Channel { name, values: layer.texels.iter().map(|value| value[i]).collect() });
-        }
-    }
-    let chart = |&owner: &u32| if owner == NO_CHART { 0.0 } else { owner as f32 + 1.0 };
-    channels.push(Channel { name: "chart".to_owned(), values: map.owners.iter().map(chart).collect() });
-    let metadata = Metadata {
-        samples_per_pixel: options.spp,
-        seed: options.seed,
-        integrator: format!("bake {}", options.mode.name()),
-        ..Metadata::default()
-    };
-    Picture { width: size.width, height: size.height, channels, metadata }
 }
 
 /// What of which page belongs to which surface.

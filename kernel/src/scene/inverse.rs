@@ -1,0 +1,127 @@
+//! Inverses of affine transforms in `f64`, and how large they get on the way from one transform to another.
+//!
+//! By cofactors, `M⁻¹ = adj M / det M`; norms are the greatest sum of absolute values along a row.
+
+use glam::{Affine3A, DMat3, DVec3, Vec3};
+
+use crate::geometry::Ray;
+
+/// The greatest `‖M‖ ‖M⁻¹‖`: about the ratio of the longest to the shortest image of a unit vector.
+pub const MAX_CONDITION: f64 = 65536.0;
+
+/// A transform and its inverse.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inverse {
+    translation: DVec3,
+    inverse: DMat3,
+}
+
+impl Inverse {
+    /// `None` if the matrix has no inverse.
+    pub(super) fn new(linear: DMat3, translation: DVec3) -> Option<Self> {
+        let [a, b, c] = linear.to_cols_array_2d().map(DVec3::from_array);
+        let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+        let determinant = dot(a, bc);
+        let inverse = DMat3::from_cols(bc / determinant, ca / determinant, ab / determinant).transpose();
+        let good = determinant != 0.0 && inverse.is_finite() && translation.is_finite();
+        good.then_some(Self { translation, inverse })
+    }
+
+    /// The ray in the item's space.
+    pub(super) fn ray(&self, ray: &Ray) -> Ray {
+        let origin = self.rotate(ray.origin.as_dvec3() - self.translation);
+        Ray { origin: origin.as_vec3(), direction: self.rotate(ray.direction.as_dvec3()).as_vec3(), ..*ray }
+    }
+
+    /// The norm of the inverse matrix.
+    pub(super) fn norm(&self) -> f64 {
+        norm(&self.inverse)
+    }
+
+    fn rotate(&self, v: DVec3) -> DVec3 {
+        let [x, y, z] = self.inverse.to_cols_array_2d().map(DVec3::from_array);
+        x * v.x + y * v.y + z * v.z
+    }
+}
+
+// Written out, as these decide where hits are: the same operations everywhere.
+fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+fn dot(a: DVec3, b: DVec3) -> f64 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// The matrix of a transform.
+pub(super) fn linear(transform: &Affine3A) -> DMat3 {
+    let [x, y, z] = transform.matrix3.to_cols_array_2d().map(|c| Vec3::from_array(c).as_dvec3());
+    DMat3::from_cols(x, y, z)
+}
+
+/// Where a transform takes the origin.
+pub(super) fn translation(transform: &Affine3A) -> DVec3 {
+    Vec3::from(transform.translation).as_dvec3()
+}
+
+/// Sums of absolute values along the rows.
+pub(super) fn row_sums(matrix: &DMat3) -> DVec3 {
+    let [x, y, z] = matrix.to_cols_array_2d().map(DVec3::from_array);
+    x.abs() + y.abs() + z.abs()
+}
+
+/// The greatest sum of absolute values along a row.
+pub(super) fn norm(matrix: &DMat3) -> f64 {
+    row_sums(matrix).max_element()
+}
+
+/// A bound of the inverse's norm on the way from one matrix to another; `None` if the condition gets too large.
+///
+/// If `A` is the inverse of `M` and `h ‖A D‖ <= 1/2`, then that of `M + h D` has at most twice the norm of `A`.
+pub(super) fn inverse_norm_between(from: &DMat3, to: &DMat3) -> Option<f64> {
+    let change = *to - *from;
+    let size = norm(from).max(norm(to));
+    let (mut start, mut length, mut largest) = (0.0, 1.0, 0.0f64);
+    while start < 1.0 {
+        let middle = *from + change * (start + 0.5 * length);
+        let inverse = Inverse::new(middle, DVec3::ZERO)?.inverse;
+        let step = 0.5 * length * norm(&(inverse * change));
+        let bound = norm(&inverse) / (1.0 - step);
+        if norm(&inverse) * size > MAX_CONDITION {
+            return None;
+        }
+        if step <= 0.5 && bound * size <= MAX_CONDITION {
+            largest = largest.max(bound);
+            start += length;
+            length = (2.0 * length).min(1.0 - start);
+        } else {
+            length *= 0.5;
+            // Shorter than any fraction of time that matters: too near to singular.
+            if length < 1e-9 {
+                return None;
+            }
+        }
+    }
+    Some(largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_norm_on_the_way_is_a_bound_that_is_not_wasteful() {
+        let from = DMat3::IDENTITY;
+        let to = |angle: f64| DMat3::from_rotation_y(angle) * DMat3::from_diagonal(DVec3::new(2.0, 1.0, 0.5));
+        // The determinant in x and z is negative halfway.
+        assert_eq!(inverse_norm_between(&from, &to(3.0)), None);
+        for angle in [0.0, 0.5, 1.5, 2.0] {
+            let to = to(angle);
+            let bound = inverse_norm_between(&from, &to).unwrap();
+            let most = (0..=10_000)
+                .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4), DVec3::ZERO).unwrap().inverse))
+                .fold(0.0, f64::max);
+            assert!(most <= bound * (1.0 + 1e-12) && bound <= 4.0 * most, "{angle}: {most} {bound}");
+        }
+    }
+}
