@@ -153,11 +153,14 @@ impl<'a> Advance<'a> {
     #[inline(always)]
     fn connect(&mut self, block: &mut Block, shadows: &mut Shadows) {
         let (world, lights) = (self.world, self.options.lights);
-        let mut indices = [0; LANES];
+        let (mut indices, mut choices) = ([0; LANES], [const { None }; LANES]);
+        // In a loop of its own, for its chain of operations is long, and more of them overlap so.
+        for (i, choice) in choices.iter_mut().enumerate().take(block.len) {
+            *choice = world.lights.choose(light_choice(block.on_light[i], block.onwards[i]));
+        }
         for (i, index) in indices.iter_mut().enumerate().take(block.len) {
             *index = self.wave.paths[block.source[i] as usize].index;
-            let (on_light, onwards) = (block.on_light[i], block.onwards[i]);
-            let Some(choice) = world.lights.choose(light_choice(on_light, onwards)) else { continue };
+            let (on_light, Some(choice)) = (block.on_light[i], &choices[i]) else { continue };
             if let Source::Triangle(prim_id) = *choice.source
                 && let Some(face) = world.plain_face(prim_id)
             {
@@ -165,7 +168,7 @@ impl<'a> Advance<'a> {
                 block.set_lamp(i, face, world.material_of(face), world.lights.area_density(prim_id), u);
             } else {
                 let (surface, throughput) = self.stands_at(block, i);
-                if let Some(connection) = connect_to(world, &surface, lights, &choice, on_light.y) {
+                if let Some(connection) = connect_to(world, &surface, lights, choice, on_light.y) {
                     self.wave.connections.push(*index, throughput, connection);
                 }
             }
