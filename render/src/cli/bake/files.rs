@@ -13,7 +13,7 @@ use super::super::progress::{Style, print_line};
 use super::{invalid, say};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
-use crate::bake::manifest::{Hash, Hashes, Manifest, Output, SurfaceEntry, Unit};
+use crate::bake::manifest::{Hash, Hashes, Manifest, Output, Unit};
 use crate::bake::report::{self, Report, ReportPage};
 use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
 use crate::output::OutputFile;
@@ -145,7 +145,7 @@ impl Files {
             manifest.pages.push(page.entry);
             ready.extend(page.files);
         }
-        manifest.surfaces = surfaces(scene, bake);
+        manifest.surfaces = pages::surfaces(scene, bake);
         let model = self.model(scene, bake, &maps, &mut warnings)?;
         ready.push(Ready { path: self.model.clone(), bytes: model });
         if let Some(path) = &self.report {
@@ -226,6 +226,8 @@ impl Files {
             let chart = |&owner: &u32| (owner != NO_CHART).then_some(owner);
             let density =
                 |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
+            let known =
+                |(&error, &source): (&f32, &bake::Source)| if source == bake::Source::Light { error } else { f32::NAN };
             ReportPage {
                 name: self.page(page, "exr"),
                 width: size.width,
@@ -239,12 +241,16 @@ impl Files {
                     .filter(|place| place.0 == page)
                     .map(|place| place.1.to_array())
                     .collect(),
-                error: None,
+                error: Some(map.errors.iter().zip(&map.sources).map(known).collect()),
             }
         };
         Report {
             title: self.model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            statistics: figures.iter().map(|(name, number)| ((*name).to_owned(), number.to_string())).collect(),
+            statistics: figures
+                .iter()
+                .map(|(name, number)| ((*name).to_owned(), number.to_string()))
+                .chain([("relative error, estimated".to_owned(), format!("{:.2}%", 100.0 * bake.error()))])
+                .collect(),
             warnings: bake.warnings.iter().chain(warnings).cloned().collect(),
             pages: (0..bake.maps.len()).map(page).collect(),
         }
@@ -267,6 +273,7 @@ impl Files {
                 "covered": s.covered,
                 "seams": s.seams,
                 "misses": s.misses,
+                "error": bake.error(),
                 "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             })),
             Style::Bar => {
@@ -278,23 +285,4 @@ impl Files {
             }
         }
     }
-}
-
-/// What of which page belongs to which surface.
-fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
-    let surface = |part: &crate::bake::atlas::Part| {
-        let mesh = &scene.meshes[part.mesh];
-        let (low, high) = part.vertices.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), vertex| {
-            (low.min(vertex.uv), high.max(vertex.uv))
-        });
-        let size = high - low;
-        SurfaceEntry {
-            name: mesh.name.clone(),
-            node: mesh.origin.map(|origin| origin.node),
-            primitive: mesh.origin.map(|origin| origin.primitive),
-            page: part.page,
-            rect: [low.x, low.y, size.x, size.y],
-        }
-    };
-    bake.atlas.parts.iter().map(surface).collect()
 }

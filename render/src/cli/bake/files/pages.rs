@@ -1,17 +1,18 @@
-//! The files of a page: the master with all layers, the map that the model shows, and what is kept of directions.
+//! The files of a page: the master with all layers, the map that the model shows, and what is kept of directions; and which
+//! part of it belongs to which surface.
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::super::super::CliError;
 use super::{Files, Ready};
-use crate::bake::atlas::NO_CHART;
-use crate::bake::manifest::{DirectionalEntry, PageEntry};
+use crate::bake::atlas::{NO_CHART, Part};
+use crate::bake::manifest::{DirectionalEntry, PageEntry, SurfaceEntry};
 use crate::bake::{Bake, BakeOptions, Directional, Preset};
 use crate::film::{Channel, Metadata, Picture};
 use crate::output::{EncodedMap, Map, Shape, Texture, encode_exr, encode_hdr, encode_ktx2, encode_ktx2_texture};
-use crate::scene::count;
+use crate::scene::{Scene, count};
 
 /// A page, ready to be written.
 pub(super) struct Encoded {
@@ -104,4 +105,23 @@ fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
         ..Metadata::default()
     };
     Picture { width: size.width, height: size.height, channels, metadata }
+}
+
+/// What of which page belongs to which surface.
+pub(super) fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
+    let surface = |part: &Part| {
+        let mesh = &scene.meshes[part.mesh];
+        let (low, high) = part.vertices.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), vertex| {
+            (low.min(vertex.uv), high.max(vertex.uv))
+        });
+        let size = high - low;
+        SurfaceEntry {
+            name: mesh.name.clone(),
+            node: mesh.origin.map(|origin| origin.node),
+            primitive: mesh.origin.map(|origin| origin.primitive),
+            page: part.page,
+            rect: [low.x, low.y, size.x, size.y],
+        }
+    };
+    bake.atlas.parts.iter().map(surface).collect()
 }
