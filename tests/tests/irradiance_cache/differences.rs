@@ -65,6 +65,7 @@ fn gradients_are_those_of_path_traced_differences() {
             assert!((irradiance / centre - 1.0).abs() < 0.03, "{layout:?}: {irradiance}, not {centre}");
             for (axis, exact) in axes.into_iter().zip(exact) {
                 let error = (gradient.dot(axis.as_dvec3()) - exact).abs() / size;
+                println!("{layout:?}, {axis}: off by {error:.4} of {size:.4}, E {irradiance:.4} of {centre:.4}");
                 assert!(error < 0.15, "{layout:?}, {axis}: {gradient}, not {quotients:?}");
             }
         }
