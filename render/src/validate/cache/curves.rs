@@ -17,12 +17,11 @@ pub struct Kind {
 pub const KINDS: [Kind; 5] = [
     Kind { label: NO_GRADIENTS, metric: Metric::SplitSphere, gradients: Gradients::Off },
     Kind { label: "rotation", metric: Metric::SplitSphere, gradients: Gradients::Rotation },
-    Kind { label: GRADIENTS, metric: Metric::SplitSphere, gradients: Gradients::Both },
+    Kind { label: "rotation and translation", metric: Metric::SplitSphere, gradients: Gradients::Both },
     Kind { label: "bounded", metric: Metric::Bounded, gradients: Gradients::Both },
     Kind { label: HESSIAN, metric: Metric::Hessian, gradients: Gradients::Both },
 ];
 pub(super) const NO_GRADIENTS: &str = "no gradients";
-pub(super) const GRADIENTS: &str = "rotation and translation";
 pub(super) const HESSIAN: &str = "Hessian";
 /// Paths in figures.
 const PATHS: &str = "path tracing";

@@ -14,7 +14,7 @@ use super::{Experiment, Family, Interrupted, Lab, Outcome};
 use crate::scene::{Scene, cornell_box};
 use crate::settings::{CachedOptions, Gradients, Metric};
 use crate::world::World;
-use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
+use curves::{HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
 
 pub use curves::{Curves, KINDS, Kind, Plan};
 pub use study::{Reference, Run, Study};
@@ -26,7 +26,7 @@ pub(super) const FAMILY: Family = Family {
     experiments: &[
         Experiment {
             name: "cache-cornell",
-            about: "Records with gradients, relative to those without for the same error, in the Cornell box",
+            about: "Records by the Hessian, relative to those without gradients for the same error, in the Cornell box",
             run: gradients,
         },
         Experiment {
@@ -71,9 +71,9 @@ fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(C
 
 fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
     let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
-    // Both are read from the same caches. The least error without gradients is one that coarser ones with them have.
+    // The least error without gradients is one that coarser caches have with them.
     let without = finest(curves.of(NO_GRADIENTS)).ok_or(Interrupted)?;
-    let measured = records_for(curves.of(GRADIENTS), without.error) / without.records as f64;
+    let measured = records_for(curves.of(HESSIAN), without.error) / without.records as f64;
     let quantity = format!("records for an error of {:.1}%", 100.0 * without.error);
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
 }
