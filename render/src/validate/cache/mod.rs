@@ -51,9 +51,10 @@ pub(super) const FAMILY: Family = Family {
 /// each.
 const RECORDS: f64 = 1700.0;
 
-/// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide.
+/// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide: one in a
+/// corner can be half of all.
 fn study<'a>(lab: &Lab<'a>, world: &'a World) -> Result<Study<'a>, Interrupted> {
-    let study = Study::new(world, 16, lab.share(32_768).max(8192), lab.seed(), lab.watch());
+    let study = Study::new(world, 32, lab.share(8192).max(2048), lab.seed(), lab.watch());
     if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
 }
 
