@@ -1,7 +1,7 @@
 // Loads baked files in headless Chromium and looks at the pixels.
 //
 // A furnace by hand: a wall whose lightmap has two known texels. Then, if `HALFDOME` names the program, a room that it
-// bakes: three.js must show what `halfdome render` does.
+// bakes: three.js must show what `halfdome render` does. Last, cube maps that it makes, by the lookup that it prints.
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -10,6 +10,7 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
+import { lookUp } from './cubes.mjs';
 import { furnace, room } from './levels.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
@@ -47,9 +48,10 @@ async function shown(page, address, file) {
 }
 
 const { server, address } = await serve();
+const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'];
 const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', ...webgpu],
 });
 try {
     const page = await browser.newPage({ viewport: { width, height } });
@@ -84,6 +86,7 @@ try {
         const most = sorted[Math.floor(0.95 * sorted.length)];
         console.log(`room: ${mean.toFixed(2)} codes apart on average, 95% within ${most}`);
         assert(mean < 2.5 && most <= 8);
+        await lookUp(run, out, page);
     }
     assert.deepEqual(failures, []);
 } finally {

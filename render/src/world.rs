@@ -12,7 +12,7 @@ use halfdome_kernel::{
 use crate::light::{Lights, SkyLight};
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
 use crate::threads::Threads;
-pub(crate) use surface::Surface;
+pub(crate) use surface::{Surface, WHITE, interpolate};
 
 /// Geometry in a tree, materials, lights and a camera.
 #[derive(Debug)]
@@ -38,15 +38,15 @@ pub struct World {
 /// A triangle, with what most hits need to know of it in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Face {
-    corners: Triangle,
+pub(crate) struct Face {
+    pub(crate) corners: Triangle,
     /// Unit normal by the winding.
-    normal: Vec3,
+    pub(crate) normal: Vec3,
     /// How far from its plane rays start.
-    offset: f32,
+    pub(crate) offset: f32,
     mesh: u32,
     material: u32,
-    /// Whether nothing varies over it: it has neither vertex normals nor textures.
+    /// Whether nothing varies over it: it has neither vertex normals nor textures nor holes.
     is_plain: bool,
 }
 
@@ -82,8 +82,8 @@ impl World {
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
         let is_plain = |mesh: &Mesh| {
-            let Material { diffuse_map, emission_map, .. } = &materials[mesh.material];
-            mesh.normals.is_empty() && diffuse_map.is_none() && emission_map.is_none()
+            let Material { diffuse_map, emission_map, cutout, .. } = &materials[mesh.material];
+            mesh.normals.is_empty() && diffuse_map.is_none() && emission_map.is_none() && cutout.is_none()
         };
         let (mut faces, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
         for (number, mesh) in (0..).zip(&meshes) {
@@ -100,7 +100,7 @@ impl World {
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
         let material = |prim: usize| &even[faces[prim].material as usize];
         let sky = SkyLight::new(sky);
-        let lights = Lights::new(&triangles, material, lights, sky.mean(), bvh.view().bounds());
+        let lights = Lights::new(&triangles, material, lights, &sky, bvh.view().bounds());
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
         Ok(Self {
             meshes,
@@ -151,6 +151,24 @@ impl World {
     /// Takes pictures from another pose, one that [`Overrides::apply`](crate::scene::Overrides::apply) has let pass.
     pub fn look_from(&mut self, camera: CameraPose) {
         self.camera = camera;
+    }
+
+    /// A triangle over which nothing varies; `None` for others.
+    #[inline(always)]
+    pub(crate) fn plain_face(&self, prim_id: u32) -> Option<&Face> {
+        Some(&self.faces[prim_id as usize]).filter(|face| face.is_plain)
+    }
+
+    /// The material of a triangle.
+    #[inline(always)]
+    pub(crate) fn material_of(&self, face: &Face) -> &Material {
+        &self.materials[face.material as usize]
+    }
+
+    /// The unit normal of a triangle, on the side to which `direction` points.
+    pub(crate) fn normal_towards(&self, prim_id: u32, direction: Vec3) -> Vec3 {
+        let normal = self.faces[prim_id as usize].normal;
+        if normal.dot(direction) < 0.0 { -normal } else { normal }
     }
 
     /// Length of the diagonal of the scene's bounds; 1 if it is empty or a point.

@@ -1,5 +1,6 @@
 //! Two sealed rooms, one that glows and one that does not, baked by halfdome and shown by Bevy without a window: entities
-//! have their lightmaps, texels the irradiance over π that is known, and so have pixels.
+//! have their lightmaps, texels the irradiance over π that is known, and so have pixels. Cube maps and an irradiance volume of
+//! the room that glows are textures as Bevy's probes want them.
 //!
 //! In the room that glows each wall emits 1/4 and reflects one half, so that everything has the radiance 1/2.
 
@@ -15,7 +16,7 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages, TextureViewDimension};
 use bevy::window::ExitCondition;
 use halfdome_bevy::BakedLightmapPlugin;
 use serde_json::json;
@@ -87,13 +88,20 @@ fn level() -> Vec<u8> {
 fn bake(folder: &Path) {
     std::fs::write(folder.join("level.glb"), level()).unwrap();
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
-    let baked = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--release", "-p", "halfdome", "--manifest-path", manifest, "--"])
-        .args("bake level.glb -o level.baked.glb --preset bevy --size 128 --spp 1024 --progress none".split(' '))
-        .current_dir(folder)
-        .status()
-        .unwrap();
-    assert!(baked.success());
+    for command in [
+        "bake level.glb -o level.baked.glb --preset bevy --size 128 --spp 1024",
+        "cubemap level.glb --at 0,0,0 -o cube.ktx2 --size 16 --spp 64 --diffuse=8",
+        "probes level.glb --grid 2x3x4 --min=-1,-1,-1 --max 1,1,1 -o volume.ktx2",
+    ] {
+        let done = Command::new(env!("CARGO"))
+            .args(["run", "--quiet", "--release", "-p", "halfdome", "--manifest-path", manifest, "--"])
+            .args(command.split(' '))
+            .args(["--progress", "none"])
+            .current_dir(folder)
+            .status()
+            .unwrap();
+        assert!(done.success(), "{command}");
+    }
 }
 
 /// An app without a window, for the files of a folder.
@@ -170,6 +178,22 @@ fn lightmaps(app: &mut App) -> Vec<(String, Vec<f32>)> {
     found
 }
 
+/// Whether a texture is there; then it must be of this kind, and all of its texels be light of the radiance 1/2.
+fn has_light(app: &App, image: &Handle<Image>, dimension: TextureViewDimension, extent: [u32; 3], levels: u32) -> bool {
+    let Some(image) = app.world().resource::<Assets<Image>>().get(image) else { return false };
+    let Image { texture_descriptor: texture, texture_view_descriptor: view, data: Some(bytes), .. } = image else {
+        return false;
+    };
+    assert_eq!(view.as_ref().and_then(|view| view.dimension), Some(dimension));
+    let Extent3d { width, height, depth_or_array_layers } = texture.size;
+    assert_eq!([width, height, depth_or_array_layers], extent);
+    assert_eq!((texture.format, texture.mip_level_count), (TextureFormat::Rgba16Float, levels));
+    let red: Vec<f32> = bytes.chunks_exact(8).map(|texel| half(texel[0], texel[1])).collect();
+    let mean = red.iter().sum::<f32>() / red.len() as f32;
+    assert!((mean / 0.5 - 1.0).abs() < 0.02 && red.iter().all(|value| (value / 0.5 - 1.0).abs() < 0.3), "{mean}");
+    true
+}
+
 #[test]
 fn a_furnace_has_its_light() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,6 +202,8 @@ fn a_furnace_has_its_light() {
     let [lit, dark] = [0.0, 10.0].map(|x| place_camera(&mut app, x));
     let scene = app.world().resource::<AssetServer>().load(GltfAssetLabel::Scene(0).from_asset("level.baked.glb"));
     app.world_mut().spawn(WorldAssetRoot(scene));
+    let load = |file: &'static str| app.world().resource::<AssetServer>().load(file);
+    let [radiance, diffuse, volume] = ["cube.ktx2", "cube-diffuse.ktx2", "volume.ktx2"].map(load);
 
     let started = Instant::now();
     // Emitted, and reflected with the plugin's exposure.
@@ -207,5 +233,14 @@ fn a_furnace_has_its_light() {
     };
     near(&pixels(&app, lit), expected);
     near(&pixels(&app, dark), 0.0);
+    use TextureViewDimension::{Cube, D3};
+    while !has_light(&app, &radiance, Cube, [16, 16, 6], 3)
+        || !has_light(&app, &diffuse, Cube, [8, 8, 6], 1)
+        || !has_light(&app, &volume, D3, [2, 6, 12], 1)
+    {
+        app.update();
+        assert!(started.elapsed() < Duration::from_secs(300), "cube maps or the volume do not load");
+        std::thread::sleep(Duration::from_millis(5));
+    }
     println!("the furnace's pixels have the right value after {:.1} s", started.elapsed().as_secs_f32());
 }

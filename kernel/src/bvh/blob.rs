@@ -187,7 +187,7 @@ mod owned {
     use core::ops::{Deref, DerefMut};
 
     use super::*;
-    use crate::bvh::Bvh;
+    use crate::bvh::{Bvh, pages};
 
     /// The bytes of a blob in memory of their own, where they can be traced in place.
     #[derive(Clone, Debug, PartialEq, Eq)]
@@ -248,8 +248,8 @@ mod owned {
             let header = Header::read(bytes)?;
             header.check_sum(bytes)?;
             let (node_bytes, block_bytes) = header.sections(bytes);
-            let mut nodes = vec![Node::EMPTY; header.nodes as usize];
-            let mut blocks = vec![TriangleBlock::EMPTY; header.blocks as usize];
+            let mut nodes = pages::filled(Node::EMPTY, header.nodes as usize);
+            let mut blocks = pages::filled(TriangleBlock::EMPTY, header.blocks as usize);
             bytemuck::cast_slice_mut(&mut nodes).copy_from_slice(node_bytes);
             bytemuck::cast_slice_mut(&mut blocks).copy_from_slice(block_bytes);
             header.check_tree(&nodes, &blocks)?;

@@ -10,6 +10,7 @@ use super::binary::BinaryTree;
 use super::contents::Contents;
 use super::executor::Executor;
 use super::node::{Child, Node, WIDTH};
+use super::pages;
 use super::plan::Plan;
 use crate::error::InvalidTree;
 
@@ -83,7 +84,8 @@ pub(super) fn collapse<E: Executor, C: Contents + ?Sized>(
     let cost = plan.expected_cost();
     drop(plan);
     executor.advance(0.2 * work);
-    let mut filled = vec![C::EMPTY; blocks as usize];
+    let mut nodes = pages::moved(nodes);
+    let mut filled = pages::filled(C::EMPTY, blocks as usize);
     executor.join(|| sort(executor, &mut nodes), || Source { tree, contents }.fill(executor, &leaves, &mut filled));
     executor.advance(0.4 * work);
     Ok(Collapsed { nodes, blocks: filled, cost })

@@ -31,6 +31,8 @@ mod node;
 #[cfg(any(feature = "alloc", test))]
 mod options;
 #[cfg(any(feature = "alloc", test))]
+mod pages;
+#[cfg(any(feature = "alloc", test))]
 mod plan;
 #[cfg(any(feature = "alloc", test))]
 mod primitive;

@@ -49,7 +49,7 @@ impl Frame {
     }
 
     /// A local vector in world coordinates: the inverse of [`to_local`](Self::to_local).
-    #[inline]
+    #[inline(always)]
     pub fn to_world(&self, local: Vec3) -> Vec3 {
         self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
     }

@@ -13,7 +13,7 @@ use core::hint::select_unpredictable;
 use super::candidates::{self, Candidates, Place};
 use super::pending::{Pending, corners, meet_children};
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup::RaySetup;
+use crate::geometry::setup::{Line, RaySetup, Slabs};
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
@@ -92,8 +92,8 @@ fn depart<S: Simd>(
     for lane in 0..WIDTH.min(rays.len() - first) {
         let i = resting.pop();
         let bird = &mut birds[i];
-        bird.setup = setups.setup(lane);
-        bird.octant = bird.setup.slabs.octant();
+        RaySetup { slabs: bird.slabs, line: bird.line } = setups.setup(lane);
+        bird.octant = bird.slabs.octant();
         let (t_min, t_max) = setups.interval(lane);
         bird.t_min = t_min;
         bird.best = Hit::none_before(t_max);
@@ -115,7 +115,7 @@ fn test<const ANY: bool, S: Simd>(
     birds: &mut [Bird; FLOCK],
 ) {
     for (codes, numbers) in candidates.eights() {
-        let lines = numbers.map(|number| &birds[usize::from(number) % FLOCK].setup.line);
+        let lines = numbers.map(|number| &birds[usize::from(number) % FLOCK].line);
         let mut triangles = [Place::new(blocks, codes[0], lines[0]); WIDTH];
         for lane in 1..WIDTH {
             triangles[lane] = Place::new(blocks, codes[lane], lines[lane]);
@@ -132,23 +132,29 @@ fn test<const ANY: bool, S: Simd>(
     }
 }
 
-/// A ray under way.
+/// A ray under way: a cache line for nodes, one for triangles, and what is pending. Flock and nodes fill the first-level
+/// cache.
+#[repr(C, align(64))]
 struct Bird {
-    setup: RaySetup,
+    slabs: Slabs,
     octant: u8,
     t_min: f32,
     best: Hit,
+    line: Line,
     /// Of the ray in its batch.
     number: usize,
     pending: Pending,
 }
 
+const _: () = assert!(core::mem::offset_of!(Bird, line) <= 64 && core::mem::offset_of!(Bird, pending) == 128);
+
 impl Bird {
     const LANDED: Self = Self {
-        setup: RaySetup::NOWHERE,
+        slabs: RaySetup::NOWHERE.slabs,
         octant: 0,
         t_min: 0.0,
         best: Hit::MISS,
+        line: RaySetup::NOWHERE.line,
         number: usize::MAX,
         pending: Pending::EMPTY,
     };
@@ -158,7 +164,7 @@ impl Bird {
     fn enter<S: Simd>(&mut self, nodes: &[Node]) {
         let (child, _) = self.pending.take();
         if let Some(node) = nodes.get(child as usize) {
-            self.pending.enter::<S>(node, &self.setup.slabs, self.octant, self.t_min, self.best.t);
+            self.pending.enter::<S>(node, &self.slabs, self.octant, self.t_min, self.best.t);
         }
     }
 
@@ -167,7 +173,7 @@ impl Bird {
     fn find_candidates<S: Simd>(&mut self, number: usize, blocks: &[TriangleBlock], candidates: &mut FlocksCandidates) {
         let first = self.pending.take_block();
         if let Some(block) = blocks.get(first as usize) {
-            let line = &self.setup.line;
+            let line = &self.line;
             let inside = triangle::inside(&LineLanes::<S::F8>::splat(line), corners(block, line.axes));
             candidates.push::<S>(first, inside, number as u8);
         }

@@ -8,8 +8,9 @@ use crate::geometry::setup::{Axis, Slabs};
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Children, Lanes, Simd};
 
-/// Whatever a height is, an entry is there, and room for the eight that a node writes, whether it keeps them or not.
-const ROOM: usize = 256 + WIDTH;
+/// Whatever a height is, an entry is there, and room for the eight that a node writes, whether it keeps them or not; and
+/// so many that distances begin with a cache line.
+const ROOM: usize = 256 + WIDTH + 7;
 const _: () = assert!(MAX_STACK + 1 + WIDTH <= 256);
 
 /// The order of the slots themselves.
@@ -17,7 +18,9 @@ const AS_THEY_ARE: u32 = 0o76543210;
 /// The last slot first.
 const BACKWARDS: u32 = 0o01234567;
 
-/// A stack of subtrees. At its bottom lies [`Pending::NONE`], which is never taken.
+/// A stack of subtrees. At its bottom lies [`Pending::NONE`], which is never taken. What is used of a low one lies in two
+/// cache lines.
+#[repr(C, align(64))]
 pub(crate) struct Pending {
     height: u8,
     /// The next one last.

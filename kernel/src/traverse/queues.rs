@@ -115,10 +115,9 @@ impl Queues {
     }
 }
 
-/// Rays under way.
+/// Rays under way. Rows do not cross cache lines.
+#[repr(C, align(64))]
 struct Waiting {
-    /// Of each ray in its batch.
-    numbers: [usize; RAYS],
     /// [`Line::numbers`](crate::geometry::setup::Line::numbers), in the order [`FORWARD`].
     lines: [[f32; WIDTH]; RAYS],
     /// [`eight::Found`].
@@ -126,16 +125,18 @@ struct Waiting {
     /// The queues of the leaves to visit, the next one last, and where their boxes begin.
     leaves: [[u32; WIDTH]; RAYS],
     near: [[f32; WIDTH]; RAYS],
+    /// Of each ray in its batch.
+    numbers: [usize; RAYS],
     heights: [u8; RAYS],
 }
 
 impl Waiting {
     const NONE: Self = Self {
-        numbers: [0; RAYS],
         lines: [[0.0; WIDTH]; RAYS],
         found: [[0.0; WIDTH]; RAYS],
         leaves: [[0; WIDTH]; RAYS],
         near: [[0.0; WIDTH]; RAYS],
+        numbers: [0; RAYS],
         heights: [0; RAYS],
     };
 

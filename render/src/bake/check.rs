@@ -6,6 +6,7 @@ use std::fmt;
 use super::atlas::{Atlas, NO_CHART};
 use super::islands::{area, stretch};
 use super::raster::{Polygon, rasterize};
+use super::texels::LEAST_COVERAGE;
 use crate::scene::{Scene, count};
 
 /// Two triangles overlap in a texel if they share more than this part of it; less is rounding.
@@ -184,8 +185,11 @@ fn find_overlaps(atlas: &Atlas, padding: u32, found: &mut Check) {
         let mut crowded = vec![false; page.texels()];
         for group in pieces.chunk_by(|a, b| a.0 == b.0) {
             let texel = group[0].0 as usize;
-            owners[texel] = group[0].1;
-            crowded[texel] = group.iter().any(|piece| piece.1 != group[0].1);
+            let charts = charts_shown(group);
+            if let Some(&first) = charts.first() {
+                owners[texel] = first;
+                crowded[texel] = charts.iter().any(|chart| *chart != first);
+            }
             covered += group.iter().map(|(.., piece)| piece.area().abs()).sum::<f64>().min(1.0);
             let in_texel = overlapping_pairs(group);
             if !in_texel.is_empty() {
@@ -201,6 +205,18 @@ fn find_overlaps(atlas: &Atlas, padding: u32, found: &mut Check) {
     found.fill = covered / all;
     found.overlaps = pairs.into_iter().map(|(charts, texels)| Overlap { charts, texels }).collect();
     found.overlaps.sort_by_key(|overlap| std::cmp::Reverse(overlap.texels));
+}
+
+/// The charts that a bake shows in the texel of which these are the pieces: it leaves to the gutter what hardly covers any of
+/// it, as does a chart that ends at the texel's border but for rounding.
+fn charts_shown(pieces: &[(u32, u32, Polygon)]) -> Vec<u32> {
+    let area = |chart: u32| -> f64 {
+        pieces.iter().filter(|(_, other, _)| *other == chart).map(|(.., piece)| piece.area().abs()).sum()
+    };
+    let mut charts: Vec<u32> = pieces.iter().map(|(_, chart, _)| *chart).collect();
+    charts.dedup();
+    charts.retain(|chart| area(*chart) >= f64::from(LEAST_COVERAGE));
+    charts
 }
 
 /// The pairs of charts whose pieces of one texel overlap.

@@ -1,10 +1,11 @@
-//! Edges of the scene's triangles that two of them share, and whether light goes on smoothly over them.
+//! Edges that two of the scene's triangles share, and whether light goes on smoothly over them.
 //!
-//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. Edges that meet another
-//! in its middle (T-junctions) are not found.
+//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. What is not shared so may be
+//! shared piece by piece: where corners lie in the middle of a side ([`junctions`](super::junctions)), it is cut there.
 
 use glam::Vec3;
 
+use super::junctions::corners_on;
 use crate::scene::{Mesh, Scene};
 
 /// Shading normals this far apart at both ends of an edge, or less, are those of one smooth surface: cos 37°.
@@ -21,14 +22,27 @@ pub(crate) struct Side {
     pub(crate) side: u8,
 }
 
-/// Two sides with the same ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Two sides, or pieces of sides, with the same ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SharedEdge {
     pub(crate) sides: [Side; 2],
+    /// Where on each side it starts and ends, from 0 to 1: both start at one point, and end at one.
+    pub(crate) spans: [[f64; 2]; 2],
     /// Whether the surface goes on over it without a crease.
     pub(crate) is_smooth: bool,
-    /// Whether the second side runs from the first one's end to its start.
-    pub(crate) is_reversed: bool,
+}
+
+/// A point's bits; both zeros are one.
+pub(super) type Key = [u32; 3];
+
+/// A piece of a side.
+#[derive(Clone, Copy)]
+struct Piece {
+    /// Its ends, the lesser first.
+    ends: [Key; 2],
+    start: Key,
+    side: Side,
+    span: [f64; 2],
 }
 
 impl Side {
@@ -44,52 +58,74 @@ impl Side {
     }
 }
 
+impl Piece {
+    fn new(side: Side, ends: [Vec3; 2], span: [f64; 2]) -> Self {
+        let mut keys = ends.map(key);
+        let start = keys[0];
+        keys.sort_unstable();
+        Self { ends: keys, start, side, span }
+    }
+}
+
 /// All shared edges, in a fixed order.
 pub(crate) fn shared_edges(scene: &Scene) -> Vec<SharedEdge> {
-    let mut sides: Vec<([[u32; 3]; 2], Side)> = Vec::with_capacity(3 * scene.triangle_count());
+    let mut whole = Vec::with_capacity(3 * scene.triangle_count());
     for (mesh, m) in (0..).zip(&scene.meshes) {
         for face in 0..m.triangles.len() as u32 {
-            for side in 0..3 {
-                let side = Side { mesh, face, side };
-                let mut ends = side.ends(scene).map(key);
-                ends.sort_unstable();
-                if ends[0] != ends[1] {
-                    sides.push((ends, side));
-                }
-            }
+            let sides = (0..3).map(|side| Side { mesh, face, side });
+            whole.extend(sides.map(|side| Piece::new(side, side.ends(scene), [0.0, 1.0])));
         }
     }
-    sides.sort_unstable();
-    let mut edges = Vec::new();
-    for group in sides.chunk_by(|a, b| a.0 == b.0) {
-        for (i, &(_, first)) in group.iter().enumerate() {
-            for &(_, second) in &group[i + 1..] {
-                let is_reversed = key(first.ends(scene)[0]) != key(second.ends(scene)[0]);
-                let is_smooth = is_smooth(scene, first, second, is_reversed);
-                // Of several sheets that meet at an edge, those that go on smoothly belong together.
-                if is_smooth || group.len() == 2 {
-                    edges.push(SharedEdge { sides: [first, second], is_smooth, is_reversed });
-                }
-            }
+    whole.retain(|piece| piece.ends[0] != piece.ends[1]);
+    let (mut edges, open) = pairs(scene, whole);
+    let ends: Vec<[Vec3; 2]> = open.iter().map(|side| side.ends(scene)).collect();
+    let mut pieces = Vec::new();
+    for ((side, [start, end]), corners) in open.into_iter().zip(&ends).zip(corners_on(&ends)) {
+        let mut from = (0.0, *start);
+        for to in corners.into_iter().chain([(1.0, *end)]) {
+            pieces.push(Piece::new(side, [from.1, to.1], [from.0, to.0]));
+            from = to;
         }
     }
+    edges.extend(pairs(scene, pieces).0);
     edges
 }
 
-/// A position's bits; both zeros are one.
-fn key(position: Vec3) -> [u32; 3] {
+/// Edges of pieces with the same ends, and the sides of pieces that are alone.
+fn pairs(scene: &Scene, mut pieces: Vec<Piece>) -> (Vec<SharedEdge>, Vec<Side>) {
+    pieces.sort_unstable_by_key(|piece| (piece.ends, piece.side));
+    let (mut edges, mut alone) = (Vec::new(), Vec::new());
+    for group in pieces.chunk_by(|a, b| a.ends == b.ends) {
+        if let [piece] = group {
+            alone.push(piece.side);
+        }
+        for (i, first) in group.iter().enumerate() {
+            for second in &group[i + 1..] {
+                let [start, end] = second.span;
+                let spans = [first.span, if first.start == second.start { [start, end] } else { [end, start] }];
+                let sides = [first.side, second.side];
+                let is_smooth = is_smooth(scene, sides, spans);
+                // Of several sheets that meet at an edge, those that go on smoothly belong together.
+                if is_smooth || group.len() == 2 {
+                    edges.push(SharedEdge { sides, spans, is_smooth });
+                }
+            }
+        }
+    }
+    (edges, alone)
+}
+
+pub(super) fn key(position: Vec3) -> Key {
     position.to_array().map(|coordinate| (coordinate + 0.0).to_bits())
 }
 
-fn is_smooth(scene: &Scene, first: Side, second: Side, is_reversed: bool) -> bool {
-    let normals = |side: Side| {
-        let mesh = &scene.meshes[side.mesh as usize];
-        side.corners().map(|corner| corner_normal(mesh, side.face as usize, corner))
+fn is_smooth(scene: &Scene, sides: [Side; 2], spans: [[f64; 2]; 2]) -> bool {
+    let normals = |i: usize| {
+        let mesh = &scene.meshes[sides[i].mesh as usize];
+        let [a, b] = sides[i].corners().map(|corner| corner_normal(mesh, sides[i].face as usize, corner));
+        spans[i].map(|t| a.lerp(b, t as f32).normalize_or_zero())
     };
-    let ([a0, a1], [mut b0, mut b1]) = (normals(first), normals(second));
-    if is_reversed {
-        (b0, b1) = (b1, b0);
-    }
+    let ([a0, a1], [b0, b1]) = (normals(0), normals(1));
     a0.dot(b0) > SMOOTH && a1.dot(b1) > SMOOTH
 }
 
@@ -122,7 +158,8 @@ mod tests {
         for (degrees, is_smooth) in [(0.0, true), (30.0, true), (45.0, false), (90.0, false)] {
             let edges = shared_edges(&wings(degrees));
             let sides = [Side { mesh: 0, face: 0, side: 1 }, Side { mesh: 0, face: 1, side: 1 }];
-            assert_eq!(edges, [SharedEdge { sides, is_smooth, is_reversed: true }], "{degrees}");
+            let spans = [[0.0, 1.0], [1.0, 0.0]];
+            assert_eq!(edges, [SharedEdge { sides, spans, is_smooth }], "{degrees}");
         }
     }
 
@@ -143,5 +180,27 @@ mod tests {
         let edges = shared_edges(&scene);
         assert_eq!(edges.len(), 3);
         assert!(edges.iter().all(|edge| !edge.is_smooth));
+    }
+
+    /// A triangle above an edge, and two below it that meet in its middle, all turned; the lower ones are bent down.
+    #[test]
+    fn a_side_is_shared_piece_by_piece() {
+        for (bend, is_smooth) in [(0.2, true), (1.0, false)] {
+            let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
+            let below = vec3(0.0, -1.0, -bend);
+            let corners = [Vec3::ZERO, Vec3::X * 3.0, vec3(1.0, 1.0, 0.0), Vec3::X, below, below + Vec3::X * 2.0];
+            let positions = corners.map(|corner| turn * corner + vec3(10.0, -20.0, 5.0)).to_vec();
+            let triangles = vec![[0, 1, 2], [0, 4, 3], [3, 5, 1]];
+            let scene = Scene { meshes: vec![Mesh { positions, triangles, ..Mesh::default() }], ..Scene::default() };
+            let mut edges = shared_edges(&scene);
+            edges.sort_by(|a, b| a.spans[0][0].total_cmp(&b.spans[0][0]));
+            assert_eq!(edges.len(), 2);
+            for (edge, (span, face)) in edges.iter().zip([([0.0, 1.0 / 3.0], 1), ([1.0 / 3.0, 1.0], 2)]) {
+                let side = |face, side| Side { mesh: 0, face, side };
+                assert_eq!((edge.sides, edge.is_smooth), ([side(0, 0), side(face, 2)], is_smooth));
+                assert!(edge.spans[0].iter().zip(span).all(|(a, b)| (a - b).abs() < 1e-5), "{:?}", edge.spans);
+                assert_eq!(edge.spans[1], [1.0, 0.0]);
+            }
+        }
     }
 }

@@ -1,14 +1,13 @@
 //! The light of every texel.
 //!
-//! Direct light is sampled at every texel. What surfaces reflect, and the sky, comes from an irradiance cache in space: texels
-//! of different charts that lie side by side there share records, which a cache in the plane of the map could not.
+//! Direct light is sampled at every texel, and with it the sun of a sky's picture. What surfaces reflect, and the rest of the
+//! sky, comes from an irradiance cache in space: texels of different charts that lie side by side there share records, which a cache in the plane of the map could not.
 //!
 //! Without a cache every texel gathers for itself, by paths, with as many rays as a record would have.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::direct::{Direct, Receive};
 use super::footprint::footprint;
 use super::journal::{Journal, Notes, Stage};
 use super::moments::{Lens, Moments};
@@ -18,7 +17,7 @@ use super::texels::{Surfaces, Texel};
 use super::values::Values;
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
-use crate::estimator::GatherPoint;
+use crate::estimator::{GatherPoint, Incident, Receive};
 use crate::integrator::{Source, Uncached};
 use crate::world::{Surface, World};
 
@@ -118,7 +117,7 @@ impl Job<'_> {
     }
 
     pub(super) fn needs_cache(&self) -> bool {
-        self.is_indirect() && !self.options.brute
+        self.options.has_cache()
     }
 
     fn gathers_alone(&self) -> bool {
@@ -194,7 +193,7 @@ impl Job<'_> {
     /// What lights send to texels.
     fn direct(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
         let Self { world, options, .. } = self;
-        let mut direct = Direct::default();
+        let mut incident = Incident::default();
         let mut rays = 0;
         let received = texels.iter().map(|(number, texel)| {
             let surface = self.surface(texel);
@@ -202,7 +201,7 @@ impl Job<'_> {
             let mut sums = Sums { normal, lens, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
             let address = (options.seed, *number as u32);
             let (surfaces, traced) = footprint(world, self.surfaces, texel);
-            rays += traced + direct.sample(world, &surfaces, address, options.spp, &mut sums);
+            rays += traced + incident.sample(world, &surfaces, address, options.spp, &mut sums);
             (sums.irradiance.as_vec3(), sums.moments)
         });
         (Values::of(self.layers(), received), rays)

@@ -60,10 +60,23 @@ pub struct PageEntry {
     pub file: String,
     /// The OpenEXR file with all layers in 32-bit floats.
     pub master: String,
+    /// What is kept of directions, for engines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub directional: Option<DirectionalEntry>,
     /// Texels across.
     pub width: u32,
     /// Texels down.
     pub height: u32,
+}
+
+/// Where a page's light comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DirectionalEntry {
+    /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those of
+    /// `sh`, which have signs, are coefficients of radiance.
+    pub file: String,
+    /// The names of its layers, as [`Layer::name`](super::Layer::name) has them.
+    pub layers: Vec<String>,
 }
 
 /// A mesh, or the part of one, on a page.
@@ -154,7 +167,9 @@ mod tests {
         let mut manifest = Manifest::new("level.glb".to_owned(), Unit::IrradianceOverPi, u64::MAX, made_from);
         let (file, master) = ("level-0.ktx2".to_owned(), "level-0.exr".to_owned());
         manifest.outputs.push(Output { file: file.clone(), hash: Hash::of(b"foobar") });
-        manifest.pages.push(PageEntry { file, master, width: 256, height: 128 });
+        let layers = vec!["hl2.0".to_owned(), "hl2.1".to_owned(), "hl2.2".to_owned()];
+        let directional = Some(DirectionalEntry { file: "level-0.hl2.ktx2".to_owned(), layers });
+        manifest.pages.push(PageEntry { file, master, directional, width: 256, height: 128 });
         let (name, rect) = ("wall".to_owned(), [0.0, 0.25, 0.1, 0.5]);
         manifest.surfaces.push(SurfaceEntry { name, node: Some(3), primitive: None, page: 0, rect });
         manifest

@@ -15,14 +15,15 @@ pub mod check;
 mod covered;
 mod denoise;
 mod dilate;
-pub(crate) mod direct;
 mod edges;
+mod errors;
 mod filter;
 mod footprint;
 pub mod gltf;
 mod hashes;
 mod islands;
 mod journal;
+mod junctions;
 mod light;
 mod lookup;
 pub mod manifest;
@@ -38,12 +39,13 @@ mod seams;
 mod texels;
 mod unwrap;
 mod values;
+mod warnings;
 
 use glam::{Vec2, Vec3};
 
 use crate::cache::Record;
 use crate::driver::Watch;
-use crate::scene::{Scene, count};
+use crate::scene::Scene;
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -52,10 +54,12 @@ use covered::uncover;
 use denoise::denoise;
 use dilate::Grid;
 use edges::shared_edges;
+use errors::errors;
 use light::Job;
 use moments::Lens;
 use seams::{Seams, cuts};
 use texels::{Surfaces, Texel};
+use warnings::warnings;
 
 pub use dilate::Source;
 pub use hashes::{combined, hashes};
@@ -87,6 +91,9 @@ pub struct Map {
     pub owners: Vec<u32>,
     /// Where each texel's value comes from.
     pub sources: Vec<Source>,
+    /// An estimate of the relative error of irradiance at each texel with light of its own, 0 for others. It knows noise,
+    /// and how far the cache's records disagree, but no bias.
+    pub errors: Vec<f32>,
 }
 
 /// A value for each texel, row by row from the top.
@@ -122,6 +129,15 @@ pub struct Statistics {
     pub misses: u64,
     /// Records whose extrapolation had a negative channel, which counted as 0.
     pub negative: u64,
+}
+
+impl Bake {
+    /// The root mean square of the relative errors that are estimated for texels with light of their own.
+    pub fn error(&self) -> f32 {
+        let errors = || self.maps.iter().flat_map(|map| &map.errors).filter(|error| **error > 0.0);
+        let squares: f64 = errors().map(|error| f64::from(error * error)).sum();
+        (squares / errors().count().max(1) as f64).sqrt() as f32
+    }
 }
 
 impl Atlas {
@@ -189,6 +205,7 @@ pub fn bake(
 
     let gutter = grids.iter().flat_map(|grid| &grid.sources).filter(|source| **source == Source::Gutter).count();
     let (cache, usage) = light.cache.unzip();
+    let errors = errors(world, &grids, &lit, cache.as_ref(), &layers[0]);
     let usage = usage.unwrap_or_default();
     // A record's key is the number of its texel.
     let place = |record: &Record| {
@@ -210,7 +227,7 @@ pub fn bake(
         misses: usage.misses,
         negative: usage.negative,
     };
-    let maps = maps(grids, layers, &names);
+    let maps = maps(grids, layers, errors, &names);
     let warnings = warnings(world, options, &maps, &statistics);
     Some(Bake { atlas, maps, record_places, statistics, warnings })
 }
@@ -218,7 +235,7 @@ pub fn bake(
 /// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.
 pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     let texels = Surfaces::new(scene, atlas).texels().len() as u64;
-    let by_cache = !options.brute && matches!(options.mode, Mode::Full | Mode::Indirect);
+    let by_cache = options.has_cache();
     texels * (1 + u64::from(by_cache) + u64::from(by_cache && options.cache.bounces.is_none()))
 }
 
@@ -260,44 +277,20 @@ fn smooth(world: &World, atlas: &Atlas, grids: &[Grid], lit: &[Texel], layers: &
 }
 
 /// Puts layers together by page.
-fn maps(grids: Vec<Grid>, layers: Vec<Vec<Vec<Vec3>>>, names: &[&'static str]) -> Vec<Map> {
-    let mut maps: Vec<Map> =
-        grids.into_iter().map(|Grid { owners, sources, .. }| Map { layers: Vec::new(), owners, sources }).collect();
+fn maps(grids: Vec<Grid>, layers: Vec<Vec<Vec<Vec3>>>, errors: Vec<Vec<f32>>, names: &[&'static str]) -> Vec<Map> {
+    let map = |(grid, errors): (Grid, Vec<f32>)| Map {
+        layers: Vec::new(),
+        owners: grid.owners,
+        sources: grid.sources,
+        errors,
+    };
+    let mut maps: Vec<Map> = grids.into_iter().zip(errors).map(map).collect();
     for (pages, &name) in layers.into_iter().zip(names) {
         for (map, texels) in maps.iter_mut().zip(pages) {
             map.layers.push(Layer { name, texels });
         }
     }
     maps
-}
-
-/// What the user should know.
-fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Statistics) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let texels = |number: u64| count(number as usize, "texel", "texels");
-    if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
-        warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
-            (Mode::Direct, true) => {
-                "all maps are black: the sky is the only light, and it counts as indirect; give --mode full".to_owned()
-            }
-            (Mode::Ao, _) => "all maps are black: nothing is open; give a shorter --ao-distance".to_owned(),
-            _ => {
-                "all maps are black: no light reaches a front of a surface; add an emitter, a light or --sky".to_owned()
-            }
-        });
-    }
-    if statistics.mixed > 0 {
-        let points = count(statistics.mixed as usize, "point", "points");
-        warnings.push(format!("seams may show at {points}: charts of the model's own coordinates are too close"));
-    }
-    if statistics.covered * 4 > statistics.texels {
-        warnings.push(format!(
-            "{} of {} see backs of surfaces for the most part, and took the light of others: check which way faces look",
-            texels(statistics.covered),
-            statistics.texels
-        ));
-    }
-    warnings
 }
 
 #[cfg(test)]

@@ -42,15 +42,18 @@ impl View<'_> {
         if a + b > 0.0 { 2.0 * (a - b) / (a + b) } else { 0.0 }
     }
 
+    /// The second differences along the row and the column of a texel, as far as there are any.
+    pub(crate) fn second_differences(&self, texel: u32) -> impl Iterator<Item = f32> {
+        [(1, 0), (0, 1)].into_iter().filter_map(move |(x, y)| {
+            let (after, before) = (self.at(texel, (x, y))?, self.at(texel, (-x, -y))?);
+            Some((self.difference(texel, before) + self.difference(texel, after)).abs())
+        })
+    }
+
     /// Adds the second differences of each chart to its list.
     pub(crate) fn differences(&self, of_charts: &mut [Vec<f32>]) {
         for texel in self.texels() {
-            for step in [(1, 0), (0, 1)] {
-                if let (Some(after), Some(before)) = (self.at(texel, step), self.at(texel, (-step.0, -step.1))) {
-                    let second = self.difference(texel, before) + self.difference(texel, after);
-                    of_charts[self.grid.owners[texel as usize] as usize].push(second.abs());
-                }
-            }
+            of_charts[self.grid.owners[texel as usize] as usize].extend(self.second_differences(texel));
         }
     }
 }

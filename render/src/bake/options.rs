@@ -38,9 +38,10 @@ pub struct BakeOptions {
 pub enum Mode {
     /// All of it: direct and indirect.
     Full,
-    /// What surfaces reflect, and the sky.
+    /// What surfaces reflect, and the sky without the sun of its picture.
     Indirect,
-    /// Emitters and lights without a surface.
+    /// Emitters, lights without a surface, and the sun of a sky's picture: that by which its texels are brighter than eight
+    /// times the rest.
     Direct,
     /// None: how open to the outside each texel is, from 0 to 1.
     Ao,
@@ -101,6 +102,11 @@ impl BakeOptions {
     pub const MAX_SIZE: u32 = 16_384;
     /// The most texels between charts.
     pub const MAX_GUTTER: u32 = 64;
+
+    /// Whether light is gathered through a cache.
+    pub fn has_cache(&self) -> bool {
+        !self.brute && matches!(self.mode, Mode::Full | Mode::Indirect)
+    }
 
     /// Texels around a chart that are its own: between two charts there are twice as many.
     pub(crate) fn padding(&self) -> u32 {

@@ -28,6 +28,8 @@ const NOISE: f64 = 4.0;
 const LEAST_STEP: f64 = 0.05;
 /// Points along a cut for each texel.
 const POINTS: f64 = 4.0;
+/// Ends of sides within this many texels are the same.
+const SAME: f64 = 1e-6;
 /// Steps of the solver, at most.
 const MAX_STEPS: u32 = 2000;
 /// The part of the residual's square at which it ends.
@@ -66,6 +68,14 @@ pub(crate) struct CutSide {
     pub(crate) ends: [DVec2; 2],
 }
 
+impl CutSide {
+    /// Whether both are one line of one chart, to rounding.
+    fn is_at(&self, other: &Self) -> bool {
+        let is_near = |i: usize| self.ends[i].distance(other.ends[i]) < SAME;
+        (self.page, self.chart) == (other.page, other.chart) && is_near(0) && is_near(1)
+    }
+}
+
 /// The edges that charts' borders cut.
 pub(crate) fn cuts(atlas: &Atlas, meshes: usize, edges: &[SharedEdge]) -> Vec<Cut> {
     let mut places: Vec<Vec<(u32, u32)>> = vec![Vec::new(); meshes];
@@ -76,21 +86,19 @@ pub(crate) fn cuts(atlas: &Atlas, meshes: usize, edges: &[SharedEdge]) -> Vec<Cu
             places[face as usize] = (number, triangle);
         }
     }
-    let side = |side: Side, is_reversed: bool| {
+    let side = |side: Side, span: [f64; 2]| {
         let (part, triangle) = places[side.mesh as usize][side.face as usize];
         let part = &atlas.parts[part as usize];
         let corners = part.corners(triangle as usize, atlas.pages[part.page]);
-        let mut ends = side.corners().map(|corner| corners[corner]);
-        if is_reversed {
-            ends.reverse();
-        }
+        let [start, end] = side.corners().map(|corner| corners[corner]);
+        let ends = span.map(|part| start.lerp(end, part));
         CutSide { page: part.page, chart: part.charts[triangle as usize], ends }
     };
     let cut = |edge: &SharedEdge| Cut {
-        sides: [side(edge.sides[0], false), side(edge.sides[1], edge.is_reversed)],
+        sides: [0, 1].map(|i| side(edge.sides[i], edge.spans[i])),
         is_smooth: edge.is_smooth,
     };
-    let is_cut = |cut: &Cut| cut.sides[0] != cut.sides[1] && cut.sides.iter().all(|side| side.chart != NO_CHART);
+    let is_cut = |cut: &Cut| !cut.sides[0].is_at(&cut.sides[1]) && cut.sides.iter().all(|side| side.chart != NO_CHART);
     edges.iter().map(cut).filter(is_cut).collect()
 }
 

@@ -48,7 +48,7 @@ const COVERED: f64 = 0.999;
 
 /// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie behind
 /// the next wall by rounding.
-const LEAST_COVERAGE: f32 = 0.02;
+pub(super) const LEAST_COVERAGE: f32 = 0.02;
 
 /// A piece of a triangle in a texel.
 struct Piece {

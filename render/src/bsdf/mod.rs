@@ -80,7 +80,8 @@ impl Surface<'_> {
     }
 
     /// The probability with which a path takes the mirror's or the glass's way.
-    fn specular_probability(&self) -> f32 {
+    #[inline(always)]
+    pub(crate) fn specular_probability(&self) -> f32 {
         self.material.specular.probability(self.diffuse)
     }
 
@@ -94,7 +95,8 @@ impl Surface<'_> {
     pub(crate) fn sample_with(&self, incoming: Vec3, mut u: Vec2, cosine: Vec3) -> Option<Bounce> {
         let specular = self.specular_probability();
         if specular == 0.0 {
-            return self.scatter(cosine, self.diffuse, 1.0);
+            let (bounce, reflects) = self.scatter(cosine, self.diffuse, 1.0);
+            return reflects.then_some(bounce);
         }
         if u.x < specular {
             u.x = (u.x / specular).min(ONE_MINUS_EPSILON);
@@ -107,28 +109,34 @@ impl Surface<'_> {
         }
         let probability = 1.0 - specular;
         u.x = ((u.x - specular) / probability).min(ONE_MINUS_EPSILON);
-        self.scatter(CosineHemisphere.map(u), self.diffuse / probability, probability)
+        let (bounce, reflects) = self.scatter(CosineHemisphere.map(u), self.diffuse / probability, probability);
+        reflects.then_some(bounce)
     }
 
-    /// Diffuse reflection in a direction about the normal, which was chosen with this probability.
+    /// Diffuse reflection in a direction about the normal, which was chosen with this probability; and whether there is
+    /// any. Without a branch, so that loops over it become lanes.
     #[inline(always)]
-    fn scatter(&self, local: Vec3, weight: Vec3, probability: f32) -> Option<Bounce> {
+    pub(crate) fn scatter(&self, local: Vec3, weight: Vec3, probability: f32) -> (Bounce, bool) {
         let direction = self.frame().to_world(local);
         // A shading normal may send light through the surface: none comes from there.
-        let reflects = self.normal.dot(direction) > 0.0 && weight != Vec3::ZERO;
-        reflects.then_some(Bounce { direction, weight, density: probability * local.z * FRAC_1_PI })
+        let reflects = (self.normal.dot(direction) > 0.0) & (weight.max_element() > 0.0);
+        (Bounce { direction, weight, density: probability * local.z * FRAC_1_PI }, reflects)
     }
 
     /// `f cos θ` for light from the unit vector `direction`, and the density with which [`sample`](Self::sample) gives
     /// it: nothing and zero for mirrors and glass.
     #[inline(always)]
     pub(crate) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
-        let cosine = self.shading_normal.dot(direction);
-        if cosine <= 0.0 || self.normal.dot(direction) <= 0.0 {
-            return (Vec3::ZERO, 0.0);
-        }
-        let lambert = cosine * FRAC_1_PI;
+        let lambert = self.lambert(direction);
         (self.diffuse * lambert, (1.0 - self.specular_probability()) * lambert)
+    }
+
+    /// `cos θ / π` of the unit vector `direction`, or 0 from behind.
+    #[inline(always)]
+    pub(crate) fn lambert(&self, direction: Vec3) -> f32 {
+        let cosine = self.shading_normal.dot(direction);
+        let is_before = (cosine > 0.0) & (self.normal.dot(direction) > 0.0);
+        if is_before { cosine * FRAC_1_PI } else { 0.0 }
     }
 
     /// The mirror's direction.

@@ -14,7 +14,7 @@ use super::args::CommonArguments;
 use super::light::LightArguments;
 use super::progress::{Progress, Style};
 use super::summary::print_warning;
-use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare, thread_pool};
+use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
@@ -26,6 +26,11 @@ use files::Files;
 
 /// How often the state of a bake is written.
 const STATE_INTERVAL: Duration = Duration::from_secs(30);
+
+/// Bytes that a bake takes for each texel of its pages, as measured, ...
+const BYTES: u64 = 150;
+/// ... and those with a cache.
+const CACHED_BYTES: u64 = 270;
 
 /// What `halfdome bake` takes.
 #[derive(Args, Clone, Debug)]
@@ -42,12 +47,13 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "NAME", default_value = "raw", value_parser = names(Preset::ALL, Preset::name))]
     preset: Preset,
 
-    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters and lights), or ao (ambient
-    /// occlusion)
+    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters, lights, and the sun of a sky's
+    /// picture), or ao (ambient occlusion)
     #[arg(long, value_name = "WHAT", default_value = "full", value_parser = names(Mode::ALL, Mode::name))]
     mode: Mode,
 
-    /// What is kept of where light comes from: none, hl2 (three normals) or sh1 (spherical harmonics)
+    /// What is kept of where light comes from: none, hl2 (irradiance for three normals) or sh1 (spherical harmonics of
+    /// radiance); as layers of the OpenEXR maps, and for bevy and three as a KTX2 array too (.hl2.ktx2, .sh1.ktx2)
     #[arg(long, value_name = "BASIS", default_value = "none")]
     #[arg(value_parser = names(Directional::ALL, Directional::name))]
     directional: Directional,
@@ -156,6 +162,10 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
+    if arguments.mode == Mode::Ao && arguments.directional != Directional::None {
+        let problem = format!("ambient occlusion has no directions for --directional {}", arguments.directional.name());
+        return Err(invalid(problem, "leave it out, or give another --mode"));
+    }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let (mut scene, settings) = prepare(&arguments.scene, overrides)?;
     let options = arguments.options(settings.seed);
@@ -191,6 +201,9 @@ fn bake(
 
     let mut atlas = Atlas::new(&scene, options)?;
     warn(style, &mut atlas.warnings);
+    let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
+    let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
+    memory::require(&format!("a bake of {texels} texels"), bytes, "give a lower --density or a smaller --size")?;
     let world = World::new(scene.clone()).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));

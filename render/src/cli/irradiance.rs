@@ -40,7 +40,7 @@ pub(super) struct IrradianceArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
-    /// Leave direct light out: what surfaces reflect, and the sky
+    /// Leave direct light out: what surfaces reflect, and the sky without the sun of its picture
     #[arg(long)]
     indirect: bool,
 

@@ -1,17 +1,21 @@
-//! Refuses pictures that the machine cannot hold, before hours are spent on them.
+//! Refuses what the machine cannot hold, before hours are spent on it.
 
 use super::CliError;
 use crate::settings::Settings;
 
-/// An error if the picture needs more than the machine's memory. Where that is not known, every picture passes.
+/// An error if the picture needs more than the machine's memory.
 pub(super) fn check(settings: &Settings) -> Result<(), CliError> {
+    let what = format!("a picture of {}x{}", settings.width, settings.height);
+    require(&what, settings.picture_bytes(), "give a smaller --size")
+}
+
+/// An error if `what` needs more bytes than the machine's memory has. Where that is not known, everything passes.
+pub(super) fn require(what: &str, bytes: u64, remedy: &str) -> Result<(), CliError> {
     match machine_bytes() {
-        Some(bytes) if settings.picture_bytes() > bytes => Err(CliError::Input(format!(
-            "a picture of {}x{} needs about {}, and this machine has {}\n  help: give a smaller --size",
-            settings.width,
-            settings.height,
-            size(settings.picture_bytes()),
+        Some(machine) if bytes > machine => Err(CliError::Input(format!(
+            "{what} needs about {}, and this machine has {}\n  help: {remedy}",
             size(bytes),
+            size(machine),
         ))),
         _ => Ok(()),
     }

@@ -65,7 +65,7 @@ pub struct Render {
 /// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
 const MAX_WAVE: u32 = 16;
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
-const BATCH: usize = 2048;
+const BATCH: usize = 4096;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {

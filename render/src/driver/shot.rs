@@ -75,7 +75,7 @@ impl Shot {
         }
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
-        world.intersect_many(rays, hits);
+        world.intersect_side_by_side(rays, hits);
         let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
         let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, memory, radiance);
         for (i, (number, filter)) in places.iter().enumerate() {

@@ -23,14 +23,14 @@ pub(crate) struct Connection {
 }
 
 /// Light that arrives from a light if nothing is in between.
-struct LightSample {
-    shadow: Ray,
+pub(crate) struct LightSample {
+    pub shadow: Ray,
     /// Unit vector to the light.
-    direction: Vec3,
+    pub direction: Vec3,
     /// Radiance over density; of a light without a surface, irradiance at right angles to it over probability.
-    radiance: Vec3,
+    pub radiance: Vec3,
     /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
-    per_density: f32,
+    pub per_density: f32,
 }
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected. The
@@ -42,15 +42,26 @@ pub(crate) fn connect(
     lights: LightSampling,
     (choice, v): (f64, f32),
 ) -> Option<Connection> {
-    let choice = world.lights.choose(choice)?;
-    let light = sample_light(world, surface, &choice, v)?;
+    connect_to(world, surface, lights, &world.lights.choose(choice)?, v)
+}
+
+/// The same for a light that is chosen.
+#[inline(always)]
+pub(crate) fn connect_to(
+    world: &World,
+    surface: &Surface,
+    lights: LightSampling,
+    choice: &Choice,
+    v: f32,
+) -> Option<Connection> {
+    let light = sample_light(world, surface, choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * lights.of_light(light.per_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// Samples a light other than the sky. With [`LightSampling::Direct`] its samples count in full, where bounces find none
-/// of them.
+/// Samples a lamp, or the sky's glare, which no bounce is to find: what of direct light is not for gathers. With
+/// [`LightSampling::Direct`] samples of lamps count in full, where bounces find none of them.
 pub(crate) fn connect_lamp(
     world: &World,
     surface: &Surface,
@@ -58,7 +69,10 @@ pub(crate) fn connect_lamp(
     (choice, v): (f64, f32),
 ) -> Option<Connection> {
     let (choice, rarer) = world.lights.choose_lamp(choice)?;
-    let light = sample_light(world, surface, &choice, v)?;
+    let light = match choice.source {
+        Source::Sky => sample_glare(world, surface, &choice, v)?,
+        _ => sample_light(world, surface, &choice, v)?,
+    };
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
@@ -75,7 +89,7 @@ pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3,
 
 /// The same for [`connect_lamp`], which chooses among fewer lights.
 pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
-    emitted_density(world, emitter, direction, t) / (1.0 - world.lights.sky_probability())
+    emitted_density(world, emitter, direction, t) / world.lights.lamps_share()
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
@@ -103,24 +117,36 @@ fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Op
 
 #[inline(always)]
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
+    let light = point_on_emitter(world, surface.position, prim_id, u)?;
+    let (sample, arrives) = shine(surface, &light, world.lights.area_density(prim_id));
+    arrives.then_some(sample)
+}
+
+/// The point of triangle `prim_id` that `u` means, with its normals on the side that sends light to `receiver`, if both
+/// do; `None` in a hole.
+#[inline(always)]
+fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
     let point = TriangleWarp.map(u);
     if world.is_hole(&Hit { prim_id, u: point.x, v: point.y, ..Hit::MISS }) {
         return None;
     }
     let light = world.surface(prim_id, point.x, point.y);
+    Some(if light.material.emits_both_sides { light.facing(light.position - receiver) } else { light })
+}
+
+/// The light from a point of an emitter, whose front emits and which is chosen with this density per area; and whether
+/// any of it can arrive. Without a branch, so that loops over it become lanes.
+#[inline(always)]
+pub(crate) fn shine(surface: &Surface, light: &Surface, area_density: f32) -> (LightSample, bool) {
     let to_light = light.position - surface.position;
-    let (cosine, cosine_at_light) = (surface.normal.dot(to_light), light.normal.dot(to_light).abs());
-    // One condition instead of three: which of them fails cannot be foreseen.
-    if !((cosine > 0.0) & (cosine_at_light > 0.0) & light.emits_towards(to_light)) {
-        return None;
-    }
+    let (cosine, cosine_at_light) = (surface.normal.dot(to_light), -light.normal.dot(to_light));
     let per_distance = to_light.length_squared().sqrt().recip();
     let direction = to_light * per_distance;
-    let per_area_density = world.lights.area_density(prim_id).recip();
-    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * per_area_density;
+    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * area_density.recip();
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    Some(LightSample { shadow, direction, radiance: light.emission * per_density, per_density })
+    let sample = LightSample { shadow, direction, radiance: light.emission * per_density, per_density };
+    (sample, (cosine > 0.0) & (cosine_at_light > 0.0))
 }
 
 #[inline(never)]
@@ -144,6 +170,13 @@ fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> 
     let per_density = density.recip();
     let radiance = world.sky.radiance(direction) * per_density;
     (density > 0.0).then_some(LightSample { shadow, direction, radiance, per_density })
+}
+
+#[inline(never)]
+fn sample_glare(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
+    let (direction, radiance) = world.sky.sample_glare(Vec2::new(choice.rest, v))?;
+    let shadow = Ray::new(surface.origin_towards(direction), direction);
+    Some(LightSample { shadow, direction, radiance: radiance / choice.probability, per_density: 0.0 })
 }
 
 /// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.

@@ -1,7 +1,7 @@
 //! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
 //!
-//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky, which is as smooth as that and
-//! is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to find, by paths
+//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its glare, which is as
+//! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to find, by paths
 //! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
 //! large batches.
 
@@ -157,7 +157,7 @@ impl Batch {
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
-                *radiance = if ray.t_max > 0.0 { world.sky.radiance(ray.direction) } else { Vec3::ZERO };
+                *radiance = if ray.t_max > 0.0 { world.sky.ambient(ray.direction) } else { Vec3::ZERO };
             }
             self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
         }

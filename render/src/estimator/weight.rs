@@ -26,7 +26,8 @@ impl LightSampling {
             Self::Naive if per_light == 0.0 => 1.0,
             Self::Naive => 0.0,
             Self::Direct => 1.0,
-            Self::Mis => power(1.0, bounce * per_light),
+            // The power heuristic again, by the ratio of the densities.
+            Self::Mis => 1.0 / (1.0 + (bounce * per_light) * (bounce * per_light)),
         }
     }
 }

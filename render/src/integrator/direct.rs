@@ -8,7 +8,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 
 use super::path::{emission, sky};
-use super::wavefront::{Arrival, Connections, Path, Walk};
+use super::wavefront::{Arrival, Connections, OneByOne, Path, Step};
 use super::{CameraRays, Wavefront};
 use crate::estimator::connect;
 use crate::settings::{DirectOptions, LightSampling};
@@ -24,7 +24,7 @@ pub(super) fn radiance(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    wave.follow(world, camera, &mut Direct { world, options }, radiance)
+    wave.follow(world, camera, &mut OneByOne { world, step: Direct { world, options } }, radiance)
 }
 
 struct Direct<'a> {
@@ -32,7 +32,7 @@ struct Direct<'a> {
     options: &'a DirectOptions,
 }
 
-impl Walk for Direct<'_> {
+impl Step for Direct<'_> {
     fn max_depth(&self) -> u32 {
         self.options.max_depth
     }
@@ -51,7 +51,7 @@ impl Walk for Direct<'_> {
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit.t);
+        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         if let Some(connection) = connect(world, &surface, LIGHTS, numbers.light()) {

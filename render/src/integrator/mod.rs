@@ -4,6 +4,7 @@
 //! what it needs further in batches.
 
 mod ao;
+mod block;
 mod cached;
 mod direct;
 mod flat;

@@ -130,7 +130,7 @@ impl Gather<'_> {
             return;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, LIGHTS, path, &surface, ray, hit.t);
+        *radiance += path.throughput * emission(world, LIGHTS, path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let set = node.first_set();

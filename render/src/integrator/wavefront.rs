@@ -6,6 +6,7 @@ use halfdome_kernel::sampling::{Address, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray, Task};
 
 use super::CameraRays;
+use super::block::{LANES, Shadows};
 use crate::estimator::Connection;
 use crate::world::{Surface, World};
 
@@ -14,10 +15,24 @@ pub(super) trait Walk {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
 
-    /// Whether chance may end paths at hit number `depth`.
-    fn takes_chances(&self, _depth: u32) -> bool {
-        false
-    }
+    /// Takes all paths from their hit number `depth` to their next ray, and removes those that have ended. Light that
+    /// they find on the way is added to `radiance`, and light that waits for a shadow ray to the connections.
+    fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]);
+
+    /// Sees the rays of each step before they are traced.
+    fn watch(&mut self, _wave: &Wavefront) {}
+}
+
+/// Paths that take their steps one by one.
+pub(super) struct OneByOne<'w, S> {
+    pub world: &'w World,
+    pub step: S,
+}
+
+/// The step of one path.
+pub(super) trait Step {
+    /// The greatest number of hits on a path.
+    fn max_depth(&self) -> u32;
 
     /// Takes a path from its hit to its next ray, or ends it. Light that it finds on the way is added to `radiance`, and
     /// light that waits for a shadow ray to `connections`.
@@ -28,9 +43,17 @@ pub(super) trait Walk {
         connections: &mut Connections,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)>;
+}
 
-    /// Sees the rays of each step before they are traced.
-    fn watch(&mut self, _wave: &Wavefront) {}
+impl<S: Step> Walk for OneByOne<'_, S> {
+    fn max_depth(&self) -> u32 {
+        self.step.max_depth()
+    }
+
+    fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
+        wave.draw(self.world, camera, depth);
+        self.world.tree().isa().run(Advance { wave, step: &mut self.step, radiance });
+    }
 }
 
 /// A path that is under way.
@@ -44,12 +67,13 @@ pub(super) struct Path {
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
+    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
+    /// [`Hit::NO_PRIM`].
+    pub from: u32,
 }
 
 /// Where a path has arrived.
 pub(super) struct Arrival<'a> {
-    /// The number of this hit on the path.
-    pub depth: u32,
     pub ray: &'a Ray,
     pub hit: &'a Hit,
     pub numbers: Numbers,
@@ -63,26 +87,31 @@ pub(super) struct Numbers {
     pub onwards: Vec2,
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: Vec3,
-    /// Whether it goes on, if that is up to chance.
-    pub chance: f32,
 }
 
 /// Paths: element `i` of each list belongs to the same one, and finished ones are gone.
 #[derive(Default)]
 pub(crate) struct Wavefront {
-    paths: Vec<Path>,
+    pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    addresses: Vec<Address>,
+    pub(super) hits: Vec<Hit>,
+    pub(super) addresses: Vec<Address>,
     on_light: Vec<Vec2>,
     onwards: Vec<Vec2>,
     cosine: Vec<Vec3>,
-    chances: Vec<Vec2>,
     pub(super) connections: Connections,
 }
 
 /// Sets of random numbers that a path uses at a surface: on the light, for the next direction, and for going on.
 pub(super) const SETS_PER_SURFACE: u32 = 3;
+
+/// The first set of random numbers for hit number `depth`.
+pub(super) fn first_set(camera: &CameraRays, depth: u32) -> u32 {
+    camera.first_set + (depth - 1) * SETS_PER_SURFACE
+}
+
+/// What shadow rays are written over.
+const NO_RAY: Ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::ZERO, t_max: 0.0 };
 
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
@@ -95,7 +124,7 @@ pub(crate) struct Connections {
 impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0 }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM }
     }
 
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
@@ -115,8 +144,14 @@ impl Numbers {
     /// direction's: as neither enters the other's term of the sum, that makes no bias.
     #[inline]
     pub(super) fn light(&self) -> (f64, f32) {
-        (unit_double(Vec2::new(self.on_light.x, self.onwards.x)), self.on_light.y)
+        (light_choice(self.on_light, self.onwards), self.on_light.y)
     }
+}
+
+/// The number that says which light is sampled.
+#[inline(always)]
+pub(super) fn light_choice(on_light: Vec2, onwards: Vec2) -> f64 {
+    unit_double(Vec2::new(on_light.x, onwards.x))
 }
 
 impl Wavefront {
@@ -133,8 +168,7 @@ impl Wavefront {
         self.start(camera);
         let mut traced = 0;
         for depth in 1..=walk.max_depth() {
-            self.draw(world, camera, depth, walk.takes_chances(depth));
-            world.tree().isa().run(Advance { wave: self, depth, walk, radiance });
+            walk.advance(self, camera, depth, radiance);
             walk.watch(self);
             traced += self.connections.resolve(world, radiance);
             if self.paths.is_empty() {
@@ -159,10 +193,10 @@ impl Wavefront {
     }
 
     /// Draws the numbers that all paths use at hit number `depth`.
-    fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32, chances: bool) {
+    fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32) {
         let Some(sampler) = camera.samplers.first() else { return };
         let (isa, count) = (world.tree().isa(), self.addresses.len());
-        let first_set = camera.first_set + (depth - 1) * SETS_PER_SURFACE;
+        let first_set = first_set(camera, depth);
         let draw = |set: u32, numbers: &mut Vec<Vec2>| {
             numbers.resize(count, Vec2::ZERO);
             sampler.fill2(isa, first_set + set, &self.addresses, numbers);
@@ -171,35 +205,30 @@ impl Wavefront {
         draw(1, &mut self.onwards);
         self.cosine.resize(count, Vec3::Z);
         CosineHemisphere.map_many(isa, &self.onwards, &mut self.cosine);
-        if chances {
-            draw(2, &mut self.chances);
-        } else {
-            self.chances.resize(count, Vec2::ZERO);
-        }
     }
 
-    /// Lets all paths take a step from hit number `depth`.
+    /// Lets all paths take a step.
     #[inline(always)]
-    fn advance(&mut self, depth: u32, walk: &mut impl Walk, radiance: &mut [Vec3]) {
+    fn advance(&mut self, step: &mut impl Step, radiance: &mut [Vec3]) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let numbers = Numbers {
-                on_light: self.on_light[i],
-                onwards: self.onwards[i],
-                cosine: self.cosine[i],
-                chance: self.chances[i].x,
-            };
-            let (path, arrival) = (self.paths[i], Arrival { depth, ray: &self.rays[i], hit: &self.hits[i], numbers });
-            let next = walk.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
+            let numbers = Numbers { on_light: self.on_light[i], onwards: self.onwards[i], cosine: self.cosine[i] };
+            let (path, arrival) = (self.paths[i], Arrival { ray: &self.rays[i], hit: &self.hits[i], numbers });
+            let next = step.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
             if let Some((path, ray)) = next {
                 (self.paths[kept], self.rays[kept], self.addresses[kept]) = (path, ray, self.addresses[i]);
                 kept += 1;
             }
         }
-        self.paths.truncate(kept);
-        self.rays.truncate(kept);
-        self.hits.truncate(kept);
-        self.addresses.truncate(kept);
+        self.keep(kept);
+    }
+
+    /// Keeps the first paths, those that go on.
+    pub(super) fn keep(&mut self, count: usize) {
+        self.paths.truncate(count);
+        self.rays.truncate(count);
+        self.hits.truncate(count);
+        self.addresses.truncate(count);
     }
 
     /// The numbers of the paths' camera rays.
@@ -208,21 +237,20 @@ impl Wavefront {
     }
 }
 
-/// All paths' step from hit number `depth`, as a task: compiled for each instruction set, as there is no batch that it
+/// All paths' step, as a task: compiled for each instruction set, as there is no batch that it
 /// could be.
-struct Advance<'a, W> {
+struct Advance<'a, S> {
     wave: &'a mut Wavefront,
-    depth: u32,
-    walk: &'a mut W,
+    step: &'a mut S,
     radiance: &'a mut [Vec3],
 }
 
-impl<W: Walk> Task for Advance<'_, W> {
+impl<S: Step> Task for Advance<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        self.wave.advance(self.depth, self.walk, self.radiance);
+        self.wave.advance(self.step, self.radiance);
     }
 }
 
@@ -232,6 +260,22 @@ impl Connections {
     pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
         self.pending.push((index, throughput * connection.radiance));
         self.shadows.push(connection.shadow);
+    }
+
+    /// Lets the light of up to `LANES` shadow rays wait, of those that have any.
+    #[inline(always)]
+    pub(super) fn extend(&mut self, indices: &[u32], shadows: &Shadows) {
+        let mut end = self.shadows.len();
+        self.shadows.resize(end + indices.len(), NO_RAY);
+        self.pending.resize(end + indices.len(), (0, Vec3::ZERO));
+        for (i, &index) in indices.iter().enumerate().take(LANES) {
+            // Written in any case, and kept if there is light: nobody can foresee which.
+            let (shadow, light, is_lit) = shadows.get(i);
+            (self.shadows[end], self.pending[end]) = (shadow, (index, light));
+            end += usize::from(is_lit);
+        }
+        self.shadows.truncate(end);
+        self.pending.truncate(end);
     }
 
     /// Adds the light whose shadow rays are free; gives their number.

@@ -1,7 +1,7 @@
 //! Irradiance at given points, as sensors in a room would measure it.
 //!
-//! A sensor is a small white surface. Direct light is sampled `spp` times at each; what surfaces reflect, and the sky,
-//! comes from an irradiance cache that is filled for the sensors, or from `spp` paths at each.
+//! A sensor is a small white surface. Direct light is sampled `spp` times at each, and with it the sun of a sky's picture;
+//! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp` paths at each.
 
 mod points;
 
@@ -26,7 +26,7 @@ pub use points::{PointsError, Sensor, read_points, read_positions};
 pub enum Part {
     /// All of it.
     Total,
-    /// What surfaces reflect, and the sky.
+    /// What surfaces reflect, and the sky without the sun of its picture.
     Indirect,
 }
 

@@ -20,8 +20,10 @@ pub(crate) struct Lights {
     sources: Vec<Source>,
     /// `None` if nothing emits: what else could be wrong with weights is excluded.
     table: Option<AliasTable<Vec<AliasEntry>>>,
-    /// The same without the sky, if there is a sky.
+    /// The same with nothing of the sky but its glare, if there is a sky.
     lamps: Option<AliasTable<Vec<AliasEntry>>>,
+    /// The part of all power that lamps and glare have.
+    lamps_share: f32,
     /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
     area_density: Vec<f32>,
     /// The probability with which it gives the sky.
@@ -59,15 +61,15 @@ fn luminance(rgb: Vec3) -> f64 {
 }
 
 impl Lights {
-    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky, of which this is the mean
-    /// radiance; `bounds` are the scene's.
+    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
         punctual: Vec<PunctualLight>,
-        sky: Vec3,
+        sky: &SkyLight,
         bounds: Aabb,
     ) -> Self {
+        let (sky, glare) = (sky.mean(), sky.mean_glare());
         let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky, bounds);
         let mut sources = Vec::new();
         let mut powers = Vec::new();
@@ -99,9 +101,14 @@ impl Lights {
         let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
         let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
+        let glare_power = sky_power(glare, bounds);
         let lamps = match sources.split_last() {
             Some((Source::Sky, lamps)) => {
-                AliasTable::build(&weights[..lamps.len()], vec![AliasEntry::default(); lamps.len()]).ok()
+                let mut weights = weights[..lamps.len()].to_vec();
+                if glare != Vec3::ZERO {
+                    weights.push((glare_power / greatest) as f32);
+                }
+                AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok()
             }
             _ => None,
         };
@@ -120,7 +127,9 @@ impl Lights {
             (Some(table), Some(Source::Sky)) => table.mass(sources.len() - 1),
             _ => 0.0,
         };
-        Self { sources, table, lamps, area_density, sky_probability, surroundings, mean_radiance }
+        let dim = if glare == Vec3::ZERO { 1.0 } else { 1.0 - glare_power / sky_power(sky, bounds) };
+        let lamps_share = 1.0 - sky_probability * dim as f32;
+        Self { sources, table, lamps, lamps_share, area_density, sky_probability, surroundings, mean_radiance }
     }
 
     /// Chooses a light by a number in [0, 1), of double precision as there may be millions.
@@ -130,8 +139,8 @@ impl Lights {
         Some(Choice { source: &self.sources[index], probability, rest: (rest as f32).min(ONE_MINUS_EPSILON) })
     }
 
-    /// Chooses a light other than the sky by a number in [0, 1); and by how much less often [`choose`](Self::choose)
-    /// gives it, with the probability that is in the choice.
+    /// Chooses a lamp, or the sky for its glare, by a number in [0, 1); and by how much less often
+    /// [`choose`](Self::choose) gives it, with the probability that is in the choice.
     #[inline]
     pub(crate) fn choose_lamp(&self, u: f64) -> Option<(Choice<'_>, f32)> {
         if self.sky_probability == 0.0 {
@@ -164,6 +173,11 @@ impl Lights {
     /// The probability with which the sky is chosen.
     pub(crate) fn sky_probability(&self) -> f32 {
         self.sky_probability
+    }
+
+    /// By how much [`choose`](Self::choose) gives a lamp less often than [`choose_lamp`](Self::choose_lamp).
+    pub(crate) fn lamps_share(&self) -> f32 {
+        self.lamps_share
     }
 
     /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.

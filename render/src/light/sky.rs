@@ -3,6 +3,12 @@
 //! A constant sky is sampled by the cosine. A picture is sampled by its texels' brightness times their solid angle: a row
 //! by the brightness of all of it, then a texel of the row, each by an alias table, and a direction in the texel evenly by
 //! solid angle. So the density of a direction is its texel's share of all light over the texel's solid angle, exactly.
+//!
+//! Whoever gathers from all sides by evenly spread rays finds a sun by chance, or not at all. For gathers a picture is the
+//! sum of two: its *glare*, that by which texels are brighter than a few times the rest, is sampled as a lamp is, and what
+//! is left has no peaks.
+
+mod glare;
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -10,6 +16,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
 
+use self::glare::Glare;
 use super::brightness;
 use crate::scene::{Sky, SkyPicture};
 use crate::world::Surface;
@@ -20,6 +27,7 @@ pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
     panorama: Option<Panorama>,
+    glare: Option<Glare>,
 }
 
 /// A picture with its tables.
@@ -39,7 +47,8 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             Panorama::new(picture)
         });
-        Self { constant, mean, panorama }
+        let glare = panorama.as_ref().and_then(|panorama| Glare::of(&panorama.picture));
+        Self { constant, mean, panorama, glare }
     }
 
     /// Radiance from this unit vector.
@@ -50,9 +59,25 @@ impl SkyLight {
         }
     }
 
+    /// Radiance from this unit vector without the glare.
+    pub(crate) fn ambient(&self, direction: Vec3) -> Vec3 {
+        let radiance = self.radiance(direction);
+        self.glare.as_ref().map_or(radiance, |glare| glare.split(radiance).0)
+    }
+
     /// Mean radiance of all directions.
     pub(crate) fn mean(&self) -> Vec3 {
         self.mean
+    }
+
+    /// The part of the mean that is glare.
+    pub(crate) fn mean_glare(&self) -> Vec3 {
+        self.glare.as_ref().map_or(Vec3::ZERO, Glare::mean)
+    }
+
+    /// A direction in which to look for glare, and its radiance there over the density per solid angle.
+    pub(crate) fn sample_glare(&self, u: Vec2) -> Option<(Vec3, Vec3)> {
+        Some(self.glare.as_ref()?.sample(&self.panorama.as_ref()?.picture, u))
     }
 
     /// A direction in which to look for light from `surface`.
@@ -103,16 +128,10 @@ impl Panorama {
     }
 
     fn sample(&self, u: Vec2) -> Vec3 {
-        let [width, height] = [self.picture.width as f32, self.picture.height as f32];
         let (row, _, down) = self.rows.sample(u.y.into());
         let Some(texels) = &self.texels[row] else { return Vec3::Y };
         let (column, _, across) = texels.sample(u.x.into());
-        // Even in the cosine, which makes it even by solid angle.
-        let border = |row: usize| (PI * row as f32 / height).cos();
-        let cosine = border(row) + (border(row + 1) - border(row)) * (down as f32).min(ONE_MINUS_EPSILON);
-        let phi = TAU * ((column as f32 + across as f32) / width - 0.5) - self.picture.rotation;
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        Vec3::new(sine * phi.sin(), cosine, -sine * phi.cos())
+        direction_in(&self.picture, (column, row), (across as f32, down as f32))
     }
 
     fn density(&self, direction: Vec3) -> f32 {
@@ -120,6 +139,16 @@ impl Panorama {
         let Some(texels) = &self.texels[row] else { return 0.0 };
         self.rows.mass(row) * texels.mass(column) / self.picture.solid_angle(row as u32) as f32
     }
+}
+
+/// The direction of a place in a texel, `across` and `down` it in [0, 1): even by solid angle.
+fn direction_in(picture: &SkyPicture, (column, row): (usize, usize), (across, down): (f32, f32)) -> Vec3 {
+    // Even in the cosine.
+    let border = |row: usize| (PI * row as f32 / picture.height as f32).cos();
+    let cosine = border(row) + (border(row + 1) - border(row)) * down.min(ONE_MINUS_EPSILON);
+    let phi = TAU * ((column as f32 + across) / picture.width as f32 - 0.5) - picture.rotation;
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    Vec3::new(sine * phi.sin(), cosine, -sine * phi.cos())
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ const MIN: f32 = 1.0e-36;
 /// If the map has not as many texels as its size says.
 pub fn encode_hdr(path: &Path, map: &Map) -> Result<EncodedMap, OutputError> {
     map.check(path)?;
-    let (texels, clamped) = map.within(MAX);
+    let (texels, clamped) = map.within(0.0, MAX);
     let texels: Vec<Rgb<f32>> = texels.map(|texel| Rgb(rounded(texel).to_array())).collect();
     let mut bytes = Vec::new();
     HdrEncoder::new(&mut bytes).encode(&texels, map.width as usize, map.height as usize).map_err(|error| {

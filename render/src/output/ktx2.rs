@@ -1,8 +1,8 @@
 //! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): what Bevy wants of lightmaps, cube maps and irradiance volumes.
 //!
 //! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and the
-//! texels, smallest level first; nothing is compressed. A level holds its faces one after the other (+X, -X, +Y, -Y, +Z,
-//! -Z), or its slices. Alpha is 1.
+//! texels, smallest level first; nothing is compressed. A level holds its layers or faces (+X, -X, +Y, -Y, +Z, -Z) one after
+//! the other, or its slices. Alpha is 1.
 //!
 //! Sources: "KTX File Format Specification", version 2.0; "Khronos Data Format Specification", version 1.3, section 5
 //! (the basic descriptor block) and 10.2 (half floats). Both of the Khronos Group.
@@ -28,9 +28,11 @@ const TEXEL: u32 = 8;
 pub struct Texture<'a> {
     /// What it is, with its extent in texels.
     pub shape: Shape,
-    /// Texels of each level from the largest on, each level half as long along all axes as the one before: face by face or
-    /// slice by slice, row by row from the top.
+    /// Texels of each level from the largest on, each level half as long along all axes as the one before: face by face,
+    /// layer by layer or slice by slice, row by row from the top.
     pub levels: Vec<&'a [Vec3]>,
+    /// Whether numbers may be negative; else what is becomes 0.
+    pub is_signed: bool,
 }
 
 /// What a texture is.
@@ -38,6 +40,8 @@ pub struct Texture<'a> {
 pub enum Shape {
     /// A picture: width and height.
     Plane([u32; 2]),
+    /// Several pictures of one size, an array of textures: width, height and their number.
+    Layers([u32; 3]),
     /// Six square faces of this side.
     Cube(u32),
     /// Slices of a volume: width, height and depth.
@@ -50,17 +54,20 @@ impl Shape {
         let side = |side: u32| u64::from((side >> level).max(1));
         match self {
             Self::Plane([width, height]) => side(width) * side(height),
+            Self::Layers([width, height, layers]) => side(width) * side(height) * u64::from(layers),
             Self::Cube(size) => 6 * side(size) * side(size),
             Self::Volume([width, height, depth]) => side(width) * side(height) * side(depth),
         }
     }
 
-    /// Width, height, depth and faces as the header has them: a depth of 0 for what is flat.
-    fn extent(self) -> [u32; 4] {
+    /// Width, height, depth, layers and faces as the header has them: a depth of 0 for what is flat, and no layers for what
+    /// is no array.
+    fn extent(self) -> [u32; 5] {
         match self {
-            Self::Plane([width, height]) => [width, height, 0, 1],
-            Self::Cube(size) => [size, size, 0, 6],
-            Self::Volume([width, height, depth]) => [width, height, depth, 1],
+            Self::Plane([width, height]) => [width, height, 0, 0, 1],
+            Self::Layers([width, height, layers]) => [width, height, 0, layers, 1],
+            Self::Cube(size) => [size, size, 0, 0, 6],
+            Self::Volume([width, height, depth]) => [width, height, depth, 0, 1],
         }
     }
 
@@ -75,7 +82,8 @@ impl Shape {
 /// # Errors
 /// If the map has not as many texels as its size says.
 pub fn encode_ktx2(path: &Path, map: &Map) -> Result<EncodedMap, OutputError> {
-    encode_ktx2_texture(path, &Texture { shape: Shape::Plane([map.width, map.height]), levels: vec![map.texels] })
+    let shape = Shape::Plane([map.width, map.height]);
+    encode_ktx2_texture(path, &Texture { shape, levels: vec![map.texels], is_signed: false })
 }
 
 /// The bytes of a KTX2 file; `path` is for messages.
@@ -99,8 +107,8 @@ pub fn encode_ktx2_texture(path: &Path, texture: &Texture) -> Result<EncodedMap,
     let pairs_at = descriptor_at + descriptor.len() as u32;
     let texels_at = (pairs_at + pairs.len() as u32).next_multiple_of(TEXEL);
 
-    let [width, height, depth, faces] = texture.shape.extent();
-    let (type_size, layers, supercompression) = (2, 0, 0);
+    let [width, height, depth, layers, faces] = texture.shape.extent();
+    let (type_size, supercompression) = (2, 0);
     let mut bytes = Vec::from(IDENTIFIER);
     bytes.extend(words(&[VK_FORMAT_R16G16B16A16_SFLOAT, type_size, width, height, depth]));
     bytes.extend(words(&[layers, faces, levels, supercompression]));
@@ -116,9 +124,11 @@ pub fn encode_ktx2_texture(path: &Path, texture: &Texture) -> Result<EncodedMap,
     bytes.extend(pairs);
     bytes.resize(texels_at as usize, 0);
     let mut clamped = 0;
+    let most = f16::MAX.to_f32();
+    let least = if texture.is_signed { -most } else { 0.0 };
     for level in texture.levels.iter().rev() {
         let map = Map { width: level.len() as u32, height: 1, texels: level };
-        let (texels, changed) = map.within(f16::MAX.to_f32());
+        let (texels, changed) = map.within(least, most);
         clamped += changed;
         for texel in texels {
             bytes.extend(texel.extend(1.0).to_array().map(|value| f16::from_f32(value).to_le_bytes()).as_flattened());
@@ -231,7 +241,7 @@ mod tests {
     fn another_reader_finds_faces_levels_and_slices() {
         let texels: Vec<Vec3> = (0..96).map(|i| Vec3::splat(i as f32)).collect();
         let encode = |shape, levels: &[&[Vec3]]| {
-            encode_ktx2_texture(Path::new("a.ktx2"), &Texture { shape, levels: levels.to_vec() })
+            encode_ktx2_texture(Path::new("a.ktx2"), &Texture { shape, levels: levels.to_vec(), is_signed: false })
         };
         let cube = encode(Shape::Cube(4), &[&texels, &texels[..24], &texels[..6]]).unwrap().bytes;
         let reader = Reader::new(&cube).unwrap();
@@ -257,6 +267,21 @@ mod tests {
             "level 1 has 6 texels instead of 24"
         );
         assert_eq!(encode(Shape::Cube(4), &[]).unwrap_err().problem, "the texture has no levels");
+    }
+
+    #[test]
+    fn another_reader_finds_layers_and_signs() {
+        let texels: Vec<Vec3> = (0..30).map(|i| Vec3::splat(15.0 - i as f32)).collect();
+        let texture = Texture { shape: Shape::Layers([5, 2, 3]), levels: vec![&texels], is_signed: true };
+        let file = encode_ktx2_texture(Path::new("a.ktx2"), &texture).unwrap();
+        assert_eq!(file.clamped, 0);
+        let reader = Reader::new(&file.bytes).unwrap();
+        let header = reader.header();
+        assert_eq!((header.pixel_width, header.pixel_height, header.pixel_depth), (5, 2, 0));
+        assert_eq!((header.layer_count, header.face_count, header.level_count), (3, 1, 1));
+        assert_eq!(reds(reader.levels().next().unwrap().data), texels.iter().map(|texel| texel.x).collect::<Vec<_>>());
+        let unsigned = encode_ktx2_texture(Path::new("a.ktx2"), &Texture { is_signed: false, ..texture }).unwrap();
+        assert_eq!(unsigned.clamped, 14);
     }
 
     #[test]

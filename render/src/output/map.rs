@@ -22,8 +22,8 @@ pub struct Map<'a> {
 pub struct EncodedMap {
     /// All of the file.
     pub bytes: Vec<u8>,
-    /// How many texels the format cannot hold: too bright ones became as bright as it goes, and what is negative or not
-    /// a number became 0. More than none deserves a warning.
+    /// How many texels the format cannot hold: too bright ones became as bright as it goes, and what is not a number, or
+    /// negative where nothing may be, became 0. More than none deserves a warning.
     pub clamped: usize,
 }
 
@@ -38,9 +38,15 @@ impl Map<'_> {
         Ok(())
     }
 
-    /// The texels within 0 to `max`, and how many had to be changed for it.
-    pub(super) fn within(&self, max: f32) -> (impl Iterator<Item = Vec3>, usize) {
-        let within = move |texel: Vec3| texel.map(|value| if value > 0.0 { value.min(max) } else { 0.0 });
+    /// The texels within `min` to `max`, among which 0 is, and how many had to be changed for it.
+    pub(super) fn within(&self, min: f32, max: f32) -> (impl Iterator<Item = Vec3>, usize) {
+        let within = move |texel: Vec3| {
+            texel.map(|value| match value {
+                _ if value > min => value.min(max),
+                _ if value.is_nan() => 0.0,
+                _ => min,
+            })
+        };
         let clamped = self.texels.iter().filter(|&&texel| within(texel) != texel).count();
         (self.texels.iter().map(move |&texel| within(texel)), clamped)
     }
@@ -55,9 +61,14 @@ mod tests {
         let texels =
             [Vec3::new(0.0, 1.0, 10.0), Vec3::new(-1.0, f32::NAN, 11.0), Vec3::splat(f32::INFINITY), Vec3::splat(-0.0)];
         let map = Map { width: 2, height: 2, texels: &texels };
-        let (within, clamped) = map.within(10.0);
+        let (within, clamped) = map.within(0.0, 10.0);
         let expected = [texels[0], Vec3::new(0.0, 0.0, 10.0), Vec3::splat(10.0), Vec3::ZERO];
         assert_eq!((within.collect::<Vec<_>>().as_slice(), clamped), (expected.as_slice(), 2));
+        let texels = [Vec3::new(-0.5, f32::NAN, -11.0), Vec3::new(-10.0, 10.0, 0.0)];
+        let map = Map { width: 2, height: 1, texels: &texels };
+        let (within, clamped) = map.within(-10.0, 10.0);
+        let expected = [Vec3::new(-0.5, 0.0, -10.0), texels[1]];
+        assert_eq!((within.collect::<Vec<_>>().as_slice(), clamped), (expected.as_slice(), 1));
     }
 
     #[test]

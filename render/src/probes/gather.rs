@@ -1,7 +1,7 @@
 //! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
 //!
-//! Emitters and lights without a surface are sampled, as they are for a bake's texels: by two sensors back to back, whose
-//! cosines are divided out. All else, the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
+//! Emitters, lights without a surface and the sky's glare are sampled, as they are for a bake's texels: by two sensors back to
+//! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
 //! at random, so that noise has no pattern from probe to probe, and light without fine detail has none at all.
 
 use std::slice;
@@ -13,7 +13,7 @@ use halfdome_kernel::{Hit, Ray};
 use super::Options;
 use super::harmonics::basis;
 use super::quadrature::Quadrature;
-use crate::bake::direct::{Direct, Receive};
+use crate::estimator::{Incident, Receive};
 use crate::integrator::{CameraRays, Wavefront, indirect};
 use crate::world::World;
 
@@ -83,7 +83,7 @@ pub(super) struct Gatherer<'a> {
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
     wave: Wavefront,
-    direct: Direct,
+    incident: Incident,
 }
 
 impl<'a> Gatherer<'a> {
@@ -98,7 +98,7 @@ impl<'a> Gatherer<'a> {
             hits: Vec::new(),
             radiance: Vec::new(),
             wave: Wavefront::default(),
-            direct: Direct::default(),
+            incident: Incident::default(),
         }
     }
 
@@ -113,7 +113,7 @@ impl<'a> Gatherer<'a> {
             sums.normal = normal;
             let sensor = self.world.sensor(position, normal);
             let address = (seed, number.wrapping_mul(2).wrapping_add(side as u32));
-            traced += self.direct.sample(self.world, slice::from_ref(&sensor), address, self.options.spp, &mut sums);
+            traced += self.incident.sample(self.world, slice::from_ref(&sensor), address, self.options.spp, &mut sums);
         }
         let directions: Vec<(DVec3, f64)> = self.sphere.points().collect();
         for (batch, directions) in (0..).zip(directions.chunks(BATCH)) {

@@ -2,6 +2,8 @@
 //!
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
+mod integrating;
+
 use glam::Vec3;
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
@@ -9,10 +11,9 @@ use halfdome_kernel::sampling::Pattern;
 use super::Daylight;
 use super::nearest::nearest;
 use crate::film::Filter;
-use crate::settings::{
-    AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, MAX_SIDE,
-    Metric, Stop, Survival,
-};
+use crate::settings::MAX_SIDE;
+
+pub(super) use integrating::*;
 
 /// A value whose meaning is not known yet.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,103 +230,6 @@ pub(super) fn flag(value: &Value) -> Reading<bool> {
     }
 }
 
-/// An integrator's name.
-pub(super) fn integrator(value: &Value) -> Reading<Integrator> {
-    value.named(&Integrator::NAMES, Integrator::named)
-}
-
-/// How light is found.
-pub(super) fn lights(value: &Value) -> Reading<LightSampling> {
-    value.one_of(&[("naive", LightSampling::Naive), ("direct", LightSampling::Direct), ("mis", LightSampling::Mis)])
-}
-
-/// A stopping rule's name.
-pub(super) fn stop(value: &Value) -> Reading<Stop> {
-    value.named(&Stop::NAMES, Stop::named)
-}
-
-/// A part of a whole.
-pub(super) fn fraction(value: &Value) -> Reading<f32> {
-    match value.finite() {
-        Some(fraction @ 0.0..=1.0) => Ok(fraction),
-        _ => expected("a number from 0 to 1"),
-    }
-}
-
-/// The probability that a path goes on, or the word for one that follows its throughput.
-pub(super) fn survival(value: &Value) -> Reading<Survival> {
-    match value {
-        Value::Text(text) if text == "throughput" => Ok(Survival::default()),
-        _ => match value.finite() {
-            Some(probability) if probability > 0.0 && probability <= 1.0 => Ok(Survival::Constant(probability)),
-            _ => expected("`throughput`, or a probability, more than 0 and at most 1"),
-        },
-    }
-}
-
-/// How directions are chosen.
-pub(super) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> {
-    value.one_of(&[
-        ("uniform", HemisphereSampling::Uniform),
-        ("cosine", HemisphereSampling::Cosine),
-        ("stratified", HemisphereSampling::Stratified),
-        ("stratified-uniform", HemisphereSampling::StratifiedUniform),
-    ])
-}
-
-/// What occlusion rays count.
-pub(super) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
-    value.one_of(&[("misses", AoWeighting::Misses), ("hit-length", AoWeighting::HitLength)])
-}
-
-/// A distance in the scene's units.
-pub(super) fn distance(value: &Value) -> Reading<f32> {
-    match value.finite() {
-        Some(distance) if distance > 0.0 => Ok(distance),
-        _ => expected("a number more than 0, in the scene's units"),
-    }
-}
-
-/// The error that a record of the irradiance cache may have.
-pub(super) fn cache_error(value: &Value) -> Reading<f32> {
-    match value.finite() {
-        Some(error) if error > 0.0 && error <= CachedOptions::MAX_ERROR => Ok(error),
-        _ => expected(format!("a number more than 0 and at most {}", CachedOptions::MAX_ERROR)),
-    }
-}
-
-/// What records are extrapolated by.
-pub(super) fn gradients(value: &Value) -> Reading<Gradients> {
-    value.one_of(&Gradients::ALL.map(|gradients| (gradients.name(), gradients)))
-}
-
-/// What decides how far a record reaches.
-pub(super) fn metric(value: &Value) -> Reading<Metric> {
-    value.one_of(&Metric::ALL.map(|metric| (metric.name(), metric)))
-}
-
-/// How a record's rays are spread.
-pub(super) fn gather_layout(value: &Value) -> Reading<GatherLayout> {
-    value.one_of(&GatherLayout::ALL.map(|layout| (layout.name(), layout)))
-}
-
-/// Rays of a record.
-pub(super) fn record_rays(value: &Value) -> Reading<u32> {
-    const RANGE: std::ops::RangeInclusive<u32> = CachedOptions::MIN_RAYS..=CachedOptions::MAX_RAYS;
-    match value.integer() {
-        Some(rays) if RANGE.contains(&rays) => Ok(rays),
-        _ => expected(format!("a whole number from {} to {}", RANGE.start(), RANGE.end())),
-    }
-}
-
-/// Reflections of light that have a cache each.
-pub(super) fn cache_bounces(value: &Value) -> Reading<u32> {
-    match value.integer() {
-        Some(bounces) if (1..=CachedOptions::MAX_BOUNCES).contains(&bounces) => Ok(bounces),
-        _ => expected(format!("a whole number from 1 to {}", CachedOptions::MAX_BOUNCES)),
-    }
-}
-
 /// Where random numbers come from.
 pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
     value.one_of(&[("random", Pattern::Random), ("sobol", Pattern::Sobol), ("r2", Pattern::R2)])
@@ -342,63 +246,4 @@ pub(crate) fn emission(value: &Value) -> Reading<bool> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn arguments_read_as_numbers_lists_or_text() {
-        assert_eq!(Value::from_argument("18446744073709551615"), Value::Integer(u64::MAX.into()));
-        assert_eq!(Value::from_argument("-0.5"), Value::Number(-0.5));
-        assert_eq!(Value::from_argument("1, 2.5"), Value::List(vec![Value::Integer(1), Value::Number(2.5)]));
-        assert_eq!(Value::from_argument("path"), Value::Text("path".into()));
-    }
-
-    #[test]
-    fn ranges_end_where_they_say() {
-        assert!(argument(vfov)("0").is_err());
-        assert!(argument(vfov)("180").is_err());
-        assert!(argument(vfov)("nan").is_err());
-        assert_eq!(argument(vfov)("179.5"), Ok(179.5));
-        assert!(argument(side)("0").is_err());
-        assert_eq!(argument(side)("65536"), Ok(65_536));
-        assert!(argument(side)("65537").is_err());
-        assert!(argument(side)("512.0").is_err());
-        assert!(argument(count)("0").is_err());
-        assert!(argument(count)("4294967296").is_err());
-        assert_eq!(argument(seed)("18446744073709551615"), Ok(u64::MAX));
-        assert!(argument(seed)("18446744073709551616").is_err());
-        assert!(argument(seed)("-1").is_err());
-        assert!(argument(filter_width)("0").is_err());
-        assert_eq!(argument(filter_width)("64"), Ok(64.0));
-        assert!(argument(filter_width)("64.1").is_err());
-        assert!(argument(filter_width)("1e39").is_err(), "infinite as a 32-bit float");
-        assert!(argument(sharpness)("1.01").is_err());
-        assert!(argument(radiance)("1,-1,1").is_err());
-        assert_eq!(argument(radiance)("0"), Ok(Vec3::ZERO));
-        assert_eq!(argument(radiance)("1,2,3"), Ok(Vec3::new(1.0, 2.0, 3.0)));
-        assert!(argument(radiance)("1,2").is_err());
-        assert_eq!(argument(point)("-1,2,.5"), Ok(Vec3::new(-1.0, 2.0, 0.5)));
-        assert!(argument(point)("1,2,inf").is_err());
-        assert!(argument(point)("1,2,").is_err());
-        assert!(argument(direction)("0,0,0").is_err());
-        let day = |azimuth, turbidity| Ok(Daylight { elevation: 30.0, azimuth, turbidity });
-        assert_eq!(argument(daylight)("30,-120"), day(-120.0, 3.0));
-        assert_eq!(argument(daylight)("30,400,10"), day(400.0, 10.0));
-        for wrong in ["30", "91,0", "-1,0", "30,0,1.6", "30,0,11", "30,0,3,4", "30,x"] {
-            assert!(argument(daylight)(wrong).is_err(), "{wrong}");
-        }
-        assert!(argument(scale)("-1").is_err() && argument(degrees)("inf").is_err());
-    }
-
-    #[test]
-    fn misspelt_names_get_the_nearest() {
-        let error = argument(integrator)("pth").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "expected one of path, cached, montecarlo, direct, ao, flat, heat, normals, albedo; did you mean `path`?"
-        );
-        let error = argument(filter)("bx").unwrap_err();
-        assert_eq!(error.to_string(), "expected one of box, tent, gaussian, mitchell; did you mean `box`?");
-        assert_eq!(argument(emission)("back").unwrap_err().to_string(), "expected one of front, both");
-    }
-}
+mod tests;

@@ -4,7 +4,7 @@
 //! hole are traced again with a filter, and so are shadow rays that hit anything.
 
 use glam::Vec4;
-use halfdome_kernel::{Hit, Ray, Verdict};
+use halfdome_kernel::{Hit, HitPacket, Ray, RayPacket, Verdict};
 
 use super::World;
 use crate::scene::{Mesh, TextureMap};
@@ -12,11 +12,28 @@ use crate::scene::{Mesh, TextureMap};
 impl World {
     /// The nearest hit of each ray, [`Hit::MISS`] for none. Rays pass through holes.
     pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let tree = self.tree();
-        tree.intersect_many(rays, hits);
+        self.tree().intersect_many(rays, hits);
+        self.pass_through_holes(rays, hits);
+    }
+
+    /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
+    pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], hits: &mut [Hit]) {
+        const WIDTH: usize = 16;
+        for (rays, hits) in rays.chunks(WIDTH).zip(hits.chunks_mut(WIDTH)) {
+            let mut found = HitPacket::MISS;
+            self.tree().intersect_packet::<WIDTH>(&RayPacket::from_rays(rays), &mut found);
+            for (lane, hit) in hits.iter_mut().enumerate() {
+                *hit = found.hit(lane);
+            }
+        }
+        self.pass_through_holes(rays, hits);
+    }
+
+    /// Takes rays that hit a hole further.
+    fn pass_through_holes(&self, rays: &[Ray], hits: &mut [Hit]) {
         if self.has_holes {
             for (ray, hit) in rays.iter().zip(hits).filter(|(_, hit)| self.is_hole(hit)) {
-                *hit = tree.intersect_filtered(ray, |hit| self.verdict(hit)).unwrap_or(Hit::MISS);
+                *hit = self.tree().intersect_filtered(ray, |hit| self.verdict(hit)).unwrap_or(Hit::MISS);
             }
         }
     }
@@ -49,11 +66,12 @@ impl World {
     }
 
     /// Whether there is a hole in the triangle where it is hit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn is_hole(&self, hit: &Hit) -> bool {
-        if !self.has_holes || !hit.is_hit() {
-            return false;
-        }
+        self.has_holes && hit.is_hit() && self.is_cut_out(hit)
+    }
+
+    fn is_cut_out(&self, hit: &Hit) -> bool {
         let face = &self.faces[hit.prim_id as usize];
         let material = &self.materials[face.material as usize];
         material.cutout.is_some_and(|cutout| {
@@ -149,6 +167,9 @@ mod tests {
             let world = squares(materials, vec![texture()]);
             let (mut hits, mut occluded) = ([Hit::MISS; 4], [false; 4]);
             world.intersect_many(&rays, &mut hits);
+            let mut side_by_side = [Hit::MISS; 4];
+            world.intersect_side_by_side(&rays, &mut side_by_side);
+            assert_eq!(side_by_side, hits);
             world.occluded_many(&rays, &mut occluded);
             assert_eq!(rays.iter().map(|ray| world.occluded(ray)).collect::<Vec<_>>(), occluded);
             (hits.map(|hit| hit.is_hit().then_some(hit.t)), occluded)

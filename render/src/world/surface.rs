@@ -15,8 +15,8 @@ use halfdome_kernel::{Hit, offset_distance, offset_point};
 use super::{Face, World};
 use crate::scene::{Material, Specular, TextureMap};
 
-/// The material of whatever measures light.
-static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
+/// The material of whatever measures light, or just scatters it.
+pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
 
 /// Where a ray met the world.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ pub(crate) struct Surface<'w> {
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
     /// How far from the triangle's plane rays start.
-    offset: f32,
+    pub offset: f32,
     pub prim_id: u32,
     /// Whether the normals were turned: it is seen from behind, or from within.
     pub is_back: bool,
@@ -142,8 +142,9 @@ impl World {
     }
 }
 
+/// The sum of values at corners by barycentric weights.
 #[inline(always)]
-fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+pub(crate) fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
 

@@ -75,6 +75,42 @@ fn each_preset_writes_its_files_and_nothing_else() {
     }
 }
 
+/// The channels of a KTX2 file's layers, one after the other.
+fn layers(path: &Path) -> (u32, Vec<f32>) {
+    let bytes = fs::read(path).unwrap();
+    let reader = ktx2::Reader::new(&bytes).unwrap();
+    let level = reader.levels().next().unwrap();
+    let halves = level.data.chunks_exact(2).map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32());
+    (reader.header().layer_count, halves.collect())
+}
+
+#[test]
+fn engines_get_directions_as_layers() {
+    for (options, file, names, scale) in [
+        ("--preset bevy --directional hl2", "out-0.hl2.ktx2", &["hl2.0", "hl2.1", "hl2.2"][..], std::f32::consts::PI),
+        ("--preset three --directional sh1", "out-0.sh1.ktx2", &["sh.0", "sh.1-1", "sh.10", "sh.11"], 1.0),
+    ] {
+        in_folder(|program| {
+            succeed(&bake(program, options));
+            let manifest: Value = serde_json::from_slice(&fs::read(program.folder.join("out.json")).unwrap()).unwrap();
+            assert_eq!(manifest["pages"][0]["directional"], json!({"file": file, "layers": names}));
+            let (count, halves) = layers(&program.folder.join(file));
+            assert_eq!(count as usize, names.len());
+            let master = read_exr(&program.folder.join("out-0.exr")).unwrap();
+            let mut negative = 0;
+            for (layer, name) in halves.chunks_exact(halves.len() / names.len()).zip(names) {
+                let green = &master.channel(&format!("{name}.G")).unwrap().values;
+                assert_eq!(4 * green.len(), layer.len());
+                for (texel, expected) in layer.chunks_exact(4).zip(green) {
+                    assert!((texel[1] * scale - expected).abs() <= 1e-3 * expected.abs().max(0.01), "{texel:?}");
+                    negative += u32::from(texel[1] < 0.0);
+                }
+            }
+            assert_eq!(negative > 1000, names.len() == 4, "{negative}: harmonics alone have signs");
+        });
+    }
+}
+
 #[test]
 fn maps_are_finite_lit_and_the_same_for_any_number_of_threads() {
     in_folder(|program| {
@@ -198,6 +234,7 @@ fn wrong_input_is_named() {
             ("bake level.gltf -o out.gltf --density 40 --size 32", "a page has 32x32"),
             ("bake level.gltf -o out.gltf --density 1e6", "texels"),
             ("bake level.gltf -o out.gltf --size 8", "16"),
+            ("bake level.gltf -o out.gltf --mode ao --directional hl2", "ambient occlusion has no directions"),
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),

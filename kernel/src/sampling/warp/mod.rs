@@ -6,6 +6,7 @@
 //!
 //! [`map`](Warp::map) is the reference, one point at a time; [`map_many`](Warp::map_many) is the same in lanes.
 
+mod bilinear;
 mod hemisphere;
 mod shapes;
 #[cfg(test)]
@@ -15,6 +16,7 @@ use glam::Vec2;
 
 use super::batch::{Function, apply_many};
 use crate::simd::Isa;
+pub use bilinear::Bilinear;
 pub use hemisphere::{
     ConcentricHemisphere, CosineHemisphere, MalleyHemisphere, PowerCosineHemisphere, UniformHemisphere,
 };

@@ -131,6 +131,26 @@ impl Chart for Barycentric {
     }
 }
 
+/// The unit square itself.
+#[derive(Clone, Copy)]
+struct Square;
+
+impl Chart for Square {
+    type Point = Vec2;
+    fn at(self, s: f64, t: f64) -> (Vec2, f64) {
+        (DVec2::new(s, t).as_vec2(), 1.0)
+    }
+    fn of(self, p: Vec2) -> [f64; 2] {
+        p.as_dvec2().to_array()
+    }
+    fn coordinates(p: Vec2) -> [f32; 3] {
+        [p.x, p.y, 0.0]
+    }
+    fn distance(a: Vec2, b: Vec2) -> f32 {
+        a.distance(b)
+    }
+}
+
 const COLUMNS: usize = 20;
 const ROWS: usize = 16;
 const SAMPLES: u32 = 64_000;
@@ -238,6 +258,18 @@ fn shapes() {
     check("polar disc", PolarDisc, Disc, 0x2AFF_62FE_1975_9C41);
     check("concentric disc", ConcentricDisc, Disc, 0x0A88_1084_71CB_D682);
     check("triangle", Triangle, Barycentric, 0x5540_D4F4_BAFE_6BD9);
+}
+
+#[test]
+fn weighted_squares() {
+    check("bilinear, even", Bilinear { weights: [1.0; 4] }, Square, 0x3BBF_EEC4_54EB_D8C2);
+    check("bilinear, one-sided", Bilinear { weights: [0.05, 0.3, 1.0, 0.1] }, Square, 0xBC41_73AF_6654_940F);
+    // Even weights change nothing, and a line from 0 to 1 is inverted by the root.
+    let even = Bilinear { weights: [0.3; 4] };
+    assert_eq!((even.map(Vec2::new(0.25, 0.75)), even.pdf(Vec2::splat(0.1))), (Vec2::new(0.25, 0.75), 1.0));
+    let steep = Bilinear { weights: [1e-9, 1.0, 1e-9, 1.0] };
+    assert!((steep.map(Vec2::new(0.25, 0.75)) - Vec2::new(0.5, 0.75)).length() < 1e-6);
+    assert_eq!(even.pdf(Vec2::new(1.5, 0.5)), 0.0);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Shadows of direct light.
 
 use super::*;
-use crate::scene::PunctualLight;
+use crate::scene::{PunctualLight, Sky, SkyPicture};
 
 /// The sun stands over a floor, and a roof with a slanting edge covers a part of it.
 #[test]
@@ -45,4 +45,33 @@ fn the_edge_of_a_shadow_is_as_soft_as_a_texel_is_wide() {
     }
     assert!(soft > 20 && area > 1000.0, "{soft} of {area}");
     assert!((sum / area).abs() < 2e-3, "{}", sum / area);
+}
+
+/// A picture of a grey sky with a sun of one texel among 8192, which brings three quarters of the light. What an open floor
+/// receives is a sum over texels.
+#[test]
+fn the_sun_of_a_picture_is_sampled_and_the_rest_gathered() {
+    const WIDTH: u32 = 128;
+    const HEIGHT: u32 = 64;
+    let mut texels = vec![Vec3::ONE; (WIDTH * HEIGHT) as usize];
+    texels[(12 * WIDTH + 40) as usize] = Vec3::new(6000.0, 5000.0, 4000.0);
+    let picture = SkyPicture::new(WIDTH, HEIGHT, texels);
+    let cosine = |row: u32| (PI * (row as f32 + 0.5) / HEIGHT as f32).cos();
+    let sun = 5000.0 * picture.solid_angle(12) as f32 * cosine(12);
+    let mut floor = hollow("floor", Vec3::ZERO, vec3(1.0, 1.0, 1.0), true);
+    floor.triangles = floor.triangles[4..6].to_vec();
+    let mut level = scene(vec![floor], vec![glowing(0.0, 0.5)]);
+    level.sky = Sky { radiance: Vec3::ZERO, picture: Some(picture) };
+    let of_mode = |mode, brute| lit(&baked(&level, &BakeOptions { mode, brute, size: 32, ..quick() }));
+    for brute in [false, true] {
+        let full = of_mode(Mode::Full, brute);
+        assert!(full.len() > 500);
+        for value in &full {
+            assert!((value.y / (PI + sun) - 1.0).abs() < 0.01, "{value}, not {}", PI + sun);
+        }
+        let parts = of_mode(Mode::Direct, brute).into_iter().zip(of_mode(Mode::Indirect, brute));
+        for ((direct, indirect), full) in parts.zip(full) {
+            assert!(direct.y > 0.9 * sun && (direct + indirect - full).abs().max_element() < 1e-4 * full.max_element());
+        }
+    }
 }

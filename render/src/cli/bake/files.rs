@@ -1,9 +1,11 @@
 //! The files of a bake: the model, its maps, a manifest and a report. Each is put in its place in one step, the manifest
 //! last, so that a manifest only ever tells of files that are there.
 
+mod pages;
+
 use std::path::{Path, PathBuf};
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use serde_json::json;
 
 use super::super::CliError;
@@ -11,11 +13,10 @@ use super::super::progress::{Style, print_line};
 use super::{invalid, say};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
-use crate::bake::manifest::{Hash, Hashes, Manifest, Output, PageEntry, SurfaceEntry, Unit};
+use crate::bake::manifest::{Hash, Hashes, Manifest, Output, Unit};
 use crate::bake::report::{self, Report, ReportPage};
 use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
-use crate::film::{Channel, Metadata, Picture};
-use crate::output::{EncodedMap, Map, OutputFile, encode_exr, encode_hdr, encode_ktx2};
+use crate::output::OutputFile;
 use crate::scene::{Scene, count};
 
 /// Where everything goes.
@@ -31,7 +32,7 @@ pub(super) struct Files {
 }
 
 /// A file that is ready to be written.
-struct Ready {
+pub(super) struct Ready {
     path: PathBuf,
     bytes: Vec<u8>,
 }
@@ -136,44 +137,15 @@ impl Files {
             self.source.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned();
         let mut manifest = Manifest::new(source, unit, options.seed, hashes);
         let (mut ready, mut warnings) = (Vec::new(), Vec::new());
+        // The names of what the model shows, and their bytes.
         let mut maps: Vec<(String, Vec<u8>)> = Vec::new();
-        for (index, (map, size)) in bake.maps.iter().zip(&bake.atlas.pages).enumerate() {
-            let master = self.page(index, "exr");
-            let path = self.beside(&master);
-            let bytes = encode_exr(&path, &picture(bake, index, options)).map_err(CliError::system)?;
-            ready.push(Ready { path, bytes: bytes.clone() });
-            let texels: Vec<Vec3> = map.layers[0].texels.iter().map(|value| *value * scale).collect();
-            let map = Map { width: size.width, height: size.height, texels: &texels };
-            let extension = match self.preset {
-                Preset::Bevy => "ktx2",
-                Preset::Three => "hdr",
-                Preset::Raw => "exr",
-            };
-            let file = self.page(index, extension);
-            let path = self.beside(&file);
-            let encoded = match self.preset {
-                Preset::Bevy => Some(encode_ktx2(&path, &map).map_err(CliError::system)?),
-                Preset::Three => Some(encode_hdr(&path, &map).map_err(CliError::system)?),
-                Preset::Raw => None,
-            };
-            let bytes = match encoded {
-                Some(EncodedMap { bytes, clamped }) => {
-                    if clamped > 0 {
-                        let texels = count(clamped, "texel is", "texels are");
-                        warnings.push(format!(
-                            "{}: {texels} too bright for the format, and less bright there",
-                            path.display()
-                        ));
-                    }
-                    ready.push(Ready { path, bytes: bytes.clone() });
-                    bytes
-                }
-                None => bytes,
-            };
-            manifest.pages.push(PageEntry { file: file.clone(), master, width: size.width, height: size.height });
-            maps.push((file, bytes));
+        for index in 0..bake.maps.len() {
+            let page = self.encode(bake, index, options, scale, &mut warnings)?;
+            maps.push((page.entry.file.clone(), page.map));
+            manifest.pages.push(page.entry);
+            ready.extend(page.files);
         }
-        manifest.surfaces = surfaces(scene, bake);
+        manifest.surfaces = pages::surfaces(scene, bake);
         let model = self.model(scene, bake, &maps, &mut warnings)?;
         ready.push(Ready { path: self.model.clone(), bytes: model });
         if let Some(path) = &self.report {
@@ -254,6 +226,8 @@ impl Files {
             let chart = |&owner: &u32| (owner != NO_CHART).then_some(owner);
             let density =
                 |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
+            let known =
+                |(&error, &source): (&f32, &bake::Source)| if source == bake::Source::Light { error } else { f32::NAN };
             ReportPage {
                 name: self.page(page, "exr"),
                 width: size.width,
@@ -267,12 +241,16 @@ impl Files {
                     .filter(|place| place.0 == page)
                     .map(|place| place.1.to_array())
                     .collect(),
-                error: None,
+                error: Some(map.errors.iter().zip(&map.sources).map(known).collect()),
             }
         };
         Report {
             title: self.model.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            statistics: figures.iter().map(|(name, number)| ((*name).to_owned(), number.to_string())).collect(),
+            statistics: figures
+                .iter()
+                .map(|(name, number)| ((*name).to_owned(), number.to_string()))
+                .chain([("relative error, estimated".to_owned(), format!("{:.2}%", 100.0 * bake.error()))])
+                .collect(),
             warnings: bake.warnings.iter().chain(warnings).cloned().collect(),
             pages: (0..bake.maps.len()).map(page).collect(),
         }
@@ -295,6 +273,7 @@ impl Files {
                 "covered": s.covered,
                 "seams": s.seams,
                 "misses": s.misses,
+                "error": bake.error(),
                 "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             })),
             Style::Bar => {
@@ -306,44 +285,4 @@ impl Files {
             }
         }
     }
-}
-
-/// A page as a picture with all of its layers, and the chart of each texel, counted from 1.
-fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
-    let (size, map) = (bake.atlas.pages[page], &bake.maps[page]);
-    let mut channels = Vec::new();
-    for layer in &map.layers {
-        for (i, channel) in ["R", "G", "B"].into_iter().enumerate() {
-            let name = if layer.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", layer.name) };
-            channels.push(Channel { name, values: layer.texels.iter().map(|value| value[i]).collect() });
-        }
-    }
-    let chart = |&owner: &u32| if owner == NO_CHART { 0.0 } else { owner as f32 + 1.0 };
-    channels.push(Channel { name: "chart".to_owned(), values: map.owners.iter().map(chart).collect() });
-    let metadata = Metadata {
-        samples_per_pixel: options.spp,
-        seed: options.seed,
-        integrator: format!("bake {}", options.mode.name()),
-        ..Metadata::default()
-    };
-    Picture { width: size.width, height: size.height, channels, metadata }
-}
-
-/// What of which page belongs to which surface.
-fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
-    let surface = |part: &crate::bake::atlas::Part| {
-        let mesh = &scene.meshes[part.mesh];
-        let (low, high) = part.vertices.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), vertex| {
-            (low.min(vertex.uv), high.max(vertex.uv))
-        });
-        let size = high - low;
-        SurfaceEntry {
-            name: mesh.name.clone(),
-            node: mesh.origin.map(|origin| origin.node),
-            primitive: mesh.origin.map(|origin| origin.primitive),
-            page: part.page,
-            rect: [low.x, low.y, size.x, size.y],
-        }
-    };
-    bake.atlas.parts.iter().map(surface).collect()
 }

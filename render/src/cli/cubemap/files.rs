@@ -98,6 +98,7 @@ impl Files {
                 let texture = Texture {
                     shape: Shape::Cube(levels[0].0),
                     levels: levels.iter().map(|(_, texels)| *texels).collect(),
+                    is_signed: false,
                 };
                 let file = encode_ktx2_texture(path, &texture).map_err(CliError::system)?;
                 written.clamped(path, file.clamped);

@@ -109,7 +109,8 @@ impl Files {
             let bytes = match (format, grid) {
                 (Format::Ktx2, Some(grid)) => {
                     let volume = volume(grid, &found.probes);
-                    let texture = Texture { shape: Shape::Volume(volume.extent), levels: vec![&volume.texels] };
+                    let shape = Shape::Volume(volume.extent);
+                    let texture = Texture { shape, levels: vec![&volume.texels], is_signed: false };
                     let file = encode_ktx2_texture(path, &texture).map_err(CliError::system)?;
                     if file.clamped > 0 {
                         let texels = count(file.clamped, "texel is", "texels are");

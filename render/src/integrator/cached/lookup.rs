@@ -10,7 +10,7 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
 use super::super::path::emission;
-use super::super::wavefront::{Arrival, Connections, Path, SETS_PER_SURFACE, Walk};
+use super::super::wavefront::{Arrival, Connections, OneByOne, Path, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::{connect_lamp, emitted_lamp_density};
@@ -41,7 +41,7 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
-    wave.follow(world, camera, &mut Lookup { world, frozen, camera, misses }, radiance)
+    wave.follow(world, camera, &mut OneByOne { world, step: Lookup { world, frozen, camera, misses } }, radiance)
 }
 
 struct Lookup<'a> {
@@ -51,7 +51,7 @@ struct Lookup<'a> {
     misses: &'a mut Misses,
 }
 
-impl Walk for Lookup<'_> {
+impl Step for Lookup<'_> {
     fn max_depth(&self) -> u32 {
         MAX_SURFACES
     }
@@ -76,7 +76,7 @@ impl Walk for Lookup<'_> {
             *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit.t);
             return None;
         }
-        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit.t);
+        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let albedo = surface.diffuse;
@@ -110,11 +110,8 @@ impl Lookup<'_> {
     /// What a surface emits along a ray that was scattered near the lamps.
     #[inline(always)]
     fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, t: f32) -> Vec3 {
-        if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
-            return Vec3::ZERO;
-        }
         let by_lamps = emitted_lamp_density(self.world, surface, ray.direction, t);
-        surface.emission * LightSampling::Mis.of_bounce(path.density, by_lamps)
+        surface.emitted(ray.direction) * LightSampling::Mis.of_bounce(path.density, by_lamps)
     }
 }
 

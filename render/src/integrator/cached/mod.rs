@@ -82,7 +82,7 @@ impl Frozen {
     }
 }
 
-/// Writes what surfaces reflect along each ray, and the sky, found by paths of at most `max_depth` surfaces: all that is
+/// Writes what surfaces reflect along each ray, and the sky without its glare, found by paths of at most `max_depth` surfaces: all that is
 /// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
 pub(crate) fn indirect(
     world: &World,
@@ -97,7 +97,7 @@ pub(crate) fn indirect(
     let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| ());
     for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
         if !hit.is_hit() {
-            *radiance = world.sky.radiance(ray.direction);
+            *radiance = world.sky.ambient(ray.direction);
         }
     }
     traced

@@ -1,5 +1,6 @@
-//! Direct light on a texel: from emitters, by samples of the lights and of directions alike, weighted by the power
-//! heuristic (Veach 1997), and from lights without a surface. The sky belongs to the gathers.
+//! Direct light with the directions that it comes from, for texels and probes: from emitters, by samples of the lights and
+//! of directions alike, weighted by the power heuristic (Veach 1997), from lights without a surface, and the sky's glare.
+//! The rest of the sky belongs to the gathers.
 
 use std::f32::consts::PI;
 
@@ -8,7 +9,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use crate::estimator::{connect_lamp, emitted_lamp_density};
+use super::direct::{connect_lamp, emitted_lamp_density};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -16,7 +17,7 @@ use crate::world::{Surface, World};
 const LIGHT_SET: u32 = 0;
 /// The set of a direction.
 const DIRECTION_SET: u32 = 1;
-/// The set that says where on the texel.
+/// The set that says at which of the surfaces.
 const PLACE_SET: u32 = 2;
 /// Keeps the numbers of direct light apart from those of gathers.
 const SALT: u64 = 0x3c6e_f372_fe94_f82b;
@@ -31,7 +32,7 @@ pub(crate) trait Receive {
 
 /// Samples of direct light, and their memory.
 #[derive(Default)]
-pub(crate) struct Direct {
+pub(crate) struct Incident {
     shadows: Vec<Ray>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
@@ -40,7 +41,7 @@ pub(crate) struct Direct {
     densities: Vec<f32>,
 }
 
-impl Direct {
+impl Incident {
     /// Gives to `sink` the irradiance of `spp` samples, each at one of `surfaces`, at least one; gives the number of rays.
     /// `number` selects the random numbers.
     pub(crate) fn sample(

@@ -1,0 +1,38 @@
+//! What the user should know of a bake's light.
+
+use glam::Vec3;
+
+use super::{BakeOptions, Map, Mode, Statistics};
+use crate::scene::count;
+use crate::world::World;
+
+/// Warnings, a line each.
+pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Statistics) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let texels = |number: u64| count(number as usize, "texel", "texels");
+    if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
+        warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
+            (Mode::Direct, true) => {
+                "all maps are black: the sky is the only light, and without a sun in its picture it counts as indirect; \
+                 give --mode full"
+                    .to_owned()
+            }
+            (Mode::Ao, _) => "all maps are black: nothing is open; give a shorter --ao-distance".to_owned(),
+            _ => {
+                "all maps are black: no light reaches a front of a surface; add an emitter, a light or --sky".to_owned()
+            }
+        });
+    }
+    if statistics.mixed > 0 {
+        let points = count(statistics.mixed as usize, "point", "points");
+        warnings.push(format!("seams may show at {points}: charts of the model's own coordinates are too close"));
+    }
+    if statistics.covered * 4 > statistics.texels {
+        warnings.push(format!(
+            "{} of {} see backs of surfaces for the most part, and took the light of others: check which way faces look",
+            texels(statistics.covered),
+            statistics.texels
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,127 @@
+//! Arguments are read as they are meant, and help says what they do.
+
+use clap::CommandFactory;
+use halfdome_kernel::sampling::Pattern;
+
+use super::*;
+use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, SkyOverrides};
+use crate::settings::{
+    AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
+};
+
+fn render(arguments: &[&str]) -> Result<RenderArguments, clap::Error> {
+    let all = ["halfdome", "render"].iter().chain(arguments);
+    match Arguments::try_parse_from(all)?.command {
+        Some(Command::Render(arguments)) => Ok(*arguments),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_definition_is_consistent() {
+    Arguments::command().debug_assert();
+    let Command::Render(arguments) = Command::cornell() else { panic!("not a render") };
+    assert_eq!(arguments.outputs().unwrap(), [Path::new("cornell.exr"), Path::new("cornell.png")]);
+}
+
+#[test]
+fn every_override_can_be_given() {
+    let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
+                     --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
+                     --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 \
+                     --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
+                     --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
+                     --record-rays 300 --cache-bounces 4 \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both \
+                     --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
+    let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
+    let expected = Overrides {
+        eye: Some([-1.0, 2.0, 3.0].into()),
+        target: Some([0.0, -0.5, 0.0].into()),
+        up: Some([0.0, 0.0, 1.0].into()),
+        vfov: Some(30.0),
+        width: Some(10),
+        height: Some(20),
+        filter: Some("tent".into()),
+        filter_width: Some(2.0),
+        sharpness: Some(0.5),
+        integrator: IntegratorOverrides {
+            integrator: Integrator::named("direct"),
+            max_depth: Some(3),
+            lights: Some(LightSampling::Direct),
+            stop: Stop::named("depth"),
+            cutoff: Some(0.5),
+            add_back: Some(true),
+            roulette_after: Some(0),
+            survival: Some(Survival::default()),
+            bounces: Some(0),
+            rays: Some(1),
+            sampling: Some(HemisphereSampling::Cosine),
+            ao_weighting: Some(AoWeighting::Misses),
+            ao_distance: Some(3.0),
+            cached: CachedOverrides {
+                cache_error: Some(0.25),
+                gradients: Some(Gradients::Off),
+                metric: Some(Metric::Bounded),
+                layout: Some(GatherLayout::Hemicube),
+                record_rays: Some(300),
+                cache_bounces: Some(4),
+            },
+        },
+        spp: Some(7),
+        sampler: Some(Pattern::Random),
+        seed: Some(u64::MAX),
+        build: Some(halfdome_kernel::Quality::Medium),
+        aov: None,
+        sky: Some([1.0, 2.0, 3.0].into()),
+        sky_light: SkyOverrides {
+            picture: Some("a.hdr".into()),
+            rotation: Some(-90.0),
+            scale: Some(2.0),
+            daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
+        },
+        emits_both_sides: Some(true),
+    };
+    assert_eq!(arguments.overriding.overrides(), expected);
+    assert_eq!(arguments.tone_mapping().exposure, -1.5);
+}
+
+#[test]
+fn a_size_is_two_sides_and_excludes_single_ones() {
+    let arguments = render(&["s.glb", "--size", "1280x720"]).unwrap().overriding.overrides();
+    assert_eq!((arguments.width, arguments.height), (Some(1280), Some(720)));
+    for wrong in ["1280", "0x720", "1280x65537", "x", "axb", "1280x720x3", "-1x5"] {
+        assert!(render(&["s.glb", &format!("--size={wrong}")]).is_err(), "{wrong}");
+    }
+    assert!(render(&["s.glb", "--size", "1x1", "--width", "3"]).is_err());
+}
+
+#[test]
+fn blocks_are_powers_of_two() {
+    let side = |arguments: &[&str]| render(arguments).map(|arguments| arguments.progressive);
+    assert_eq!(side(&["s.glb"]).unwrap(), None);
+    assert_eq!(side(&["--progressive", "s.glb"]).unwrap(), Some(32));
+    assert_eq!(side(&["s.glb", "--progressive=8"]).unwrap(), Some(8));
+    for wrong in ["1", "12", "512", "x"] {
+        assert!(side(&["s.glb", &format!("--progressive={wrong}")]).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn errors_name_the_option_and_what_would_be_right() {
+    let text = render(&["s.glb", "--vfov", "200"]).unwrap_err().to_string();
+    assert!(text.contains("--vfov <DEGREES>") && text.contains("more than 0 and less than 180"), "{text}");
+    for wrong in ["--exposure=nan", "--exposure=65", "--threads=0", "--tone=blue", "--progress=loud", "--spp=0"] {
+        assert!(render(&["s.glb", wrong]).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn outputs_are_named_after_the_scene_unless_given() {
+    let names = |arguments: &[&str]| render(arguments).unwrap().outputs();
+    assert_eq!(names(&["a/b.v2.toml"]).unwrap(), [Path::new("b.v2.exr"), Path::new("b.v2.png")]);
+    assert_eq!(names(&["s.glb", "-o", "x.png", "-o", "y.exr"]).unwrap(), [Path::new("x.png"), Path::new("y.exr")]);
+    assert!(names(&["s.glb", "-o", "x.png", "-o", "x.png"]).is_err());
+    assert!(names(&["s.glb", "-o", "x.png", "-o", "./x.png"]).is_err());
+    assert!(names(&["s.glb", "-o", "no/x.png", "-o", "./x.png"]).is_ok());
+}

@@ -1,0 +1,112 @@
+//! Where on a lamp to look from a point near it.
+//!
+//! Light from the point `y` of an even triangle reaches a surface at `x` in proportion to `cos θ cos θ_y / |y - x|²`, which
+//! over a lamp nearby varies by orders of magnitude, so that samples spread evenly over its area are noisy. Its values at
+//! the lamp's corners, of which `cos θ_y / |y - x|` is the same but for a factor that all have, weight the square that is
+//! mapped to the triangle; two of its corners are those of an edge, one the third corner and one the other edge's middle
+//! (as Pharr, Jakob and Humphreys, "Physically Based Rendering", 6.5.4, do for the receiver's cosine alone). No light is
+//! left out: a part of the weight is the same everywhere.
+
+use glam::Vec3;
+use halfdome_kernel::Triangle;
+use halfdome_kernel::sampling::warp::Bilinear;
+
+/// The part of the mean weight that every corner has at least, over four.
+const FLOOR: f32 = 0.05;
+
+/// The weights of the square that [`Triangle`](halfdome_kernel::sampling::warp::Triangle) maps to a lamp with these
+/// corners, for a surface at `position` with the unit normal `normal`. Without a branch, so that loops over it become
+/// lanes.
+#[inline(always)]
+pub(crate) fn prospect(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle) -> Bilinear {
+    let m = 0.5 * (b + c);
+    let [a, b, c, m] = [
+        reach(position, normal, a),
+        reach(position, normal, b),
+        reach(position, normal, c),
+        reach(position, normal, m),
+    ];
+    let sum = a + b + c + m;
+    // Nothing is seen, or what is does not fit into numbers.
+    let fits = (sum > 1e-30) & (sum < 1e30);
+    let scale = sum.recip();
+    let [a, b, c, m] = [a * scale, b * scale, c * scale, m * scale];
+    let even = 0.25 + FLOOR;
+    Bilinear {
+        weights: [
+            if fits { a + FLOOR } else { even },
+            if fits { b + FLOOR } else { even },
+            if fits { c + FLOOR } else { even },
+            if fits { m + FLOOR } else { even },
+        ],
+    }
+}
+
+/// `cos θ / |y - x|³` of a corner `y`.
+#[inline(always)]
+fn reach(position: Vec3, normal: Vec3, corner: Vec3) -> f32 {
+    let way = corner - position;
+    let squared = way.length_squared();
+    normal.dot(way).max(0.0) / (squared * squared)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+    use halfdome_kernel::sampling::Stream;
+    use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+
+    use super::*;
+
+    const LAMP: Triangle = [Vec3::new(0.0, 0.0, 0.2), Vec3::new(1.0, 0.0, 0.2), Vec3::new(0.0, 1.0, 0.2)];
+
+    /// Mean and variance of an estimate of the lamp's form factor from the origin, whose normal is `normal`.
+    fn form_factor(normal: Vec3, prospect: &Bilinear) -> (f64, f64) {
+        let count = 200_000;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for i in 0..count {
+            let u = prospect.map(Stream::new(3, i, 0).uniform2(0));
+            let point = TriangleWarp.map(u);
+            let y = LAMP[0] + (LAMP[1] - LAMP[0]) * point.x + (LAMP[2] - LAMP[0]) * point.y;
+            let transfer = normal.dot(y).max(0.0) * y.z / y.length_squared().powi(2);
+            let value = f64::from(0.5 * transfer / (prospect.density(u) * std::f32::consts::PI));
+            sum += value;
+            squares += value * value;
+        }
+        let mean = sum / f64::from(count);
+        (mean, squares / f64::from(count) - mean * mean)
+    }
+
+    /// Lambert's formula: the edges' angles times the normal's part of their directions, over 2π. The lamp must be above
+    /// the horizon.
+    fn lambert(normal: Vec3) -> f64 {
+        let corners = LAMP.map(|corner| corner.as_dvec3().normalize());
+        let edges = (0..3).map(|i| {
+            let (from, to) = (corners[i], corners[(i + 1) % 3]);
+            from.angle_between(to) * from.cross(to).normalize().dot(normal.as_dvec3())
+        });
+        edges.sum::<f64>() / std::f64::consts::TAU
+    }
+
+    #[test]
+    fn form_factors_are_exact_and_less_noisy() {
+        let even = Bilinear { weights: [1.0; 4] };
+        for normal in [Vec3::Z, Vec3::new(0.4, 0.3, 0.9).normalize(), Vec3::new(0.05, 0.02, 1.0).normalize()] {
+            let weighted = prospect(Vec3::ZERO, normal, &LAMP);
+            let ((mean, variance), (_, evenly)) = (form_factor(normal, &weighted), form_factor(normal, &even));
+            let deviation = (variance / 200_000.0).sqrt();
+            assert!((mean - lambert(normal)).abs() < 4.0 * deviation, "{mean}, not {}", lambert(normal));
+            assert!(variance < 0.5 * evenly, "{variance} of {evenly}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_weighted_is_even() {
+        let below = prospect(Vec3::ZERO, Vec3::NEG_Z, &LAMP);
+        let on_a_corner = prospect(LAMP[1], Vec3::X, &LAMP);
+        let far = prospect(Vec3::splat(1e15), Vec3::NEG_Z, &LAMP);
+        for prospect in [below, on_a_corner, far] {
+            assert_eq!((prospect.weights, prospect.density(Vec2::splat(0.3))), ([0.3; 4], 1.0));
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! What integrators and the irradiance cache are told.
+
+use super::{Reading, Value, expected};
+use crate::settings::{
+    AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop,
+    Survival,
+};
+
+/// An integrator's name.
+pub(in crate::scene) fn integrator(value: &Value) -> Reading<Integrator> {
+    value.named(&Integrator::NAMES, Integrator::named)
+}
+
+/// How light is found.
+pub(in crate::scene) fn lights(value: &Value) -> Reading<LightSampling> {
+    value.one_of(&[("naive", LightSampling::Naive), ("direct", LightSampling::Direct), ("mis", LightSampling::Mis)])
+}
+
+/// A stopping rule's name.
+pub(in crate::scene) fn stop(value: &Value) -> Reading<Stop> {
+    value.named(&Stop::NAMES, Stop::named)
+}
+
+/// A part of a whole.
+pub(in crate::scene) fn fraction(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(fraction @ 0.0..=1.0) => Ok(fraction),
+        _ => expected("a number from 0 to 1"),
+    }
+}
+
+/// The probability that a path goes on, or the word for one that follows its throughput.
+pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
+    match value {
+        Value::Text(text) if text == "throughput" => Ok(Survival::default()),
+        _ => match value.finite() {
+            Some(probability) if probability > 0.0 && probability <= 1.0 => Ok(Survival::Constant(probability)),
+            _ => expected("`throughput`, or a probability, more than 0 and at most 1"),
+        },
+    }
+}
+
+/// How directions are chosen.
+pub(in crate::scene) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> {
+    value.one_of(&[
+        ("uniform", HemisphereSampling::Uniform),
+        ("cosine", HemisphereSampling::Cosine),
+        ("stratified", HemisphereSampling::Stratified),
+        ("stratified-uniform", HemisphereSampling::StratifiedUniform),
+    ])
+}
+
+/// What occlusion rays count.
+pub(in crate::scene) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
+    value.one_of(&[("misses", AoWeighting::Misses), ("hit-length", AoWeighting::HitLength)])
+}
+
+/// A distance in the scene's units.
+pub(in crate::scene) fn distance(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(distance) if distance > 0.0 => Ok(distance),
+        _ => expected("a number more than 0, in the scene's units"),
+    }
+}
+
+/// The error that a record of the irradiance cache may have.
+pub(in crate::scene) fn cache_error(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(error) if error > 0.0 && error <= CachedOptions::MAX_ERROR => Ok(error),
+        _ => expected(format!("a number more than 0 and at most {}", CachedOptions::MAX_ERROR)),
+    }
+}
+
+/// What records are extrapolated by.
+pub(in crate::scene) fn gradients(value: &Value) -> Reading<Gradients> {
+    value.one_of(&Gradients::ALL.map(|gradients| (gradients.name(), gradients)))
+}
+
+/// What decides how far a record reaches.
+pub(in crate::scene) fn metric(value: &Value) -> Reading<Metric> {
+    value.one_of(&Metric::ALL.map(|metric| (metric.name(), metric)))
+}
+
+/// How a record's rays are spread.
+pub(in crate::scene) fn gather_layout(value: &Value) -> Reading<GatherLayout> {
+    value.one_of(&GatherLayout::ALL.map(|layout| (layout.name(), layout)))
+}
+
+/// Rays of a record.
+pub(in crate::scene) fn record_rays(value: &Value) -> Reading<u32> {
+    const RANGE: std::ops::RangeInclusive<u32> = CachedOptions::MIN_RAYS..=CachedOptions::MAX_RAYS;
+    match value.integer() {
+        Some(rays) if RANGE.contains(&rays) => Ok(rays),
+        _ => expected(format!("a whole number from {} to {}", RANGE.start(), RANGE.end())),
+    }
+}
+
+/// Reflections of light that have a cache each.
+pub(in crate::scene) fn cache_bounces(value: &Value) -> Reading<u32> {
+    match value.integer() {
+        Some(bounces) if (1..=CachedOptions::MAX_BOUNCES).contains(&bounces) => Ok(bounces),
+        _ => expected(format!("a whole number from 1 to {}", CachedOptions::MAX_BOUNCES)),
+    }
+}
