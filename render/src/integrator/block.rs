@@ -36,7 +36,17 @@ struct Places {
     offset: Column,
 }
 
-/// Triangles that emit light, with numbers that say where on each.
+/// A triangle that emits light to the side of its normal.
+struct Lamp {
+    corners: Triangle,
+    normal: Vec3,
+    offset: f32,
+    emission: Vec3,
+    /// The density per area of its points, if those were all alike.
+    area_density: f32,
+}
+
+/// Such triangles, with numbers that say where on each.
 struct Lamps {
     corners: [Vectors; 3],
     normal: Vectors,
@@ -161,7 +171,8 @@ impl Block {
         let is_behind =
             material.emits_both_sides && face.normal.dot(face.corners[0] - self.places.position.get(i)) > 0.0;
         let normal = if is_behind { -face.normal } else { face.normal };
-        self.lamps.set(i, face.corners, normal, face.offset, material.emission, area_density, u);
+        let Face { corners, offset, .. } = *face;
+        self.lamps.set(i, &Lamp { corners, normal, offset, emission: material.emission, area_density }, u);
     }
 
     /// The surface of path `i`, as far as light is scattered by it.
@@ -234,14 +245,14 @@ impl Lamps {
     };
 
     #[inline(always)]
-    fn set(&mut self, i: usize, lamp: Triangle, normal: Vec3, offset: f32, emission: Vec3, area_density: f32, u: Vec2) {
-        for (corners, corner) in self.corners.iter_mut().zip(lamp) {
+    fn set(&mut self, i: usize, lamp: &Lamp, u: Vec2) {
+        for (corners, corner) in self.corners.iter_mut().zip(lamp.corners) {
             corners.set(i, corner);
         }
-        self.normal.set(i, normal);
-        self.offset[i] = offset;
-        self.emission.set(i, emission);
-        self.area_density[i] = area_density;
+        self.normal.set(i, lamp.normal);
+        self.offset[i] = lamp.offset;
+        self.emission.set(i, lamp.emission);
+        self.area_density[i] = lamp.area_density;
         (self.on_lamp[0][i], self.on_lamp[1][i]) = (u.x, u.y);
         self.is_there[i] = 1;
     }
@@ -324,7 +335,7 @@ mod tests {
     fn surface(number: u32) -> (Surface<'static>, Vec2) {
         let stream = Stream::new(1, number, 0);
         let normal = UniformSphere.map(stream.uniform2(0));
-        let smooth = if number % 3 == 0 { 0.5 * UniformSphere.map(stream.uniform2(1)) } else { Vec3::ZERO };
+        let smooth = if number.is_multiple_of(3) { 0.5 * UniformSphere.map(stream.uniform2(1)) } else { Vec3::ZERO };
         let [x, y, z, offset] = stream.uniform4(2);
         let [red, green, blue, _] = stream.uniform4(3);
         let surface = Surface {
@@ -359,7 +370,9 @@ mod tests {
             // Not all have a lamp.
             if i % 5 != 0 {
                 let (lamp, u) = self::surface(1000 + i as u32);
-                block.lamps.set(i, corners(i as u32), lamp.normal, lamp.offset, lamp.emission, 2.5, u);
+                let Surface { normal, offset, emission, .. } = lamp;
+                let corners = corners(i as u32);
+                block.lamps.set(i, &Lamp { corners, normal, offset, emission, area_density: 2.5 }, u);
             }
         }
         let mut lit = 0;
