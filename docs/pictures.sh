@@ -21,9 +21,8 @@ for gradients in off both; do
         --exposure 2 -o docs/gradients-$gradients.png
 done
 
-"$halfdome" validate --plots "$work/figures" furnace convergence cache-cornell cache-room
-for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata \
-    cache-cornell cache-room; do
+"$halfdome" validate --plots "$work/figures" furnace convergence
+for figure in furnace-bounces furnace-survival furnace-variance convergence-ao convergence-direct convergence-strata; do
     cp "$work/figures/$figure.svg" "docs/validate-${figure#furnace-}.svg"
 done
 
@@ -62,8 +61,11 @@ spp = 512
 radiance = [2.0, 2.4, 3.0]
 SCENE
 "$halfdome" render "$work/kitchen.toml" -o docs/kitchen.png --tone neutral --exposure 0.5
-cargo run --release -p halfdome-benches --bin irradiance_curves -- "$work/kitchen.toml" --record-rays 2048 --reference 16384 --plots "$work"
-cp "$work/cache-kitchen.svg" docs/validate-cache-kitchen.svg
+cargo run --release -p halfdome-benches --bin irradiance_curves -- cornell room "$work/kitchen.toml" --record-rays 2048 \
+    --reference 16384 --plots "$work"
+for scene in cornell room kitchen; do
+    cp "$work/cache-$scene.svg" docs/validate-cache-$scene.svg
+done
 "$halfdome" cache build "$work/kitchen.toml" -o "$work/kitchen.cache"
 "$halfdome" cache show "$work/kitchen.toml" "$work/kitchen.cache" -o docs/records.png
 

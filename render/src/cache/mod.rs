@@ -39,7 +39,7 @@ pub(crate) use file::named;
 pub use record::{Record, SECTORS};
 
 /// By how much farther than it keeps others away a record tells its neighbours what it knows.
-const NEIGHBOURHOOD: f32 = 1.6;
+const NEIGHBOURHOOD: f32 = 2.0;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]

@@ -7,9 +7,10 @@
 //! `Σ_j w_j [ (E(x_j) - E_j)² + (β R_j)² |∇E(x_j) - ∇_t E_j|² ]`,
 //!
 //! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is what record j is worth at
-//! record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of what it sees, over which a
-//! gradient is about as uncertain as irradiance is. So noise is shared among neighbours without a ray, and what is left
-//! of the bias is of the third order in their distance.
+//! record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of what it sees: `β R_j` is the way over
+//! which a gradient is about as uncertain as irradiance is. It is short, as a gather's gradient is that of the few walls
+//! between its cells where something changes; gradients decide where there are too few neighbours to tell. So noise is
+//! shared among neighbours without a ray, and what is left of the bias is of the third order in their distance.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -29,7 +30,7 @@ pub(super) struct Polynomial {
 }
 
 /// β.
-const GRADIENT_WEIGHT: f32 = 0.5;
+const GRADIENT_WEIGHT: f32 = 0.03;
 /// The least of a gradient's weights' roots, so that the equations always have a solution.
 const LEAST_CERTAINTY: f32 = 1e-3;
 /// What a second derivative other than 0 costs, in units of the record's own weight: it decides where there are too few

@@ -36,6 +36,7 @@ impl LightArguments {
             seed: self.seed,
             eye: Some(Vec3::ZERO),
             target: Some(Vec3::NEG_Z),
+            up: Some(Vec3::Y),
             ..Overrides::default()
         }
     }

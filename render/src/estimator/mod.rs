@@ -8,7 +8,9 @@ mod incident;
 mod prospect;
 mod weight;
 
-pub(crate) use direct::{Connection, connect, connect_lamp, connect_to, emitted_density, shine, sky_density};
+pub(crate) use direct::{
+    Connection, connect, connect_lamp, connect_to, emitted_density, emitted_lamp_density, shine, sky_density,
+};
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub use horizon::SECTORS;

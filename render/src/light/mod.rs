@@ -4,6 +4,7 @@
 mod ambient;
 mod sky;
 
+use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
@@ -27,6 +28,8 @@ pub(crate) struct Lights {
     area_density: Vec<f32>,
     /// The probability with which it gives the sky.
     sky_probability: f32,
+    /// What is near an emissive triangle lies in this box.
+    surroundings: Aabb,
     /// An estimate of the mean radiance that surfaces receive and send.
     mean_radiance: Vec3,
 }
@@ -71,6 +74,7 @@ impl Lights {
         let mut sources = Vec::new();
         let mut powers = Vec::new();
         let mut areas = Vec::new();
+        let mut emitting = Aabb::EMPTY;
         for (prim_id, triangle) in triangles.iter().enumerate() {
             let material = material(prim_id);
             let area = area(triangle);
@@ -79,6 +83,7 @@ impl Lights {
                 powers.push(PI * f64::from(area) * sides * brightness(material.emission));
                 sources.push(Source::Triangle(prim_id as u32));
                 areas.push(area);
+                emitting = emitting.union(&Aabb::around(triangle));
             }
         }
         for light in punctual {
@@ -89,6 +94,9 @@ impl Lights {
             powers.push(sky_power(sky, bounds));
             sources.push(Source::Sky);
         }
+        // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of light.
+        let reach = Vec3::splat((areas.iter().sum::<f32>() * FRAC_1_PI).sqrt());
+        let surroundings = Aabb { min: emitting.min - reach, max: emitting.max + reach };
         // Relative to the greatest, so that none overflows.
         let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
@@ -121,7 +129,7 @@ impl Lights {
         };
         let dim = if glare == Vec3::ZERO { 1.0 } else { 1.0 - glare_power / sky_power(sky, bounds) };
         let lamps_share = 1.0 - sky_probability * dim as f32;
-        Self { sources, table, lamps, lamps_share, area_density, sky_probability, mean_radiance }
+        Self { sources, table, lamps, lamps_share, area_density, sky_probability, surroundings, mean_radiance }
     }
 
     /// Chooses a light by a number in [0, 1), of double precision as there may be millions.
@@ -147,6 +155,13 @@ impl Lights {
     /// Whether a surface emits.
     pub(crate) fn has_emitters(&self) -> bool {
         !self.area_density.is_empty()
+    }
+
+    /// Whether an emissive triangle may be so near to a point that samples of its area, whose density per solid angle falls
+    /// with the square of the distance, are better combined with bounces.
+    #[inline]
+    pub(crate) fn are_near(&self, point: Vec3) -> bool {
+        (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all()
     }
 
     /// The density per area with which points of triangle `prim_id` are chosen.

@@ -12,20 +12,25 @@ use halfdome_tests::render::Patience;
 /// Half of each step, in metres: a sweep, over which the quotient is level.
 const STEPS: [f32; 3] = [0.02, 0.04, 0.06];
 
-/// The luminances' means of the records' irradiance and gradient over seeds.
-fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seeds: u64) -> (f64, DVec3) {
+/// The means of the records' irradiance and gradient over seeds, in green, and the gradient's standard error.
+fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seeds: u64) -> (f64, DVec3, DVec3) {
     // A record that reaches this far has no clamp that weakens its gradient.
     let options = CachedOptions { layout, rays, error: 0.5, metric: Metric::SplitSphere, ..CachedOptions::default() };
-    let mut sum = (0.0, DVec3::ZERO);
+    let (mut irradiance, mut sum, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for seed in 0..seeds {
         let cache = Cache::new(options, world.surroundings_hash());
         let request = Request { spp: 1, seed, part: Part::Indirect };
         let (cache, _) = by_cache(world, &[sensor], cache, &request, &Patience).cache.unwrap();
         let [record] = cache.records() else { panic!("{} records", cache.records().len()) };
-        sum.0 += f64::from(record.irradiance.y) / seeds as f64;
-        sum.1 += record.translational[1].as_dvec3() / seeds as f64;
+        irradiance += f64::from(record.irradiance.y);
+        let gradient = record.translational[1].as_dvec3();
+        sum += gradient;
+        squares += gradient * gradient;
     }
-    sum
+    let count = seeds as f64;
+    let mean = sum / count;
+    let variance = (squares / count - mean * mean).max(DVec3::ZERO) / (count - 1.0);
+    (irradiance / count, mean, DVec3::from(variance.to_array().map(f64::sqrt)))
 }
 
 /// Irradiance by paths. A sensor's random numbers depend on its place in the list, so each has a list of its own.
@@ -61,10 +66,12 @@ fn gradients_are_those_of_path_traced_differences() {
             assert!((0..2).all(|i| (quotient[i] - exact[i]).abs() < 0.1 * size), "{quotients:?} are not level");
         }
         for (layout, rays, seeds) in [(GatherLayout::Stratified, 20_000, 8), (GatherLayout::Hemicube, 49_152, 4)] {
-            let (irradiance, gradient) = recorded(&world, sensor, layout, rays, seeds);
+            let (irradiance, gradient, uncertain) = recorded(&world, sensor, layout, rays, seeds);
             assert!((irradiance / centre - 1.0).abs() < 0.03, "{layout:?}: {irradiance}, not {centre}");
             for (axis, exact) in axes.into_iter().zip(exact) {
                 let error = (gradient.dot(axis.as_dvec3()) - exact).abs() / size;
+                let sigma = uncertain.dot(axis.as_dvec3()) / size;
+                println!("{layout:?}, {axis}: off by {error:.4} ± {sigma:.4}; E {irradiance:.4}, not {centre:.4}");
                 assert!(error < 0.15, "{layout:?}, {axis}: {gradient}, not {quotients:?}");
             }
         }

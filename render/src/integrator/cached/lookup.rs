@@ -1,4 +1,7 @@
 //! The second pass: radiance along rays from a frozen cache.
+//!
+//! Lamps are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
+//! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
 
 use std::f32::consts::PI;
 
@@ -10,9 +13,9 @@ use super::super::path::emission;
 use super::super::wavefront::{Arrival, Connections, OneByOne, Path, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
-use crate::estimator::connect_lamp;
+use crate::estimator::{connect_lamp, emitted_lamp_density};
 use crate::settings::LightSampling;
-use crate::world::World;
+use crate::world::{Surface, World};
 
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;
@@ -69,12 +72,18 @@ impl Step for Lookup<'_> {
             return None;
         }
         let surface = world.surface_at(hit);
+        if path.density > 0.0 && path.density < f32::INFINITY {
+            *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit.t);
+            return None;
+        }
         *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let albedo = surface.diffuse;
+        let near_lamps = world.lights.are_near(surface.position);
+        let lights = if near_lamps { LightSampling::Mis } else { LightSampling::Direct };
         if albedo != Vec3::ZERO {
-            if let Some(connection) = connect_lamp(world, &surface, LightSampling::Direct, numbers.light()) {
+            if let Some(connection) = connect_lamp(world, &surface, lights, numbers.light()) {
                 connections.push(index, throughput, connection);
             }
             match self.frozen.irradiance(&surface) {
@@ -88,7 +97,21 @@ impl Step for Lookup<'_> {
                 }
             }
         }
-        path.through(&surface, arrival)
+        let bounce = surface.sample_with(ray.direction, numbers.onwards, numbers.cosine)?;
+        if bounce.density < f32::INFINITY && !near_lamps {
+            return None;
+        }
+        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
+        Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
+    }
+}
+
+impl Lookup<'_> {
+    /// What a surface emits along a ray that was scattered near the lamps.
+    #[inline(always)]
+    fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, t: f32) -> Vec3 {
+        let by_lamps = emitted_lamp_density(self.world, surface, ray.direction, t);
+        surface.emitted(ray.direction) * LightSampling::Mis.of_bounce(path.density, by_lamps)
     }
 }
 

@@ -30,7 +30,7 @@ const DEEPER_UNITS: f32 = 40.0;
 /// From so many candidates without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
-const FEWER: u32 = 8;
+const FEWER: u32 = 4;
 
 /// Adds to `cache` what a camera needs, and freezes it; gives the rays traced.
 pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> (Frozen, u64) {

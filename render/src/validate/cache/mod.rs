@@ -51,16 +51,17 @@ pub(super) const FAMILY: Family = Family {
 /// each.
 const RECORDS: f64 = 1700.0;
 
-/// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide.
-fn study<'a>(lab: &Lab<'a>, world: &'a World) -> Result<Study<'a>, Interrupted> {
-    let study = Study::new(world, 16, lab.share(32_768).max(8192), lab.seed(), lab.watch());
+/// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide: one in a
+/// corner can be half of all.
+fn study<'a>(lab: &Lab<'a>, world: &'a World, seed: u64) -> Result<Study<'a>, Interrupted> {
+    let study = Study::new(world, 32, lab.share(8192).max(2048), seed, lab.watch());
     if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
 }
 
 /// The curves of a scene, and their figure.
 fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
     let world = world(scene);
-    let study = study(lab, &world)?;
+    let study = study(lab, &world, lab.seed())?;
     let errors: &[f32] = if lab.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
     let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
     let curves = Curves::measure(&study, &plan, |_, _, _| !lab.watch().stop()).ok_or(Interrupted)?;
@@ -71,10 +72,10 @@ fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(C
 
 fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
     let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
-    let coarsest = curves.of(HESSIAN).first().ok_or(Interrupted)?;
-    // Without gradients nothing measured may be as good: then the last two say how many more records it takes.
-    let measured = coarsest.records as f64 / records_for(curves.of(NO_GRADIENTS), coarsest.error);
-    let quantity = format!("records for an error of {:.1}%", 100.0 * coarsest.error);
+    // The least error without gradients is one that coarser caches have with them.
+    let without = finest(curves.of(NO_GRADIENTS)).ok_or(Interrupted)?;
+    let measured = records_for(curves.of(HESSIAN), without.error) / without.records as f64;
+    let quantity = format!("records for an error of {:.1}%", 100.0 * without.error);
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
 }
 
@@ -93,15 +94,20 @@ fn finest(runs: &[Run]) -> Option<&Run> {
 
 fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {
     let world = world(cornell_box());
-    let study = study(lab, &world)?;
-    let error = |metric, errors: [f32; 2]| {
-        let runs = errors.map(|error| {
-            let options = CachedOptions { metric, error, rays: 4096, ..CachedOptions::default() };
-            study.cache(options, &[Gradients::Both])[0]
-        });
-        if lab.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
-    };
-    let (bounded, hessian) = (error(Metric::Bounded, [0.34, 0.28])?, error(Metric::Hessian, [0.41, 0.36])?);
+    let mut squares = [0.0; 2];
+    for seed in [lab.seed(), !lab.seed()] {
+        let study = study(lab, &world, seed)?;
+        let error = |metric, errors: [f32; 2]| {
+            let runs = errors.map(|error| {
+                let options = CachedOptions { metric, error, rays: 4096, ..CachedOptions::default() };
+                study.cache(options, &[Gradients::Both])[0]
+            });
+            if lab.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
+        };
+        squares[0] += error(Metric::Bounded, [0.34, 0.28])?.powi(2);
+        squares[1] += error(Metric::Hessian, [0.41, 0.36])?.powi(2);
+    }
+    let [bounded, hessian] = squares.map(|sum| (0.5 * sum).sqrt());
     let quantity = format!("error, relative to {:.1}%", 100.0 * bounded);
-    Ok(Outcome { quantity, measured: hessian / bounded, expected: 0.0, tolerance: 0.5, figure: None })
+    Ok(Outcome { quantity, measured: hessian / bounded, expected: 0.0, tolerance: 1.0 / 3.0, figure: None })
 }
