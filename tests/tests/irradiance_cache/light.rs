@@ -63,7 +63,9 @@ fn a_furnace_has_its_exact_irradiance() {
                 let mean = found.values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 40.0;
                 let error = (mean / (std::f64::consts::PI * series) - 1.0).abs().max_element();
                 println!("{layout:?}, {bounces:?}, {seed}: off by {error:.5}");
-                assert!(error < 0.003, "{layout:?}, {bounces:?}, {seed}: {mean}, off by {error}");
+                // Without a number of reflections, paths end by chance.
+                let limit = if bounces.is_none() { 0.006 } else { 0.002 };
+                assert!(error < limit, "{layout:?}, {bounces:?}, {seed}: {mean}, off by {error}");
             }
         }
     }
