@@ -5,58 +5,26 @@
 //! do is inlined and has no branch. So results are equal bit for bit to those of one path at a time, on every
 //! instruction set. All lanes are computed, those behind the last path for nothing.
 
-use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::Address;
-use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
-use halfdome_kernel::{Ray, Triangle};
+mod columns;
+mod lamps;
 
-use crate::estimator::{prospect, shine};
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::Address;
+
+use crate::estimator::shine;
 use crate::scene::Material;
 use crate::settings::LightSampling;
-use crate::world::{Face, Surface, interpolate};
+use crate::world::{Face, Surface};
 
-/// Paths in a block: few enough for the first-level cache.
-pub(super) const LANES: usize = 64;
-
-/// A number of each path.
-type Column = [f32; LANES];
-
-/// A vector of each path.
-#[derive(Clone, Copy)]
-pub(super) struct Vectors {
-    x: Column,
-    y: Column,
-    z: Column,
-}
-
+pub(super) use columns::LANES;
+use columns::{Column, Vectors};
+use lamps::{Lamp, Lamps};
 /// Points of surfaces, with what a ray that leaves or reaches one needs.
 struct Places {
     position: Vectors,
     normal: Vectors,
     offset: Column,
-}
-
-/// A triangle that emits light to the side of its normal.
-struct Lamp {
-    corners: Triangle,
-    normal: Vec3,
-    offset: f32,
-    emission: Vec3,
-    /// The density per area of its points, if those were all alike.
-    area_density: f32,
-}
-
-/// Such triangles, with numbers that say where on each.
-struct Lamps {
-    corners: [Vectors; 3],
-    normal: Vectors,
-    offset: Column,
-    emission: Vectors,
-    /// The density per area of their points, if those were all alike.
-    area_density: Column,
-    on_lamp: [Column; 2],
-    /// Whether there is one.
-    is_there: [u32; LANES],
 }
 
 /// Paths that have arrived at a surface each.
@@ -101,20 +69,6 @@ pub(super) struct Bounces {
     density: Column,
     /// Whether any light is reflected from there.
     reflects: [u32; LANES],
-}
-
-impl Vectors {
-    const ZERO: Self = Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] };
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> Vec3 {
-        Vec3::new(self.x[i], self.y[i], self.z[i])
-    }
-
-    #[inline(always)]
-    fn set(&mut self, i: usize, vector: Vec3) {
-        (self.x[i], self.y[i], self.z[i]) = (vector.x, vector.y, vector.z);
-    }
 }
 
 impl Places {
@@ -233,53 +187,6 @@ impl Block {
     }
 }
 
-impl Lamps {
-    const NONE: Self = Self {
-        corners: [Vectors::ZERO; 3],
-        normal: Vectors::ZERO,
-        offset: [0.0; LANES],
-        emission: Vectors::ZERO,
-        area_density: [0.0; LANES],
-        on_lamp: [[0.0; LANES]; 2],
-        is_there: [0; LANES],
-    };
-
-    #[inline(always)]
-    fn set(&mut self, i: usize, lamp: &Lamp, u: Vec2) {
-        for (corners, corner) in self.corners.iter_mut().zip(lamp.corners) {
-            corners.set(i, corner);
-        }
-        self.normal.set(i, lamp.normal);
-        self.offset[i] = lamp.offset;
-        self.emission.set(i, lamp.emission);
-        self.area_density[i] = lamp.area_density;
-        (self.on_lamp[0][i], self.on_lamp[1][i]) = (u.x, u.y);
-        self.is_there[i] = 1;
-    }
-
-    /// The point of lamp `i` that is sampled from `surface`, and its density per area.
-    #[inline(always)]
-    fn point<'w>(&self, i: usize, surface: &Surface<'w>) -> (Surface<'w>, f32) {
-        let corners = [self.corners[0].get(i), self.corners[1].get(i), self.corners[2].get(i)];
-        let prospect = prospect(surface.position, surface.normal, &corners);
-        let u = prospect.map(Vec2::new(self.on_lamp[0][i], self.on_lamp[1][i]));
-        let point = TriangleWarp.map(u);
-        let normal = self.normal.get(i);
-        let lamp = Surface {
-            position: interpolate(corners, [1.0 - point.x - point.y, point.x, point.y]),
-            normal,
-            shading_normal: normal,
-            diffuse: Vec3::ZERO,
-            emission: self.emission.get(i),
-            offset: self.offset[i],
-            prim_id: 0,
-            is_back: false,
-            material: surface.material,
-        };
-        (lamp, self.area_density[i] * prospect.density(u))
-    }
-}
-
 impl Shadows {
     pub(super) const NONE: Self =
         Self { origin: Vectors::ZERO, way: Vectors::ZERO, light: Vectors::ZERO, lit: [0; LANES] };
@@ -310,106 +217,4 @@ impl Bounces {
 }
 
 #[cfg(test)]
-mod tests {
-    use halfdome_kernel::sampling::Stream;
-    use halfdome_kernel::sampling::warp::{CosineHemisphere, UniformSphere};
-    use halfdome_kernel::{Isa, Level, Task};
-
-    use super::*;
-    use crate::world::WHITE;
-
-    /// Light and bounces of a block, compiled for an instruction set.
-    struct Shade<'a>(&'a Block, LightSampling, &'a mut Shadows, &'a mut Bounces);
-
-    impl Task for Shade<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn run(self) {
-            self.0.connect(self.1, &WHITE, self.2);
-            self.0.bounce(&WHITE, self.3);
-        }
-    }
-
-    /// A surface somewhere, in some direction, some with vertex normals, and numbers for a direction from it.
-    fn surface(number: u32) -> (Surface<'static>, Vec2) {
-        let stream = Stream::new(1, number, 0);
-        let normal = UniformSphere.map(stream.uniform2(0));
-        let smooth = if number.is_multiple_of(3) { 0.5 * UniformSphere.map(stream.uniform2(1)) } else { Vec3::ZERO };
-        let [x, y, z, offset] = stream.uniform4(2);
-        let [red, green, blue, _] = stream.uniform4(3);
-        let surface = Surface {
-            position: Vec3::new(x, y, z),
-            normal,
-            shading_normal: (normal + smooth).normalize(),
-            diffuse: Vec3::new(red, green, blue),
-            emission: Vec3::new(blue, red, green),
-            offset: 1e-6 * offset,
-            prim_id: 0,
-            is_back: false,
-            material: &WHITE,
-        };
-        (surface, stream.uniform2(4))
-    }
-
-    /// Corners of a lamp somewhere.
-    fn corners(number: u32) -> [Vec3; 3] {
-        [2000, 3000, 4000].map(|which| surface(which + number).0.position * 2.0)
-    }
-
-    #[test]
-    fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
-        // One lane less than there are: what is behind the last path must not count.
-        let count = LANES - 1;
-        let (throughput, survival) = (Vec3::new(0.3, 0.7, 0.9), 0.6);
-        let (mut block, mut shadows, mut bounces) = (Block::EMPTY, Shadows::NONE, Bounces::NONE);
-        for i in 0..count {
-            let (surface, u) = surface(i as u32);
-            block.push(i, Address::default(), &surface, throughput, survival);
-            block.cosine[i] = CosineHemisphere.map(u);
-            // Not all have a lamp.
-            if i % 5 != 0 {
-                let (lamp, u) = self::surface(1000 + i as u32);
-                let Surface { normal, offset, emission, .. } = lamp;
-                let corners = corners(i as u32);
-                block.lamps.set(i, &Lamp { corners, normal, offset, emission, area_density: 2.5 }, u);
-            }
-        }
-        let mut lit = 0;
-        for isa in Level::ALL.into_iter().filter_map(Isa::new) {
-            for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
-                isa.run(Shade(&block, lights, &mut shadows, &mut bounces));
-                for i in 0..count {
-                    let (surface, u) = surface(i as u32);
-                    let (lamp, place) = self::surface(1000 + i as u32);
-                    let [a, b, c] = corners(i as u32);
-                    let prospect = prospect(surface.position, surface.normal, &[a, b, c]);
-                    let place = prospect.map(place);
-                    let Vec2 { x, y } = TriangleWarp.map(place);
-                    let lamp = Surface { position: a * (1.0 - x - y) + b * x + c * y, ..lamp };
-                    let (light, arrives) = shine(&surface, &lamp, 2.5 * prospect.density(place));
-                    let (reflected, density) = surface.evaluate(light.direction);
-                    let radiance = reflected * light.radiance * lights.of_light(light.per_density, density);
-                    let expected = arrives && i % 5 != 0 && radiance.max_element() > 0.0;
-                    let (shadow, light_found, is_lit) = shadows.get(i);
-                    assert_eq!(is_lit, expected, "{isa:?}, {lights:?}, {i}");
-                    if is_lit {
-                        assert_eq!((shadow, light_found), (light.shadow, throughput * radiance), "{isa:?}, {i}");
-                        lit += 1;
-                    }
-                    let (ray, weight, density, reflects) = bounces.get(i);
-                    match surface.sample(Vec3::NEG_Z, u) {
-                        Some(bounce) => {
-                            let origin = surface.origin_towards(bounce.direction);
-                            assert_eq!(ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
-                            assert_eq!((weight, density), (throughput / survival * bounce.weight, bounce.density));
-                            assert!(reflects);
-                        }
-                        None => assert!(!reflects),
-                    }
-                }
-            }
-        }
-        assert!(lit > 20, "{lit}");
-    }
-}
+mod tests;
