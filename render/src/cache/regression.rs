@@ -196,8 +196,10 @@ mod tests {
                 let found = polynomial.extrapolate(record, position, frame.normal);
                 let plain = record.extrapolate(position, frame.normal, true, true);
                 let (error, before) = ((found - exact).length(), (plain - exact).length());
-                // What is left is the price of curvature: mostly of records at the border, with few neighbours.
-                assert!(error <= 0.15 * before + 0.01, "{error}, by the gradient alone {before}");
+                // At the border, where neighbours are few, curvature has its price.
+                let is_inside = (local.truncate() - 0.5).abs().max_element() < 0.5 - 0.5 * RADIUS;
+                let (part, rest) = if is_inside { (0.05, 3e-3) } else { (0.15, 0.01) };
+                assert!(error <= part * before + rest, "{local}: {error}, by the gradient alone {before}");
             }
         }
     }
