@@ -1,9 +1,10 @@
 //! All paths of a batch, side by side: rays → hits → a step of each path → shadow rays and next rays.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Address, Sampler, unit_double};
-use halfdome_kernel::{Hit, Ray, Task};
+use halfdome_kernel::{Hit, Isa, Ray, Task};
 
 use super::CameraRays;
 use super::block::{LANES, Shadows};
@@ -56,8 +57,9 @@ impl<S: Step> Walk for OneByOne<'_, S> {
     }
 }
 
-/// A path that is under way.
-#[derive(Clone, Copy, Debug)]
+/// A path that is under way, in eight words.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Path {
     /// Its camera ray.
     pub index: u32,
@@ -70,6 +72,8 @@ pub(super) struct Path {
     /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
     /// [`Hit::NO_PRIM`].
     pub from: u32,
+    /// Makes a row of it.
+    pub unused: u32,
 }
 
 /// Where a path has arrived.
@@ -95,7 +99,10 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
+    /// Of all camera rays, by their numbers.
     pub(super) addresses: Vec<Address>,
+    /// Of the paths, where numbers are drawn for all at once.
+    drawn: Vec<Address>,
     on_light: Vec<Vec2>,
     onwards: Vec<Vec2>,
     cosine: Vec<Vec3>,
@@ -110,21 +117,28 @@ pub(super) fn first_set(camera: &CameraRays, depth: u32) -> u32 {
     camera.first_set + (depth - 1) * SETS_PER_SURFACE
 }
 
-/// What shadow rays are written over.
-const NO_RAY: Ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::ZERO, t_max: 0.0 };
-
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
 pub(crate) struct Connections {
+    /// How many wait: the first of each list.
+    len: usize,
     shadows: Vec<Ray>,
-    pending: Vec<(u32, Vec3)>,
+    pending: Vec<Pending>,
     occluded: Vec<bool>,
+}
+
+/// What it adds to which camera ray's.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Pending {
+    index: u32,
+    light: Vec3,
 }
 
 impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM, unused: 0 }
     }
 
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
@@ -195,11 +209,13 @@ impl Wavefront {
     /// Draws the numbers that all paths use at hit number `depth`.
     fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32) {
         let Some(sampler) = camera.samplers.first() else { return };
-        let (isa, count) = (world.tree().isa(), self.addresses.len());
+        let (isa, count) = (world.tree().isa(), self.paths.len());
         let first_set = first_set(camera, depth);
+        self.drawn.clear();
+        self.drawn.extend(self.paths.iter().map(|path| self.addresses[path.index as usize]));
         let draw = |set: u32, numbers: &mut Vec<Vec2>| {
             numbers.resize(count, Vec2::ZERO);
-            sampler.fill2(isa, first_set + set, &self.addresses, numbers);
+            sampler.fill2(isa, first_set + set, &self.drawn, numbers);
         };
         draw(0, &mut self.on_light);
         draw(1, &mut self.onwards);
@@ -216,7 +232,7 @@ impl Wavefront {
             let (path, arrival) = (self.paths[i], Arrival { ray: &self.rays[i], hit: &self.hits[i], numbers });
             let next = step.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
             if let Some((path, ray)) = next {
-                (self.paths[kept], self.rays[kept], self.addresses[kept]) = (path, ray, self.addresses[i]);
+                (self.paths[kept], self.rays[kept]) = (path, ray);
                 kept += 1;
             }
         }
@@ -228,7 +244,6 @@ impl Wavefront {
         self.paths.truncate(count);
         self.rays.truncate(count);
         self.hits.truncate(count);
-        self.addresses.truncate(count);
     }
 
     /// The numbers of the paths' camera rays.
@@ -258,42 +273,42 @@ impl Connections {
     /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
     #[inline]
     pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
-        self.pending.push((index, throughput * connection.radiance));
-        self.shadows.push(connection.shadow);
+        self.make_room(1);
+        self.shadows[self.len] = connection.shadow;
+        self.pending[self.len] = Pending { index, light: throughput * connection.radiance };
+        self.len += 1;
     }
 
-    /// Lets the light of up to `LANES` shadow rays wait, of those that have any.
+    /// Lets the light of the first `count` shadow rays of a block wait, of those that have any.
     #[inline(always)]
-    pub(super) fn extend(&mut self, indices: &[u32], shadows: &Shadows) {
-        let mut end = self.shadows.len();
-        self.shadows.resize(end + indices.len(), NO_RAY);
-        self.pending.resize(end + indices.len(), (0, Vec3::ZERO));
-        for (i, &index) in indices.iter().enumerate().take(LANES) {
-            // Written in any case, and kept if there is light: nobody can foresee which.
-            let (shadow, light, is_lit) = shadows.get(i);
-            (self.shadows[end], self.pending[end]) = (shadow, (index, light));
-            end += usize::from(is_lit);
+    pub(super) fn extend(&mut self, isa: Isa, shadows: &Shadows, count: usize) {
+        self.make_room(LANES);
+        self.len += shadows.keep(isa, count, &mut self.shadows[self.len..], &mut self.pending[self.len..]);
+    }
+
+    /// Makes room for `count` more. What was there is not cleared, for it is written over.
+    #[inline(always)]
+    fn make_room(&mut self, count: usize) {
+        if self.shadows.len() < self.len + count {
+            self.shadows.resize(2 * self.len + count, Ray::zeroed());
+            self.pending.resize(2 * self.len + count, Pending::zeroed());
         }
-        self.shadows.truncate(end);
-        self.pending.truncate(end);
     }
 
     /// Adds the light whose shadow rays are free; gives their number.
     pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
-        self.occluded.resize(self.shadows.len(), false);
-        world.occluded_many(&self.shadows, &mut self.occluded);
-        for ((index, light), occluded) in self.pending.iter().zip(&self.occluded) {
+        let count = std::mem::take(&mut self.len);
+        self.occluded.resize(count, false);
+        world.occluded_many(&self.shadows[..count], &mut self.occluded);
+        for (Pending { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
             // Adding nothing is quicker than a branch that nobody can foresee.
             radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
         }
-        let traced = self.shadows.len() as u64;
-        self.pending.clear();
-        self.shadows.clear();
-        traced
+        count as u64
     }
 
     /// The shadow rays that wait, with the numbers of their camera rays.
     pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
-        self.pending.iter().map(|(index, _)| *index as usize).zip(&self.shadows)
+        self.pending[..self.len].iter().map(|pending| pending.index as usize).zip(&self.shadows)
     }
 }
