@@ -7,7 +7,7 @@ mod surface;
 use glam::Vec3;
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::{
-    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Triangle, offset_distance, triangle_normal,
+    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
 };
 
 use crate::light::{Lights, SkyLight, Source};
@@ -33,6 +33,7 @@ pub struct World {
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
     bvh: Bvh,
+    isa: Isa,
     report: BuildReport,
     /// All that emits and can be aimed at.
     pub(crate) lights: Lights,
@@ -96,7 +97,7 @@ impl World {
         let emitter = |source: &Source| match *source {
             Source::Triangle(prim_id) => {
                 let face = &faces[prim_id as usize];
-                Emitter::of(face, &materials[face.material as usize], lights.area_density(prim_id))
+                Emitter::of(face, &materials[face.material as usize], lights.area_density(prim_id).recip())
             }
             _ => Emitter::NONE,
         };
@@ -111,6 +112,7 @@ impl World {
             finishes,
             emitters,
             first_faces,
+            isa: bvh.view().isa(),
             bvh,
             report,
             lights,
@@ -123,6 +125,12 @@ impl World {
     /// The tree, for tracing.
     pub fn tree(&self) -> BvhView<'_> {
         self.bvh.view()
+    }
+
+    /// What loops in lanes are run with: that with which the tree is traced.
+    #[inline(always)]
+    pub(crate) fn isa(&self) -> Isa {
+        self.isa
     }
 
     /// The tree in figures.

@@ -175,28 +175,49 @@ impl Work for SampleMany<'_> {
     #[inline(always)]
     fn run<S: Simd>(self) {
         const LANES: usize = 64;
-        let last = self.entries.len() as u32 - 1;
-        let count = self.entries.len() as f64;
-        let (mut kept, mut aliases) = ([0.0; LANES], [0; LANES]);
+        let (count, last) = (self.entries.len() as f64, (self.entries.len() - 1) as f64);
+        let (mut fractions, mut kept) = ([0.0; LANES], [0.0; LANES]);
+        let (mut places, mut aliases) = ([0; LANES], [0; LANES]);
         let outputs = self.indices.chunks_mut(LANES).zip(self.rests.chunks_mut(LANES));
         for (u, (indices, rests)) in self.u.chunks(LANES).zip(outputs) {
-            for ((u, index), fraction) in u.iter().zip(&mut *indices).zip(&mut *rests) {
-                let position = u * count;
-                *index = (position as u32).min(last);
-                *fraction = position - f64::from(*index);
+            // Loops of a known length become lanes, those behind the last number for nothing.
+            fractions[..u.len()].copy_from_slice(u);
+            for i in 0..LANES {
+                let position = fractions[i] * count;
+                let place = floor(position).min(last);
+                fractions[i] = position - place;
+                places[i] = integer(place);
             }
-            for ((index, kept), alias) in indices.iter().zip(&mut kept).zip(&mut aliases) {
-                let entry = self.entries[*index as usize];
-                (*kept, *alias) = (f64::from(entry.probability), entry.alias);
+            for i in 0..u.len() {
+                let entry = self.entries[places[i] as usize];
+                (kept[i], aliases[i]) = (f64::from(entry.probability), entry.alias);
             }
-            for (((index, fraction), &kept), &alias) in indices.iter_mut().zip(rests).zip(&kept).zip(&aliases) {
-                let stays = *fraction < kept;
-                let (below, width) = if stays { (0.0, kept) } else { (kept, 1.0 - kept) };
-                *index = if stays { *index } else { alias };
-                *fraction = ((*fraction - below) / width).clamp(0.0, ALMOST_ONE);
+            for i in 0..LANES {
+                let stays = fractions[i] < kept[i];
+                let (below, width) = if stays { (0.0, kept[i]) } else { (kept[i], 1.0 - kept[i]) };
+                fractions[i] = ((fractions[i] - below) / width).clamp(0.0, ALMOST_ONE);
+                places[i] = if stays { places[i] } else { aliases[i] };
             }
+            indices.copy_from_slice(&places[..u.len()]);
+            rests.copy_from_slice(&fractions[..u.len()]);
         }
     }
+}
+
+/// The number from which on doubles are integers.
+const INTEGERS: f64 = (1u64 << 52) as f64;
+
+/// The integer part of a number in [0, 2³²); in lanes as well, which have no conversion of their own.
+#[inline(always)]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + INTEGERS) - INTEGERS;
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// An integer in [0, 2³²), likewise.
+#[inline(always)]
+fn integer(x: f64) -> u32 {
+    (x + INTEGERS).to_bits() as u32
 }
 
 fn check_length(length: usize) -> Result<(), AliasError> {

@@ -65,7 +65,8 @@ pub(super) struct Block {
     pub onwards: [Vec2; LANES],
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: [Vec3; LANES],
-    pub chances: [Vec2; LANES],
+    /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
+    pub chances: Column,
     lamps: Lamps,
 }
 
@@ -75,19 +76,18 @@ impl Block {
         Self::zeroed()
     }
 
-    /// Takes in number `source` of the paths, if it hits anything; there must be a lane left.
+    /// Takes number `source` of the paths, which has hit something, as path `i`.
     #[inline(always)]
-    pub(super) fn push(&mut self, source: usize, hit: &Hit) {
-        let i = self.len % LANES;
+    pub(super) fn put(&mut self, i: usize, source: usize, hit: &Hit) {
+        let i = i % LANES;
         self.source[i] = source as u32;
         (self.u[i], self.v[i], self.prims[i]) = (hit.u, hit.v, hit.prim_id);
-        self.len += usize::from(hit.is_hit());
     }
 
     /// Looks up the paths and where they have arrived.
     #[inline(always)]
     pub(super) fn arrive(&mut self, world: &World, paths: &[Path], rays: &[Ray]) {
-        let (isa, len) = (world.tree().isa(), self.len);
+        let (isa, len) = (world.isa(), self.len);
         gather::<1, _, _>(isa, paths, &self.source[..len], &mut self.paths);
         gather::<1, _, _>(isa, rays, &self.source[..len], &mut self.rays);
         gather::<2, _, _>(isa, world.faces(), &self.prims[..len], &mut self.faces);
@@ -179,10 +179,16 @@ impl Block {
         self.scatters[i] < 1.0
     }
 
+    /// Whether any path is.
+    #[inline(always)]
+    pub(super) fn has_specular(&self) -> bool {
+        self.scatters.iter().fold(1.0, |least: f32, &scatters| least.min(scatters)) < 1.0
+    }
+
     /// Whether path `i` survives.
     #[inline(always)]
     pub(super) fn survives(&self, i: usize) -> bool {
-        self.goes_on[i] != 0 && self.chances[i].x < self.survival[i]
+        self.goes_on[i] != 0 && self.chances[i] < self.survival[i]
     }
 
     /// The probability with which chance lets path `i` go on.

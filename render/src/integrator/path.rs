@@ -13,15 +13,17 @@
 //! in lanes (see [`block`](super::block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
 //! sky and lights without a surface are done one by one.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::{Hit, Ray, Task};
 
 use super::block::{Block, Bounces, LANES, Shadows};
 use super::wavefront::{Path, Walk, first_set};
 use super::{CameraRays, Wavefront};
 use crate::bsdf::Bounce;
-use crate::estimator::{connect_to, emitted_density, prospect, sky_density};
+use crate::estimator::{connect_to, emitted_density, sky_density};
 use crate::settings::{LightSampling, PathOptions, Stop, Survival};
 use crate::world::{Surface, WHITE, World};
 
@@ -57,7 +59,7 @@ impl Walk for PathTracer<'_> {
     fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
         let Self { world, options, block, shadows, bounces, .. } = self;
         let step = Advance { world, options, wave, camera, depth, radiance };
-        world.tree().isa().run(Steps { step, block, shadows, bounces });
+        world.isa().run(Steps { step, block, shadows, bounces });
     }
 
     fn watch(&mut self, wave: &Wavefront) {
@@ -91,7 +93,9 @@ impl Task for Steps<'_> {
         let Self { mut step, block, shadows, bounces } = self;
         let (mut next, mut kept) = (0, 0);
         while next < step.wave.paths.len() {
-            next = step.fill(next, block);
+            let first = next;
+            next = step.fill(first, block);
+            step.miss(first..next);
             step.arrive(block);
             if step.depth < step.options.max_depth {
                 step.stop(block);
@@ -105,22 +109,34 @@ impl Task for Steps<'_> {
 }
 
 impl<'a> Advance<'a> {
-    /// Takes paths, from number `next` on, into the block; those that hit nothing see the sky. Gives the number of the next.
+    /// Takes paths that have hit something, from number `next` on, into the block; gives the number of the next.
     #[inline(always)]
     fn fill(&mut self, mut next: usize, block: &mut Block) -> usize {
-        let has_sky = self.world.sky.mean() != Vec3::ZERO;
-        block.len = 0;
-        while block.len < LANES && next < self.wave.paths.len() {
-            let hit = &self.wave.hits[next];
-            block.push(next, hit);
-            if has_sky && !hit.is_hit() {
-                let (path, ray) = (&self.wave.paths[next], &self.wave.rays[next]);
-                let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
-                self.radiance[path.index as usize] += light;
-            }
+        let mut len = 0;
+        for hit in &self.wave.hits[next..] {
+            // Put there in any case, and the place is taken if it has hit something: nobody can foresee whether.
+            block.put(len, next, hit);
+            len += usize::from(hit.is_hit());
             next += 1;
+            if len == LANES {
+                break;
+            }
         }
+        block.len = len;
         next
+    }
+
+    /// Lets those of some paths see the sky that hit nothing.
+    #[inline(always)]
+    fn miss(&mut self, range: Range<usize>) {
+        if self.world.sky.mean() == Vec3::ZERO {
+            return;
+        }
+        for i in range.filter(|&i| !self.wave.hits[i].is_hit()) {
+            let (path, ray) = (&self.wave.paths[i], &self.wave.rays[i]);
+            let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
+            self.radiance[path.index as usize] += light;
+        }
     }
 
     /// Looks up where the block's paths have arrived, and collects light there.
@@ -167,7 +183,7 @@ impl<'a> Advance<'a> {
     #[inline(always)]
     fn draw(&self, block: &mut Block) {
         let Some(sampler) = self.camera.samplers.first() else { return };
-        let (isa, first_set, len) = (self.world.tree().isa(), first_set(self.camera, self.depth), block.len);
+        let (isa, first_set, len) = (self.world.isa(), first_set(self.camera, self.depth), block.len);
         for i in 0..len {
             block.addresses[i] = self.wave.addresses[block.index(i)];
         }
@@ -175,12 +191,15 @@ impl<'a> Advance<'a> {
         let draw = |set: u32, numbers: &mut [Vec2; LANES]| {
             sampler.fill2(isa, first_set + set, addresses, &mut numbers[..len]);
         };
+        if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
+            draw(2, &mut block.onwards);
+            for (chance, numbers) in block.chances.iter_mut().zip(&block.onwards) {
+                *chance = numbers.x;
+            }
+        }
         draw(0, &mut block.on_light);
         draw(1, &mut block.onwards);
         CosineHemisphere.map_many(isa, &block.onwards[..len], &mut block.cosine[..len]);
-        if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
-            draw(2, &mut block.chances);
-        }
     }
 
     /// Samples a light for each path of the block.
@@ -189,13 +208,15 @@ impl<'a> Advance<'a> {
         if !block.choose_lights(self.world) {
             return;
         }
-        for i in 0..block.len {
-            if let Some(light) = block.other_light(i) {
-                self.connect_other(block, i, light);
+        if block.has_other_lights() {
+            for i in 0..block.len {
+                if let Some(light) = block.other_light(i) {
+                    self.connect_other(block, i, light);
+                }
             }
         }
         block.connect(self.options.lights, &WHITE, shadows);
-        self.wave.connections.extend(self.world.tree().isa(), shadows, block.len);
+        self.wave.connections.extend(self.world.isa(), shadows, block.len);
     }
 
     /// Samples the light of this number, of which the block knows too little, for path `i`; `rest` is left of the number by
@@ -229,13 +250,15 @@ impl<'a> Advance<'a> {
                 bounces.paths.sky_density[i] = density;
             }
         }
-        for i in 0..block.len {
-            if block.is_specular(i) {
-                self.reflect(block, bounces, i);
+        if block.has_specular() {
+            for i in 0..block.len {
+                if block.is_specular(i) {
+                    self.reflect(block, bounces, i);
+                }
             }
         }
         let Wavefront { paths, rays, .. } = &mut *self.wave;
-        kept + bounces.keep(world.tree().isa(), block.len, &mut rays[kept..], &mut paths[kept..])
+        kept + bounces.keep(world.isa(), block.len, &mut rays[kept..], &mut paths[kept..])
     }
 
     /// Lets path `i` of the block go on from a surface that may mirror or refract.
@@ -282,18 +305,7 @@ pub(super) fn emission(
     if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
         return Vec3::ZERO;
     }
-    let density = emitted_density(world, surface, ray.direction, hit.t) * prospect_density(world, path, ray, hit);
+    let normal = (path.from != Hit::NO_PRIM).then(|| world.normal_towards(path.from, ray.direction));
+    let density = emitted_density(world, normal, surface, ray, hit);
     surface.emission * lights.of_bounce(path.density, density)
-}
-
-/// How much more often the point of a lamp is looked at from where the path comes from than if its points were all alike.
-fn prospect_density(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
-    match world.plain_face(hit.prim_id) {
-        Some(face) if path.from != Hit::NO_PRIM => {
-            let normal = world.normal_towards(path.from, ray.direction);
-            let u = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-            prospect(ray.origin, normal, &face.corners).density(u)
-        }
-        _ => 1.0,
-    }
 }

@@ -53,7 +53,7 @@ impl<S: Step> Walk for OneByOne<'_, S> {
 
     fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
         wave.draw(self.world, camera, depth);
-        self.world.tree().isa().run(Advance { wave, step: &mut self.step, radiance });
+        self.world.isa().run(Advance { wave, step: &mut self.step, radiance });
     }
 }
 
@@ -209,7 +209,7 @@ impl Wavefront {
     /// Draws the numbers that all paths use at hit number `depth`.
     fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32) {
         let Some(sampler) = camera.samplers.first() else { return };
-        let (isa, count) = (world.tree().isa(), self.paths.len());
+        let (isa, count) = (world.isa(), self.paths.len());
         let first_set = first_set(camera, depth);
         self.drawn.clear();
         self.drawn.extend(self.paths.iter().map(|path| self.addresses[path.index as usize]));

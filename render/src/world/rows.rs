@@ -48,8 +48,8 @@ pub(crate) struct Emitter {
     /// How far from its plane rays start.
     pub(crate) offset: f32,
     pub(crate) emission: Vec3,
-    /// The density per area with which its points are chosen, if they are all alike.
-    pub(crate) area_density: f32,
+    /// The reciprocal of the density per area with which its points are chosen, if they are all alike.
+    pub(crate) area: f32,
     /// Whether both sides emit: 1, else 0.
     pub(crate) emits_both_sides: u32,
     /// Whether there is such a light: 1, else 0.
@@ -73,20 +73,20 @@ impl Emitter {
         normal: Vec3::ZERO,
         offset: 0.0,
         emission: Vec3::ZERO,
-        area_density: 0.0,
+        area: 0.0,
         emits_both_sides: 0,
         is_plain: 0,
         unused: [0; 5],
     };
 
     /// The light that a triangle of this material is; none if the triangle is not plain.
-    pub(super) fn of(face: &Face, material: &Material, area_density: f32) -> Self {
+    pub(super) fn of(face: &Face, material: &Material, area: f32) -> Self {
         let Face { corners, normal, offset, is_plain, .. } = *face;
         if is_plain == 0 {
             return Self::NONE;
         }
         let Finish { emission, emits_both_sides, .. } = Finish::of(material);
-        Self { corners, normal, offset, emission, area_density, emits_both_sides, is_plain, ..Self::NONE }
+        Self { corners, normal, offset, emission, area, emits_both_sides, is_plain, ..Self::NONE }
     }
 }
 

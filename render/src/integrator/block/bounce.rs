@@ -33,7 +33,7 @@ impl Block {
             let throughput = self.paths.throughput.get(i) / self.survival[i];
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
-            let survives = self.chances[i].x < self.survival[i];
+            let survives = self.chances[i] < self.survival[i];
             bounces.goes_on[i] = u32::from(reflects & survives) & self.goes_on[i];
         }
     }

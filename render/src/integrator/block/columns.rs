@@ -75,7 +75,7 @@ pub(super) struct Emitters {
     pub normal: Vectors,
     pub offset: Column,
     pub emission: Vectors,
-    pub area_density: Column,
+    pub area: Column,
     pub emits_both_sides: Integers,
     pub is_plain: Integers,
     unused: [Integers; 5],

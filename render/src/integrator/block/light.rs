@@ -50,7 +50,7 @@ impl Lamps {
     /// Chooses a source for each of the first `len` paths by the numbers drawn; whether there is any.
     #[inline(always)]
     fn choose(&mut self, world: &World, len: usize, on_light: &[Vec2; LANES], onwards: &[Vec2; LANES]) -> bool {
-        let isa = world.tree().isa();
+        let isa = world.isa();
         for i in 0..LANES {
             self.choices[i] = light_choice(on_light[i], onwards[i]);
         }
@@ -65,7 +65,7 @@ impl Lamps {
         true
     }
 
-    /// The point of lamp `i` that is sampled from `surface`, and its density per area.
+    /// The point of lamp `i` that is sampled from `surface`, and the reciprocal of its density per area.
     #[inline(always)]
     fn point<'w>(&self, i: usize, surface: &Surface<'w>) -> (Surface<'w>, f32) {
         let emitters = &self.emitters;
@@ -87,7 +87,7 @@ impl Lamps {
             is_back: false,
             material: surface.material,
         };
-        (lamp, emitters.area_density[i] * prospect.density(u))
+        (lamp, emitters.area[i] * prospect.per_density(u))
     }
 }
 
@@ -96,6 +96,12 @@ impl Block {
     #[inline(always)]
     pub(in crate::integrator) fn choose_lights(&mut self, world: &World) -> bool {
         self.lamps.choose(world, self.len, &self.on_light, &self.onwards)
+    }
+
+    /// Whether there may be a light that [`connect`](Self::connect) does not know.
+    #[inline(always)]
+    pub(in crate::integrator) fn has_other_lights(&self) -> bool {
+        self.lamps.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
     }
 
     /// The number of the light of path `i` and what is left of the number that chose it, if it is none that
@@ -121,8 +127,8 @@ impl Block {
     fn connect_by(&self, lights: LightSampling, matte: &Material, shadows: &mut Shadows) {
         for i in 0..LANES {
             let surface = self.surface(i, matte);
-            let (lamp, area_density) = self.lamps.point(i, &surface);
-            let (light, arrives) = shine(&surface, &lamp, area_density);
+            let (lamp, area) = self.lamps.point(i, &surface);
+            let (light, arrives) = shine(&surface, &lamp, area);
             let lambert = surface.lambert(light.direction);
             let weight = lights.of_light(light.per_density, self.scatters[i] * lambert);
             let radiance = (surface.diffuse * lambert) * light.radiance * weight;
@@ -147,7 +153,13 @@ impl Shadows {
     /// Writes those of the first `len` shadow rays that have any light to the start of `rays`, and which camera ray's light
     /// it is, and how much, to that of `waiting`; gives their number.
     #[inline(always)]
-    pub(in crate::integrator) fn keep<W: Pod>(&self, isa: Isa, len: usize, rays: &mut [Ray], waiting: &mut [W]) -> usize {
+    pub(in crate::integrator) fn keep<W: Pod>(
+        &self,
+        isa: Isa,
+        len: usize,
+        rays: &mut [Ray],
+        waiting: &mut [W],
+    ) -> usize {
         let lit = &self.lit[..len];
         keep::<4, _, _>(isa, &self.waiting, lit, waiting);
         keep::<8, _, _>(isa, &self.rays, lit, rays)
