@@ -176,29 +176,32 @@ impl Work for SampleMany<'_> {
     fn run<S: Simd>(self) {
         const LANES: usize = 64;
         let (count, last) = (self.entries.len() as f64, (self.entries.len() - 1) as f64);
+        // All as doubles, for lanes of one width.
         let (mut fractions, mut kept) = ([0.0; LANES], [0.0; LANES]);
-        let (mut places, mut aliases) = ([0; LANES], [0; LANES]);
+        let (mut places, mut aliases) = ([0.0; LANES], [0.0; LANES]);
+        let mut numbers = [0; LANES];
         let outputs = self.indices.chunks_mut(LANES).zip(self.rests.chunks_mut(LANES));
         for (u, (indices, rests)) in self.u.chunks(LANES).zip(outputs) {
             // Loops of a known length become lanes, those behind the last number for nothing.
             fractions[..u.len()].copy_from_slice(u);
             for i in 0..LANES {
                 let position = fractions[i] * count;
-                let place = floor(position).min(last);
-                fractions[i] = position - place;
-                places[i] = integer(place);
+                places[i] = floor(position).min(last);
+                fractions[i] = position - places[i];
+                numbers[i] = integer(places[i]);
             }
             for i in 0..u.len() {
-                let entry = self.entries[places[i] as usize];
-                (kept[i], aliases[i]) = (f64::from(entry.probability), entry.alias);
+                let entry = self.entries[numbers[i] as usize];
+                (kept[i], aliases[i]) = (f64::from(entry.probability), f64::from(entry.alias));
             }
             for i in 0..LANES {
                 let stays = fractions[i] < kept[i];
-                let (below, width) = if stays { (0.0, kept[i]) } else { (kept[i], 1.0 - kept[i]) };
+                let below = if stays { 0.0 } else { kept[i] };
+                let width = if stays { kept[i] } else { 1.0 - kept[i] };
                 fractions[i] = ((fractions[i] - below) / width).clamp(0.0, ALMOST_ONE);
-                places[i] = if stays { places[i] } else { aliases[i] };
+                numbers[i] = integer(if stays { places[i] } else { aliases[i] });
             }
-            indices.copy_from_slice(&places[..u.len()]);
+            indices.copy_from_slice(&numbers[..u.len()]);
             rests.copy_from_slice(&fractions[..u.len()]);
         }
     }

@@ -271,7 +271,7 @@ impl<'a> Advance<'a> {
         bounces.goes_on[i] = (block.survives(i) && bounce.is_some()).into();
         let Some(Bounce { direction, weight, density }) = bounce else { return };
         let ray = Ray::new(surface.origin_towards(direction), direction);
-        let throughput = throughput / block.survival(i) * weight;
+        let throughput = throughput * block.survival(i).recip() * weight;
         let sky_density = sky_density(self.world, &surface, direction);
         bounces.set(i, &ray, &Path { throughput, density, sky_density, ..self.wave.paths[source] });
     }

@@ -30,7 +30,7 @@ impl Block {
             let (bounce, reflects) = surface.scatter(self.cosine[i], surface.diffuse, 1.0);
             bounces.rays.origin.set(i, surface.origin_towards(bounce.direction));
             bounces.rays.direction.set(i, bounce.direction);
-            let throughput = self.paths.throughput.get(i) / self.survival[i];
+            let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
             let survives = self.chances[i] < self.survival[i];

@@ -137,7 +137,7 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                     let origin = surface.origin_towards(bounce.direction);
                     assert_eq!(*next_ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
                     assert_eq!((next.index, next.from, next.density), (path.index, hit.prim_id, bounce.density));
-                    assert_eq!(next.throughput, path.throughput / survival * bounce.weight, "{isa:?}, {i}");
+                    assert_eq!(next.throughput, path.throughput * survival.recip() * bounce.weight, "{isa:?}, {i}");
                 }
             }
             assert!(connected.next().is_none() && gone_on.next().is_none());
