@@ -51,7 +51,7 @@ impl<const PARTS: usize, const LANES: usize> Work for Gather<'_, PARTS, LANES> {
     #[inline(always)]
     fn run<S: Simd>(self) {
         let Self { table, numbers, columns } = self;
-        const { assert!(LANES % EIGHT == 0) }
+        const { assert!(LANES.is_multiple_of(EIGHT)) }
         let (eights, rest) = numbers.as_chunks::<EIGHT>();
         for (group, eight) in eights.iter().enumerate() {
             gather_eight::<S, PARTS, LANES>(table, eight, group, columns);
@@ -99,7 +99,7 @@ impl<const WIDTH: usize, const LANES: usize> Work for Keep<'_, WIDTH, LANES> {
     type Output = usize;
     #[inline(always)]
     fn run<S: Simd>(self) -> usize {
-        const { assert!(WIDTH <= EIGHT && LANES % EIGHT == 0) }
+        const { assert!(WIDTH <= EIGHT && LANES.is_multiple_of(EIGHT)) }
         let mut kept = 0;
         for (group, keeps) in self.keeps.chunks(EIGHT).enumerate().take(LANES / EIGHT) {
             let mut columns = [S::F8::splat(0.0); EIGHT];
