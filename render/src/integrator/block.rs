@@ -19,8 +19,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Address;
 use halfdome_kernel::{Hit, Ray};
 
-use super::path::survive;
-use super::wavefront::Path;
+use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
 use crate::world::{Surface, World, interpolate};

@@ -17,14 +17,16 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::{Hit, Ray, Task};
+use halfdome_kernel::{Ray, Task};
 
 use super::block::{Block, Bounces, LANES, Shadows};
-use super::wavefront::{Path, Walk, first_set};
+use super::emission::{emission, sky};
+use super::state::Path;
+use super::wavefront::{Walk, first_set};
 use super::{CameraRays, Wavefront};
 use crate::bsdf::Bounce;
-use crate::estimator::{connect_to, emitted_density, sky_density};
-use crate::settings::{LightSampling, PathOptions, Stop, Survival};
+use crate::estimator::{connect_to, sky_density};
+use crate::settings::{PathOptions, Stop};
 use crate::world::{Surface, WHITE, World};
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
@@ -275,37 +277,4 @@ impl<'a> Advance<'a> {
         let sky_density = sky_density(self.world, &surface, direction);
         bounces.set(i, &ray, &Path { throughput, density, sky_density, ..self.wave.paths[source] });
     }
-}
-
-/// The probability with which roulette lets a path go on of whose light `reflected` is left.
-#[inline(always)]
-pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
-    match survival {
-        Survival::Constant(probability) => probability,
-        Survival::Throughput { max } => reflected.max_element().min(max),
-    }
-}
-
-/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
-pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
-    world.sky.radiance(direction) * lights.of_bounce(path.density, path.sky_density)
-}
-
-/// What the surface emits along the path, weighted against the light sample that might have found it.
-#[inline(always)]
-pub(super) fn emission(
-    world: &World,
-    lights: LightSampling,
-    path: &Path,
-    surface: &Surface,
-    ray: &Ray,
-    hit: &Hit,
-) -> Vec3 {
-    // Most surfaces emit nothing.
-    if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
-        return Vec3::ZERO;
-    }
-    let normal = (path.from != Hit::NO_PRIM).then(|| world.normal_towards(path.from, ray.direction));
-    let density = emitted_density(world, normal, surface, ray, hit);
-    surface.emission * lights.of_bounce(path.density, density)
 }

@@ -1,14 +1,13 @@
 //! All paths of a batch, side by side: rays → hits → a step of each path → shadow rays and next rays.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Address, Sampler, unit_double};
-use halfdome_kernel::{Hit, Isa, Ray, Task};
+use halfdome_kernel::sampling::{Address, Sampler};
+use halfdome_kernel::{Hit, Ray, Task};
 
 use super::CameraRays;
-use super::block::{LANES, Shadows};
-use crate::estimator::Connection;
+use super::connections::Connections;
+use super::state::{Path, light_choice};
 use crate::world::{Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
@@ -57,25 +56,6 @@ impl<S: Step> Walk for OneByOne<'_, S> {
     }
 }
 
-/// A path that is under way, in eight words.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct Path {
-    /// Its camera ray.
-    pub index: u32,
-    /// What the light that it finds from here on is multiplied by.
-    pub throughput: Vec3,
-    /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
-    pub density: f32,
-    /// The density with which sampling the sky would have taken the same direction.
-    pub sky_density: f32,
-    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
-    /// [`Hit::NO_PRIM`].
-    pub from: u32,
-    /// Makes a row of it.
-    pub unused: u32,
-}
-
 /// Where a path has arrived.
 pub(super) struct Arrival<'a> {
     pub ray: &'a Ray,
@@ -117,30 +97,7 @@ pub(super) fn first_set(camera: &CameraRays, depth: u32) -> u32 {
     camera.first_set + (depth - 1) * SETS_PER_SURFACE
 }
 
-/// Light that arrives if its shadow ray is free.
-#[derive(Default)]
-pub(crate) struct Connections {
-    /// How many wait: the first of each list.
-    len: usize,
-    shadows: Vec<Ray>,
-    pending: Vec<Pending>,
-    occluded: Vec<bool>,
-}
-
-/// What it adds to which camera ray's.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Pending {
-    index: u32,
-    light: Vec3,
-}
-
 impl Path {
-    /// The path that begins with the camera ray of this number, whose direction had this density.
-    pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM, unused: 0 }
-    }
-
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
     #[inline]
     pub(super) fn through(self, surface: &Surface, arrival: &Arrival) -> Option<(Self, Ray)> {
@@ -160,12 +117,6 @@ impl Numbers {
     pub(super) fn light(&self) -> (f64, f32) {
         (light_choice(self.on_light, self.onwards), self.on_light.y)
     }
-}
-
-/// The number that says which light is sampled.
-#[inline(always)]
-pub(super) fn light_choice(on_light: Vec2, onwards: Vec2) -> f64 {
-    unit_double(Vec2::new(on_light.x, onwards.x))
 }
 
 impl Wavefront {
@@ -266,49 +217,5 @@ impl<S: Step> Task for Advance<'_, S> {
     #[inline(always)]
     fn run(self) {
         self.wave.advance(self.step, self.radiance);
-    }
-}
-
-impl Connections {
-    /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
-    #[inline]
-    pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
-        self.make_room(1);
-        self.shadows[self.len] = connection.shadow;
-        self.pending[self.len] = Pending { index, light: throughput * connection.radiance };
-        self.len += 1;
-    }
-
-    /// Lets the light of the first `count` shadow rays of a block wait, of those that have any.
-    #[inline(always)]
-    pub(super) fn extend(&mut self, isa: Isa, shadows: &Shadows, count: usize) {
-        self.make_room(LANES);
-        self.len += shadows.keep(isa, count, &mut self.shadows[self.len..], &mut self.pending[self.len..]);
-    }
-
-    /// Makes room for `count` more. What was there is not cleared, for it is written over.
-    #[inline(always)]
-    fn make_room(&mut self, count: usize) {
-        if self.shadows.len() < self.len + count {
-            self.shadows.resize(2 * self.len + count, Ray::zeroed());
-            self.pending.resize(2 * self.len + count, Pending::zeroed());
-        }
-    }
-
-    /// Adds the light whose shadow rays are free; gives their number.
-    pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
-        let count = std::mem::take(&mut self.len);
-        self.occluded.resize(count, false);
-        world.occluded_many(&self.shadows[..count], &mut self.occluded);
-        for (Pending { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
-            // Adding nothing is quicker than a branch that nobody can foresee.
-            radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
-        }
-        count as u64
-    }
-
-    /// The shadow rays that wait, with the numbers of their camera rays.
-    pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
-        self.pending[..self.len].iter().map(|pending| pending.index as usize).zip(&self.shadows)
     }
 }

@@ -6,7 +6,7 @@ use halfdome_kernel::{Isa, Ray};
 
 use super::Block;
 use super::columns::{Integers, LANES, Paths, Rays, keep};
-use crate::integrator::wavefront::Path;
+use crate::integrator::state::Path;
 use crate::scene::Material;
 
 /// Such rays, with their paths.

@@ -33,7 +33,7 @@ pub(super) struct Rays {
     pub t_max: Column,
 }
 
-/// [`Path`](super::super::wavefront::Path)s.
+/// [`Path`](super::super::state::Path)s.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct Paths {

@@ -8,7 +8,7 @@ use halfdome_kernel::{Isa, Ray};
 use super::Block;
 use super::columns::{Column, Emitters, Integers, LANES, Rays, Vectors, gather, keep, triangle};
 use crate::estimator::{prospect, shine};
-use crate::integrator::wavefront::light_choice;
+use crate::integrator::state::light_choice;
 use crate::light::as_rest;
 use crate::scene::Material;
 use crate::settings::LightSampling;
@@ -51,17 +51,17 @@ impl Lamps {
     #[inline(always)]
     fn choose(&mut self, world: &World, len: usize, on_light: &[Vec2; LANES], onwards: &[Vec2; LANES]) -> bool {
         let isa = world.isa();
-        for i in 0..LANES {
-            self.choices[i] = light_choice(on_light[i], onwards[i]);
+        for ((choice, &on_light), &onwards) in self.choices.iter_mut().zip(on_light).zip(onwards) {
+            *choice = light_choice(on_light, onwards);
         }
         let (sources, rests) = (&mut self.sources[..len], &mut self.rests[..len]);
         if !world.lights.choose_many(isa, &self.choices[..len], sources, rests) {
             return false;
         }
         gather::<3, _, _>(isa, world.emitters(), sources, &mut self.emitters);
-        for i in 0..LANES {
-            (self.on_lamp[0][i], self.on_lamp[1][i]) = (as_rest(self.rests[i]), on_light[i].y);
-        }
+        let [across, up] = &mut self.on_lamp;
+        across.iter_mut().zip(&self.rests).for_each(|(across, &rest)| *across = as_rest(rest));
+        up.iter_mut().zip(on_light).for_each(|(up, on_light)| *up = on_light.y);
         true
     }
 

@@ -108,7 +108,7 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                 let surface = seen.facing(ray.direction);
                 // A lamp, as one path would sample it.
                 let choice =
-                    world.lights.choose(super::super::wavefront::light_choice(block.on_light[i], block.onwards[i]));
+                    world.lights.choose(super::super::state::light_choice(block.on_light[i], block.onwards[i]));
                 let choice = choice.unwrap();
                 let crate::light::Source::Triangle(prim_id) = *choice.source else { panic!("there are no others") };
                 let face = world.plain_face(prim_id).unwrap();

@@ -9,8 +9,10 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use super::super::path::emission;
-use super::super::wavefront::{Arrival, Connections, OneByOne, Path, SETS_PER_SURFACE, Step};
+use super::super::connections::Connections;
+use super::super::emission::emission;
+use super::super::state::Path;
+use super::super::wavefront::{Arrival, OneByOne, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::{connect_lamp, emitted_lamp_density};
