@@ -4,7 +4,7 @@
 //! Data flows one way, and a module imports only from those above it:
 //! [`geometry`] (rays, hits, packets, boxes, the triangle test) → [`Error`] → [`bvh`] (the tree's memory, its view, building and
 //! validating) → [`traverse`] (walking it) → [`scene`] (instances, motion, masks, geometry of the caller's). [`sampling`] (random numbers, directions, choices) → [`irradiance`] (what a
-//! hemisphere of rays says of a point and of those around it) stand beside.
+//! hemisphere of rays says of a point and of those around it) stand beside; [`columns`] turns rows of memory into lanes.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -57,6 +57,7 @@
 extern crate alloc;
 
 pub mod bvh;
+pub mod columns;
 mod error;
 pub mod geometry;
 pub mod irradiance;

@@ -5,7 +5,7 @@
 //! with `v` the vertical field of view.
 
 use glam::{DVec3, Vec2, Vec3};
-use halfdome_kernel::Ray;
+use halfdome_kernel::{Isa, Ray, Task, columns};
 
 use crate::scene::CameraPose;
 
@@ -40,7 +40,17 @@ impl Camera {
 
     /// The ray through the film's point `(x, y)`, in pixels from the top left corner; its direction is a unit vector.
     pub(crate) fn ray(&self, x: f32, y: f32) -> Ray {
-        Ray::new(self.eye, (self.corner + self.step[0] * x + self.step[1] * y).normalize())
+        Ray::new(self.eye, self.direction(x, y))
+    }
+
+    #[inline(always)]
+    fn direction(&self, x: f32, y: f32) -> Vec3 {
+        (self.corner + self.step[0] * x + self.step[1] * y).normalize()
+    }
+
+    /// Writes the [`ray`](Self::ray) through each of the film's `points`, with the instructions of `isa`: equal bit for bit.
+    pub(crate) fn rays(&self, isa: Isa, points: &[Vec2], rays: &mut [Ray]) {
+        isa.run(Rays { camera: self, isa, points, rays });
     }
 
     /// The point of the film at which a point in space is seen, in pixels from the top left corner, be it on the film or
@@ -69,10 +79,41 @@ impl Camera {
     }
 }
 
+struct Rays<'a> {
+    camera: &'a Camera,
+    isa: Isa,
+    points: &'a [Vec2],
+    rays: &'a mut [Ray],
+}
+
+impl Task for Rays<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        const LANES: usize = 64;
+        let (mut x, mut y, eye) = ([0.0; LANES], [0.0; LANES], self.camera.eye);
+        let mut columns = [[0.0; LANES]; 8];
+        [columns[0], columns[1], columns[2]] = [[eye.x; LANES], [eye.y; LANES], [eye.z; LANES]];
+        columns[7] = [f32::INFINITY; LANES];
+        for (points, rays) in self.points.chunks(LANES).zip(self.rays.chunks_mut(LANES)) {
+            for (i, point) in points.iter().enumerate().take(LANES) {
+                (x[i], y[i]) = (point.x, point.y);
+            }
+            for i in 0..LANES {
+                let direction = self.camera.direction(x[i], y[i]);
+                (columns[4][i], columns[5][i], columns[6][i]) = (direction.x, direction.y, direction.z);
+            }
+            columns::keep(self.isa, &columns, &[1; LANES][..points.len()], bytemuck::cast_slice_mut(rays));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::vec3;
+    use halfdome_kernel::Level;
 
     #[test]
     fn corners_and_middle_of_the_film_are_where_the_field_of_view_puts_them() {
@@ -84,6 +125,19 @@ mod tests {
         near(at(0.0, 0.0), vec3(-2.0, 1.0, -1.0));
         near(at(200.0, 100.0), vec3(2.0, -1.0, -1.0));
         assert_eq!(camera.ray(3.0, 4.0).origin, pose.eye);
+    }
+
+    #[test]
+    fn rays_in_lanes_are_those_one_by_one() {
+        let pose = CameraPose { eye: vec3(1.0, 2.0, 3.0), target: vec3(4.0, 6.0, 3.5), up: Vec3::Z, vfov: 30.0 };
+        let camera = Camera::new(&pose, 30, 20);
+        let points: Vec<Vec2> = (0..150).map(|i| Vec2::new(0.3 * i as f32, 20.0 - 0.17 * i as f32)).collect();
+        for isa in Level::ALL.into_iter().filter_map(Isa::new) {
+            let mut rays = vec![Ray::new(Vec3::ZERO, Vec3::ZERO); points.len()];
+            camera.rays(isa, &points, &mut rays);
+            let one_by_one: Vec<Ray> = points.iter().map(|point| camera.ray(point.x, point.y)).collect();
+            assert_eq!(rays, one_by_one, "{isa:?}");
+        }
     }
 
     #[test]

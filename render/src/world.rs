@@ -1,17 +1,19 @@
 //! The world: a scene made ready for tracing.
 
 mod holes;
+mod rows;
 mod surface;
 
 use glam::Vec3;
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::{
-    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Triangle, offset_distance, triangle_normal,
+    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
 };
 
-use crate::light::{Lights, SkyLight};
+use crate::light::{Lights, SkyLight, Source};
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
 use crate::threads::Threads;
+pub(crate) use rows::{Emitter, Face, Finish};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -24,30 +26,20 @@ pub struct World {
     has_holes: bool,
     /// What is behind each `prim_id`.
     faces: Vec<Face>,
+    /// What each material says of plain surfaces.
+    finishes: Vec<Finish>,
+    /// What is known of each light that is a plain triangle, by the number of its source.
+    emitters: Vec<Emitter>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
     bvh: Bvh,
+    isa: Isa,
     report: BuildReport,
     /// All that emits and can be aimed at.
     pub(crate) lights: Lights,
     pub(crate) sky: SkyLight,
     pub(crate) camera: CameraPose,
     surroundings_hash: u64,
-}
-
-/// A triangle, with what most hits need to know of it in one cache line.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(crate) struct Face {
-    pub(crate) corners: Triangle,
-    /// Unit normal by the winding.
-    pub(crate) normal: Vec3,
-    /// How far from its plane rays start.
-    pub(crate) offset: f32,
-    mesh: u32,
-    material: u32,
-    /// Whether nothing varies over it: it has neither vertex normals nor textures nor holes.
-    is_plain: bool,
 }
 
 /// Why a scene cannot be made ready.
@@ -93,7 +85,7 @@ impl World {
             faces.extend(corners.iter().map(|&corners| {
                 let normal = triangle_normal(&corners);
                 let offset = offset_distance(&corners, normal);
-                Face { corners, normal, offset, mesh: number, material, is_plain }
+                Face { corners, normal, offset, mesh: number, material, is_plain: is_plain.into() }
             }));
         }
         let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
@@ -101,6 +93,15 @@ impl World {
         let material = |prim: usize| &even[faces[prim].material as usize];
         let sky = SkyLight::new(sky);
         let lights = Lights::new(&triangles, material, lights, &sky, bvh.view().bounds());
+        let finishes = materials.iter().map(Finish::of).collect();
+        let emitter = |source: &Source| match *source {
+            Source::Triangle(prim_id) => {
+                let face = &faces[prim_id as usize];
+                Emitter::of(face, &materials[face.material as usize], lights.area_density(prim_id).recip())
+            }
+            _ => Emitter::NONE,
+        };
+        let emitters = lights.sources().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
         Ok(Self {
             meshes,
@@ -108,7 +109,10 @@ impl World {
             textures,
             has_holes,
             faces,
+            finishes,
+            emitters,
             first_faces,
+            isa: bvh.view().isa(),
             bvh,
             report,
             lights,
@@ -121,6 +125,12 @@ impl World {
     /// The tree, for tracing.
     pub fn tree(&self) -> BvhView<'_> {
         self.bvh.view()
+    }
+
+    /// What loops in lanes are run with: that with which the tree is traced.
+    #[inline(always)]
+    pub(crate) fn isa(&self) -> Isa {
+        self.isa
     }
 
     /// The tree in figures.
@@ -153,16 +163,22 @@ impl World {
         self.camera = camera;
     }
 
-    /// A triangle over which nothing varies; `None` for others.
+    /// What is known of each triangle.
     #[inline(always)]
-    pub(crate) fn plain_face(&self, prim_id: u32) -> Option<&Face> {
-        Some(&self.faces[prim_id as usize]).filter(|face| face.is_plain)
+    pub(crate) fn faces(&self) -> &[Face] {
+        &self.faces
     }
 
-    /// The material of a triangle.
+    /// What each material says of plain triangles.
     #[inline(always)]
-    pub(crate) fn material_of(&self, face: &Face) -> &Material {
-        &self.materials[face.material as usize]
+    pub(crate) fn finishes(&self) -> &[Finish] {
+        &self.finishes
+    }
+
+    /// What is known of each light that is a plain triangle, by the number of its source.
+    #[inline(always)]
+    pub(crate) fn emitters(&self) -> &[Emitter] {
+        &self.emitters
     }
 
     /// The unit normal of a triangle, on the side to which `direction` points.

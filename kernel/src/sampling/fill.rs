@@ -1,5 +1,6 @@
 //! The numbers of one set for many samples at once: what a wavefront of paths needs at each bounce.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
 use super::batch::{Function, apply_many};
@@ -7,7 +8,8 @@ use super::{Pattern, Sampler};
 use crate::simd::Isa;
 
 /// A sample of a pixel, which together with a pattern and a seed is a [`Sampler`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Address {
     /// The pixel (or texel, or record).
     pub pixel: u32,

@@ -24,6 +24,8 @@ pub(super) struct Batch {
     addresses: Vec<Address>,
     /// Numbers for the place in the pixel.
     on_film: Vec<Vec2>,
+    /// Points of the film, in pixels.
+    points: Vec<Vec2>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
@@ -55,7 +57,7 @@ impl Shot {
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let Batch { places, samplers, addresses, on_film, rays, hits, radiance, memory } = batch;
+        let Batch { places, samplers, addresses, on_film, points, rays, hits, radiance, memory } = batch;
         let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
         for sample in samples.clone() {
@@ -64,15 +66,17 @@ impl Shot {
         addresses.clear();
         addresses.extend(samplers.iter().map(Sampler::address));
         on_film.resize(addresses.len(), Vec2::ZERO);
-        fill2(world.tree().isa(), pattern, seed, FILM_SET, addresses, on_film);
+        fill2(world.isa(), pattern, seed, FILM_SET, addresses, on_film);
         places.clear();
-        rays.clear();
+        points.clear();
         let pixels = samples.flat_map(|_| pixels);
         for (&(number, (x, y)), u) in pixels.zip(on_film.iter()) {
             let filter = self.filter.sample(u.to_array());
-            rays.push(self.camera.ray(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
+            points.push(Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
             places.push((number, filter));
         }
+        rays.resize(points.len(), Ray::new(Vec3::ZERO, Vec3::ZERO));
+        self.camera.rays(world.isa(), points, rays);
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_side_by_side(rays, hits);
@@ -81,7 +85,7 @@ impl Shot {
         for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {
-                tile.add_features(*number, filter, &features(world, &hits[i]));
+                tile.add_features(*number, filter, radiance[i], &features(world, &hits[i]));
             }
         }
         rays.len() as u64 + traced

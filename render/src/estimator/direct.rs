@@ -1,14 +1,16 @@
 //! Direct light by sampling one light (next-event estimation).
 //!
 //! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` and then, on a
-//! triangle, by a point `y` of density `1/A`: `f L_e cos θ cos θ_y A / (P |y - x|²)`. The density per solid angle, which
-//! multiple importance sampling compares with that of the bounce, is `P |y - x|² / (A cos θ_y)`. A sky that is as bright
+//! triangle, by a point `y` of density `p` per area: `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle,
+//! which multiple importance sampling compares with that of the bounce, is `P p |y - x|² / cos θ_y`. A plain triangle is
+//! sampled where it is bright from the surface (see [`prospect`]), one with textures evenly. A sky that is as bright
 //! everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that is not by its brightness.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
+use super::prospect::prospect;
 use crate::light::{Choice, Source};
 use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
@@ -78,18 +80,26 @@ pub(crate) fn connect_lamp(
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// The density per solid angle with which [`connect`] gives the point of `emitter` that a ray with the unit vector
-/// `direction` hits at distance `t`.
-pub(crate) fn emitted_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
-    match world.lights.area_density(emitter.prim_id) {
-        0.0 => 0.0,
-        area_density => area_density * t * t / emitter.normal.dot(direction).abs(),
+/// The density per solid angle with which [`connect`] gives the point of `emitter` that is hit by a ray of a unit vector,
+/// from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are all alike.
+pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
+    let area_density = world.lights.area_density(emitter.prim_id);
+    if area_density == 0.0 {
+        return 0.0;
+    }
+    let density = area_density * hit.t * hit.t / emitter.normal.dot(ray.direction).abs();
+    match (normal, world.plain_face(hit.prim_id)) {
+        (Some(normal), Some(face)) => {
+            let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
+            density * prospect(ray.origin, normal, &face.corners).density(place)
+        }
+        _ => density,
     }
 }
 
 /// The same for [`connect_lamp`], which chooses among fewer lights.
-pub(crate) fn emitted_lamp_density(world: &World, emitter: &Surface, direction: Vec3, t: f32) -> f32 {
-    emitted_density(world, emitter, direction, t) / world.lights.lamps_share()
+pub(crate) fn emitted_lamp_density(world: &World, normal: Vec3, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
+    emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.lamps_share()
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
@@ -117,8 +127,15 @@ fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Op
 
 #[inline(always)]
 fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
-    let light = point_on_emitter(world, surface.position, prim_id, u)?;
-    let (sample, arrives) = shine(surface, &light, world.lights.area_density(prim_id));
+    let mut area = world.lights.area_density(prim_id).recip();
+    let mut place = u;
+    if let Some(face) = world.plain_face(prim_id) {
+        let prospect = prospect(surface.position, surface.normal, &face.corners);
+        place = prospect.map(u);
+        area *= prospect.per_density(place);
+    }
+    let light = point_on_emitter(world, surface.position, prim_id, place)?;
+    let (sample, arrives) = shine(surface, &light, area);
     arrives.then_some(sample)
 }
 
@@ -134,15 +151,15 @@ fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2)
     Some(if light.material.emits_both_sides { light.facing(light.position - receiver) } else { light })
 }
 
-/// The light from a point of an emitter, whose front emits and which is chosen with this density per area; and whether
-/// any of it can arrive. Without a branch, so that loops over it become lanes.
+/// The light from a point of an emitter, whose front emits and which is chosen with a density per area whose reciprocal is
+/// `area`; and whether any of it can arrive. Without a branch, so that loops over it become lanes.
 #[inline(always)]
-pub(crate) fn shine(surface: &Surface, light: &Surface, area_density: f32) -> (LightSample, bool) {
+pub(crate) fn shine(surface: &Surface, light: &Surface, area: f32) -> (LightSample, bool) {
     let to_light = light.position - surface.position;
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), -light.normal.dot(to_light));
     let per_distance = to_light.length_squared().sqrt().recip();
     let direction = to_light * per_distance;
-    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * area_density.recip();
+    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * area;
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
     let sample = LightSample { shadow, direction, radiance: light.emission * per_density, per_density };

@@ -38,7 +38,8 @@ pub(crate) struct Incident {
     values: Vec<Vec3>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    densities: Vec<f32>,
+    /// Of their directions, and the normals of the surfaces that they leave.
+    scattered: Vec<(f32, Vec3)>,
 }
 
 impl Incident {
@@ -58,7 +59,7 @@ impl Incident {
             self.shadows.clear();
             self.values.clear();
             self.rays.clear();
-            self.densities.clear();
+            self.scattered.clear();
             for sample in first..spp.min(first + BATCH) {
                 let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
                 let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
@@ -81,7 +82,7 @@ impl Incident {
             let direction = surface.frame().to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
             if surface.normal.dot(direction) > 0.0 {
                 self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
-                self.densities.push(surface.shading_normal.dot(direction) / PI);
+                self.scattered.push((surface.shading_normal.dot(direction) / PI, surface.normal));
             }
         }
     }
@@ -97,13 +98,13 @@ impl Incident {
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
         world.intersect_many(&self.rays, &mut self.hits);
-        for ((ray, hit), density) in self.rays.iter().zip(&self.hits).zip(&self.densities) {
+        for ((ray, hit), &(density, normal)) in self.rays.iter().zip(&self.hits).zip(&self.scattered) {
             if hit.is_hit() {
                 let emitter = world.surface_at(hit);
                 let emitted = emitter.emitted(ray.direction);
                 if emitted != Vec3::ZERO {
-                    let by_lamps = emitted_lamp_density(world, &emitter, ray.direction, hit.t);
-                    let weight = LightSampling::Mis.of_bounce(*density, by_lamps);
+                    let by_lamps = emitted_lamp_density(world, normal, &emitter, ray, hit);
+                    let weight = LightSampling::Mis.of_bounce(density, by_lamps);
                     // Cosine over density is π.
                     sink.receive(ray.direction, share * PI * weight * emitted);
                 }

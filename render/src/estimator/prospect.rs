@@ -11,7 +11,7 @@ use glam::Vec3;
 use halfdome_kernel::Triangle;
 use halfdome_kernel::sampling::warp::Bilinear;
 
-/// The part of the mean weight that every corner has at least, over four.
+/// The part of the sum of all weights that every corner has at least.
 const FLOOR: f32 = 0.05;
 
 /// The weights of the square that [`Triangle`](halfdome_kernel::sampling::warp::Triangle) maps to a lamp with these
@@ -27,17 +27,15 @@ pub(crate) fn prospect(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle) -> B
         reach(position, normal, m),
     ];
     let sum = a + b + c + m;
-    // Nothing is seen, or what is does not fit into numbers.
-    let fits = (sum > 1e-30) & (sum < 1e30);
-    let scale = sum.recip();
-    let [a, b, c, m] = [a * scale, b * scale, c * scale, m * scale];
-    let even = 0.25 + FLOOR;
+    // Nothing is seen, or the square of what is does not fit into numbers.
+    let fits = (sum > 1e-16) & (sum < 1e16);
+    let floor = sum * FLOOR;
     Bilinear {
         weights: [
-            if fits { a + FLOOR } else { even },
-            if fits { b + FLOOR } else { even },
-            if fits { c + FLOOR } else { even },
-            if fits { m + FLOOR } else { even },
+            if fits { a + floor } else { 1.0 },
+            if fits { b + floor } else { 1.0 },
+            if fits { c + floor } else { 1.0 },
+            if fits { m + floor } else { 1.0 },
         ],
     }
 }
@@ -106,7 +104,7 @@ mod tests {
         let on_a_corner = prospect(LAMP[1], Vec3::X, &LAMP);
         let far = prospect(Vec3::splat(1e15), Vec3::NEG_Z, &LAMP);
         for prospect in [below, on_a_corner, far] {
-            assert_eq!((prospect.weights, prospect.density(Vec2::splat(0.3))), ([0.3; 4], 1.0));
+            assert_eq!((prospect.weights, prospect.density(Vec2::splat(0.3))), ([1.0; 4], 1.0));
         }
     }
 }

@@ -36,6 +36,7 @@ pub(crate) struct Tile {
 struct Pixel {
     weight: f64,
     radiance: [f64; 3],
+    /// Zero on tiles that are not made for features.
     radiance_squared: [f64; 3],
 }
 
@@ -77,7 +78,6 @@ impl Tile {
         let radiance = if radiance.is_finite() { radiance } else { Vec3::ZERO };
         for (channel, value) in radiance.to_array().into_iter().enumerate() {
             sums.radiance[channel] += weight * f64::from(value);
-            sums.radiance_squared[channel] += f64::from(value).powi(2) * weight.powi(2);
         }
     }
 
@@ -92,8 +92,13 @@ impl Tile {
         (self.x.clone(), self.y.clone())
     }
 
-    /// Adds what the sample's first surface is; only on tiles made for it.
-    pub(crate) fn add_features(&mut self, pixel: usize, filter: &FilterSample, features: &Features) {
+    /// Adds what the variance of a sample that is [added](Self::add) depends on, and what its first surface is; only on
+    /// tiles made for it.
+    pub(crate) fn add_features(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3, features: &Features) {
+        let radiance = if radiance.is_finite() { radiance } else { Vec3::ZERO };
+        for (sum, value) in self.pixels[pixel].radiance_squared.iter_mut().zip(radiance.to_array()) {
+            *sum += f64::from(value).powi(2) * f64::from(filter.weight).powi(2);
+        }
         for (sum, value) in self.features[pixel].iter_mut().zip(features.values()) {
             *sum += f64::from(filter.weight) * f64::from(value);
         }

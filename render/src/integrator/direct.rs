@@ -7,8 +7,10 @@
 use glam::Vec3;
 use halfdome_kernel::Ray;
 
-use super::path::{emission, sky};
-use super::wavefront::{Arrival, Connections, OneByOne, Path, Step};
+use super::connections::Connections;
+use super::emission::{emission, sky};
+use super::state::Path;
+use super::wavefront::{Arrival, OneByOne, Step};
 use super::{CameraRays, Wavefront};
 use crate::estimator::connect;
 use crate::settings::{DirectOptions, LightSampling};

@@ -6,11 +6,14 @@
 mod ao;
 mod block;
 mod cached;
+mod connections;
 mod direct;
+mod emission;
 mod flat;
 mod heat;
 mod montecarlo;
 mod path;
+mod state;
 mod wavefront;
 
 use glam::Vec3;

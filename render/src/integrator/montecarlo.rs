@@ -13,8 +13,9 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::{Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::path::{emission, sky, survive};
-use super::wavefront::{Connections, Path};
+use super::connections::Connections;
+use super::emission::{emission, sky};
+use super::state::{Path, survive};
 use super::{CameraRays, FIRST_SET};
 use crate::estimator::{Hemisphere, connect, sky_density};
 use crate::settings::{LightSampling, MonteCarloOptions};

@@ -9,20 +9,24 @@
 //! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 //!
-//! A step has four parts. Paths *arrive* one by one, as each looks up another surface; lamps are looked up likewise; then
-//! light and bounces are computed in lanes (see [`block`](super::block)); and what goes on is put together again. Mirrors,
-//! glass, the sky and lights without a surface are done one by one.
+//! A step is made for a block of paths at once: where they arrive is looked up, then lamps, light and bounces are computed
+//! in lanes (see [`block`](super::block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
+//! sky and lights without a surface are done one by one.
+
+use std::ops::Range;
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
-use halfdome_kernel::{Hit, Ray, Task};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::{Ray, Task};
 
 use super::block::{Block, Bounces, LANES, Shadows};
-use super::wavefront::{Path, Walk, first_set, light_choice};
+use super::emission::{emission, sky};
+use super::state::Path;
+use super::wavefront::{Walk, first_set};
 use super::{CameraRays, Wavefront};
-use crate::estimator::{connect_to, emitted_density, prospect, sky_density};
-use crate::light::Source;
-use crate::settings::{LightSampling, PathOptions, Stop, Survival};
+use crate::bsdf::Bounce;
+use crate::estimator::{connect_to, sky_density};
+use crate::settings::{PathOptions, Stop};
 use crate::world::{Surface, WHITE, World};
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
@@ -36,13 +40,17 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
 ) -> u64 {
-    wave.follow(world, camera, &mut PathTracer { world, options, watch }, radiance)
+    let (block, shadows, bounces) = (Block::new(), Shadows::new(), Bounces::new());
+    wave.follow(world, camera, &mut PathTracer { world, options, watch, block, shadows, bounces }, radiance)
 }
 
 struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
     watch: &'a mut dyn FnMut(&Wavefront),
+    block: Block,
+    shadows: Shadows,
+    bounces: Bounces,
 }
 
 impl Walk for PathTracer<'_> {
@@ -51,8 +59,9 @@ impl Walk for PathTracer<'_> {
     }
 
     fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
-        let (world, options) = (self.world, self.options);
-        world.tree().isa().run(Advance { world, options, wave, camera, depth, radiance });
+        let Self { world, options, block, shadows, bounces, .. } = self;
+        let step = Advance { world, options, wave, camera, depth, radiance };
+        world.isa().run(Steps { step, block, shadows, bounces });
     }
 
     fn watch(&mut self, wave: &Wavefront) {
@@ -60,7 +69,7 @@ impl Walk for PathTracer<'_> {
     }
 }
 
-/// The step of all paths from hit number `depth`, as a task that is compiled for each instruction set.
+/// The step of all paths from hit number `depth`.
 struct Advance<'a> {
     world: &'a World,
     options: &'a PathOptions,
@@ -70,111 +79,157 @@ struct Advance<'a> {
     radiance: &'a mut [Vec3],
 }
 
-impl Task for Advance<'_> {
+/// The same block by block, as a task that is compiled for each instruction set.
+struct Steps<'a> {
+    step: Advance<'a>,
+    block: &'a mut Block,
+    shadows: &'a mut Shadows,
+    bounces: &'a mut Bounces,
+}
+
+impl Task for Steps<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let (mut block, mut shadows, mut bounces) = (Block::EMPTY, Shadows::NONE, Bounces::NONE);
-        let count = self.wave.paths.len();
+    fn run(self) {
+        let Self { mut step, block, shadows, bounces } = self;
         let (mut next, mut kept) = (0, 0);
-        while next < count {
-            block.len = 0;
-            while block.len < LANES && next < count {
-                self.arrive(next, &mut block);
-                next += 1;
+        while next < step.wave.paths.len() {
+            let first = next;
+            next = step.fill(first, block);
+            step.miss(first..next);
+            step.arrive(block);
+            if step.depth < step.options.max_depth {
+                step.stop(block);
+                step.draw(block);
+                step.connect(block, shadows);
+                kept = step.go_on(block, bounces, kept);
             }
-            self.draw(&mut block);
-            self.connect(&mut block, &mut shadows);
-            block.bounce(&WHITE, &mut bounces);
-            kept = self.go_on(&block, &bounces, kept);
         }
-        self.wave.keep(kept);
+        step.wave.keep(kept);
     }
 }
 
 impl<'a> Advance<'a> {
-    /// Collects light where path `i` has arrived, and takes it into the block unless it ends there.
+    /// Takes paths that have hit something, from number `next` on, into the block; gives the number of the next.
     #[inline(always)]
-    fn arrive(&mut self, i: usize, block: &mut Block) {
-        let (world, &PathOptions { max_depth, lights, stop }) = (self.world, self.options);
-        let (path, ray, hit) = (self.wave.paths[i], &self.wave.rays[i], &self.wave.hits[i]);
-        let radiance = &mut self.radiance[path.index as usize];
-        if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, lights, &path, ray.direction);
+    fn fill(&mut self, mut next: usize, block: &mut Block) -> usize {
+        let mut len = 0;
+        for hit in &self.wave.hits[next..] {
+            // Put there in any case, and the place is taken if it has hit something: nobody can foresee whether.
+            block.put(len, next, hit);
+            len += usize::from(hit.is_hit());
+            next += 1;
+            if len == LANES {
+                break;
+            }
+        }
+        block.len = len;
+        next
+    }
+
+    /// Lets those of some paths see the sky that hit nothing.
+    #[inline(always)]
+    fn miss(&mut self, range: Range<usize>) {
+        if self.world.sky.mean() == Vec3::ZERO {
             return;
         }
+        for i in range.filter(|&i| !self.wave.hits[i].is_hit()) {
+            let (path, ray) = (&self.wave.paths[i], &self.wave.rays[i]);
+            let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
+            self.radiance[path.index as usize] += light;
+        }
+    }
+
+    /// Looks up where the block's paths have arrived, and collects light there.
+    #[inline(always)]
+    fn arrive(&mut self, block: &mut Block) {
+        block.arrive(self.world, &self.wave.paths, &self.wave.rays);
+        for i in 0..block.len {
+            if block.is_rare(i) {
+                self.attend(block, i);
+            }
+        }
+    }
+
+    /// Collects the light that a surface emits, and tells the block what is not in its columns.
+    #[inline(never)]
+    fn attend(&mut self, block: &mut Block, i: usize) {
+        let (world, source) = (self.world, block.source[i] as usize);
+        let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
         let surface = world.surface_at(hit);
-        // Most surfaces emit nothing.
-        if surface.emission.cmpne(Vec3::ZERO).any() {
-            *radiance += path.throughput * emission(world, lights, &path, &surface, ray, hit);
-        }
-        if self.depth == max_depth {
-            return;
-        }
-        let surface = surface.facing(ray.direction);
-        let mut survival = 1.0;
-        match stop {
+        let light = path.throughput * emission(world, self.options.lights, path, &surface, ray, hit);
+        self.radiance[path.index as usize] += light;
+        block.set(i, &surface.facing(ray.direction));
+    }
+
+    /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
+    #[inline(always)]
+    fn stop(&mut self, block: &mut Block) {
+        match self.options.stop {
             Stop::Threshold { cutoff, add_back } => {
-                let reflected = path.throughput * surface.reflectance();
-                if reflected.max_element() < cutoff {
-                    if add_back {
-                        *radiance += reflected * world.lights.mean_radiance();
+                block.end_below(cutoff);
+                let instead = if add_back { self.world.lights.mean_radiance() } else { Vec3::ZERO };
+                for i in 0..block.len {
+                    if let Some((index, reflected)) = block.ended(i) {
+                        self.radiance[index as usize] += reflected * instead;
                     }
-                    return;
                 }
             }
-            Stop::Roulette { after, survival: chosen } if self.depth > after => {
-                survival = survive(chosen, path.throughput * surface.reflectance());
-            }
+            Stop::Roulette { after, survival } if self.depth > after => block.gamble(survival),
             _ => {}
         }
-        block.push(i, self.wave.addresses[i], &surface, path.throughput, survival);
     }
 
     /// Draws the numbers of the block's paths.
     #[inline(always)]
     fn draw(&self, block: &mut Block) {
         let Some(sampler) = self.camera.samplers.first() else { return };
-        let (isa, first_set, len) = (self.world.tree().isa(), first_set(self.camera, self.depth), block.len);
+        let (isa, first_set, len) = (self.world.isa(), first_set(self.camera, self.depth), block.len);
+        for i in 0..len {
+            block.addresses[i] = self.wave.addresses[block.index(i)];
+        }
         let addresses = &block.addresses[..len];
         let draw = |set: u32, numbers: &mut [Vec2; LANES]| {
             sampler.fill2(isa, first_set + set, addresses, &mut numbers[..len]);
         };
+        if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
+            draw(2, &mut block.onwards);
+            for (chance, numbers) in block.chances.iter_mut().zip(&block.onwards) {
+                *chance = numbers.x;
+            }
+        }
         draw(0, &mut block.on_light);
         draw(1, &mut block.onwards);
         CosineHemisphere.map_many(isa, &block.onwards[..len], &mut block.cosine[..len]);
-        if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
-            draw(2, &mut block.chances);
-        }
     }
 
     /// Samples a light for each path of the block.
     #[inline(always)]
     fn connect(&mut self, block: &mut Block, shadows: &mut Shadows) {
-        let (world, lights) = (self.world, self.options.lights);
-        let (mut indices, mut choices) = ([0; LANES], [const { None }; LANES]);
-        // In a loop of its own, for its chain of operations is long, and more of them overlap so.
-        for (i, choice) in choices.iter_mut().enumerate().take(block.len) {
-            *choice = world.lights.choose(light_choice(block.on_light[i], block.onwards[i]));
+        if !block.choose_lights(self.world) {
+            return;
         }
-        for (i, index) in indices.iter_mut().enumerate().take(block.len) {
-            *index = self.wave.paths[block.source[i] as usize].index;
-            let (on_light, Some(choice)) = (block.on_light[i], &choices[i]) else { continue };
-            if let Source::Triangle(prim_id) = *choice.source
-                && let Some(face) = world.plain_face(prim_id)
-            {
-                let u = Vec2::new(choice.rest, on_light.y);
-                block.set_lamp(i, face, world.material_of(face), world.lights.area_density(prim_id), u);
-            } else {
-                let (surface, throughput) = self.stands_at(block, i);
-                if let Some(connection) = connect_to(world, &surface, lights, choice, on_light.y) {
-                    self.wave.connections.push(*index, throughput, connection);
+        if block.has_other_lights() {
+            for i in 0..block.len {
+                if let Some(light) = block.other_light(i) {
+                    self.connect_other(block, i, light);
                 }
             }
         }
-        block.connect(lights, &WHITE, shadows);
-        self.wave.connections.extend(&indices[..block.len], shadows);
+        block.connect(self.options.lights, &WHITE, shadows);
+        self.wave.connections.extend(self.world.isa(), shadows, block.len);
+    }
+
+    /// Samples the light of this number, of which the block knows too little, for path `i`; `rest` is left of the number by
+    /// which it was chosen.
+    #[inline(never)]
+    fn connect_other(&mut self, block: &Block, i: usize, (light, rest): (usize, f64)) {
+        let (surface, throughput) = self.stands_at(block, i);
+        let Some(choice) = self.world.lights.choice(light, rest) else { return };
+        if let Some(connection) = connect_to(self.world, &surface, self.options.lights, &choice, block.on_light[i].y) {
+            self.wave.connections.push(block.index(i) as u32, throughput, connection);
+        }
     }
 
     /// The surface of path `i` of the block, and its throughput.
@@ -185,87 +240,41 @@ impl<'a> Advance<'a> {
         (world.surface_at(&hits[source]).facing(rays[source].direction), paths[source].throughput)
     }
 
-    /// Puts the paths of the block that go on to the others, of which there are `kept`; gives their number then.
+    /// Puts the paths of the block that go on behind the others, of which there are `kept`, in the places of those that are
+    /// done with; gives their number then.
     #[inline(always)]
-    fn go_on(&mut self, block: &Block, bounces: &Bounces, mut kept: usize) -> usize {
-        let (world, has_sky) = (self.world, self.world.lights.sky_probability() > 0.0);
-        for i in 0..block.len {
-            // The place that is next is one that is done with. It is written in any case, and kept if the path goes on:
-            // nobody can foresee which.
-            let goes_on = if block.scatters[i] < 1.0 {
-                self.reflect(block, i, kept)
-            } else {
-                let wave = &mut *self.wave;
-                let index = wave.paths[block.source[i] as usize].index;
-                let (ray, throughput, density, reflects) = bounces.get(i);
-                let sky_density =
-                    if has_sky { sky_density(world, &block.surface(i, &WHITE), ray.direction) } else { 0.0 };
-                wave.paths[kept] = Path { index, throughput, density, sky_density, from: block.prims[i] };
-                wave.rays[kept] = ray;
-                reflects
-            };
-            self.wave.addresses[kept] = block.addresses[i];
-            kept += usize::from(goes_on & (block.chances[i].x < block.survival[i]));
+    fn go_on(&mut self, block: &Block, bounces: &mut Bounces, kept: usize) -> usize {
+        let world = self.world;
+        block.bounce(&WHITE, bounces);
+        if world.lights.sky_probability() > 0.0 {
+            for i in 0..block.len {
+                let density = sky_density(world, &block.surface(i, &WHITE), bounces.direction(i));
+                bounces.paths.sky_density[i] = density;
+            }
         }
-        kept
+        if block.has_specular() {
+            for i in 0..block.len {
+                if block.is_specular(i) {
+                    self.reflect(block, bounces, i);
+                }
+            }
+        }
+        let Wavefront { paths, rays, .. } = &mut *self.wave;
+        kept + bounces.keep(world.isa(), block.len, &mut rays[kept..], &mut paths[kept..])
     }
 
-    /// Lets path `i` of the block go on from a surface that may mirror or refract, to place `kept`; whether it does.
+    /// Lets path `i` of the block go on from a surface that may mirror or refract.
     #[inline(never)]
-    fn reflect(&mut self, block: &Block, i: usize, kept: usize) -> bool {
+    fn reflect(&mut self, block: &Block, bounces: &mut Bounces, i: usize) {
         let (surface, throughput) = self.stands_at(block, i);
         let source = block.source[i] as usize;
         let incoming = self.wave.rays[source].direction;
-        let Some(bounce) = surface.sample_with(incoming, block.onwards[i], block.cosine[i]) else { return false };
-        let sky_density = sky_density(self.world, &surface, bounce.direction);
-        let origin = surface.origin_towards(bounce.direction);
-        let throughput = throughput / block.survival[i] * bounce.weight;
-        let index = self.wave.paths[source].index;
-        self.wave.paths[kept] = Path { index, throughput, density: bounce.density, sky_density, from: surface.prim_id };
-        self.wave.rays[kept] = Ray::new(origin, bounce.direction);
-        true
-    }
-}
-
-/// The probability with which roulette lets a path go on of whose light `reflected` is left.
-pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
-    match survival {
-        Survival::Constant(probability) => probability,
-        Survival::Throughput { max } => reflected.max_element().min(max),
-    }
-}
-
-/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
-pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
-    world.sky.radiance(direction) * lights.of_bounce(path.density, path.sky_density)
-}
-
-/// What the surface emits along the path, weighted against the light sample that might have found it.
-#[inline(always)]
-pub(super) fn emission(
-    world: &World,
-    lights: LightSampling,
-    path: &Path,
-    surface: &Surface,
-    ray: &Ray,
-    hit: &Hit,
-) -> Vec3 {
-    // Most surfaces emit nothing.
-    if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
-        return Vec3::ZERO;
-    }
-    let density = emitted_density(world, surface, ray.direction, hit.t) * prospect_density(world, path, ray, hit);
-    surface.emission * lights.of_bounce(path.density, density)
-}
-
-/// How much more often the point of a lamp is looked at from where the path comes from than if its points were all alike.
-fn prospect_density(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
-    match world.plain_face(hit.prim_id) {
-        Some(face) if path.from != Hit::NO_PRIM => {
-            let normal = world.normal_towards(path.from, ray.direction);
-            let u = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-            prospect(ray.origin, normal, &face.corners).density(u)
-        }
-        _ => 1.0,
+        let bounce = surface.sample_with(incoming, block.onwards[i], block.cosine[i]);
+        bounces.goes_on[i] = (block.survives(i) && bounce.is_some()).into();
+        let Some(Bounce { direction, weight, density }) = bounce else { return };
+        let ray = Ray::new(surface.origin_towards(direction), direction);
+        let throughput = throughput * block.survival(i).recip() * weight;
+        let sky_density = sky_density(self.world, &surface, direction);
+        bounces.set(i, &ray, &Path { throughput, density, sky_density, ..self.wave.paths[source] });
     }
 }

@@ -2,12 +2,12 @@
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Address, Sampler, unit_double};
+use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Hit, Ray, Task};
 
 use super::CameraRays;
-use super::block::{LANES, Shadows};
-use crate::estimator::Connection;
+use super::connections::Connections;
+use super::state::{Path, light_choice};
 use crate::world::{Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
@@ -52,24 +52,8 @@ impl<S: Step> Walk for OneByOne<'_, S> {
 
     fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
         wave.draw(self.world, camera, depth);
-        self.world.tree().isa().run(Advance { wave, step: &mut self.step, radiance });
+        self.world.isa().run(Advance { wave, step: &mut self.step, radiance });
     }
-}
-
-/// A path that is under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
-    /// Its camera ray.
-    pub index: u32,
-    /// What the light that it finds from here on is multiplied by.
-    pub throughput: Vec3,
-    /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
-    pub density: f32,
-    /// The density with which sampling the sky would have taken the same direction.
-    pub sky_density: f32,
-    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
-    /// [`Hit::NO_PRIM`].
-    pub from: u32,
 }
 
 /// Where a path has arrived.
@@ -95,7 +79,10 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
+    /// Of all camera rays, by their numbers.
     pub(super) addresses: Vec<Address>,
+    /// Of the paths, where numbers are drawn for all at once.
+    drawn: Vec<Address>,
     on_light: Vec<Vec2>,
     onwards: Vec<Vec2>,
     cosine: Vec<Vec3>,
@@ -110,23 +97,7 @@ pub(super) fn first_set(camera: &CameraRays, depth: u32) -> u32 {
     camera.first_set + (depth - 1) * SETS_PER_SURFACE
 }
 
-/// What shadow rays are written over.
-const NO_RAY: Ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::ZERO, t_max: 0.0 };
-
-/// Light that arrives if its shadow ray is free.
-#[derive(Default)]
-pub(crate) struct Connections {
-    shadows: Vec<Ray>,
-    pending: Vec<(u32, Vec3)>,
-    occluded: Vec<bool>,
-}
-
 impl Path {
-    /// The path that begins with the camera ray of this number, whose direction had this density.
-    pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM }
-    }
-
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
     #[inline]
     pub(super) fn through(self, surface: &Surface, arrival: &Arrival) -> Option<(Self, Ray)> {
@@ -146,12 +117,6 @@ impl Numbers {
     pub(super) fn light(&self) -> (f64, f32) {
         (light_choice(self.on_light, self.onwards), self.on_light.y)
     }
-}
-
-/// The number that says which light is sampled.
-#[inline(always)]
-pub(super) fn light_choice(on_light: Vec2, onwards: Vec2) -> f64 {
-    unit_double(Vec2::new(on_light.x, onwards.x))
 }
 
 impl Wavefront {
@@ -195,11 +160,13 @@ impl Wavefront {
     /// Draws the numbers that all paths use at hit number `depth`.
     fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32) {
         let Some(sampler) = camera.samplers.first() else { return };
-        let (isa, count) = (world.tree().isa(), self.addresses.len());
+        let (isa, count) = (world.isa(), self.paths.len());
         let first_set = first_set(camera, depth);
+        self.drawn.clear();
+        self.drawn.extend(self.paths.iter().map(|path| self.addresses[path.index as usize]));
         let draw = |set: u32, numbers: &mut Vec<Vec2>| {
             numbers.resize(count, Vec2::ZERO);
-            sampler.fill2(isa, first_set + set, &self.addresses, numbers);
+            sampler.fill2(isa, first_set + set, &self.drawn, numbers);
         };
         draw(0, &mut self.on_light);
         draw(1, &mut self.onwards);
@@ -216,7 +183,7 @@ impl Wavefront {
             let (path, arrival) = (self.paths[i], Arrival { ray: &self.rays[i], hit: &self.hits[i], numbers });
             let next = step.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
             if let Some((path, ray)) = next {
-                (self.paths[kept], self.rays[kept], self.addresses[kept]) = (path, ray, self.addresses[i]);
+                (self.paths[kept], self.rays[kept]) = (path, ray);
                 kept += 1;
             }
         }
@@ -228,7 +195,6 @@ impl Wavefront {
         self.paths.truncate(count);
         self.rays.truncate(count);
         self.hits.truncate(count);
-        self.addresses.truncate(count);
     }
 
     /// The numbers of the paths' camera rays.
@@ -251,49 +217,5 @@ impl<S: Step> Task for Advance<'_, S> {
     #[inline(always)]
     fn run(self) {
         self.wave.advance(self.step, self.radiance);
-    }
-}
-
-impl Connections {
-    /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
-    #[inline]
-    pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
-        self.pending.push((index, throughput * connection.radiance));
-        self.shadows.push(connection.shadow);
-    }
-
-    /// Lets the light of up to `LANES` shadow rays wait, of those that have any.
-    #[inline(always)]
-    pub(super) fn extend(&mut self, indices: &[u32], shadows: &Shadows) {
-        let mut end = self.shadows.len();
-        self.shadows.resize(end + indices.len(), NO_RAY);
-        self.pending.resize(end + indices.len(), (0, Vec3::ZERO));
-        for (i, &index) in indices.iter().enumerate().take(LANES) {
-            // Written in any case, and kept if there is light: nobody can foresee which.
-            let (shadow, light, is_lit) = shadows.get(i);
-            (self.shadows[end], self.pending[end]) = (shadow, (index, light));
-            end += usize::from(is_lit);
-        }
-        self.shadows.truncate(end);
-        self.pending.truncate(end);
-    }
-
-    /// Adds the light whose shadow rays are free; gives their number.
-    pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
-        self.occluded.resize(self.shadows.len(), false);
-        world.occluded_many(&self.shadows, &mut self.occluded);
-        for ((index, light), occluded) in self.pending.iter().zip(&self.occluded) {
-            // Adding nothing is quicker than a branch that nobody can foresee.
-            radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
-        }
-        let traced = self.shadows.len() as u64;
-        self.pending.clear();
-        self.shadows.clear();
-        traced
-    }
-
-    /// The shadow rays that wait, with the numbers of their camera rays.
-    pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
-        self.pending.iter().map(|(index, _)| *index as usize).zip(&self.shadows)
     }
 }

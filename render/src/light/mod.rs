@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
-use halfdome_kernel::{Aabb, Triangle};
+use halfdome_kernel::{Aabb, Isa, Triangle};
 
 pub(crate) use self::sky::SkyLight;
 use crate::scene::{Material, PunctualLight};
@@ -136,7 +136,24 @@ impl Lights {
     #[inline]
     pub(crate) fn choose(&self, u: f64) -> Option<Choice<'_>> {
         let (index, probability, rest) = self.table.as_ref()?.sample(u);
-        Some(Choice { source: &self.sources[index], probability, rest: (rest as f32).min(ONE_MINUS_EPSILON) })
+        Some(Choice { source: &self.sources[index], probability, rest: as_rest(rest) })
+    }
+
+    /// Writes the number of the source that [`choose`](Self::choose) chooses by each of the numbers `u`, and what is left
+    /// of `u`; whether there is any light.
+    pub(crate) fn choose_many(&self, isa: Isa, u: &[f64], sources: &mut [u32], rests: &mut [f64]) -> bool {
+        self.table.as_ref().map(|table| table.sample_many(isa, u, sources, rests)).is_some()
+    }
+
+    /// The choice of the source of this number, with what is left of the number by which it was chosen.
+    pub(crate) fn choice(&self, source: usize, rest: f64) -> Option<Choice<'_>> {
+        let probability = self.table.as_ref()?.mass(source);
+        Some(Choice { source: self.sources.get(source)?, probability, rest: as_rest(rest) })
+    }
+
+    /// All lights, by their numbers.
+    pub(crate) fn sources(&self) -> &[Source] {
+        &self.sources
     }
 
     /// Chooses a lamp, or the sky for its glare, by a number in [0, 1); and by how much less often
@@ -148,7 +165,7 @@ impl Lights {
         }
         let (index, among_lamps, rest) = self.lamps.as_ref()?.sample(u);
         let probability = self.table.as_ref()?.mass(index);
-        let rest = (rest as f32).min(ONE_MINUS_EPSILON);
+        let rest = as_rest(rest);
         Some((Choice { source: &self.sources[index], probability, rest }, probability / among_lamps))
     }
 
@@ -184,6 +201,12 @@ impl Lights {
     pub(crate) fn mean_radiance(&self) -> Vec3 {
         self.mean_radiance
     }
+}
+
+/// What is left of a number, in [0, 1) as a single too.
+#[inline(always)]
+pub(crate) fn as_rest(rest: f64) -> f32 {
+    (rest as f32).min(ONE_MINUS_EPSILON)
 }
 
 /// Area of a triangle.

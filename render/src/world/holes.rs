@@ -19,9 +19,10 @@ impl World {
     /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
     pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
+        let tree = self.tree();
         for (rays, hits) in rays.chunks(WIDTH).zip(hits.chunks_mut(WIDTH)) {
             let mut found = HitPacket::MISS;
-            self.tree().intersect_packet::<WIDTH>(&RayPacket::from_rays(rays), &mut found);
+            tree.intersect_packet::<WIDTH>(&RayPacket::from_rays(rays), &mut found);
             for (lane, hit) in hits.iter_mut().enumerate() {
                 *hit = found.hit(lane);
             }

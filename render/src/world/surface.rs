@@ -93,7 +93,7 @@ impl World {
             is_back: false,
             material,
         };
-        if !face.is_plain {
+        if face.is_plain == 0 {
             // Field by field, or the compiler would keep every surface in memory instead of in registers.
             let details = self.details(prim_id, weights);
             surface.normal = details.normal;

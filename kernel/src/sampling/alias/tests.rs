@@ -1,7 +1,7 @@
 //! Tables hold the weights that they were built from, and are drawn from in proportion.
 
 use super::*;
-use crate::sampling::statistics::{Checksum, chi_squared};
+use crate::sampling::statistics::{Checksum, chi_squared, isas};
 use crate::sampling::{ONE_MINUS_EPSILON, Stream, unit_double};
 
 fn table(weights: &[f32]) -> AliasTable<Vec<AliasEntry>> {
@@ -153,4 +153,23 @@ fn golden() {
         sum.add([index as f32, mass, rest as f32]);
     }
     assert_eq!(sum.value(), 0xECDD_82EA_2CFA_45DD, "{:#018X}", sum.value());
+}
+
+#[test]
+fn batches_equal_samples_bit_for_bit() {
+    for weights in cases() {
+        let table = table(&weights);
+        let numbers = |i| unit_double(Stream::new(9, i, 0).uniform2(0));
+        // More than a chunk, and the ends of the range.
+        let u: Vec<f64> = (0..150).map(numbers).chain([0.0, 1.0 - f64::EPSILON / 2.0]).collect();
+        for isa in isas() {
+            let (mut indices, mut rests) = (vec![7; u.len() + 1], vec![7.0; u.len() + 1]);
+            table.sample_many(isa, &u, &mut indices, &mut rests);
+            for ((&u, &index), &found) in u.iter().zip(&indices).zip(&rests) {
+                let (expected, _, rest) = table.sample(u);
+                assert_eq!((index as usize, found), (expected, rest), "{u} of {} on {isa:?}", weights.len());
+            }
+            assert_eq!((indices[u.len()], rests[u.len()]), (7, 7.0), "there is no number for it");
+        }
+    }
 }

@@ -39,6 +39,14 @@ impl Bilinear {
         let (bottom, top) = self.upwards();
         4.0 * (a + (b - a) * point.x) / (bottom + top)
     }
+
+    /// The reciprocal of the [`density`](Self::density), up to rounding.
+    #[inline(always)]
+    pub fn per_density(&self, point: Vec2) -> f32 {
+        let (a, b) = self.across(point.y);
+        let (bottom, top) = self.upwards();
+        (bottom + top) / (4.0 * (a + (b - a) * point.x))
+    }
 }
 
 impl Warp for Bilinear {

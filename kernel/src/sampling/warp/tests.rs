@@ -270,6 +270,11 @@ fn weighted_squares() {
     let steep = Bilinear { weights: [1e-9, 1.0, 1e-9, 1.0] };
     assert!((steep.map(Vec2::new(0.25, 0.75)) - Vec2::new(0.5, 0.75)).length() < 1e-6);
     assert_eq!(even.pdf(Vec2::new(1.5, 0.5)), 0.0);
+    let one_sided = Bilinear { weights: [0.05, 0.3, 1.0, 0.1] };
+    for i in 0..100 {
+        let point = Stream::new(1, i, 0).uniform2(0);
+        assert!((one_sided.density(point) * one_sided.per_density(point) - 1.0).abs() < 4.0 * f32::EPSILON);
+    }
 }
 
 #[test]

@@ -5,100 +5,163 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp
 use halfdome_kernel::{Isa, Level, Task};
 
 use super::*;
-use crate::estimator::prospect;
-use crate::world::WHITE;
+use crate::estimator::{prospect, shine};
+use crate::scene::{CameraPose, Mesh, Scene};
+use crate::settings::LightSampling;
 
-/// Light and bounces of a block, compiled for an instruction set.
-struct Shade<'a>(&'a Block, LightSampling, &'a mut Shadows, &'a mut Bounces);
+/// A block's step, compiled for an instruction set.
+struct Step<'a> {
+    world: &'a World,
+    paths: &'a [Path],
+    rays: &'a [Ray],
+    lights: LightSampling,
+    matte: &'a Material,
+    block: &'a mut Block,
+    shadows: &'a mut Shadows,
+    bounces: &'a mut Bounces,
+}
 
-impl Task for Shade<'_> {
+impl Task for Step<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        self.0.connect(self.1, &WHITE, self.2);
-        self.0.bounce(&WHITE, self.3);
+        let Self { world, paths, rays, lights, matte, block, shadows, bounces } = self;
+        block.arrive(world, paths, rays);
+        block.gamble(Survival::Throughput { max: 0.9 });
+        assert!(block.choose_lights(world) && !block.has_specular());
+        block.connect(lights, matte, shadows);
+        block.bounce(matte, bounces);
     }
 }
 
-/// A surface somewhere, in some direction, some with vertex normals, and numbers for a direction from it.
-fn surface(number: u32) -> (Surface<'static>, Vec2) {
-    let stream = Stream::new(1, number, 0);
-    let normal = UniformSphere.map(stream.uniform2(0));
-    let smooth = if number.is_multiple_of(3) { 0.5 * UniformSphere.map(stream.uniform2(1)) } else { Vec3::ZERO };
-    let [x, y, z, offset] = stream.uniform4(2);
-    let [red, green, blue, _] = stream.uniform4(3);
-    let surface = Surface {
-        position: Vec3::new(x, y, z),
-        normal,
-        shading_normal: (normal + smooth).normalize(),
-        diffuse: Vec3::new(red, green, blue),
-        emission: Vec3::new(blue, red, green),
-        offset: 1e-6 * offset,
-        prim_id: 0,
-        is_back: false,
-        material: &WHITE,
+const TRIANGLES: u32 = 40;
+
+/// Triangles anywhere, every second one a lamp, of which every other shines to both sides.
+fn world() -> World {
+    let material = |i: u32| {
+        let [red, green, blue, _] = Stream::new(1, i, 0).uniform4(0);
+        let (diffuse, emission) = (Vec3::new(red, green, blue), Vec3::new(blue, red, green) * (i % 2) as f32);
+        Material { diffuse, emission, emits_both_sides: i % 4 == 3, ..Material::default() }
     };
-    (surface, stream.uniform2(4))
+    let mesh = |i: u32| Mesh {
+        positions: [1, 2, 3].map(|set| UniformSphere.map(Stream::new(1, i, 0).uniform2(set))).into(),
+        triangles: vec![[0, 1, 2]],
+        material: i as usize,
+        ..Mesh::default()
+    };
+    let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
+    let (meshes, materials) = ((0..TRIANGLES).map(mesh).collect(), (0..TRIANGLES).map(material).collect());
+    World::new(Scene { meshes, materials, camera: Some(camera), ..Scene::default() }).unwrap()
 }
 
-/// Corners of a lamp somewhere.
-fn corners(number: u32) -> [Vec3; 3] {
-    [2000, 3000, 4000].map(|which| surface(which + number).0.position * 2.0)
+/// A path that comes to a point of a triangle.
+fn path(number: u32) -> (Path, Ray, Hit) {
+    let stream = Stream::new(2, number, 0);
+    let [red, green, blue, density] = stream.uniform4(0);
+    let throughput = Vec3::new(red, green, blue);
+    let path = Path { throughput, density, ..Path::from_camera(1000 + number, 0.0) };
+    let ray = Ray::new(Vec3::ZERO, UniformSphere.map(stream.uniform2(1)));
+    let point = TriangleWarp.map(stream.uniform2(2));
+    (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id: number * 7 % TRIANGLES })
 }
 
 #[test]
 fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
+    let (world, matte) = (world(), Material::default());
     // One lane less than there are: what is behind the last path must not count.
     let count = LANES - 1;
-    let (throughput, survival) = (Vec3::new(0.3, 0.7, 0.9), 0.6);
-    let (mut block, mut shadows, mut bounces) = (Block::EMPTY, Shadows::NONE, Bounces::NONE);
-    for i in 0..count {
-        let (surface, u) = surface(i as u32);
-        block.push(i, Address::default(), &surface, throughput, survival);
-        block.cosine[i] = CosineHemisphere.map(u);
-        // Not all have a lamp.
-        if i % 5 != 0 {
-            let (lamp, u) = self::surface(1000 + i as u32);
-            let Surface { normal, offset, emission, .. } = lamp;
-            let corners = corners(i as u32);
-            block.lamps.set(i, &Lamp { corners, normal, offset, emission, area_density: 2.5 }, u);
-        }
-    }
+    let numbers: Vec<_> = (0..count).map(|i| path(i as u32)).collect();
+    // Not in the order of the lanes.
+    let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().rev().map(|(path, ray, _)| (*path, *ray)).unzip();
     let mut lit = 0;
     for isa in Level::ALL.into_iter().filter_map(Isa::new) {
         for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
-            isa.run(Shade(&block, lights, &mut shadows, &mut bounces));
-            for i in 0..count {
-                let (surface, u) = surface(i as u32);
-                let (lamp, place) = self::surface(1000 + i as u32);
-                let [a, b, c] = corners(i as u32);
-                let prospect = prospect(surface.position, surface.normal, &[a, b, c]);
-                let place = prospect.map(place);
+            let (mut block, mut shadows, mut bounces) = (Block::new(), Shadows::new(), Bounces::new());
+            block.len = count;
+            for (i, (_, _, hit)) in numbers.iter().enumerate() {
+                block.put(i, count - 1 - i, hit);
+                let stream = Stream::new(3, i as u32, 0);
+                (block.on_light[i], block.onwards[i]) = (stream.uniform2(0), stream.uniform2(1));
+                (block.cosine[i], block.chances[i]) = (CosineHemisphere.map(block.onwards[i]), stream.uniform2(2).x);
+            }
+            let (block_, shadows_, bounces_) = (&mut block, &mut shadows, &mut bounces);
+            isa.run(Step {
+                world: &world,
+                paths: &paths,
+                rays: &rays,
+                lights,
+                matte: &matte,
+                block: block_,
+                shadows: shadows_,
+                bounces: bounces_,
+            });
+            let (mut found_shadows, mut found_lights) = (vec![Ray::zeroed(); count], vec![[0.0; 4]; count]);
+            let connections = shadows.keep(isa, count, &mut found_shadows, &mut found_lights);
+            let (mut next_rays, mut next_paths) = (vec![Ray::zeroed(); count], paths.clone());
+            let kept = bounces.keep(isa, count, &mut next_rays, &mut next_paths);
+            let mut connected = found_shadows[..connections].iter().zip(&found_lights);
+            let mut gone_on = next_rays[..kept].iter().zip(&next_paths);
+            for (i, (path, ray, hit)) in numbers.iter().enumerate() {
+                let seen = world.surface_at(hit);
+                assert_eq!(block.is_rare(i), seen.emitted(ray.direction) != Vec3::ZERO, "{isa:?}, {i}");
+                let surface = seen.facing(ray.direction);
+                // A lamp, as one path would sample it.
+                let choice =
+                    world.lights.choose(super::super::state::light_choice(block.on_light[i], block.onwards[i]));
+                let choice = choice.unwrap();
+                let crate::light::Source::Triangle(prim_id) = *choice.source else { panic!("there are no others") };
+                let face = world.plain_face(prim_id).unwrap();
+                let prospect = prospect(surface.position, surface.normal, &face.corners);
+                let place = prospect.map(Vec2::new(choice.rest, block.on_light[i].y));
                 let Vec2 { x, y } = TriangleWarp.map(place);
-                let lamp = Surface { position: a * (1.0 - x - y) + b * x + c * y, ..lamp };
-                let (light, arrives) = shine(&surface, &lamp, 2.5 * prospect.density(place));
+                let lamp = world.surface(prim_id, x, y);
+                let both = lamp.material.emits_both_sides;
+                let lamp = if both { lamp.facing(face.corners[0] - surface.position) } else { lamp };
+                let area = world.lights.area_density(prim_id).recip() * prospect.per_density(place);
+                let (light, arrives) = shine(&surface, &lamp, area);
                 let (reflected, density) = surface.evaluate(light.direction);
                 let radiance = reflected * light.radiance * lights.of_light(light.per_density, density);
-                let expected = arrives && i % 5 != 0 && radiance.max_element() > 0.0;
-                let (shadow, light_found, is_lit) = shadows.get(i);
-                assert_eq!(is_lit, expected, "{isa:?}, {lights:?}, {i}");
-                if is_lit {
-                    assert_eq!((shadow, light_found), (light.shadow, throughput * radiance), "{isa:?}, {i}");
+                if lights != LightSampling::Naive && arrives && radiance.max_element() > 0.0 {
+                    let (shadow, found) = connected.next().unwrap();
+                    let light_found = Vec3::new(found[1], found[2], found[3]);
+                    assert_eq!((*shadow, found[0].to_bits()), (light.shadow, path.index), "{isa:?}, {lights:?}, {i}");
+                    assert_eq!(light_found, path.throughput * radiance, "{isa:?}, {lights:?}, {i}");
                     lit += 1;
                 }
-                let (ray, weight, density, reflects) = bounces.get(i);
-                match surface.sample(Vec3::NEG_Z, u) {
-                    Some(bounce) => {
-                        let origin = surface.origin_towards(bounce.direction);
-                        assert_eq!(ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
-                        assert_eq!((weight, density), (throughput / survival * bounce.weight, bounce.density));
-                        assert!(reflects);
-                    }
-                    None => assert!(!reflects),
+                let survival = (path.throughput * surface.diffuse).max_element().min(0.9);
+                if let Some(bounce) = surface.sample(ray.direction, block.onwards[i])
+                    && block.chances[i] < survival
+                {
+                    let (next_ray, next) = gone_on.next().unwrap();
+                    let origin = surface.origin_towards(bounce.direction);
+                    assert_eq!(*next_ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
+                    assert_eq!((next.index, next.from, next.density), (path.index, hit.prim_id, bounce.density));
+                    assert_eq!(next.throughput, path.throughput * survival.recip() * bounce.weight, "{isa:?}, {i}");
                 }
             }
+            assert!(connected.next().is_none() && gone_on.next().is_none());
         }
     }
-    assert!(lit > 20, "{lit}");
+    assert!(lit > 50, "{lit}");
+}
+
+#[test]
+fn thresholds_end_the_paths_below_them() {
+    let (world, cutoff) = (world(), 0.3);
+    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32)).collect();
+    let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
+    let mut block = Block::new();
+    block.len = LANES;
+    numbers.iter().enumerate().for_each(|(i, (_, _, hit))| block.put(i, i, hit));
+    block.arrive(&world, &paths, &rays);
+    block.end_below(cutoff);
+    let mut ended = 0;
+    for (i, (path, _, hit)) in numbers.iter().enumerate() {
+        let reflected = path.throughput * world.surface_at(hit).diffuse;
+        let expected = (reflected.max_element() < cutoff).then_some((path.index, reflected));
+        assert_eq!(block.ended(i), expected, "{i}");
+        ended += usize::from(expected.is_some());
+    }
+    assert!((10..LANES - 10).contains(&ended), "{ended}");
 }

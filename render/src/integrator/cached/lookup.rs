@@ -9,8 +9,10 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use super::super::path::emission;
-use super::super::wavefront::{Arrival, Connections, OneByOne, Path, SETS_PER_SURFACE, Step};
+use super::super::connections::Connections;
+use super::super::emission::emission;
+use super::super::state::Path;
+use super::super::wavefront::{Arrival, OneByOne, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
 use crate::estimator::{connect_lamp, emitted_lamp_density};
@@ -73,7 +75,7 @@ impl Step for Lookup<'_> {
         }
         let surface = world.surface_at(hit);
         if path.density > 0.0 && path.density < f32::INFINITY {
-            *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit.t);
+            *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit);
             return None;
         }
         *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit);
@@ -101,7 +103,7 @@ impl Step for Lookup<'_> {
         if bounce.density < f32::INFINITY && !near_lamps {
             return None;
         }
-        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
+        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, from: hit.prim_id, ..path };
         Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
     }
 }
@@ -109,8 +111,9 @@ impl Step for Lookup<'_> {
 impl Lookup<'_> {
     /// What a surface emits along a ray that was scattered near the lamps.
     #[inline(always)]
-    fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, t: f32) -> Vec3 {
-        let by_lamps = emitted_lamp_density(self.world, surface, ray.direction, t);
+    fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, hit: &Hit) -> Vec3 {
+        let normal = self.world.normal_towards(path.from, ray.direction);
+        let by_lamps = emitted_lamp_density(self.world, normal, surface, ray, hit);
         surface.emitted(ray.direction) * LightSampling::Mis.of_bounce(path.density, by_lamps)
     }
 }

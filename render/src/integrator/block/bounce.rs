@@ -1,0 +1,72 @@
+//! Rays by which the paths of a block go on.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use halfdome_kernel::{Isa, Ray};
+
+use super::Block;
+use super::columns::{Integers, LANES, Paths, Rays, keep};
+use crate::integrator::state::Path;
+use crate::scene::Material;
+
+/// Such rays, with their paths.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(in crate::integrator) struct Bounces {
+    rays: Rays,
+    pub paths: Paths,
+    /// Whether the path goes on.
+    pub goes_on: Integers,
+}
+
+impl Block {
+    /// Scattered light.
+    #[inline(always)]
+    pub(in crate::integrator) fn bounce(&self, matte: &Material, bounces: &mut Bounces) {
+        bounces.paths.index = self.paths.index;
+        bounces.paths.from = self.prims;
+        for i in 0..LANES {
+            let surface = self.surface(i, matte);
+            let (bounce, reflects) = surface.scatter(self.cosine[i], surface.diffuse, 1.0);
+            bounces.rays.origin.set(i, surface.origin_towards(bounce.direction));
+            bounces.rays.direction.set(i, bounce.direction);
+            let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
+            bounces.paths.throughput.set(i, throughput * bounce.weight);
+            bounces.paths.density[i] = bounce.density;
+            let survives = self.chances[i] < self.survival[i];
+            bounces.goes_on[i] = u32::from(reflects & survives) & self.goes_on[i];
+        }
+    }
+}
+
+impl Bounces {
+    /// Rays without an end.
+    pub(in crate::integrator) fn new() -> Self {
+        let mut bounces = Self::zeroed();
+        bounces.rays.t_max = [f32::INFINITY; LANES];
+        bounces
+    }
+
+    /// Lets path `i` go on in another way, if chance has not ended it.
+    pub(in crate::integrator) fn set(&mut self, i: usize, ray: &Ray, path: &Path) {
+        self.rays.origin.set(i, ray.origin);
+        self.rays.direction.set(i, ray.direction);
+        self.paths.throughput.set(i, path.throughput);
+        self.paths.density[i] = path.density;
+        self.paths.sky_density[i] = path.sky_density;
+    }
+
+    /// The direction of ray `i`.
+    pub(in crate::integrator) fn direction(&self, i: usize) -> Vec3 {
+        self.rays.direction.get(i)
+    }
+
+    /// Writes those of the first `len` paths that go on to the start of `paths`, and their rays to that of `rays`; gives
+    /// their number.
+    #[inline(always)]
+    pub(in crate::integrator) fn keep(&self, isa: Isa, len: usize, rays: &mut [Ray], paths: &mut [Path]) -> usize {
+        let goes_on = &self.goes_on[..len];
+        keep::<8, _, _>(isa, &self.rays, goes_on, rays);
+        keep::<8, _, _>(isa, &self.paths, goes_on, paths)
+    }
+}

@@ -1,0 +1,71 @@
+//! Light samples of all paths of a batch, which wait for their shadow rays to be traced together.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use halfdome_kernel::{Isa, Ray};
+
+use super::block::{LANES, Shadows};
+use crate::estimator::Connection;
+use crate::world::World;
+
+/// Light that arrives if its shadow ray is free.
+#[derive(Default)]
+pub(crate) struct Connections {
+    /// How many wait: the first of each list.
+    len: usize,
+    shadows: Vec<Ray>,
+    pending: Vec<Pending>,
+    occluded: Vec<bool>,
+}
+
+/// What it adds to which camera ray's.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Pending {
+    index: u32,
+    light: Vec3,
+}
+
+impl Connections {
+    /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
+    #[inline]
+    pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
+        self.make_room(1);
+        self.shadows[self.len] = connection.shadow;
+        self.pending[self.len] = Pending { index, light: throughput * connection.radiance };
+        self.len += 1;
+    }
+
+    /// Lets the light of the first `count` shadow rays of a block wait, of those that have any.
+    #[inline(always)]
+    pub(super) fn extend(&mut self, isa: Isa, shadows: &Shadows, count: usize) {
+        self.make_room(LANES);
+        self.len += shadows.keep(isa, count, &mut self.shadows[self.len..], &mut self.pending[self.len..]);
+    }
+
+    /// Makes room for `count` more. What was there is not cleared, for it is written over.
+    #[inline(always)]
+    fn make_room(&mut self, count: usize) {
+        if self.shadows.len() < self.len + count {
+            self.shadows.resize(2 * self.len + count, Ray::zeroed());
+            self.pending.resize(2 * self.len + count, Pending::zeroed());
+        }
+    }
+
+    /// Adds the light whose shadow rays are free; gives their number.
+    pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
+        let count = std::mem::take(&mut self.len);
+        self.occluded.resize(count, false);
+        world.occluded_many(&self.shadows[..count], &mut self.occluded);
+        for (Pending { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
+            // Adding nothing is quicker than a branch that nobody can foresee.
+            radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
+        }
+        count as u64
+    }
+
+    /// The shadow rays that wait, with the numbers of their camera rays.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
+        self.pending[..self.len].iter().map(|pending| pending.index as usize).zip(&self.shadows)
+    }
+}

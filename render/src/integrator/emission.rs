@@ -1,0 +1,33 @@
+//! Light that paths find by themselves, weighted against the light samples that might have found it too.
+
+use glam::Vec3;
+use halfdome_kernel::{Hit, Ray};
+
+use super::state::Path;
+use crate::estimator::emitted_density;
+use crate::settings::LightSampling;
+use crate::world::{Surface, World};
+
+/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
+pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
+    world.sky.radiance(direction) * lights.of_bounce(path.density, path.sky_density)
+}
+
+/// What the surface emits along the path, weighted against the light sample that might have found it.
+#[inline(always)]
+pub(super) fn emission(
+    world: &World,
+    lights: LightSampling,
+    path: &Path,
+    surface: &Surface,
+    ray: &Ray,
+    hit: &Hit,
+) -> Vec3 {
+    // Most surfaces emit nothing.
+    if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
+        return Vec3::ZERO;
+    }
+    let normal = (path.from != Hit::NO_PRIM).then(|| world.normal_towards(path.from, ray.direction));
+    let density = emitted_density(world, normal, surface, ray, hit);
+    surface.emission * lights.of_bounce(path.density, density)
+}

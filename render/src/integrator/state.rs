@@ -1,0 +1,49 @@
+//! What a path is on its way from one surface to the next, and what decides how it goes on.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Hit;
+use halfdome_kernel::sampling::unit_double;
+
+use crate::settings::Survival;
+
+/// A path that is under way, in eight words.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Path {
+    /// Its camera ray.
+    pub index: u32,
+    /// What the light that it finds from here on is multiplied by.
+    pub throughput: Vec3,
+    /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
+    pub density: f32,
+    /// The density with which sampling the sky would have taken the same direction.
+    pub sky_density: f32,
+    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
+    /// [`Hit::NO_PRIM`].
+    pub from: u32,
+    /// Makes a row of it.
+    pub unused: u32,
+}
+
+impl Path {
+    /// The path that begins with the camera ray of this number, whose direction had this density.
+    pub(super) fn from_camera(index: u32, density: f32) -> Self {
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM, unused: 0 }
+    }
+}
+
+/// The number that says which light is sampled.
+#[inline(always)]
+pub(super) fn light_choice(on_light: Vec2, onwards: Vec2) -> f64 {
+    unit_double(Vec2::new(on_light.x, onwards.x))
+}
+
+/// The probability with which roulette lets a path go on of whose light `reflected` is left.
+#[inline(always)]
+pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
+    match survival {
+        Survival::Constant(probability) => probability,
+        Survival::Throughput { max } => reflected.max_element().min(max),
+    }
+}

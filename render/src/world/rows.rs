@@ -1,0 +1,99 @@
+//! What is known of triangles, in rows of eight numbers: whoever shades many surfaces turns them into columns.
+//!
+//! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own row and its material's,
+//! and, if it is a lamp, in that of its light.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use halfdome_kernel::Triangle;
+
+use super::World;
+use crate::scene::{Material, Specular};
+
+/// A triangle, with what most hits need to know of it in one cache line.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Face {
+    pub(crate) corners: Triangle,
+    /// Unit normal by the winding.
+    pub(crate) normal: Vec3,
+    /// How far from its plane rays start.
+    pub(crate) offset: f32,
+    pub(super) mesh: u32,
+    pub(super) material: u32,
+    /// Whether it has neither vertex normals nor textures nor holes: 1, else 0.
+    pub(crate) is_plain: u32,
+}
+
+/// What a material says of plain triangles.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Finish {
+    pub(crate) diffuse: Vec3,
+    /// Whether it is neither a mirror nor glass: 1, else 0.
+    pub(crate) is_matte: u32,
+    /// Radiance emitted, from the sides that emit.
+    pub(crate) emission: Vec3,
+    /// Whether both do: 1, else 0.
+    pub(crate) emits_both_sides: u32,
+}
+
+/// A light that is a plain triangle.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Emitter {
+    pub(crate) corners: Triangle,
+    /// Unit normal, on the side that emits if there is only one.
+    pub(crate) normal: Vec3,
+    /// How far from its plane rays start.
+    pub(crate) offset: f32,
+    pub(crate) emission: Vec3,
+    /// The reciprocal of the density per area with which its points are chosen, if they are all alike.
+    pub(crate) area: f32,
+    /// Whether both sides emit: 1, else 0.
+    pub(crate) emits_both_sides: u32,
+    /// Whether there is such a light: 1, else 0.
+    pub(crate) is_plain: u32,
+    unused: [u32; 5],
+}
+
+impl Finish {
+    /// What `material` says.
+    pub(super) fn of(material: &Material) -> Self {
+        let Material { diffuse, emission, emits_both_sides, specular, .. } = *material;
+        let is_matte = (specular == Specular::None).into();
+        Self { diffuse, is_matte, emission, emits_both_sides: emits_both_sides.into() }
+    }
+}
+
+impl Emitter {
+    /// What stands for lights of other kinds.
+    pub(super) const NONE: Self = Self {
+        corners: [Vec3::ZERO; 3],
+        normal: Vec3::ZERO,
+        offset: 0.0,
+        emission: Vec3::ZERO,
+        area: 0.0,
+        emits_both_sides: 0,
+        is_plain: 0,
+        unused: [0; 5],
+    };
+
+    /// The light that a triangle of this material is; none if the triangle is not plain.
+    pub(super) fn of(face: &Face, material: &Material, area: f32) -> Self {
+        let Face { corners, normal, offset, is_plain, .. } = *face;
+        if is_plain == 0 {
+            return Self::NONE;
+        }
+        let Finish { emission, emits_both_sides, .. } = Finish::of(material);
+        Self { corners, normal, offset, emission, area, emits_both_sides, is_plain, ..Self::NONE }
+    }
+}
+
+impl World {
+    /// A plain triangle; `None` for others.
+    #[inline(always)]
+    pub(crate) fn plain_face(&self, prim_id: u32) -> Option<&Face> {
+        Some(&self.faces[prim_id as usize]).filter(|face| face.is_plain != 0)
+    }
+}
