@@ -33,6 +33,8 @@ pub enum Entry {
     Packet8,
     /// `intersect_packet::<16>` and `occluded_packet::<16>`.
     Packet16,
+    /// `intersect_packet::<32>` and `occluded_packet::<32>`.
+    Packet32,
     /// `intersect_many` and `occluded_many`.
     Batch,
     /// `intersect_gather` and `occluded_gather`.
@@ -41,7 +43,8 @@ pub enum Entry {
 
 impl Entry {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Single, Self::Packet4, Self::Packet8, Self::Packet16, Self::Batch, Self::Gather];
+    pub const ALL: [Self; 7] =
+        [Self::Single, Self::Packet4, Self::Packet8, Self::Packet16, Self::Packet32, Self::Batch, Self::Gather];
 
     /// A short name.
     pub fn name(self) -> &'static str {
@@ -50,6 +53,7 @@ impl Entry {
             Self::Packet4 => "packet4",
             Self::Packet8 => "packet8",
             Self::Packet16 => "packet16",
+            Self::Packet32 => "packet32",
             Self::Batch => "batch",
             Self::Gather => "gather",
         }
@@ -62,6 +66,7 @@ impl Entry {
             Self::Packet4 => Box::new(Packets::<4>(tree)),
             Self::Packet8 => Box::new(Packets::<8>(tree)),
             Self::Packet16 => Box::new(Packets::<16>(tree)),
+            Self::Packet32 => Box::new(Packets::<32>(tree)),
             Self::Batch => Box::new(Batch(tree)),
             Self::Gather => Box::new(Gather(tree)),
         }

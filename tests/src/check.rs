@@ -96,6 +96,7 @@ fn check_isa(tree: &BvhView, rays: &[Ray], batch: &[Ray], expected: &[Option<Hit
     check_packets::<4>(tree, rays, expected);
     check_packets::<8>(tree, rays, expected);
     check_packets::<16>(tree, rays, expected);
+    check_packets::<32>(tree, rays, expected);
 }
 
 /// Packets with the rays in order, in reverse and rotated, with all and with some lanes active.

@@ -1,5 +1,7 @@
 //! Rays and hits in packets, as structures of arrays.
 
+use bytemuck::Zeroable;
+
 use super::{Hit, Ray};
 use crate::simd::{Lanes, Portable, Simd};
 
@@ -37,43 +39,35 @@ impl<const N: usize> RayPacket<N> {
     /// Packs up to `N` rays, `N` at most 32; lanes beyond them are inactive, and further rays are ignored.
     pub fn from_rays(rays: &[Ray]) -> Self {
         const { assert!(N <= 32, "a mask has 32 bits") };
-        let mut packet = Self {
-            origin: [[0.0; N]; 3],
-            direction: [[0.0; N]; 3],
-            t_min: [0.0; N],
-            t_max: [0.0; N],
-            active: (1u64 << N.min(rays.len())).wrapping_sub(1) as u32,
-        };
-        let eights = rays.as_chunks::<8>().0.iter().take(N / 8);
-        let together = 8 * eights.len();
-        for (eight, rays) in eights.enumerate() {
-            packet.set_eight(8 * eight, rays);
-        }
-        for (lane, ray) in rays.iter().enumerate().take(N).skip(together) {
-            for axis in 0..3 {
-                packet.origin[axis][lane] = ray.origin[axis];
-                packet.direction[axis][lane] = ray.direction[axis];
+        match rays.first_chunk() {
+            Some(rays) => Self::from_array(rays),
+            None => {
+                let mut all = [Ray::zeroed(); N];
+                all[..rays.len()].copy_from_slice(rays);
+                Self { active: (1 << rays.len()) - 1, ..Self::from_array(&all) }
             }
-            (packet.t_min[lane], packet.t_max[lane]) = (ray.t_min, ray.t_max);
         }
-        packet
     }
 
-    /// Packs eight rays into the lanes from `first` on.
-    fn set_eight(&mut self, first: usize, rays: &[Ray; 8]) {
-        type F8 = <Portable as Simd>::F8;
-        let rows = rays.map(|ray| F8::load(bytemuck::cast_ref(&ray)));
-        let [ox, oy, oz, t_min, dx, dy, dz, t_max] = Portable::transpose(rows);
-        let set = |numbers: &mut [f32; N], lanes: F8| numbers[first..first + 8].copy_from_slice(&lanes.store());
-        let ([px, py, pz], [qx, qy, qz]) = (&mut self.origin, &mut self.direction);
-        set(px, ox);
-        set(py, oy);
-        set(pz, oz);
-        set(&mut self.t_min, t_min);
-        set(qx, dx);
-        set(qy, dy);
-        set(qz, dz);
-        set(&mut self.t_max, t_max);
+    /// Packs `N` rays, all of them active.
+    #[inline(always)]
+    fn from_array(rays: &[Ray; N]) -> Self {
+        let mut rows = [[0.0; N]; 8];
+        let (eights, rest) = rays.as_chunks::<8>();
+        for (eight, rays) in eights.iter().enumerate() {
+            let lanes = Portable::transpose(rays.map(|ray| <Portable as Simd>::F8::load(bytemuck::cast_ref(&ray))));
+            for (row, lanes) in rows.iter_mut().zip(lanes) {
+                row[8 * eight..8 * eight + 8].copy_from_slice(&lanes.store());
+            }
+        }
+        for (lane, ray) in (8 * eights.len()..).zip(rest) {
+            for (row, &number) in rows.iter_mut().zip(bytemuck::cast_ref::<Ray, [f32; 8]>(ray)) {
+                row[lane] = number;
+            }
+        }
+        let [ox, oy, oz, t_min, dx, dy, dz, t_max] = rows;
+        let active = ((1u64 << N) - 1) as u32;
+        Self { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max, active }
     }
 
     /// The lanes of the active rays.

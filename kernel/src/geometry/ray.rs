@@ -81,6 +81,12 @@ impl Hit {
         Self { t: t_max, ..Self::MISS }
     }
 
+    /// One that stands for any hit, or a miss.
+    #[inline(always)]
+    pub(crate) fn any_if(is_hit: bool) -> Self {
+        Self { prim_id: if is_hit { 0 } else { Self::NO_PRIM }, ..Self::MISS }
+    }
+
     /// The result of a search, or a miss: without a branch, as it is as good as random which.
     #[inline(always)]
     pub(crate) fn or_miss(self) -> Self {

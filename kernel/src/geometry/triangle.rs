@@ -82,16 +82,40 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     // Adding zero makes a negative zero positive: which one comes out is up to the backend.
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2] + zero;
 
-    // The interval in which the ray is inside the triangle's own box.
-    let reach = reach(a[2], b[2], c[2]);
-    let (near_x, far_x) = interval(ray, 0, [a[0], b[0], c[0]], reach);
-    let (near_y, far_y) = interval(ray, 1, [a[1], b[1], c[1]], reach);
-    let (near_z, far_z) = interval(ray, 2, [a[2], b[2], c[2]], reach);
-    let (near, far) = (near_x.max(near_y).max(near_z), far_x.min(far_y).min(far_z));
+    let (near, far) = own_box(ray, [a, b, c]);
     let t = L::select(t.lt(near), near + zero, t);
     let t = L::select(far.lt(t), far + zero, t);
     bits &= near.le(far).bits();
     Some(Crossing { bits, front, t, u: unit(v), v: unit(w) })
+}
+
+/// The lanes whose lines cross their triangles in their intervals: [`cross`] and `t` within, but quicker, as where a line is
+/// in the triangle's box is mostly enough to tell.
+#[inline(always)]
+pub(crate) fn occludes<const N: usize, L: Lanes<N>>(
+    ray: &LineLanes<L>,
+    corners: [[L; 3]; 3],
+    [t_min, t_max]: [L; 2],
+) -> u32 {
+    let zero = L::splat(0.0);
+    let [a, b, c] = [sub(corners[0], ray.origin), sub(corners[1], ray.origin), sub(corners[2], ray.origin)];
+    let [u, v, w] = areas([shear(a, ray.shear), shear(b, ray.shear), shear(c, ray.shear)]);
+    let inside = of_one_sign([u, v, w]);
+    if inside == 0 {
+        return 0;
+    }
+    let (near, far) = own_box(ray, [a, b, c]);
+    let inside = inside & (near.le(far) & near.le(t_max) & t_min.le(far)).bits();
+    let whole = t_min.le(near) & far.le(t_max);
+    let strictly = zero.lt(u.min(v).min(w)) | u.max(v).max(w).lt(zero);
+    let certain = strictly & L::splat(LEAST_DETERMINANT).le((u + v + w).abs()) & whole;
+    if inside & !certain.bits() == 0 {
+        return inside;
+    }
+    match cross(ray, corners) {
+        Some(crossing) => crossing.bits & (t_min.le(crossing.t) & crossing.t.le(t_max)).bits(),
+        None => 0,
+    }
 }
 
 /// The lanes whose line passes inside of their triangle's edges, or on one as far as `f32` can tell: where there may be
@@ -125,9 +149,16 @@ fn shear<const N: usize, L: Lanes<N>>(p: [L; 3], shear: [L; 2]) -> [L; 2] {
     [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2]]
 }
 
+/// The least and the greatest.
 #[inline(always)]
-fn reach<const N: usize, L: Lanes<N>>(a: L, b: L, c: L) -> L {
-    a.abs().max(b.abs()).max(c.abs())
+fn range<const N: usize, L: Lanes<N>>([a, b, c]: [L; 3]) -> [L; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
+/// How far from zero it goes.
+#[inline(always)]
+fn reach<const N: usize, L: Lanes<N>>([lower, upper]: [L; 2]) -> L {
+    lower.abs().max(upper.abs())
 }
 
 /// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are small differences, and along it
@@ -163,13 +194,22 @@ fn unit<const N: usize, L: Lanes<N>>(x: L) -> L {
     L::select(one.lt(x), one, x) + zero
 }
 
-/// Where the ray enters and leaves the slab of one axis around three corners, widened by their error.
+/// The interval in which the ray is inside the triangle's own box; corners are relative to its origin.
 #[inline(always)]
-fn interval<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, axis: usize, [a, b, c]: [L; 3], reach_z: L) -> (L, L) {
-    let pad = (reach(a, b, c) + reach_z) * L::splat(OWN_PAD);
-    let lower = a.min(b).min(c) - pad;
-    let upper = a.max(b).max(c) + pad;
-    let (lower, upper) = (lower * ray.inverse[axis], upper * ray.inverse[axis]);
+fn own_box<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, [a, b, c]: [[L; 3]; 3]) -> (L, L) {
+    let (x, y, z) = (range([a[0], b[0], c[0]]), range([a[1], b[1], c[1]]), range([a[2], b[2], c[2]]));
+    let reach_z = reach(z);
+    let (near_x, far_x) = interval(ray.inverse[0], x, reach_z);
+    let (near_y, far_y) = interval(ray.inverse[1], y, reach_z);
+    let (near_z, far_z) = interval(ray.inverse[2], z, reach_z);
+    (near_x.max(near_y).max(near_z), far_x.min(far_y).min(far_z))
+}
+
+/// Where the ray enters and leaves the slab of one axis between two bounds, widened by their error.
+#[inline(always)]
+fn interval<const N: usize, L: Lanes<N>>(inverse: L, [lower, upper]: [L; 2], reach_z: L) -> (L, L) {
+    let pad = (reach([lower, upper]) + reach_z) * L::splat(OWN_PAD);
+    let (lower, upper) = ((lower - pad) * inverse, (upper + pad) * inverse);
     (lower.min(upper), lower.max(upper))
 }
 

@@ -17,6 +17,7 @@ impl Simd for Avx2 {
     type F4 = wide::f32x4;
     type F8 = F32x8;
     type F16 = Twice<F32x8>;
+    type F32 = Twice<Twice<F32x8>>;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -201,6 +202,7 @@ impl Lanes<8> for F32x8 {
 }
 
 impl Mask for Mask8 {
+    const LANES: u32 = 8;
     #[inline(always)]
     fn bits(self) -> u32 {
         // SAFETY: AVX is there, see the module.

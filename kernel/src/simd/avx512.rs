@@ -7,6 +7,7 @@ use core::arch::x86_64::*;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use super::avx2;
+use super::twice::Twice;
 use super::{Children, Lanes, Mask, Simd};
 
 /// AVX-512 F, VL, BW and DQ, and all that AVX2 has.
@@ -17,6 +18,7 @@ impl Simd for Avx512 {
     type F4 = wide::f32x4;
     type F8 = F32x8;
     type F16 = F32x16;
+    type F32 = Twice<F32x16>;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -144,6 +146,7 @@ impl Lanes<8> for F32x8 {
 }
 
 impl Mask for Mask8 {
+    const LANES: u32 = 8;
     #[inline(always)]
     fn bits(self) -> u32 {
         self.0.into()
@@ -222,6 +225,7 @@ impl BitOr for Mask16 {
 }
 
 impl Mask for Mask16 {
+    const LANES: u32 = 16;
     #[inline(always)]
     fn bits(self) -> u32 {
         self.0.into()

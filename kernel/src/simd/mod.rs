@@ -34,6 +34,8 @@ pub(crate) trait Simd: Copy {
     type F8: Lanes<8> + Children;
     /// Sixteen lanes.
     type F16: Lanes<16>;
+    /// Thirty-two lanes.
+    type F32: Lanes<32>;
 
     /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
     fn prefetch<const BYTES: usize>(start: *const u8);
@@ -84,6 +86,9 @@ pub(crate) trait Lanes<const N: usize>:
 
 /// One truth value a lane.
 pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+    /// How many lanes.
+    const LANES: u32;
+
     /// Bit `i` is lane `i`.
     fn bits(self) -> u32;
     /// The inverse of [`bits`](Self::bits); bits without a lane do not count.

@@ -11,6 +11,7 @@ impl Simd for Portable {
     type F4 = wide::f32x4;
     type F8 = wide::f32x8;
     type F16 = Twice<wide::f32x8>;
+    type F32 = Twice<Twice<wide::f32x8>>;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -110,6 +111,7 @@ macro_rules! portable {
         }
 
         impl Mask for $lanes {
+            const LANES: u32 = $width;
             #[inline(always)]
             fn bits(self) -> u32 {
                 self.to_bitmask()

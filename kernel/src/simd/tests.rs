@@ -56,7 +56,8 @@ fn check<const N: usize, L: Lanes<N>>() {
             let bits = |mask: L::Mask, scalar: &dyn Fn(f32, f32) -> bool| {
                 let expected = (0..N).map(|k| (scalar(a[k], b[k]) as u32) << k).sum::<u32>();
                 assert_eq!(mask.bits(), expected);
-                assert_eq!(L::Mask::from_bits(expected | 1 << 31).bits(), expected);
+                let without_lane = u32::MAX.checked_shl(N as u32).unwrap_or(0);
+                assert_eq!(L::Mask::from_bits(expected | without_lane).bits(), expected);
             };
             bits(x.lt(y), &|p, q| p < q);
             bits(x.le(y), &|p, q| p <= q);
@@ -117,6 +118,7 @@ impl Work for Check {
         check::<4, S::F4>();
         check::<8, S::F8>();
         check::<16, S::F16>();
+        check::<32, S::F32>();
         check_children::<S::F8>();
         check_transposition::<S>();
         S::prefetch::<320>(core::ptr::null());

@@ -76,12 +76,27 @@ impl<'a> Place<'a> {
 /// Where lines cross triangles, one of each a lane.
 #[inline(always)]
 pub(super) fn cross<S: Simd>(triangles: &[Place; WIDTH], lines: &[&Line; WIDTH]) -> Option<Crossing<S::F8>> {
+    triangle::cross(&self::lines::<S>(lines), corners::<S>(triangles))
+}
+
+/// The lanes in which a line crosses its triangle in its interval.
+#[inline(always)]
+pub(super) fn occlude<S: Simd>(triangles: &[Place; WIDTH], lines: &[&Line; WIDTH], interval: [S::F8; 2]) -> u32 {
+    triangle::occludes(&self::lines::<S>(lines), corners::<S>(triangles), interval)
+}
+
+#[inline(always)]
+fn lines<S: Simd>(lines: &[&Line; WIDTH]) -> LineLanes<S::F8> {
     let mut rows = [S::F8::splat(0.0); WIDTH];
     for (row, line) in rows.iter_mut().zip(lines) {
         *row = S::F8::load(&line.numbers);
     }
-    let corners = [corner::<S>(triangles, 0), corner::<S>(triangles, 1), corner::<S>(triangles, 2)];
-    triangle::cross(&LineLanes::new(S::transpose(rows)), corners)
+    LineLanes::new(S::transpose(rows))
+}
+
+#[inline(always)]
+fn corners<S: Simd>(triangles: &[Place; WIDTH]) -> [[S::F8; 3]; 3] {
+    [corner::<S>(triangles, 0), corner::<S>(triangles, 1), corner::<S>(triangles, 2)]
 }
 
 #[inline(always)]

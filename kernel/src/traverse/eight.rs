@@ -62,6 +62,13 @@ fn take<const ANY: bool, S: Simd>(
     lanes: u32,
     [t, u, v, prim_id, t_min, ..]: &mut Found<S::F8>,
 ) {
+    if ANY {
+        let occluded = triangle::occludes(lines, picked::<S>(block, axes, places), [*t_min, *t]) & lanes;
+        let occluded = Mask::from_bits(occluded);
+        *t = S::F8::select(occluded, S::F8::splat(f32::NEG_INFINITY), *t);
+        *prim_id = S::F8::select(occluded, S::F8::splat(0.0), *prim_id);
+        return;
+    }
     let Some(crossing) = triangle::cross(lines, picked::<S>(block, axes, places)) else { return };
     let prim_ids = S::look_up(bytemuck::cast_ref(&block.prim_id), places);
     let within = crossing.bits & lanes & t_min.le(crossing.t).bits();

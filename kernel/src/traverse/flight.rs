@@ -24,12 +24,12 @@ pub(crate) trait Collector {
     fn see(&mut self, hit: Hit, front: bool) -> ControlFlow<()>;
 }
 
-/// The nearest hit; with `ANY` the first one seen.
-pub(super) struct Nearest<const ANY: bool> {
+/// The nearest hit.
+pub(super) struct Nearest {
     pub(super) best: Hit,
 }
 
-impl<const ANY: bool> Collector for Nearest<ANY> {
+impl Collector for Nearest {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.best.t
@@ -40,18 +40,31 @@ impl<const ANY: bool> Collector for Nearest<ANY> {
         if hit.precedes(&self.best) {
             self.best = hit;
         }
-        if ANY { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     }
 }
 
-/// The nearest hit of one ray, or with `ANY` the first one found.
+/// The nearest hit of one ray, or with `ANY` one that stands for any.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, ray: &Ray) -> Option<Hit> {
-    let mut nearest = Nearest::<ANY> { best: Hit::none_before(ray.t_max) };
     let mut pending = Pending::EMPTY;
-    // Whether it was ended early does not matter.
+    if ANY {
+        return is_occluded::<S>(tree, ray, &mut pending).then(|| Hit::any_if(true));
+    }
+    let mut nearest = Nearest { best: Hit::none_before(ray.t_max) };
+    // This collector never breaks off.
     let _ = walk::<S, _>(tree, ray, &mut pending, &mut nearest);
     nearest.best.found()
+}
+
+#[inline(always)]
+fn is_occluded<S: Simd>(tree: &BvhView, ray: &Ray, pending: &mut Pending) -> bool {
+    let Some(RaySetup { slabs, line }) = RaySetup::new(ray, &tree.bounds()) else {
+        return false;
+    };
+    let interval = [S::F8::splat(ray.t_min), S::F8::splat(ray.t_max)];
+    let mut occluders = Occluders { tree, lanes: LineLanes::splat(&line), axes: line.axes, interval, t_max: ray.t_max };
+    descend::<S, _>(&mut occluders, &slabs, ray.t_min, pending).is_break()
 }
 
 /// Shows `collector` the hits of one ray, each at most once, and all that are not behind the collector's `t_max` at
@@ -140,6 +153,39 @@ impl<L: Lanes<WIDTH>, C: Collector> Ground for Triangles<'_, L, C> {
     fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
         for block in self.tree.blocks().get(blocks).unwrap_or(&[]) {
             hit_block(block, &self.lanes, self.axes, self.t_min, self.collector)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Triangles that stand still, of which any that is hit ends the search.
+struct Occluders<'a, L> {
+    tree: &'a BvhView<'a>,
+    lanes: LineLanes<L>,
+    axes: [Axis; 3],
+    interval: [L; 2],
+    t_max: f32,
+}
+
+impl<L: Lanes<WIDTH>> Ground for Occluders<'_, L> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
+        if let Some(node) = self.tree.nodes().get(node as usize) {
+            pending.enter::<S>(node, slabs, octant, t_min, self.t_max);
+        }
+    }
+
+    #[inline(always)]
+    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
+        for block in self.tree.blocks().get(blocks).unwrap_or(&[]) {
+            if triangle::occludes(&self.lanes, corners(block, self.axes), self.interval) != 0 {
+                return ControlFlow::Break(());
+            }
         }
         ControlFlow::Continue(())
     }

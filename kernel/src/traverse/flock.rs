@@ -17,7 +17,7 @@ use crate::geometry::setup::{Line, RaySetup, Slabs};
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Lanes, Simd, lanes_of};
+use crate::simd::{Lanes, Mask, Simd, lanes_of};
 
 /// Rays of a flock. Fewer hide less; more do not fit into the first-level cache.
 pub(super) const FLOCK: usize = 64;
@@ -120,16 +120,32 @@ fn test<const ANY: bool, S: Simd>(
         for lane in 1..WIDTH {
             triangles[lane] = Place::new(blocks, codes[lane], lines[lane]);
         }
+        let [t_min, t_max] = intervals::<S>(numbers, birds);
+        if ANY {
+            for lane in lanes_of(candidates::occlude::<S>(&triangles, &lines, [t_min, t_max])) {
+                birds[usize::from(numbers[lane % WIDTH]) % FLOCK].end_with_any();
+            }
+            continue;
+        }
         let Some(crossing) = candidates::cross::<S>(&triangles, &lines) else {
             continue;
         };
+        // What is behind the origin or the best hit is sorted out here, as a branch on it is mispredicted too often.
+        let within = t_min.le(crossing.t) & crossing.t.le(t_max);
         let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
-        for lane in lanes_of(crossing.bits) {
+        for lane in lanes_of(crossing.bits & within.bits()) {
             let lane = lane % WIDTH;
             let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: triangles[lane].prim_id() };
-            birds[usize::from(numbers[lane]) % FLOCK].take::<ANY, S>(hit);
+            birds[usize::from(numbers[lane]) % FLOCK].take::<S>(hit);
         }
     }
+}
+
+/// Where the rays of eight birds begin, and where their best hits are.
+#[inline(always)]
+fn intervals<S: Simd>(numbers: &[u8; WIDTH], birds: &[Bird; FLOCK]) -> [S::F8; 2] {
+    let eight = numbers.map(|number| &birds[usize::from(number) % FLOCK]);
+    [S::F8::load(&eight.map(|bird| bird.t_min)), S::F8::load(&eight.map(|bird| bird.best.t))]
 }
 
 /// A ray under way: a cache line for nodes, one for triangles, and what is pending. Flock and nodes fill the first-level
@@ -191,15 +207,18 @@ impl Bird {
 
     /// Takes a hit if it precedes the best one, and forgets what is behind it.
     #[inline(always)]
-    fn take<const ANY: bool, S: Simd>(&mut self, hit: Hit) {
-        if self.t_min <= hit.t && hit.precedes(&self.best) {
+    fn take<S: Simd>(&mut self, hit: Hit) {
+        if hit.precedes(&self.best) {
             self.best = hit;
-            if ANY {
-                self.pending.clear();
-            } else {
-                self.pending.cull::<S>(hit.t);
-            }
+            self.pending.cull::<S>(hit.t);
         }
+    }
+
+    /// Any hit will do, and has been found.
+    #[inline(always)]
+    fn end_with_any(&mut self) {
+        self.best = Hit::any_if(true);
+        self.pending.clear();
     }
 }
 

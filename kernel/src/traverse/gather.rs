@@ -31,9 +31,11 @@ pub(super) fn trace<const ANY: bool, S: Simd, L: Lanes<PACKET>>(
                 *ray = rays[usize::from(number) % rays.len()];
             }
             let mut hits = HitPacket::MISS;
-            packet::trace::<ANY, PACKET, S, L>(tree, &RayPacket::from_rays(&sorted[..numbers.len()]), &mut hits);
+            let packet = RayPacket::from_rays(&sorted[..numbers.len()]);
+            let found = packet::trace::<ANY, PACKET, S, L>(tree, &packet, &mut hits);
             for (lane, &number) in numbers.iter().enumerate() {
-                land(chunk * CHUNK + usize::from(number), hits.hit(lane));
+                let hit = if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) };
+                land(chunk * CHUNK + usize::from(number), hit);
             }
         }
     }

@@ -3,7 +3,7 @@
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
 //! | one | [`BvhView::intersect`] | [`BvhView::occluded`] |
-//! | 4, 8 or 16 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
+//! | 4 to 32 that run alike | [`BvhView::intersect_packet`] | [`BvhView::occluded_packet`] |
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
 //! | a slice, of one origin | [`BvhView::intersect_gather`] | [`BvhView::occluded_gather`] |
 //! | one, with a filter | [`BvhView::intersect_filtered`] | [`BvhView::occluded_filtered`] |
@@ -23,6 +23,8 @@
 
 mod candidates;
 mod closest;
+mod convoy;
+mod convoy_hits;
 mod eight;
 mod facing;
 mod filter;
@@ -96,13 +98,12 @@ impl BvhView<'_> {
     where
         Width<N>: PacketWidth<N>,
     {
-        let mut hits = HitPacket::MISS;
         if self.isa().level() == Level::Scalar {
-            self.intersect_packet(rays, &mut hits);
+            let occluded = |&lane: &usize| reference::occluded(self, &rays.ray(lane));
+            rays.active_lanes().filter(occluded).fold(0, |bits, lane| bits | 1 << lane)
         } else {
-            Width::<N>::trace::<true>(self, rays, &mut hits);
+            Width::<N>::trace::<true>(self, rays, &mut { HitPacket::MISS })
         }
-        (0..N).filter(|&lane| hits.hit(lane).is_hit()).fold(0, |bits, lane| bits | 1 << lane)
     }
 
     /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.

@@ -95,15 +95,19 @@ impl Pending {
     pub(super) fn cull<S: Simd>(&mut self, t_max: f32) {
         let (mut from, height) = (1, self.height);
         self.height = 1;
-        while from < height {
+        // Once at least, without a branch on whether there is anything.
+        loop {
             let (children, near) = (*eight(&self.children, from), *eight(&self.near, from));
             // What lies above the height is no entry.
-            let is_entry =
-                S::F8::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]).lt(S::F8::splat((height - from).into()));
+            let is_entry = S::F8::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0])
+                .lt(S::F8::splat(height.saturating_sub(from).into()));
             let near = S::F8::select(is_entry, S::F8::load(&near), S::F8::splat(f32::INFINITY));
             let t_max = S::F8::splat(t_max.min(f32::MAX));
             self.push::<S>(self.height, near, t_max, AS_THEY_ARE, &children);
             from = from.saturating_add(WIDTH as u8);
+            if from >= height {
+                return;
+            }
         }
     }
 

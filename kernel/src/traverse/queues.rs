@@ -19,6 +19,11 @@ use crate::simd::{Children, Lanes, Mask, Simd};
 
 /// Rays under way: enough for a few in every queue, and few enough for the first-level cache.
 const RAYS: usize = 128;
+/// Places for them, which an index of eight bits cannot leave.
+const PLACES: usize = 256;
+/// Groups that are chosen before the first of them meets its leaf: which queue is full next is known only when a group
+/// has been tested, and would hold up the next.
+const ROUND: usize = 3;
 /// Above so many blocks a flock is quicker: it tests a ray against a block's eight triangles at once.
 const MAX_BLOCKS: usize = 16;
 
@@ -40,21 +45,45 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
         waiting.start::<S>(tree, root, rays, started, &seats, &mut queues);
         started += WIDTH;
     }
-    while let Some(queue) = queues.next() {
-        let (eight, count) = queues.take(queue);
-        let eight = &eight[..count];
-        if queue == ARRIVED {
-            for &i in eight {
-                land(waiting.numbers[usize::from(i) % RAYS], waiting.result(i));
-            }
-            if started < rays.len() {
-                waiting.start::<S>(tree, root, rays, started, eight, &mut queues);
-                started += count;
-            }
-        } else {
-            waiting.visit::<ANY, S>(tree, root.children[queue / 4 % WIDTH], FORWARD[queue % 4 % 3], eight);
-            waiting.queue_up::<S>(eight, &mut queues);
+    let mut round = [Group { queue: 0, rays: [0; WIDTH], len: 0 }; ROUND];
+    loop {
+        let len = queues.take_round(&mut round);
+        if len == 0 {
+            return;
         }
+        for group in &round[..len] {
+            if group.queue == ARRIVED {
+                for &i in group.rays() {
+                    land(waiting.numbers[usize::from(i)], waiting.result(i));
+                }
+            } else {
+                let leaf = root.children[group.queue / 4 % WIDTH];
+                waiting.visit::<ANY, S>(tree, leaf, FORWARD[group.queue % 4 % 3], group.rays());
+            }
+        }
+        for group in &round[..len] {
+            if group.queue != ARRIVED {
+                waiting.queue_up::<S>(group.rays(), &mut queues);
+            } else if started < rays.len() {
+                waiting.start::<S>(tree, root, rays, started, group.rays(), &mut queues);
+                started += group.len;
+            }
+        }
+    }
+}
+
+/// Up to eight rays of one queue.
+#[derive(Clone, Copy)]
+struct Group {
+    queue: usize,
+    rays: [u8; WIDTH],
+    len: usize,
+}
+
+impl Group {
+    #[inline(always)]
+    fn rays(&self) -> &[u8] {
+        &self.rays[..self.len.min(WIDTH)]
     }
 }
 
@@ -69,22 +98,39 @@ const QUEUE_OF: [[u32; WIDTH]; 3] =
 /// Numbers of rays, by what they visit next.
 struct Queues {
     /// With room for the eight that are read, whether they are there or not.
-    rays: [[u8; RAYS + WIDTH]; QUEUES],
+    rays: [[u8; PLACES + WIDTH]; QUEUES],
     lens: [u8; QUEUES],
     /// A bit for each queue of eight or more.
     full: u64,
 }
 
 impl Queues {
-    const EMPTY: Self = Self { rays: [[0; RAYS + WIDTH]; QUEUES], lens: [0; QUEUES], full: 0 };
+    const EMPTY: Self = Self { rays: [[0; PLACES + WIDTH]; QUEUES], lens: [0; QUEUES], full: 0 };
 
     #[inline(always)]
     fn push(&mut self, queue: usize, ray: u8) {
         let queue = queue % QUEUES;
         let len = self.lens[queue];
-        self.rays[queue][usize::from(len) % RAYS] = ray;
+        self.rays[queue][usize::from(len)] = ray;
         self.lens[queue] = len + 1;
         self.full |= u64::from(len + 1 >= WIDTH as u8) << queue;
+    }
+
+    /// Takes groups from full queues, as many as there are and as there is room for; if none is full, one from the longest.
+    /// Gives their number, which is 0 if all queues are empty.
+    #[inline(always)]
+    fn take_round(&mut self, round: &mut [Group; ROUND]) -> usize {
+        let Some(mut queue) = self.next() else { return 0 };
+        let mut groups = 0;
+        for group in round {
+            *group = self.take(queue);
+            groups += 1;
+            if self.full == 0 {
+                break;
+            }
+            queue = self.full.trailing_zeros() as usize;
+        }
+        groups
     }
 
     /// A full queue; if there is none, the longest one, or none if all are empty.
@@ -102,16 +148,16 @@ impl Queues {
         (most > 0).then_some(longest)
     }
 
-    /// Takes up to eight rays from the end of a queue, and gives their number.
+    /// Takes up to eight rays from the end of a queue.
     #[inline(always)]
-    fn take(&mut self, queue: usize) -> ([u8; WIDTH], usize) {
+    fn take(&mut self, queue: usize) -> Group {
         let queue = queue % QUEUES;
         let len = self.lens[queue];
         let first = len.saturating_sub(WIDTH as u8);
         self.lens[queue] = first;
         self.full &= !(u64::from(first < WIDTH as u8) << queue);
         let last = self.rays[queue].get(usize::from(first)..).and_then(|rays| rays.first_chunk());
-        (last.copied().unwrap_or_default(), usize::from(len - first))
+        Group { queue, rays: last.copied().unwrap_or_default(), len: usize::from(len - first) }
     }
 }
 
@@ -119,25 +165,25 @@ impl Queues {
 #[repr(C, align(64))]
 struct Waiting {
     /// [`Line::numbers`](crate::geometry::setup::Line::numbers), in the order [`FORWARD`].
-    lines: [[f32; WIDTH]; RAYS],
+    lines: [[f32; WIDTH]; PLACES],
     /// [`eight::Found`].
-    found: [[f32; WIDTH]; RAYS],
+    found: [[f32; WIDTH]; PLACES],
     /// The queues of the leaves to visit, the next one last, and where their boxes begin.
-    leaves: [[u32; WIDTH]; RAYS],
-    near: [[f32; WIDTH]; RAYS],
+    leaves: [[u32; WIDTH]; PLACES],
+    near: [[f32; WIDTH]; PLACES],
     /// Of each ray in its batch.
-    numbers: [usize; RAYS],
-    heights: [u8; RAYS],
+    numbers: [usize; PLACES],
+    heights: [u8; PLACES],
 }
 
 impl Waiting {
     const NONE: Self = Self {
-        lines: [[0.0; WIDTH]; RAYS],
-        found: [[0.0; WIDTH]; RAYS],
-        leaves: [[0; WIDTH]; RAYS],
-        near: [[0.0; WIDTH]; RAYS],
-        numbers: [0; RAYS],
-        heights: [0; RAYS],
+        lines: [[0.0; WIDTH]; PLACES],
+        found: [[0.0; WIDTH]; PLACES],
+        leaves: [[0; WIDTH]; PLACES],
+        near: [[0.0; WIDTH]; PLACES],
+        numbers: [0; PLACES],
+        heights: [0; PLACES],
     };
 
     /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `seats`: at
@@ -161,7 +207,7 @@ impl Waiting {
         let found = rows::<S>(eight::nothing_found(setups.t_min, setups.t_max));
         let (lines, courses) = (rows::<S>(setups.lines), setups.courses());
         for (lane, &number) in seats.iter().enumerate().take(rays.len() - first) {
-            let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
+            let (i, lane) = (usize::from(number), lane % WIDTH);
             self.numbers[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
             let order = root.order[usize::from(courses.octant(lane))];
@@ -180,7 +226,7 @@ impl Waiting {
     fn queue_up<S: Simd>(&mut self, eight: &[u8], queues: &mut Queues) {
         let mut next = [0; WIDTH];
         for (next, &i) in next.iter_mut().zip(eight) {
-            let i = usize::from(i) % RAYS;
+            let i = usize::from(i);
             let within = S::F8::load(&self.near[i]).le(S::F8::splat(self.found[i][0])).bits();
             let left = within & ((1 << (self.heights[i] & 15)) - 1);
             let top = (31 - (left | 1).leading_zeros()) as usize % WIDTH;
@@ -198,7 +244,7 @@ impl Waiting {
     fn visit<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, leaf: u32, axes: [Axis; 3], eight: &[u8]) {
         let (mut lines, mut found) = ([S::F8::splat(0.0); WIDTH], [S::F8::splat(0.0); WIDTH]);
         for (lane, &i) in eight.iter().enumerate().take(WIDTH) {
-            let i = usize::from(i) % RAYS;
+            let i = usize::from(i);
             (lines[lane], found[lane]) = (S::F8::load(&self.lines[i]), S::F8::load(&self.found[i]));
         }
         let lines = LineLanes::new(S::transpose(lines));
@@ -209,14 +255,14 @@ impl Waiting {
         }
         if any {
             for (row, &i) in S::transpose(found).iter().zip(eight) {
-                self.found[usize::from(i) % RAYS] = row.store();
+                self.found[usize::from(i)] = row.store();
             }
         }
     }
 
     #[inline(always)]
     fn result(&self, i: u8) -> Hit {
-        let [t, u, v, prim_id, ..] = self.found[usize::from(i) % RAYS];
+        let [t, u, v, prim_id, ..] = self.found[usize::from(i)];
         Hit { t, u, v, prim_id: prim_id.to_bits() }.or_miss()
     }
 }

@@ -65,6 +65,7 @@ fn check_isa(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
     check_packets::<4>(tree, rays, expected);
     check_packets::<8>(tree, rays, expected);
     check_packets::<16>(tree, rays, expected);
+    check_packets::<32>(tree, rays, expected);
     let mut hits: Vec<_> = rays.iter().map(|_| Hit::MISS).collect();
     let mut occluded: Vec<_> = rays.iter().map(|_| false).collect();
     tree.intersect_many(rays, &mut hits);

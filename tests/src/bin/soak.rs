@@ -104,7 +104,7 @@ fn soak(seed: u64, isas: &[Isa], differences: &AtomicU64) -> u64 {
 
 /// The hits of rays, and whether they hit anything, by one of the ways.
 fn trace(tree: &BvhView, rays: &[Ray], way: usize) -> (Vec<Option<Hit>>, Vec<bool>) {
-    match way % 6 {
+    match way % 7 {
         0 => {
             let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
             tree.intersect_many(rays, &mut hits);
@@ -114,7 +114,8 @@ fn trace(tree: &BvhView, rays: &[Ray], way: usize) -> (Vec<Option<Hit>>, Vec<boo
         1 => packets::<4>(tree, rays),
         2 => packets::<8>(tree, rays),
         3 => packets::<16>(tree, rays),
-        4 => {
+        4 => packets::<32>(tree, rays),
+        5 => {
             let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
             tree.intersect_gather(rays, &mut hits);
             tree.occluded_gather(rays, &mut occluded);

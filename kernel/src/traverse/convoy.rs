@@ -1,0 +1,193 @@
+//! Rays of one course on their way through the tree together: the boxes of a node, and those of a block's triangles,
+//! against a shaft of all rays first, then what it meets against the rays, one a lane.
+
+use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
+use crate::geometry::HitPacket;
+use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
+use crate::geometry::triangle::LineLanes;
+use crate::simd::{Children, Lanes, Mask, Simd};
+
+/// A subtree to visit, the rays that may meet its box, and which part of the way the first of them has gone by then.
+#[derive(Clone, Copy)]
+struct Entry {
+    child: u32,
+    rays: u32,
+    near: f32,
+}
+
+/// From this visit on, rays of one origin are no longer thought to keep together, and boxes are tested with each.
+const COHERENT: u32 = 4;
+
+/// Rays of one course under way together.
+pub(super) struct Convoy<const N: usize, L> {
+    pub(super) course: Course,
+    octant: usize,
+    shaft: Shaft,
+    pub(super) lines: LineLanes<L>,
+    /// The same numbers, for when few rays are left.
+    pub(super) line: LineLanes<[f32; N]>,
+    /// For the nodes' boxes, as in [`Slabs`](crate::geometry::setup::Slabs), in the order of the axes.
+    inverse: [L; 3],
+    near_shift: [L; 3],
+    far_shift: [L; 3],
+    pub(super) t_min: L,
+    /// Of each ray, one over its length.
+    inverse_lengths: L,
+}
+
+impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
+    #[inline(always)]
+    pub(super) fn new(bundle: &Bundle<L>, course: Course, rays: u32, t_max: &[f32; N], tree: &BvhView) -> Self {
+        let scene = &tree.bounds();
+        let lines = bundle.lines(&course);
+        let lengths = bundle.lengths(&course, &lines, L::load(t_max), scene);
+        let shaft = bundle.shaft(&course, lengths, rays, scene);
+        let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
+        let [x, y, z] = course.negative.map(usize::from);
+        let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
+        let line = LineLanes {
+            origin: [a.store(), b.store(), c.store()],
+            inverse: [d.store(), e.store(), f.store()],
+            shear: [g.store(), h.store()],
+        };
+        let (inverse, near_shift, far_shift) = bundle.slabs(&course, &lines, &shaft);
+        let t_min = bundle.t_min;
+        let octant = x | y << 1 | z << 2;
+        Self { course, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
+    }
+
+    /// The part of the way that is left to the ray with the longest one.
+    #[inline(always)]
+    fn left(&self, rays: u32, best: &HitPacket<N>) -> f32 {
+        let left = L::load(&best.t) * self.inverse_lengths;
+        greatest(L::select(L::Mask::from_bits(rays), left, L::splat(f32::NEG_INFINITY))).min(2.0)
+    }
+
+    /// Finds hits for `rays` that precede the best ones, and gives the rays that have one. With `ANY` it looks for one of
+    /// each, and writes none.
+    #[inline(always)]
+    pub(super) fn trace<const ANY: bool, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut HitPacket<N>) -> u32 {
+        let (mut live, mut all_found) = (rays, 0);
+        let mut left = self.left(live, best);
+        // All zeros, which are written quicker than any other value.
+        let mut stack = [Entry { child: 0, rays: 0, near: 0.0 }; MAX_STACK];
+        stack[0].rays = rays;
+        let mut height = 1;
+        let mut visits = if self.shaft.is_pointed { 0 } else { COHERENT };
+        while height > 0 {
+            height -= 1;
+            let Entry { child, rays, near } = stack[height];
+            let rays = rays & live;
+            // As near is not nearer: there may be a tie to decide.
+            if rays == 0 || near > left {
+                continue;
+            }
+            if Child::is_node(child) {
+                let Some(node) = tree.nodes().get(child as usize) else { continue };
+                let (mut slots, mut near) = ([0; WIDTH], [0.0; WIDTH]);
+                let count = self.enter::<S>(node, left, &mut slots, &mut near);
+                let loose = visits >= COHERENT;
+                visits += 1;
+                let t_max = L::load(&best.t);
+                for (&slot, &near) in slots.iter().zip(&near).take(count) {
+                    let slot = slot as usize % WIDTH;
+                    let rays = if loose { rays & self.meet_box(node, slot, t_max) } else { rays };
+                    if let Some(entry) = stack.get_mut(height) {
+                        *entry = Entry { child: node.children[slot], rays, near };
+                        height += usize::from(rays != 0);
+                    }
+                }
+                continue;
+            }
+            let mut found = 0;
+            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
+                let candidates = self.candidates::<S>(block, left);
+                found |= match (ANY, rays.count_ones() < candidates.count_ones()) {
+                    (true, true) => self.occlude_each::<S>(block, rays & !found, &best.t),
+                    (true, false) => self.occlude(block, candidates, rays & !found, &best.t),
+                    (false, true) => self.hit_each::<S>(block, rays, best),
+                    (false, false) => self.hit(block, candidates, rays, best),
+                };
+            }
+            all_found |= found;
+            if ANY {
+                live &= !found;
+                if live == 0 {
+                    break;
+                }
+            } else if found != 0 {
+                left = self.left(live, best);
+            }
+        }
+        all_found
+    }
+
+    /// Writes the slots whose boxes the shaft meets, and where, the nearest one last; gives their number.
+    #[inline(always)]
+    fn enter<S: Simd>(&self, node: &Node, left: f32, slots: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
+        let [x, y, z] = &node.planes;
+        let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], left);
+        S::F8::keep(enter, leave, node.order[self.octant & 7], &[0, 1, 2, 3, 4, 5, 6, 7], slots, near)
+    }
+
+    /// The rays that meet the box in `slot` within their intervals.
+    #[inline(always)]
+    fn meet_box(&self, node: &Node, slot: usize, t_max: L) -> u32 {
+        let (mut enter, mut leave) = (self.t_min, t_max);
+        for k in 0..3 {
+            let axis = self.course.axes[k] as usize;
+            let negative = self.course.negative[axis];
+            let near = L::splat(node.planes[axis][usize::from(negative)][slot]);
+            let far = L::splat(node.planes[axis][usize::from(!negative)][slot]);
+            enter = enter.max(near.mul_sub(self.inverse[k], self.near_shift[k]));
+            leave = leave.min(far.mul_sub(self.inverse[k], self.far_shift[k]));
+        }
+        enter.le(leave).bits()
+    }
+
+    /// The triangles of a block whose boxes the shaft meets.
+    #[inline(always)]
+    fn candidates<S: Simd>(&self, block: &TriangleBlock, left: f32) -> u32 {
+        let (enter, leave) =
+            self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], left);
+        enter.le(leave).bits()
+    }
+
+    /// Where the shaft enters and leaves eight boxes, of which the lower and upper bounds are given.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, boxes: [[S::F8; 2]; 3], left: f32) -> (S::F8, S::F8) {
+        let (mut enter, mut leave) = (S::F8::splat(0.0), S::F8::splat(left));
+        let Shaft { inverse, shift, rises, .. } = &self.shaft;
+        for axis in 0..3 {
+            // The upper side has to be above the lower bounds, the lower side below the upper ones.
+            let [lower, upper] = boxes[axis];
+            let above = lower.mul_sub(S::F8::splat(inverse[0][axis]), S::F8::splat(shift[0][axis]));
+            let below = upper.mul_sub(S::F8::splat(inverse[1][axis]), S::F8::splat(shift[1][axis]));
+            if rises[0][axis] {
+                enter = enter.max(above);
+            } else {
+                leave = leave.min(above);
+            }
+            if rises[1][axis] {
+                leave = leave.min(below);
+            } else {
+                enter = enter.max(below);
+            }
+        }
+        (enter, leave)
+    }
+}
+
+/// The lower and upper bounds of eight boxes along an axis.
+#[inline(always)]
+fn bounds<S: Simd>(planes: &[[f32; WIDTH]; 2]) -> [S::F8; 2] {
+    [S::F8::load(&planes[0]), S::F8::load(&planes[1])]
+}
+
+/// The lower and upper bounds of a block's triangles along an axis.
+#[inline(always)]
+fn extent<S: Simd>(block: &TriangleBlock, axis: usize) -> [S::F8; 2] {
+    let [a, b, c] = &block.corners;
+    let (a, b, c) = (S::F8::load(&a[axis]), S::F8::load(&b[axis]), S::F8::load(&c[axis]));
+    [a.min(b).min(c), a.max(b).max(c)]
+}
