@@ -91,7 +91,7 @@ impl Curves {
             name,
             title: title.to_owned(),
             x: Axis::logarithmic("rays for 256 × 256 pixels", 2e6, 1e9),
-            y: Axis::logarithmic("relative error of indirect irradiance (root mean square)", 0.01, 1.0),
+            y: Axis::logarithmic("relative error of indirect irradiance (root mean square)", 0.005, 1.0),
             series: std::iter::once(series(PATHS, &self.paths)).chain(caches).collect(),
         }
     }
