@@ -73,6 +73,19 @@ impl Answers {
         difference
     }
 
+    /// The numbers of the rays to which another tracer's answers [differ](Self::difference).
+    pub fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
+        (0..self.len()).filter(move |&number| {
+            let mut difference = Difference::default();
+            match (self, other) {
+                (Self::Nearest(a), Self::Nearest(b)) => difference.count_hits(&a[number], &b[number]),
+                (Self::Any(a), Self::Any(b)) => difference.count(a[number], b[number]),
+                _ => panic!("answers to different questions"),
+            }
+            difference.rays() > 0
+        })
+    }
+
     /// Whether another tracer finds the same: as many hits, and the same for at least 9,999 rays in 10,000.
     pub fn agrees_with(&self, other: &Self) -> bool {
         self.hits() == other.hits() && self.difference(other).rays() * 10_000 <= self.len()

@@ -1,6 +1,7 @@
 //! Rays of one course on their way through the tree together: the boxes of a node, and those of a block's triangles,
 //! against a shaft of all rays first, then what it meets against the rays, one a lane.
 
+use super::pending::{fetch, first_octant};
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;
 use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
@@ -21,7 +22,7 @@ const COHERENT: u32 = 4;
 /// Rays of one course under way together.
 pub(super) struct Convoy<const N: usize, L> {
     pub(super) course: Course,
-    octant: usize,
+    octant: u8,
     shaft: Shaft,
     pub(super) lines: LineLanes<L>,
     /// The same numbers, for when few rays are left.
@@ -43,7 +44,7 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         let lengths = bundle.lengths(&course, &lines, L::load(t_max), scene);
         let shaft = bundle.shaft(&course, lengths, rays, scene);
         let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
-        let [x, y, z] = course.negative.map(usize::from);
+        let [x, y, z] = course.negative.map(u8::from);
         let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
         let line = LineLanes {
             origin: [a.store(), b.store(), c.store()],
@@ -85,13 +86,14 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
             if Child::is_node(child) {
                 let Some(node) = tree.nodes().get(child as usize) else { continue };
                 let (mut slots, mut near) = ([0; WIDTH], [0.0; WIDTH]);
-                let count = self.enter::<S>(node, left, &mut slots, &mut near);
+                let count = self.enter::<ANY, S>(node, left, &mut slots, &mut near);
                 let loose = visits >= COHERENT;
                 visits += 1;
                 let t_max = L::load(&best.t);
                 for (&slot, &near) in slots.iter().zip(&near).take(count) {
                     let slot = slot as usize % WIDTH;
                     let rays = if loose { rays & self.meet_box(node, slot, t_max) } else { rays };
+                    fetch::<S>(tree, node.children[slot]);
                     if let Some(entry) = stack.get_mut(height) {
                         *entry = Entry { child: node.children[slot], rays, near };
                         height += usize::from(rays != 0);
@@ -122,12 +124,25 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         all_found
     }
 
-    /// Writes the slots whose boxes the shaft meets, and where, the nearest one last; gives their number.
+    /// Writes the slots whose boxes the shaft meets, and where, the [first](first_octant) one last; gives their number.
     #[inline(always)]
-    fn enter<S: Simd>(&self, node: &Node, left: f32, slots: &mut [u32; WIDTH], near: &mut [f32; WIDTH]) -> usize {
+    fn enter<const ANY: bool, S: Simd>(
+        &self,
+        node: &Node,
+        left: f32,
+        slots: &mut [u32; WIDTH],
+        near: &mut [f32; WIDTH],
+    ) -> usize {
         let [x, y, z] = &node.planes;
         let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], left);
-        S::F8::keep(enter, leave, node.order[self.octant & 7], &[0, 1, 2, 3, 4, 5, 6, 7], slots, near)
+        S::F8::keep(
+            enter,
+            leave,
+            node.order[usize::from(first_octant::<ANY>(self.octant) & 7)],
+            &[0, 1, 2, 3, 4, 5, 6, 7],
+            slots,
+            near,
+        )
     }
 
     /// The rays that meet the box in `slot` within their intervals.

@@ -7,7 +7,7 @@
 
 use core::ops::{ControlFlow, Range};
 
-use super::pending::{Pending, corners};
+use super::pending::{Pending, corners, first_octant};
 use crate::bvh::{BvhView, Child, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Axis, RaySetup, Slabs};
 use crate::geometry::triangle::{self, LineLanes};
@@ -176,7 +176,7 @@ impl<L: Lanes<WIDTH>> Ground for Occluders<'_, L> {
     #[inline(always)]
     fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
         if let Some(node) = self.tree.nodes().get(node as usize) {
-            pending.enter::<S>(node, slabs, octant, t_min, self.t_max);
+            pending.enter::<S>(node, slabs, first_octant::<true>(octant), t_min, self.t_max);
         }
     }
 

@@ -8,10 +8,8 @@
 //! they are gathered, of all rays, and tested eight at a time, each lane with a ray of its own. All rays visit the root
 //! first: they set out eight at a time, a lane each.
 
-use core::hint::select_unpredictable;
-
 use super::candidates::{self, Candidates, Place};
-use super::pending::{Pending, corners, meet_children};
+use super::pending::{Pending, corners, fetch, first_octant, meet_children};
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Line, RaySetup, Slabs};
 use crate::geometry::setup_lanes::SetupLanes;
@@ -36,7 +34,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
     let mut departed = 0;
     loop {
         while resting.len() >= WIDTH && departed < rays.len() {
-            depart::<S>(tree, rays, departed, &mut birds, &mut resting, &mut lists);
+            depart::<ANY, S>(tree, rays, departed, &mut birds, &mut resting, &mut lists);
             departed += WIDTH;
         }
         if lists.are_empty() {
@@ -72,7 +70,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
 
 /// Sends up to eight of `rays`, from the one numbered `first` on, through the root.
 #[inline(always)]
-fn depart<S: Simd>(
+fn depart<const ANY: bool, S: Simd>(
     tree: &BvhView,
     rays: &[Ray],
     first: usize,
@@ -93,7 +91,7 @@ fn depart<S: Simd>(
         let i = resting.pop();
         let bird = &mut birds[i];
         RaySetup { slabs: bird.slabs, line: bird.line } = setups.setup(lane);
-        bird.octant = bird.slabs.octant();
+        bird.octant = first_octant::<ANY>(bird.slabs.octant());
         let (t_min, t_max) = setups.interval(lane);
         bird.t_min = t_min;
         bird.best = Hit::none_before(t_max);
@@ -153,6 +151,7 @@ fn intervals<S: Simd>(numbers: &[u8; WIDTH], birds: &[Bird; FLOCK]) -> [S::F8; 2
 #[repr(C, align(64))]
 struct Bird {
     slabs: Slabs,
+    /// [`first_octant`].
     octant: u8,
     t_min: f32,
     best: Hit,
@@ -199,9 +198,7 @@ impl Bird {
     #[inline(always)]
     fn join<S: Simd>(&self, number: usize, tree: &BvhView, lists: &mut Lists) {
         let top = self.pending.top();
-        let node = tree.nodes().as_ptr().wrapping_add(top as usize).cast();
-        let block = tree.blocks().as_ptr().wrapping_add(Child::first_block(top) as usize).cast();
-        S::prefetch::<{ size_of::<Node>() }>(select_unpredictable(Child::is_node(top), node, block));
+        fetch::<S>(tree, top);
         lists.push(number as u8, top);
     }
 

@@ -3,7 +3,9 @@
 //! Children are not sorted by distance but taken in an order that the tree keeps for each octant of directions, which
 //! needs no branch.
 
-use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
+use core::hint::select_unpredictable;
+
+use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::{Axis, Slabs};
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Children, Lanes, Simd};
@@ -171,6 +173,21 @@ pub(super) fn meet_children<S: Simd>(rays: &SetupLanes<WIDTH, S::F8>, node: &Nod
         (near[slot], far[slot]) = rays.meet(bounds);
     }
     (S::transpose(near), S::transpose(far))
+}
+
+/// The octant in whose order a node's children are visited: the ray's own, from near to far. A search for any hit goes
+/// from far to near: what is near the origin is mostly what the ray has just left.
+#[inline(always)]
+pub(super) fn first_octant<const ANY: bool>(octant: u8) -> u8 {
+    if ANY { octant ^ 7 } else { octant }
+}
+
+/// Fetches a node, or a leaf's first block.
+#[inline(always)]
+pub(super) fn fetch<S: Simd>(tree: &BvhView, child: u32) {
+    let node = tree.nodes().as_ptr().wrapping_add(child as usize).cast();
+    let block = tree.blocks().as_ptr().wrapping_add(Child::first_block(child) as usize).cast();
+    S::prefetch::<{ size_of::<Node>() }>(select_unpredictable(Child::is_node(child), node, block));
 }
 
 /// The corners of a block's eight triangles, in the order of `axes`.

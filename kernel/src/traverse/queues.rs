@@ -9,7 +9,7 @@
 use core::hint::select_unpredictable;
 
 use super::eight;
-use super::pending::meet_children;
+use super::pending::{first_octant, meet_children};
 use crate::bvh::{BvhView, Child, Node, WIDTH};
 use crate::geometry::setup::Axis;
 use crate::geometry::setup_lanes::{FORWARD, SetupLanes, rows};
@@ -42,7 +42,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
     let mut started = 0;
     while started < rays.len().min(RAYS) {
         let seats = [0, 1, 2, 3, 4, 5, 6, 7].map(|lane| (started + lane) as u8);
-        waiting.start::<S>(tree, root, rays, started, &seats, &mut queues);
+        waiting.start::<ANY, S>(tree, root, rays, started, &seats, &mut queues);
         started += WIDTH;
     }
     let mut round = [Group { queue: 0, rays: [0; WIDTH], len: 0 }; ROUND];
@@ -65,7 +65,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
             if group.queue != ARRIVED {
                 waiting.queue_up::<S>(group.rays(), &mut queues);
             } else if started < rays.len() {
-                waiting.start::<S>(tree, root, rays, started, group.rays(), &mut queues);
+                waiting.start::<ANY, S>(tree, root, rays, started, group.rays(), &mut queues);
                 started += group.len;
             }
         }
@@ -189,7 +189,7 @@ impl Waiting {
     /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `seats`: at
     /// most eight.
     #[inline(always)]
-    fn start<S: Simd>(
+    fn start<const ANY: bool, S: Simd>(
         &mut self,
         tree: &BvhView,
         root: &Node,
@@ -210,7 +210,7 @@ impl Waiting {
             let (i, lane) = (usize::from(number), lane % WIDTH);
             self.numbers[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
-            let order = root.order[usize::from(courses.octant(lane))];
+            let order = root.order[usize::from(first_octant::<ANY>(courses.octant(lane)) & 7)];
             let leaves = &QUEUE_OF[courses.fastest(lane) % 3];
             let (kept, nears) = (&mut self.leaves[i], &mut self.near[i]);
             let height = S::F8::keep(near[lane], far[lane], order, leaves, kept, nears);

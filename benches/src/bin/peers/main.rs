@@ -5,6 +5,7 @@
 //! `RUSTFLAGS="-C target-cpu=native" cargo run --release -p halfdome-benches --features peers --bin peers`.
 
 mod embree;
+mod judge;
 mod layout;
 mod locate;
 #[cfg(feature = "peers")]
@@ -26,6 +27,7 @@ use halfdome_benches::tracer::{Entry, Tracer};
 use halfdome_kernel::{BuildOptions, Bvh, BvhView};
 
 use crate::embree::Embree;
+use crate::judge::Tally;
 use crate::report::{Build, Comparison};
 use crate::trees::Tree;
 
@@ -100,7 +102,10 @@ fn compare_kind(
             return Err(format!("{}, {kind}: {name} finds other hits than {}", scene.name, ours[0].0).into());
         }
     }
-    let comparison = Comparison { scene: &scene.name, kind, ours, peers };
+    let mut comparison = Comparison { scene: &scene.name, kind, ours, peers, judged: Tally::default() };
+    if let Some(embree) = comparison.embree() {
+        comparison.judged = judge::tally(&scene.triangles, set, &ours[0].1.answers, embree);
+    }
     if options.json {
         println!("{}", comparison.json());
     } else {

@@ -3,6 +3,8 @@
 use halfdome_benches::measure::{Answers, Difference, Timing};
 use serde_json::{Value, json};
 
+use crate::judge::Tally;
+
 /// The peers' columns, in order; those of Embree come first.
 const COLUMNS: [&str; 5] = ["embree_x1", "embree_x8", "embree_x16", "tinybvh", "obvhs"];
 const EMBREE: &str = "embree";
@@ -24,6 +26,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) kind: &'static str,
     pub(crate) ours: &'a [Named],
     pub(crate) peers: &'a [Named],
+    /// Who is right where Embree finds something else.
+    pub(crate) judged: Tally,
 }
 
 impl<'a> Comparison<'a> {
@@ -43,7 +47,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Embree's answers, which are the same for all its ways.
-    fn embree(&self) -> Option<&'a Answers> {
+    pub(crate) fn embree(&self) -> Option<&'a Answers> {
         self.peers.iter().find(|(name, _)| name.starts_with(EMBREE)).map(|(_, timing)| &timing.answers)
     }
 
@@ -73,6 +77,8 @@ impl<'a> Comparison<'a> {
             let Difference { missed, extra, apart } = ours.answers.difference(&timing.answers);
             (*name, json!({ "missed": missed, "extra": extra, "apart": apart }))
         };
+        let Tally { ours, embree, neither, edge } = self.judged;
+        line["judged"] = json!({ "ours": ours, "embree": embree, "neither": neither, "edge": edge });
         line["differing"] = self.peers.iter().map(differing).collect();
         line
     }
@@ -87,7 +93,12 @@ impl<'a> Comparison<'a> {
             Some(embree) => format!("{} differ", ours.answers.difference(embree).rays()),
             None => "-".to_owned(),
         };
-        format!("{:8}{entry:>9}{:9.2}{peers}{}{equal:>14}", self.kind, ours.rate(), cell(self.ratio()))
+        let Tally { ours: right, embree, neither, edge } = self.judged;
+        let judged = match right + embree + neither + edge {
+            0 => String::new(),
+            _ => format!("  (right: ours {right}, Embree {embree}, neither {neither}; edges {edge})"),
+        };
+        format!("{:8}{entry:>9}{:9.2}{peers}{}{equal:>14}{judged}", self.kind, ours.rate(), cell(self.ratio()))
     }
 }
 
@@ -139,13 +150,16 @@ mod tests {
             ("embree_x8", timing(&[4.0], &hits)),
             ("tinybvh", timing(&[12.0], &hits)),
         ];
-        let line = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &peers }.json();
+        let line =
+            Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &peers, judged: Tally::default() }
+                .json();
         let none = json!({ "missed": 0, "extra": 0, "apart": 0 });
         let expected = json!({
             "scene": "cornell", "kind": "shadow", "entry": "batch", "ours": 6.0, "ratio": 1.5, "hits_equal": true,
             "rays": 2, "hits": 1, "embree_x1": 2.0, "embree_x8": 4.0, "embree_x16": null, "tinybvh": 12.0,
             "obvhs": null, "entries": { "single": 5.0, "batch": 6.0 },
             "differing": { "embree_x1": none, "embree_x8": none, "tinybvh": none },
+            "judged": { "ours": 0, "embree": 0, "neither": 0, "edge": 0 },
         });
         assert_eq!(line, expected);
     }
@@ -155,11 +169,15 @@ mod tests {
         let ours = [("single", timing(&[5.0], &[true, false]))];
         let other = |name| [(name, timing(&[2.0], &[true, true]))];
         let [embree, obvhs] = [other("embree_x1"), other("obvhs")];
-        let comparison = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &embree };
+        let judged = Tally { embree: 1, ..Tally::default() };
+        let comparison = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &embree, judged };
         let line = comparison.json();
         assert_eq!((&line["hits_equal"], &line["differing"]["embree_x1"]["extra"]), (&json!(false), &json!(1)));
-        assert_eq!(comparison.text().len(), heading().len());
-        assert!(comparison.text().ends_with("  1 differ"));
+        let text = comparison.text();
+        let (columns, judged) = text.split_at(heading().len());
+        assert!(columns.ends_with("  1 differ"));
+        assert_eq!(judged, "  (right: ours 0, Embree 1, neither 0; edges 0)");
+        assert_eq!(line["judged"]["embree"], json!(1));
         // The ratio and the verdict are of Embree alone.
         let line = Comparison { peers: &obvhs, ..comparison }.json();
         assert_eq!((&line["hits_equal"], &line["differing"]["obvhs"]["extra"]), (&Value::Null, &json!(1)));
@@ -169,7 +187,8 @@ mod tests {
     #[test]
     fn without_peers_there_is_nothing_to_compare() {
         let ours = [("single", timing(&[5.0], &[true]))];
-        let line = Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &[] }.json();
+        let line =
+            Comparison { scene: "cornell", kind: "shadow", ours: &ours, peers: &[], judged: Tally::default() }.json();
         assert_eq!((&line["ratio"], &line["hits_equal"]), (&Value::Null, &Value::Null));
         assert_eq!((&line["embree_x1"], &line["ours"]), (&Value::Null, &json!(5.0)));
     }
