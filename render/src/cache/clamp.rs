@@ -21,14 +21,14 @@ const DARKEST: f32 = 0.1;
 /// Bounds the radii of a new record, and the gradient that goes with them (Křivánek et al. 2008, 4.3):
 ///
 /// - by the gradient: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give nothing or less than nothing.
-///   The bounded metric has it multiplied by the error, as it has the other radius, the Hessian one by one half; the
-///   split-sphere metric is without it;
+///   It is multiplied by one half, as records are used twice as far as they are placed; by the bounded metric by the error,
+///   as it has the other radius;
 /// - with the Hessian by half the mean distance of what is seen: a gradient's noise is that of the irradiance over this
 ///   distance, about, and grows with the way;
 /// - by `bounds`; where that makes a radius longer, the gradient becomes as much weaker.
 pub(crate) fn bound(record: &mut Record, options: &CachedOptions, bounds: Bounds) {
     let limit = match options.metric {
-        Metric::SplitSphere => f32::INFINITY,
+        Metric::SplitSphere => 0.5 * gradient_radius(record),
         Metric::Bounded => options.error * gradient_radius(record),
         Metric::Hessian => 0.5 * gradient_radius(record).min(record.mean_distance),
     };
@@ -97,7 +97,7 @@ mod tests {
     const BOUNDS: Bounds = Bounds { lower: 0.1, upper: 1.5 };
 
     fn options(metric: Metric) -> CachedOptions {
-        CachedOptions { metric, error: 0.5, ..CachedOptions::default() }
+        CachedOptions { metric, error: 0.3, ..CachedOptions::default() }
     }
 
     #[test]
@@ -111,13 +111,13 @@ mod tests {
         assert_eq!(bounded(1.0, flat, Metric::Bounded), ([1.0, 1.5], flat));
         assert_eq!(bounded(0.0, flat, Metric::Bounded), ([0.1, 0.1], flat), "not 0/0");
         let steep = [Vec3::X * 4.0, Vec3::ZERO, Vec3::ZERO];
-        assert_eq!(bounded(1.0, steep, Metric::Bounded), ([0.25, 0.25], steep), "half of 2/4");
-        assert_eq!(bounded(1.0, steep, Metric::SplitSphere), ([1.0, 1.5], steep));
+        assert_eq!(bounded(1.0, steep, Metric::Bounded), ([0.15, 0.15], steep), "the error times 2/4");
+        assert_eq!(bounded(1.0, steep, Metric::SplitSphere), ([0.25, 0.25], steep), "half of 2/4");
         assert_eq!(bounded(0.05, steep, Metric::SplitSphere), ([0.1, 0.1], steep.map(|gradient| gradient * 0.5)));
         assert_eq!(bounded(0.7, steep, Metric::Hessian), ([0.25, 0.25], steep), "half of 2/4");
         // The dark channel counts as a tenth of the bright one.
         let dark = [Vec3::ZERO, Vec3::ZERO, Vec3::Y * 0.4];
-        assert_eq!(bounded(1.0, dark, Metric::Bounded).0, [0.25, 0.25]);
+        assert_eq!(bounded(1.0, dark, Metric::Bounded).0, [0.15, 0.15]);
     }
 
     /// Iterating over pairs until nothing changes, which is what neighbour clamping means, gives the same.

@@ -3,8 +3,8 @@
 //!
 //! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
 //!
-//! Where the Hessian says how far records reach, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which
-//! records have from their neighbours as well (`regression`).
+//! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which records have
+//! from their neighbours as well (`regression`): what limits gradients is that irradiance curves.
 //!
 //! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
 //!
@@ -28,7 +28,7 @@ use glam::Vec3;
 use crate::settings::{CachedOptions, Gradients, Metric};
 use octree::Octree;
 use order::sort_along_curve;
-use regression::{Polynomial, polynomials};
+use regression::{Neighbourhood, Polynomial, polynomials};
 use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
@@ -37,9 +37,6 @@ pub(crate) use fill::{Pass, Place};
 pub use file::CacheFileError;
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
-
-/// By how much farther than it keeps others away a record tells its neighbours what it knows.
-const NEIGHBOURHOOD: f32 = 2.0;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]
@@ -51,9 +48,18 @@ pub struct Cache {
     records: Vec<Record>,
     /// Their radii before.
     original_radii: Vec<[f32; 2]>,
-    /// What each record and its neighbours say together, where the Hessian says how far they reach; else nothing.
+    /// What each record and its neighbours say together, if the options have both gradients; else nothing.
     polynomials: Vec<Polynomial>,
     tree: Octree,
+}
+
+/// How the records around a point are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// Each by what its own gather says, as published.
+    Alone(Gradients),
+    /// Each by what its neighbours say as well, in a cache that has both gradients.
+    Together,
 }
 
 /// Irradiance from the records around a point.
@@ -105,8 +111,8 @@ impl Cache {
         }
         let weighting = self.weighting(self.stretch());
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
-        if self.options.metric == Metric::Hessian {
-            self.polynomials = polynomials(&records, &self.weighting(NEIGHBOURHOOD));
+        if self.options.gradients == Gradients::Both {
+            self.polynomials = polynomials(&records, &self.neighbourhood());
         }
         self.records = records;
     }
@@ -138,6 +144,19 @@ impl Cache {
         Weighting { metric: self.options.metric, error: self.options.error, stretch }
     }
 
+    /// From how far away neighbours tell a record what they know, and what their gradients are worth; of tents, as the
+    /// split-sphere's own weight has no bound near a record. A Hessian's records are closest where irradiance curves, and
+    /// so have neighbours who know how; others need gradients more.
+    fn neighbourhood(&self) -> Neighbourhood {
+        match self.options.metric {
+            Metric::SplitSphere | Metric::Bounded => Neighbourhood {
+                weighting: Weighting { metric: Metric::Bounded, ..self.weighting(1.5) },
+                gradient_weight: 0.12,
+            },
+            Metric::Hessian => Neighbourhood { weighting: self.weighting(2.0), gradient_weight: 0.03 },
+        }
+    }
+
     /// Whether a point needs no record of its own.
     pub(crate) fn covers(&self, position: Vec3, normal: Vec3) -> bool {
         let weighting = self.weighting(1.0);
@@ -162,13 +181,21 @@ impl Cache {
 
     /// The irradiance at a point with a unit normal; `None` where no record is valid.
     pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        self.interpolate_by(self.options.gradients, position, normal)
+        let reading = match self.options.gradients {
+            Gradients::Both => Reading::Together,
+            gradients => Reading::Alone(gradients),
+        };
+        self.interpolate_by(reading, position, normal)
     }
 
-    /// The same by other gradients than those of the options.
+    /// The same, read in a way that may not be that of the options.
     #[inline]
-    pub(crate) fn interpolate_by(&self, gradients: Gradients, position: Vec3, normal: Vec3) -> Option<Interpolated> {
+    pub(crate) fn interpolate_by(&self, reading: Reading, position: Vec3, normal: Vec3) -> Option<Interpolated> {
         let weighting = self.weighting(self.stretch());
+        let gradients = match reading {
+            Reading::Alone(gradients) => gradients,
+            Reading::Together => Gradients::Both,
+        };
         let rotation = gradients != Gradients::Off;
         let translation = gradients == Gradients::Both;
         let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
@@ -177,7 +204,9 @@ impl Cache {
             let weight = weighting.weight(record, position, normal);
             if weight > 0.0 {
                 let irradiance = match self.polynomials.get(i) {
-                    Some(polynomial) if translation => polynomial.extrapolate(record, position, normal),
+                    Some(polynomial) if reading == Reading::Together => {
+                        polynomial.extrapolate(record, position, normal)
+                    }
                     _ => record.extrapolate(position, normal, rotation, translation),
                 };
                 negative += u32::from(irradiance.min_element() < 0.0);

@@ -19,7 +19,7 @@ pub struct Record {
     pub rotational: [Vec3; 3],
     /// For each channel the gradient by which irradiance changes with the position.
     pub translational: [Vec3; 3],
-    /// Harmonic mean of the distances of what it sees.
+    /// Harmonic mean of the distances of what it sees; less where something hangs low nearby.
     pub mean_distance: f32,
     /// The least of those distances.
     pub min_distance: f32,

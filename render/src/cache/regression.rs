@@ -29,24 +29,31 @@ pub(super) struct Polynomial {
     curvature: [Vec3; 3],
 }
 
-/// β.
-const GRADIENT_WEIGHT: f32 = 0.03;
+/// Which neighbours a record listens to, and what their gradients are worth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Neighbourhood {
+    pub(super) weighting: Weighting,
+    /// β.
+    pub(super) gradient_weight: f32,
+}
+
 /// The least of a gradient's weights' roots, so that the equations always have a solution.
 const LEAST_CERTAINTY: f32 = 1e-3;
 /// What a second derivative other than 0 costs, in units of the record's own weight: it decides where there are too few
 /// neighbours to tell.
 const CURVATURE_COST: f64 = 0.01;
 
-/// The polynomials of all records, from the neighbours that `weighting` gives a weight.
-pub(super) fn polynomials(records: &[Record], weighting: &Weighting) -> Vec<Polynomial> {
+/// The polynomials of all records.
+pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> Vec<Polynomial> {
+    let Neighbourhood { weighting, gradient_weight } = neighbourhood;
     let tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
     let fit = |(number, record): (usize, &Record)| {
         let mut sums = Sums::default();
-        sums.add(record, record, 1.0);
+        sums.add(record, record, 1.0, *gradient_weight);
         tree.query(record.position, |i| {
             let weight = weighting.weight(&records[i], record.position, record.normal);
             if weight > 0.0 && i != number {
-                sums.add(record, &records[i], weight);
+                sums.add(record, &records[i], weight, *gradient_weight);
             }
         });
         sums.solve(record)
@@ -80,7 +87,7 @@ struct Sums {
 
 impl Sums {
     /// Adds what `other` says around `record`.
-    fn add(&mut self, record: &Record, other: &Record, weight: f32) {
+    fn add(&mut self, record: &Record, other: &Record, weight: f32, gradient_weight: f32) {
         let unit = record.radii[0];
         let across = record.normal.cross(record.axis);
         let step = (other.position - record.position) / unit;
@@ -89,7 +96,7 @@ impl Sums {
         let along = |vectors: [Vec3; 3], axis: Vec3| Vec3::from_array(vectors.map(|vector| vector.dot(axis)));
         let irradiance = other.irradiance + along(other.rotational, turn);
         self.add_row([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], irradiance, weight);
-        let certainty = (GRADIENT_WEIGHT * other.mean_distance / unit).max(LEAST_CERTAINTY);
+        let certainty = (gradient_weight * other.mean_distance / unit).max(LEAST_CERTAINTY);
         let weight = weight * certainty * certainty;
         self.add_row([0.0, 1.0, 0.0, x, y, 0.0], along(other.translational, record.axis) * unit, weight);
         self.add_row([0.0, 0.0, 1.0, 0.0, x, y], along(other.translational, across) * unit, weight);
@@ -176,7 +183,10 @@ mod tests {
         ((0..25).map(record).collect(), frame)
     }
 
-    const WEIGHTING: Weighting = Weighting { metric: Metric::Hessian, error: 0.3, stretch: 2.0 };
+    const NEIGHBOURHOOD: Neighbourhood = Neighbourhood {
+        weighting: Weighting { metric: Metric::Hessian, error: 0.3, stretch: 2.0 },
+        gradient_weight: 0.03,
+    };
 
     fn quadratic(x: f32, y: f32) -> (Vec3, [Vec3; 2]) {
         let (a, b, c) = (vec3(1.0, 2.0, -1.0), vec3(0.5, -1.0, 0.0), vec3(2.0, 0.0, 1.0));
@@ -187,7 +197,7 @@ mod tests {
     #[test]
     fn curvature_is_found_from_neighbours() {
         let (records, frame) = records(|x, y, _| quadratic(x, y));
-        let polynomials = polynomials(&records, &WEIGHTING);
+        let polynomials = polynomials(&records, &NEIGHBOURHOOD);
         for (record, polynomial) in records.iter().zip(&polynomials) {
             let local = frame.to_local(record.position);
             for (dx, dy) in [(0.0, 0.0), (RADIUS, 0.0), (0.0, -RADIUS), (-0.3, 0.2)] {
@@ -211,7 +221,7 @@ mod tests {
             records(|_, _, i| (Vec3::ONE + 0.1 * noise(i), [0.1 * noise(i + 99), 0.1 * noise(i + 199)]));
         let mean_square =
             |values: Vec<Vec3>| values.iter().map(|v| (*v - Vec3::ONE).length_squared()).sum::<f32>() / 25.0;
-        let polynomials = polynomials(&records, &WEIGHTING);
+        let polynomials = polynomials(&records, &NEIGHBOURHOOD);
         let pairs = records.iter().zip(&polynomials);
         let after = mean_square(pairs.map(|(r, p)| p.extrapolate(r, r.position, frame.normal)).collect());
         let before = mean_square(records.iter().map(|record| record.irradiance).collect());
@@ -226,7 +236,7 @@ mod tests {
         corner[1].normal = frame.tangent;
         corner[1].axis = frame.bitangent;
         for record in corner {
-            let found = polynomials(&corner, &WEIGHTING);
+            let found = polynomials(&corner, &NEIGHBOURHOOD);
             let polynomial = found[usize::from(record.key == corner[1].key)];
             let position = record.position + 0.1 * record.axis;
             let (found, expected) = (

@@ -177,8 +177,8 @@ impl Batch {
         let mut horizon = Horizon::OPEN;
         for (direction, hit) in directions.iter().zip(hits) {
             if hit.is_hit() && Horizon::is_flat(*direction) {
-                let normal = world.surface_at(hit).normal;
-                horizon.add(*direction, hit.t, normal.dot(point.surface.shading_normal));
+                let found = world.surface_at(hit).facing(frame.to_world(*direction));
+                horizon.add(*direction, hit.t, found.normal.dot(point.surface.shading_normal));
             }
         }
         Gathered { gather: gather.to_world(&frame), hessian, horizon }

@@ -1,5 +1,10 @@
 //! Gradients of records against finite differences of long path tracing, whose paths at both ends of a step use the same
 //! random numbers, so that most of their noise goes away with the difference.
+//!
+//! The sums of a gather have a bias that goes with the width of its cells: they know of an edge which two cells it is
+//! between, and of a cell one distance. Where the back wall begins to see the top of the tall block it is large: of 1,250,
+//! 5,000, 20,000, 80,000 and 320,000 rays' gradients 54, 27, 13, 4 and 0% are missing; of a hemicube's 27, 19, 6, 2 and
+//! -1% at 3,072 to 786,432.
 
 use glam::{DVec3, Vec3, vec3};
 use halfdome::cache::Cache;
@@ -9,8 +14,8 @@ use halfdome::settings::{CachedOptions, GatherLayout, Metric};
 use halfdome::world::World;
 use halfdome_tests::render::Patience;
 
-/// Half of each step, in metres: a sweep, over which the quotient is level.
-const STEPS: [f32; 3] = [0.02, 0.04, 0.06];
+/// Half of each step, in metres: a sweep, over which the quotient is level. With longer ones the first point's is not.
+const STEPS: [f32; 3] = [0.01, 0.014, 0.02];
 
 /// The means of the records' irradiance and gradient over seeds, in green, and the gradient's standard error.
 fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seeds: u64) -> (f64, DVec3, DVec3) {
@@ -35,7 +40,7 @@ fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seed
 
 /// Irradiance by paths. A sensor's random numbers depend on its place in the list, so each has a list of its own.
 fn traced(world: &World, sensor: Sensor) -> f64 {
-    let request = Request { spp: 65_536, seed: 3, part: Part::Indirect };
+    let request = Request { spp: 262_144, seed: 3, part: Part::Indirect };
     f64::from(by_paths(world, &[sensor], &request, &Patience).values[0].y)
 }
 
@@ -65,14 +70,21 @@ fn gradients_are_those_of_path_traced_differences() {
         for quotient in quotients {
             assert!((0..2).all(|i| (quotient[i] - exact[i]).abs() < 0.1 * size), "{quotients:?} are not level");
         }
-        for (layout, rays, seeds) in [(GatherLayout::Stratified, 20_000, 8), (GatherLayout::Hemicube, 49_152, 4)] {
+        for (layout, rays, seeds, limit) in [
+            (GatherLayout::Stratified, 20_000, 8, 0.16),
+            (GatherLayout::Stratified, 320_000, 4, 0.08),
+            (GatherLayout::Hemicube, 49_152, 4, 0.12),
+            (GatherLayout::Hemicube, 393_216, 4, 0.08),
+        ] {
             let (irradiance, gradient, uncertain) = recorded(&world, sensor, layout, rays, seeds);
-            assert!((irradiance / centre - 1.0).abs() < 0.03, "{layout:?}: {irradiance}, not {centre}");
+            assert!((irradiance / centre - 1.0).abs() < 0.01, "{layout:?}: {irradiance}, not {centre}");
             for (axis, exact) in axes.into_iter().zip(exact) {
                 let error = (gradient.dot(axis.as_dvec3()) - exact).abs() / size;
-                let sigma = uncertain.dot(axis.as_dvec3()) / size;
-                println!("{layout:?}, {axis}: off by {error:.4} ± {sigma:.4}; E {irradiance:.4}, not {centre:.4}");
-                assert!(error < 0.15, "{layout:?}, {axis}: {gradient}, not {quotients:?}");
+                let sigma = uncertain.dot(axis.as_dvec3()).abs() / size;
+                println!(
+                    "{layout:?}, {rays}, {axis}: off by {error:.4} ± {sigma:.4}; E {irradiance:.4}, not {centre:.4}"
+                );
+                assert!(error < limit, "{layout:?}, {rays}, {axis}: {gradient}, not {quotients:?}");
             }
         }
     }

@@ -91,7 +91,7 @@ fn seconds(who: UsageWho) -> f64 {
 
 fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     let world = World::new(scene)?;
-    let study = Study::new(&world, 16, options.reference, 0, &Patience);
+    let study = Study::new(&world, 32, options.reference, 0, &Patience);
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     println!("{title}: indirect light of 256 x 256 pixels, {} rays a record; {reference}", options.record_rays);
     println!("{:26}{:>8}{:>9}{:>9}{:>9}{:>8}", "", "setting", "records", "Mrays", "seconds", "error");

@@ -146,7 +146,7 @@ impl Level<'_> {
         let Gathered { gather, hessian, horizon } = found;
         let surface = &candidate.point.surface;
         // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
-        let mean_distance = gather.harmonic_mean_distance.min(self.world.diagonal());
+        let mean_distance = gather.harmonic_mean_distance.min(horizon.clearance).min(self.world.diagonal());
         let mut record = Record {
             key: candidate.point.key,
             position: surface.position,
@@ -158,7 +158,7 @@ impl Level<'_> {
             min_distance: gather.minimum_distance.min(mean_distance),
             radii: [self.options.error * mean_distance; 2],
             axis: surface.frame().tangent,
-            obstacles: horizon.0,
+            obstacles: horizon.obstacles,
         };
         if let Some(hessian) = hessian {
             let ellipse = hessian.radii(self.area_error()).to_world(&surface.frame());

@@ -7,12 +7,12 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::cache::Cache;
+use crate::cache::{Cache, Reading};
 use crate::camera::Camera;
 use crate::driver::Watch;
 use crate::integrator::{fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
-use crate::settings::{CachedOptions, Gradients, Settings};
+use crate::settings::{CachedOptions, Settings};
 use crate::world::World;
 
 /// Irradiance that is known well.
@@ -101,22 +101,22 @@ impl<'a> Study<'a> {
         Run { records: 0, rays, error: self.reference.error_of(found.values) }
     }
 
-    /// By a cache for the picture, read with each of `gradients`, on which its records do not depend. A surface that it
-    /// does not cover gets a record of its own, which counts.
-    pub fn cache(&self, options: CachedOptions, gradients: &[Gradients]) -> Vec<Run> {
+    /// By a cache for the picture with both gradients, read in each of these ways, on which its records do not depend. A
+    /// surface that it does not cover gets a record of its own, which counts.
+    pub(crate) fn cache(&self, options: CachedOptions, readings: &[Reading]) -> Vec<Run> {
         let cache = Cache::new(options, self.world.surroundings_hash());
         let (frozen, rays) = fill_for_camera(self.world, &self.settings, cache, self.watch);
         let surfaces: Vec<_> =
             self.sensors.iter().map(|sensor| self.world.sensor(sensor.position, sensor.normal)).collect();
         let (frozen, more) = fill_for_surfaces(self.world, self.settings.seed, frozen.cache, &surfaces, self.watch);
         let (records, rays) = (frozen.cache.records().len(), (rays + more) as f64);
-        let run = |&gradients: &Gradients| {
-            let read = |sensor: &Sensor| frozen.cache.interpolate_by(gradients, sensor.position, sensor.normal);
+        let run = |&reading: &Reading| {
+            let read = |sensor: &Sensor| frozen.cache.interpolate_by(reading, sensor.position, sensor.normal);
             // Nothing is missing unless filling was interrupted.
             let found = self.sensors.iter().map(|sensor| read(sensor).map_or(Vec3::ZERO, |found| found.irradiance));
             Run { records, rays, error: self.reference.error_of(found) }
         };
-        gradients.iter().map(run).collect()
+        readings.iter().map(run).collect()
     }
 }
 

@@ -9,7 +9,7 @@ const HEIGHT: f64 = 440.0;
 /// The area inside the axes: left, top, right, bottom.
 const FRAME: [f64; 4] = [74.0, 44.0, 664.0, 386.0];
 /// Colours that people with any colour vision tell apart (Okabe and Ito, "Color Universal Design", 2008).
-const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 const LINE: f64 = 19.0;
 
 /// The figure's file.
