@@ -11,39 +11,55 @@ use crate::simd::{Lanes, Simd};
 
 /// Rays that are sorted together.
 const CHUNK: usize = 256;
-/// Rays of a packet.
-const PACKET: usize = 16;
 /// Directions are told apart by octant and fastest axis, and by a grid of 4 × 4 cells on that face of the cube.
-const KEYS: usize = 3 * 8 * 16;
+const KEYS: usize = 3 * 8 * CELLS as usize;
+const CELLS: u16 = 16;
 
-/// Gives `land` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
+/// Gives `land` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd, L: Lanes<PACKET>>(
-    tree: &BvhView,
-    rays: &[Ray],
-    mut land: impl FnMut(usize, Hit),
-) {
+pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
     for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
-        let order = sorted(rays);
-        for numbers in order[..rays.len().min(CHUNK)].chunks(PACKET) {
-            let mut sorted = [rays[0]; PACKET];
-            for (ray, &number) in sorted.iter_mut().zip(numbers) {
-                *ray = rays[usize::from(number) % rays.len()];
+        let mut land = |number: u8, hit: Hit| land(chunk * CHUNK + usize::from(number), hit);
+        let (keys, order) = sorted(rays);
+        let course = |number: u8| keys[usize::from(number)] / CELLS;
+        let order = &order[..rays.len().min(CHUNK)];
+        for alike in order.chunk_by(|&a, &b| course(a) == course(b)) {
+            let (sixteens, rest) = alike.as_chunks::<16>();
+            for numbers in sixteens {
+                together::<ANY, 16, S, S::F16>(tree, rays, numbers, &mut land);
             }
-            let mut hits = HitPacket::MISS;
-            let packet = RayPacket::from_rays(&sorted[..numbers.len()]);
-            let found = packet::trace::<ANY, PACKET, S, L>(tree, &packet, &mut hits);
-            for (lane, &number) in numbers.iter().enumerate() {
-                let hit = if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) };
-                land(chunk * CHUNK + usize::from(number), hit);
+            if rest.len() > 8 {
+                together::<ANY, 16, S, S::F16>(tree, rays, rest, &mut land);
+            } else if !rest.is_empty() {
+                together::<ANY, 8, S, S::F8>(tree, rays, rest, &mut land);
             }
         }
     }
 }
 
+/// Traces up to `N` of `rays` in a packet.
+#[inline(always)]
+fn together<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
+    tree: &BvhView,
+    rays: &[Ray],
+    numbers: &[u8],
+    land: &mut impl FnMut(u8, Hit),
+) {
+    let mut sorted = [rays[0]; N];
+    for (ray, &number) in sorted.iter_mut().zip(numbers) {
+        *ray = rays[usize::from(number) % rays.len()];
+    }
+    let mut hits = HitPacket::MISS;
+    let packet = RayPacket::from_rays(&sorted[..numbers.len().min(N)]);
+    let found = packet::trace::<ANY, N, S, L>(tree, &packet, &mut hits);
+    for (lane, &number) in numbers.iter().enumerate().take(N) {
+        land(number, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
+    }
+}
+
 /// The numbers of up to 256 rays in the order of their keys, and of equal ones in their own.
 #[inline(always)]
-fn sorted(rays: &[Ray]) -> [u8; CHUNK] {
+fn sorted(rays: &[Ray]) -> ([u16; CHUNK], [u8; CHUNK]) {
     let (mut keys, mut ends) = ([0u16; CHUNK], [0u16; KEYS + 1]);
     for (key, ray) in keys.iter_mut().zip(rays) {
         *key = key_of(ray);
@@ -58,7 +74,7 @@ fn sorted(rays: &[Ray]) -> [u8; CHUNK] {
         order[usize::from(*place) % CHUNK] = number;
         *place += 1;
     }
-    order
+    (keys, order)
 }
 
 /// Less than [`KEYS`], for NaN too: the octant, the fastest axis, and where the ray meets that face of the unit cube.

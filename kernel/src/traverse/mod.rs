@@ -213,7 +213,7 @@ impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
         if queues::suit(self.tree) && !cfg!(target_os = "none") {
             queues::trace::<ANY, S>(self.tree, self.rays, self.land);
         } else {
-            gather::trace::<ANY, S, S::F16>(self.tree, self.rays, self.land);
+            gather::trace::<ANY, S>(self.tree, self.rays, self.land);
         }
     }
 }

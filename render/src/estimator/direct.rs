@@ -56,7 +56,7 @@ pub(crate) fn connect_to(
     choice: &Choice,
     v: f32,
 ) -> Option<Connection> {
-    let light = sample_light(world, surface, choice, v)?;
+    let light = sample_light(world, surface, lights, choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * lights.of_light(light.per_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
@@ -73,14 +73,14 @@ pub(crate) fn connect_lamp(
     let (choice, rarer) = world.lights.choose_lamp(choice)?;
     let light = match choice.source {
         Source::Sky => sample_glare(world, surface, &choice, v)?,
-        _ => sample_light(world, surface, &choice, v)?,
+        _ => sample_light(world, surface, lights, &choice, v)?,
     };
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// The density per solid angle with which [`connect`] gives the point of `emitter` that is hit by a ray of a unit vector,
+/// The density per solid angle with which [`connect`], among bounces, gives the point of `emitter` that is hit by a ray of a unit vector,
 /// from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are all alike.
 pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
     let area_density = world.lights.area_density(emitter.prim_id);
@@ -91,7 +91,7 @@ pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Sur
     match (normal, world.plain_face(hit.prim_id)) {
         (Some(normal), Some(face)) => {
             let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-            density * prospect(ray.origin, normal, &face.corners).density(place)
+            density * prospect(ray.origin, normal, &face.corners, LightSampling::Mis).density(place)
         }
         _ => density,
     }
@@ -113,10 +113,16 @@ pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> 
 
 /// Light from what was chosen; which point or direction, `v` says with what the choice left.
 #[inline(always)]
-fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
+fn sample_light(
+    world: &World,
+    surface: &Surface,
+    lights: LightSampling,
+    choice: &Choice,
+    v: f32,
+) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
     let rarer = match choice.source {
-        Source::Triangle(prim_id) => return sample_triangle(world, surface, *prim_id, u),
+        Source::Triangle(prim_id) => return sample_triangle(world, surface, lights, *prim_id, u),
         Source::Punctual(light) => sample_punctual(surface, light, choice.probability),
         Source::Sky => sample_sky(world, surface, u)?,
     };
@@ -126,11 +132,17 @@ fn sample_light(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Op
 }
 
 #[inline(always)]
-fn sample_triangle(world: &World, surface: &Surface, prim_id: u32, u: Vec2) -> Option<LightSample> {
+fn sample_triangle(
+    world: &World,
+    surface: &Surface,
+    lights: LightSampling,
+    prim_id: u32,
+    u: Vec2,
+) -> Option<LightSample> {
     let mut area = world.lights.area_density(prim_id).recip();
     let mut place = u;
     if let Some(face) = world.plain_face(prim_id) {
-        let prospect = prospect(surface.position, surface.normal, &face.corners);
+        let prospect = prospect(surface.position, surface.normal, &face.corners, lights);
         place = prospect.map(u);
         area *= prospect.per_density(place);
     }

@@ -67,10 +67,10 @@ impl Lamps {
 
     /// The point of lamp `i` that is sampled from `surface`, and the reciprocal of its density per area.
     #[inline(always)]
-    fn point<'w>(&self, i: usize, surface: &Surface<'w>) -> (Surface<'w>, f32) {
+    fn point<'w>(&self, i: usize, surface: &Surface<'w>, lights: LightSampling) -> (Surface<'w>, f32) {
         let emitters = &self.emitters;
         let corners = triangle(&emitters.corners, i);
-        let prospect = prospect(surface.position, surface.normal, &corners);
+        let prospect = prospect(surface.position, surface.normal, &corners, lights);
         let u = prospect.map(Vec2::new(self.on_lamp[0][i], self.on_lamp[1][i]));
         let point = TriangleWarp.map(u);
         let front = emitters.normal.get(i);
@@ -127,7 +127,7 @@ impl Block {
     fn connect_by(&self, lights: LightSampling, matte: &Material, shadows: &mut Shadows) {
         for i in 0..LANES {
             let surface = self.surface(i, matte);
-            let (lamp, area) = self.lamps.point(i, &surface);
+            let (lamp, area) = self.lamps.point(i, &surface, lights);
             let (light, arrives) = shine(&surface, &lamp, area);
             let lambert = surface.lambert(light.direction);
             let weight = lights.of_light(light.per_density, self.scatters[i] * lambert);

@@ -112,7 +112,7 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                 let choice = choice.unwrap();
                 let crate::light::Source::Triangle(prim_id) = *choice.source else { panic!("there are no others") };
                 let face = world.plain_face(prim_id).unwrap();
-                let prospect = prospect(surface.position, surface.normal, &face.corners);
+                let prospect = prospect(surface.position, surface.normal, &face.corners, lights);
                 let place = prospect.map(Vec2::new(choice.rest, block.on_light[i].y));
                 let Vec2 { x, y } = TriangleWarp.map(place);
                 let lamp = world.surface(prim_id, x, y);
