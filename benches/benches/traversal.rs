@@ -1,4 +1,5 @@
-//! Times the kernel's entry points on scenes and rays of several kinds, one thread, and checks that all find the same.
+//! Times the kernel's entry points on scenes and rays of several kinds, one thread, and checks that all find the same; and
+//! batches on two threads, as a multiple of one.
 //!
 //! `cargo bench -p halfdome-benches -- [--scene NAME]… [--rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes (so under `cargo test --benches`), each entry point traces a few rays once, untimed.
@@ -11,7 +12,7 @@ use halfdome_benches::measure::{self, Timing};
 use halfdome_benches::rays::{self, RayCounts, RaySet};
 use halfdome_benches::rounds::Rounds;
 use halfdome_benches::scenes::{self, Scene};
-use halfdome_benches::tracer::Entry;
+use halfdome_benches::tracer::{Entry, Threads, Tracer};
 use halfdome_kernel::{BuildOptions, Bvh, BvhView};
 
 /// Small enough to be built and traced within a minute, all of them together.
@@ -45,14 +46,14 @@ fn bench(scene: &Scene, rounds: u16) -> Result<(), Box<dyn std::error::Error>> {
         statistics.cost
     );
     print!("{:10}{:>9}{:>9}{:>18}", "Mrays/s", "rays", "hits", "checksum");
-    println!("{}", Entry::ALL.map(|entry| format!("{:>9}", entry.name())).concat());
+    println!("{}{:>12}", Entry::ALL.map(|entry| format!("{:>9}", entry.name())).concat(), "2 threads");
     let counts = if rounds == 0 { RayCounts::TINY } else { RayCounts::QUICK };
     for set in rays::generate(scene, &bvh.view(), counts) {
-        let timings = time(bvh.view(), &set, rounds);
+        let (timings, scaling) = time(bvh.view(), &set, rounds);
         let answers = &timings[0].answers;
         let rates: String = timings.iter().map(rate).collect();
         let (kind, checksum) = (set.kind.name(), answers.checksum());
-        println!("{kind:10}{:9}{:9}  {checksum:016x}{rates}", set.rays.len(), answers.hits());
+        println!("{kind:10}{:9}{:9}  {checksum:016x}{rates}{scaling:>12}", set.rays.len(), answers.hits());
         for (entry, timing) in Entry::ALL.iter().zip(&timings) {
             if timing.answers.checksum() != checksum {
                 let (scene, name, first) = (&scene.name, entry.name(), Entry::ALL[0].name());
@@ -70,8 +71,14 @@ fn rate(timing: &Timing) -> String {
     if timing.rates.is_empty() { format!("{:>9}", "-") } else { format!("{:9.2}", timing.rate()) }
 }
 
-/// One timing for each of [`Entry::ALL`].
-fn time(tree: BvhView, set: &RaySet, rounds: u16) -> Vec<Timing> {
+/// One timing for each of [`Entry::ALL`], and how many times as fast two threads trace batches as one.
+fn time(tree: BvhView, set: &RaySet, rounds: u16) -> (Vec<Timing>, String) {
     let tracers = Entry::ALL.map(|entry| entry.tracer(tree));
-    measure::interleaved(&tracers.each_ref().map(|tracer| &**tracer), set, rounds.into())
+    let (batch, two) = (Entry::Batch.tracer(tree), Threads(tree, 2));
+    let mut all: Vec<&dyn Tracer> = vec![&two, &*batch];
+    all.extend(tracers.iter().map(|tracer| &**tracer));
+    let mut timings = measure::interleaved(&all, set, rounds.into());
+    let entries = timings.split_off(2);
+    let scaling = if rounds == 0 { "-".into() } else { format!("{:.2}", timings[0].ratio(&timings[1])) };
+    (entries, scaling)
 }

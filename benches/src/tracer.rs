@@ -73,6 +73,30 @@ impl Entry {
     }
 }
 
+/// [`Entry::Batch`] on several threads, each with an equal part of the rays.
+pub struct Threads<'a>(pub BvhView<'a>, pub usize);
+
+impl Threads<'_> {
+    fn each<T: Send>(&self, rays: &[Ray], answers: &mut [T], trace: impl Fn(&[Ray], &mut [T]) + Sync) {
+        let part = rays.len().div_ceil(self.1).max(1);
+        std::thread::scope(|scope| {
+            for (rays, answers) in rays.chunks(part).zip(answers.chunks_mut(part)) {
+                scope.spawn(|| trace(rays, answers));
+            }
+        });
+    }
+}
+
+impl Tracer for Threads<'_> {
+    fn intersect(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.each(rays, hits, |rays, hits| self.0.intersect_many(rays, hits));
+    }
+
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.each(rays, occluded, |rays, occluded| self.0.occluded_many(rays, occluded));
+    }
+}
+
 struct Single<'a>(BvhView<'a>);
 
 impl Tracer for Single<'_> {
