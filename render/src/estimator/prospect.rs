@@ -15,15 +15,19 @@ use crate::settings::LightSampling;
 
 /// The part of the sum of all weights that every corner has at least, where bounces find the lamp too …
 const AMONG_BOUNCES: f32 = 0.05;
-/// … and where they do not. Corners tell nothing of an edge that the surface shares with the lamp: with this, samples are
-/// at most twice as noisy as even ones.
+/// … and where they do not: samples are then at most twice as noisy as even ones.
 const ALONE: f32 = 0.25;
+/// The least cosine of a corner, where samples are alone. Lower ones may be the ends of an edge that the surface shares with
+/// the lamp: near it the lamp is brightest, of which corners tell nothing.
+const LOW: f32 = 0.1;
 
 /// The weights of the square that [`Triangle`](halfdome_kernel::sampling::warp::Triangle) maps to a lamp with these
 /// corners, for a surface at `position` with the unit normal `normal`, if light is found by `lights`. Without a branch,
 /// so that loops over it become lanes.
 #[inline(always)]
 pub(crate) fn prospect(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle, lights: LightSampling) -> Bilinear {
+    let is_alone = lights != LightSampling::Mis;
+    let is_low = is_low(position, normal, a) | is_low(position, normal, b) | is_low(position, normal, c);
     let m = 0.5 * (b + c);
     let [a, b, c, m] = [
         reach(position, normal, a),
@@ -33,8 +37,8 @@ pub(crate) fn prospect(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle, ligh
     ];
     let sum = a + b + c + m;
     // Nothing is seen, or the square of what is does not fit into numbers.
-    let fits = (sum > 1e-16) & (sum < 1e16);
-    let floor = sum * if lights == LightSampling::Mis { AMONG_BOUNCES } else { ALONE };
+    let fits = (sum > 1e-16) & (sum < 1e16) & !(is_alone & is_low);
+    let floor = sum * if is_alone { ALONE } else { AMONG_BOUNCES };
     Bilinear {
         weights: [
             if fits { a + floor } else { 1.0 },
@@ -51,6 +55,13 @@ fn reach(position: Vec3, normal: Vec3, corner: Vec3) -> f32 {
     let way = corner - position;
     let squared = way.length_squared();
     normal.dot(way).max(0.0) / (squared * squared)
+}
+
+#[inline(always)]
+fn is_low(position: Vec3, normal: Vec3, corner: Vec3) -> bool {
+    let way = corner - position;
+    let height = normal.dot(way).max(0.0);
+    height * height < LOW * LOW * way.length_squared()
 }
 
 #[cfg(test)]
