@@ -104,7 +104,7 @@ fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
     let paths = |bounces| Some(naive(bounces + 1, Stop::Depth));
     // Light samples on a wall that meets one's own have a variance without bounds at the edge, and little of it where
     // the edge is all but flat: so `montecarlo`, which samples lights, is held to a fine sphere.
-    let round = room(&sphere(6, 1.0));
+    let round = room(&sphere(5, 1.0));
     let (corners, square) = (room(&tetrahedron()), room(&cube()));
     type Bouncing<'a> = &'a dyn Fn(u32) -> Option<Integrator>;
     // The paths have no variance at all.
