@@ -45,29 +45,29 @@ impl Rays {
 }
 
 #[library_benchmark]
-#[bench::room_single(args = (Entry::Single, Rays::new("cornell", RayKind::Diffuse)), config = counted(1_057_987))]
-#[bench::room_batch(args = (Entry::Batch, Rays::new("cornell", RayKind::Diffuse)), config = counted(509_330))]
-#[bench::room_gather(args = (Entry::Gather, Rays::new("cornell", RayKind::Gather)), config = counted(535_375))]
-#[bench::hills_packets(args = (Entry::Packet16, Rays::new("terrain:80", RayKind::Primary)), config = counted(1_457_852))]
-#[bench::hills_single(args = (Entry::Single, Rays::new("terrain:80", RayKind::Diffuse)), config = counted(985_122))]
-#[bench::hills_batch(args = (Entry::Batch, Rays::new("terrain:80", RayKind::Diffuse)), config = counted(1_012_598))]
-#[bench::hills_gather(args = (Entry::Gather, Rays::new("terrain:80", RayKind::Gather)), config = counted(1_354_243))]
+#[bench::room_single(args = (Entry::Single, Rays::new("cornell", RayKind::Diffuse)), config = counted(1_034_639))]
+#[bench::room_batch(args = (Entry::Batch, Rays::new("cornell", RayKind::Diffuse)), config = counted(518_052))]
+#[bench::room_gather(args = (Entry::Gather, Rays::new("cornell", RayKind::Gather)), config = counted(538_036))]
+#[bench::hills_packets(args = (Entry::Packet16, Rays::new("terrain:80", RayKind::Primary)), config = counted(1_482_693))]
+#[bench::hills_single(args = (Entry::Single, Rays::new("terrain:80", RayKind::Diffuse)), config = counted(926_544))]
+#[bench::hills_batch(args = (Entry::Batch, Rays::new("terrain:80", RayKind::Diffuse)), config = counted(1_015_966))]
+#[bench::hills_gather(args = (Entry::Gather, Rays::new("terrain:80", RayKind::Gather)), config = counted(1_201_645))]
 fn nearest(entry: Entry, mut rays: Rays) -> Rays {
     entry.tracer(rays.bvh.view()).intersect(black_box(&rays.rays), &mut rays.hits);
     black_box(rays)
 }
 
 #[library_benchmark]
-#[bench::room_batch(args = (Entry::Batch, Rays::new("cornell", RayKind::Shadow)), config = counted(340_745))]
-#[bench::hills_packets(args = (Entry::Packet16, Rays::new("terrain:80", RayKind::Shadow)), config = counted(995_386))]
-#[bench::hills_batch(args = (Entry::Batch, Rays::new("terrain:80", RayKind::Shadow)), config = counted(755_011))]
+#[bench::room_batch(args = (Entry::Batch, Rays::new("cornell", RayKind::Shadow)), config = counted(350_037))]
+#[bench::hills_packets(args = (Entry::Packet16, Rays::new("terrain:80", RayKind::Shadow)), config = counted(989_770))]
+#[bench::hills_batch(args = (Entry::Batch, Rays::new("terrain:80", RayKind::Shadow)), config = counted(749_578))]
 fn any(entry: Entry, mut rays: Rays) -> Rays {
     entry.tracer(rays.bvh.view()).occluded(black_box(&rays.rays), &mut rays.occluded);
     black_box(rays)
 }
 
 #[library_benchmark]
-#[bench::hills(args = (triangles("terrain:80")), config = counted(147_787_166))]
+#[bench::hills(args = (triangles("terrain:80")), config = counted(147_795_076))]
 fn building(triangles: Vec<Triangle>) -> Bvh {
     Bvh::build(black_box(&triangles), &BuildOptions::default()).expect("a scene that can be built").0
 }
