@@ -47,7 +47,7 @@ fn bench(scene: &Scene, rounds: u16) -> Result<(), Box<dyn std::error::Error>> {
     );
     print!("{:10}{:>9}{:>9}{:>18}", "Mrays/s", "rays", "hits", "checksum");
     println!("{}{:>12}", Entry::ALL.map(|entry| format!("{:>9}", entry.name())).concat(), "2 threads");
-    let counts = if rounds == 0 { RayCounts::TINY } else { RayCounts::QUICK };
+    let counts = if rounds == 0 { RayCounts::TINY } else { RayCounts::FULL };
     for set in rays::generate(scene, &bvh.view(), counts) {
         let (timings, scaling) = time(bvh.view(), &set, rounds);
         let answers = &timings[0].answers;
@@ -74,7 +74,8 @@ fn rate(timing: &Timing) -> String {
 /// One timing for each of [`Entry::ALL`], and how many times as fast two threads trace batches as one.
 fn time(tree: BvhView, set: &RaySet, rounds: u16) -> (Vec<Timing>, String) {
     let tracers = Entry::ALL.map(|entry| entry.tracer(tree));
-    let (batch, two) = (Entry::Batch.tracer(tree), Threads(tree, 2));
+    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads can be had");
+    let (batch, two) = (Entry::Batch.tracer(tree), Threads(tree, two));
     let mut all: Vec<&dyn Tracer> = vec![&two, &*batch];
     all.extend(tracers.iter().map(|tracer| &**tracer));
     let mut timings = measure::interleaved(&all, set, rounds.into());

@@ -73,15 +73,15 @@ impl Entry {
     }
 }
 
-/// [`Entry::Batch`] on several threads, each with an equal part of the rays.
-pub struct Threads<'a>(pub BvhView<'a>, pub usize);
+/// [`Entry::Batch`] on the threads of a pool, each with an equal part of the rays.
+pub struct Threads<'a>(pub BvhView<'a>, pub rayon::ThreadPool);
 
 impl Threads<'_> {
     fn each<T: Send>(&self, rays: &[Ray], answers: &mut [T], trace: impl Fn(&[Ray], &mut [T]) + Sync) {
-        let part = rays.len().div_ceil(self.1).max(1);
-        std::thread::scope(|scope| {
+        let part = rays.len().div_ceil(self.1.current_num_threads()).max(1);
+        self.1.scope(|scope| {
             for (rays, answers) in rays.chunks(part).zip(answers.chunks_mut(part)) {
-                scope.spawn(|| trace(rays, answers));
+                scope.spawn(|_| trace(rays, answers));
             }
         });
     }
