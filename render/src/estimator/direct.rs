@@ -80,8 +80,9 @@ pub(crate) fn connect_lamp(
     radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
 }
 
-/// The density per solid angle with which [`connect`], among bounces, gives the point of `emitter` that is hit by a ray of a unit vector,
-/// from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are all alike.
+/// The density per solid angle with which [`connect`], among bounces, gives the point of `emitter` that is hit by a ray of
+/// a unit vector, from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are
+/// all alike.
 pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
     let area_density = world.lights.area_density(emitter.prim_id);
     if area_density == 0.0 {

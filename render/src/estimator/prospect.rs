@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn without_bounces_no_part_of_a_lamp_is_looked_at_half_as_often_as_evenly() {
+    fn without_bounces_every_part_of_a_lamp_is_looked_at_half_as_often_as_evenly_at_least() {
         for k in 1..200u32 {
             // On walls that meet the lamp along an edge, or nearly.
             let [x, height] = [k as f32 / 200.0, 2f32.powi(-(k as i32 % 20))];
