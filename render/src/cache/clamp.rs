@@ -1,8 +1,9 @@
 //! What keeps a record from reaching too far, or not far enough.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
-use super::octree::Octree;
+use super::cones::Cones;
 use super::record::Record;
 use crate::settings::{CachedOptions, Metric};
 
@@ -57,23 +58,17 @@ fn gradient_radius(record: &Record) -> f32 {
 /// which each record's radii are to be multiplied.
 ///
 /// Over the original radii one pass in any order reaches the fixed point: a chain of neighbours is longer than the way
-/// itself.
+/// itself. The records lie along a curve.
 pub(crate) fn neighbour_factors(records: &[Record], slope: f32) -> Vec<f32> {
-    // A record can only be shortened by what lies within its radius over the slope.
-    let influence = Octree::new(records.iter().map(|record| (record.position, record.radii[0] / slope)));
-    let mut radii: Vec<f32> = records.iter().map(|record| record.radii[0]).collect();
-    for neighbour in records {
-        influence.query(neighbour.position, |i| {
-            let distance = records[i].position.distance(neighbour.position);
-            radii[i] = radii[i].min(neighbour.radii[0] + slope * distance);
-        });
-    }
-    radii.iter().zip(records).map(|(radius, record)| (radius / record.radii[0]).min(1.0)).collect()
+    let cones = Cones::new(records.iter().map(|record| (record.position, record.radii[0])).collect());
+    let factor = |record: &Record| cones.least(record.position, slope, record.radii[0]) / record.radii[0];
+    records.par_iter().map(factor).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cache::order::sort_along_curve;
     use crate::cache::record::SECTORS;
     use glam::vec3;
     use halfdome_kernel::sampling::Stream;
@@ -123,12 +118,13 @@ mod tests {
     /// Iterating over pairs until nothing changes, which is what neighbour clamping means, gives the same.
     #[test]
     fn one_pass_reaches_the_fixed_point() {
-        let records: Vec<Record> = (0..200)
+        let mut records: Vec<Record> = (0..200)
             .map(|i| {
                 let [x, y, z, r] = Stream::new(2, i, 0).uniform4(0);
                 record(vec3(x, y, 0.1 * z), 0.001 + r * r * r)
             })
             .collect();
+        sort_along_curve(&mut records, |record| record.position, |record| record.key);
         for slope in [1.0, 0.3] {
             let mut radii: Vec<f32> = records.iter().map(|record| record.radii[0]).collect();
             loop {

@@ -12,6 +12,7 @@
 //! clamped and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
 
 mod clamp;
+mod cones;
 mod file;
 mod fill;
 mod merge;
@@ -27,12 +28,12 @@ use glam::Vec3;
 
 use crate::settings::{CachedOptions, Gradients, Metric};
 use octree::Octree;
-use order::sort_along_curve;
 use regression::{Neighbourhood, Polynomial, polynomials};
 use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
+pub(crate) use order::sort_along_curve;
 
 pub use file::CacheFileError;
 pub(crate) use file::named;

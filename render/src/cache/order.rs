@@ -7,7 +7,7 @@ use glam::Vec3;
 const BITS: u32 = 21;
 
 /// Sorts `items` by their places along the curve; those at the same place by `tie`.
-pub(super) fn sort_along_curve<T, K: Ord>(items: &mut [T], position: impl Fn(&T) -> Vec3, tie: impl Fn(&T) -> K) {
+pub(crate) fn sort_along_curve<T, K: Ord>(items: &mut [T], position: impl Fn(&T) -> Vec3, tie: impl Fn(&T) -> K) {
     let Some(first) = items.first().map(&position) else { return };
     let (lower, upper) = items
         .iter()

@@ -42,6 +42,8 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
+/// The part of the way to an obstacle up to which a record can be used: obstacles are not quite where rays found them.
+const BEFORE: f32 = 0.95;
 
 impl Weighting {
     /// The weight of a record at a point with this unit normal, at least 0.
@@ -76,11 +78,12 @@ fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
 #[inline]
 fn sees(record: &Record, step: Vec3) -> bool {
     let distance_squared = step.length_squared();
-    if distance_squared <= record.min_distance * record.min_distance {
+    let certain = BEFORE * record.min_distance;
+    if distance_squared <= certain * certain {
         return true;
     }
     let local = Frame::from_normal(record.normal).to_local(step);
-    let obstacle = record.obstacles[sector(local.truncate())];
+    let obstacle = BEFORE * record.obstacles[sector(local.truncate())];
     distance_squared <= obstacle * obstacle
 }
 

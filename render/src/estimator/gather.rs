@@ -175,10 +175,11 @@ impl Batch {
             .with_hessian
             .then(|| gatherer.layout.hessian(directions, radiance, distance).expect("a value for each cell"));
         let mut horizon = Horizon::OPEN;
-        for (direction, hit) in directions.iter().zip(hits) {
-            if hit.is_hit() && Horizon::is_flat(*direction) {
-                let found = world.surface_at(hit).facing(frame.to_world(*direction));
-                horizon.add(*direction, hit.t, found.normal.dot(point.surface.shading_normal));
+        for (&direction, hit) in directions.iter().zip(hits).filter(|(direction, _)| Horizon::is_flat(**direction)) {
+            horizon.look(direction);
+            if hit.is_hit() {
+                let found = world.surface_at(hit).facing(frame.to_world(direction));
+                horizon.add(direction, hit.t, frame.to_local(found.normal));
             }
         }
         Gathered { gather: gather.to_world(&frame), hessian, horizon }

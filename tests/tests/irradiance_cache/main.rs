@@ -2,6 +2,7 @@
 
 mod command;
 mod differences;
+mod leaks;
 mod light;
 mod opening;
 mod records;

@@ -7,23 +7,36 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::level::Candidate;
-use crate::cache::{Bounds, Pass, Place};
+use super::spacing::spacings;
+use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
 use crate::estimator::GatherPoint;
 use crate::settings::Settings;
 use crate::world::{Surface, World};
 
-/// Steps between the camera's candidates, in pixels.
-const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
+/// Steps between the camera's candidates, in pixels, ...
+const STEPS: [u32; 6] = [64, 32, 16, 8, LAST_STEP * 2, LAST_STEP];
+/// ... the last of which leaves gaps that are looked for when the rest is covered: there are few, so that a picture's
+/// candidates need not all be in memory.
+const LAST_STEP: u32 = 2;
 /// The fewest pixels that a record reaches where the camera sees it, over the error: in a corner it is these that decide
 /// how many records there are, which should be as many times fewer as elsewhere where the error may be greater ...
 const LEAST_PIXELS: f32 = 6.0;
+/// ... but no fewer than these, so that the corners of a pixel are within the reach of a record that covers its middle: as
+/// far as 1/√2 more, when records are used √2 times as far as they are placed ...
+const LEAST_FOR_ALL: f32 = 1.75;
 /// ... and the most pixels.
 const MOST_PIXELS: f32 = 40.0;
 /// Parts of the scene's diagonal that make up the unit of spacing where there is no camera ...
 const PARTS: f32 = 1024.0;
-/// ... and the most units that a record reaches.
-const MOST_UNITS: f32 = 160.0;
+/// ... if candidates are no nearer to each other than so many, ...
+const UNITS_APART: f32 = 5.0;
+/// ... and the greatest part of the diagonal that a record reaches.
+const MOST_OF_DIAGONAL: f32 = 160.0 / 1024.0;
+/// The least part of the diagonal that a unit is, as floats have so many digits.
+const LEAST_OF_DIAGONAL: f32 = 1e-7;
+/// Of the neighbours of a scout's candidate, which lie at random, the one whose distance counts.
+const SCOUTS_NEIGHBOUR: usize = 4;
 /// Rays by which a candidate finds candidates for the next deeper cache.
 const SCOUTS: u32 = 8;
 /// The most candidates that send scouts.
@@ -60,6 +73,25 @@ pub(super) fn camera_candidates<'w>(
         passes.extend([1.4, 0.95].map(|part| Pass { places, separation: part * step as f32 }));
     }
     (candidates, passes, traced)
+}
+
+/// What the camera sees through the middles of all other pixels and `cache` does not cover, and the number of rays.
+pub(super) fn camera_gaps<'w>(
+    world: &'w World,
+    settings: &Settings,
+    camera: &Camera,
+    cache: &Cache,
+) -> (Vec<Candidate<'w>>, u64) {
+    let rows = (0..settings.height).into_par_iter().map(|y| {
+        let is_other = |&x: &u32| !x.is_multiple_of(LAST_STEP) || !y.is_multiple_of(LAST_STEP);
+        let pixels: Vec<(u32, u32)> = (0..settings.width).filter(is_other).map(|x| (x, y)).collect();
+        let (mut found, rays) = seen_candidates(world, settings, camera, cache.options().error, &pixels);
+        found.retain(|candidate| !cache.covers(candidate.place.position, candidate.place.normal));
+        (found, rays)
+    });
+    let rows: Vec<(Vec<Candidate>, u64)> = rows.collect();
+    let rays = rows.iter().map(|(_, rays)| rays).sum();
+    (rows.into_iter().flat_map(|(found, _)| found).collect(), rays)
 }
 
 /// A ray from the camera, or what mirrors and glass made of it.
@@ -130,24 +162,30 @@ fn camera_candidate<'w>(
     Candidate {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
-        bounds: Bounds { lower: LEAST_PIXELS * error * spacing, upper: MOST_PIXELS * spacing },
+        bounds: Bounds { lower: (LEAST_PIXELS * error).max(LEAST_FOR_ALL) * spacing, upper: MOST_PIXELS * spacing },
     }
 }
 
-/// Candidates that no camera looks at, with keys by their order.
+/// Candidates that no camera looks at, with keys by their order. Their unit is a part of the scene's diagonal, or of the
+/// distance to their nearest `neighbour` (by its number) if that is less.
 pub(super) fn loose_candidates<'w>(
     world: &World,
-    surfaces: impl Iterator<Item = Surface<'w>>,
+    surfaces: &[Surface<'w>],
     level: u32,
     least_units: f32,
+    neighbour: usize,
 ) -> Vec<Candidate<'w>> {
-    let spacing = world.diagonal() / PARTS;
-    let candidate = |(number, surface): (u64, Surface<'w>)| Candidate {
-        point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
-        place: Place { position: surface.position, normal: surface.shading_normal, spacing },
-        bounds: Bounds { lower: least_units * spacing, upper: MOST_UNITS * spacing },
+    let diagonal = world.diagonal();
+    let points: Vec<(Vec3, Vec3)> = surfaces.iter().map(|surface| (surface.position, surface.shading_normal)).collect();
+    let candidate = |((number, &surface), apart): ((u64, &Surface<'w>), f32)| {
+        let spacing = (apart / UNITS_APART).clamp(LEAST_OF_DIAGONAL * diagonal, diagonal / PARTS);
+        Candidate {
+            point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
+            place: Place { position: surface.position, normal: surface.shading_normal, spacing },
+            bounds: Bounds { lower: least_units * spacing, upper: MOST_OF_DIAGONAL * diagonal },
+        }
     };
-    (0..).zip(surfaces).map(candidate).collect()
+    (0..).zip(surfaces).zip(spacings(&points, neighbour)).map(candidate).collect()
 }
 
 /// Passes over loose candidates, from half the scene down to less than a record's reach, in steps of √2.
@@ -187,6 +225,6 @@ pub(super) fn scout<'w>(
             ends.map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect()
         })
         .collect();
-    let scattering = ends.into_iter().flatten().filter(|surface| surface.diffuse != Vec3::ZERO);
-    loose_candidates(world, scattering, level, least_units)
+    let scattering: Vec<Surface> = ends.into_iter().flatten().filter(|surface| surface.diffuse != Vec3::ZERO).collect();
+    loose_candidates(world, &scattering, level, least_units, SCOUTS_NEIGHBOUR)
 }

@@ -95,6 +95,8 @@ pub(super) struct Candidate<'w> {
 /// The side of the square in which an error of 1 may be, as a part of the scene's diagonal. It makes the Hessian's radii
 /// in the Cornell box about as good as those of the other metrics with the same error.
 const HESSIAN_EXTENT: f32 = 0.02;
+/// Mean distances of what a record sees within which the scene matters.
+const SURROUNDINGS: f32 = 10.0;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;
 
@@ -135,9 +137,10 @@ impl Level<'_> {
 
     /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
     /// it). The fourth power makes radii proportional to the error, as those of the other metrics are; the scene's
-    /// extent makes them scale with it.
-    fn area_error(&self) -> f32 {
-        let extent = HESSIAN_EXTENT * self.options.error * self.options.error * self.world.diagonal();
+    /// extent makes them scale with it, as far as the record sees much of it.
+    fn area_error(&self, mean_distance: f32) -> f32 {
+        let scale = self.world.diagonal().min(SURROUNDINGS * mean_distance);
+        let extent = HESSIAN_EXTENT * self.options.error * self.options.error * scale;
         extent * extent
     }
 
@@ -147,6 +150,9 @@ impl Level<'_> {
         let surface = &candidate.point.surface;
         // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
         let mean_distance = gather.harmonic_mean_distance.min(horizon.clearance).min(self.world.diagonal());
+        // Rays meet surfaces, but not where these are nearest; the planes of obstacles do.
+        let obstacles = horizon.obstacles();
+        let min_distance = obstacles.into_iter().fold(gather.minimum_distance.min(mean_distance), f32::min);
         let mut record = Record {
             key: candidate.point.key,
             position: surface.position,
@@ -155,13 +161,13 @@ impl Level<'_> {
             rotational: gather.rotational,
             translational: gather.translational,
             mean_distance,
-            min_distance: gather.minimum_distance.min(mean_distance),
+            min_distance,
             radii: [self.options.error * mean_distance; 2],
             axis: surface.frame().tangent,
-            obstacles: horizon.obstacles,
+            obstacles,
         };
         if let Some(hessian) = hessian {
-            let ellipse = hessian.radii(self.area_error()).to_world(&surface.frame());
+            let ellipse = hessian.radii(self.area_error(mean_distance)).to_world(&surface.frame());
             (record.axis, record.radii) = (ellipse.axes[0], ellipse.radii);
         }
         bound(&mut record, self.options, candidate.bounds);

@@ -14,6 +14,7 @@ mod known;
 mod level;
 mod lookup;
 mod overture;
+mod spacing;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

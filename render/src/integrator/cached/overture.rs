@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::candidates::{camera_candidates, loose_candidates, loose_passes, scout};
+use super::candidates::{camera_candidates, camera_gaps, loose_candidates, loose_passes, scout};
 use super::level::Candidate;
 use super::{Forgetful, Frozen, Journal, Level, Source};
 use crate::cache::{Bounds, Cache, Pass, Place};
@@ -27,6 +27,8 @@ const MOST_TEXELS: f32 = 40.0;
 const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
+/// How far apart records are in gaps that are found in the end, in pixels.
+const GAPS_APART: f32 = 0.95;
 /// From so many candidates without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
@@ -37,7 +39,8 @@ pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, 
     let camera = Camera::new(&world.camera, settings.width, settings.height);
     let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
     let overture = Overture { world, seed: settings.seed, source: None, journal: &Forgetful, watch };
-    let (frozen, traced) = overture.fill(cache, &candidates, &passes);
+    let (frozen, traced) =
+        overture.fill(cache, &candidates, &passes, |cache| camera_gaps(world, settings, &camera, cache));
     (frozen, rays + traced)
 }
 
@@ -50,9 +53,9 @@ pub(crate) fn fill_for_surfaces(
     watch: &dyn Watch,
 ) -> (Frozen, u64) {
     let least_units = SENSOR_UNITS * cache.options().error;
-    let candidates = loose_candidates(world, surfaces.iter().copied(), 0, least_units);
+    let candidates = loose_candidates(world, surfaces, 0, least_units, 1);
     let overture = Overture { world, seed, source: None, journal: &Forgetful, watch };
-    overture.fill(cache, &candidates, &loose_passes(candidates.len()))
+    overture.fill(cache, &candidates, &loose_passes(candidates.len()), no_gaps)
 }
 
 /// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
@@ -77,7 +80,13 @@ pub(crate) fn fill_for_texels<'w>(
         cache,
         &candidates,
         &loose_passes(candidates.len()),
+        no_gaps,
     )
+}
+
+/// All places have been candidates.
+fn no_gaps<'w>(_: &Cache) -> (Vec<Candidate<'w>>, u64) {
+    Default::default()
 }
 
 /// What caches are filled with.
@@ -91,48 +100,60 @@ struct Overture<'a> {
 }
 
 impl Overture<'_> {
-    /// Fills `cache` from the source, or from caches of one, two, three reflections in turn.
-    fn fill(&self, mut cache: Cache, candidates: &[Candidate], passes: &[Pass]) -> (Frozen, u64) {
-        let Self { world, seed, source, journal, watch } = *self;
+    /// Fills `cache` from the source, or from caches of one, two, three reflections in turn; in the end with the candidates
+    /// that `gaps` finds, for which it may trace rays.
+    fn fill<'w>(
+        &self,
+        mut cache: Cache,
+        candidates: &[Candidate],
+        passes: &[Pass],
+        gaps: impl FnOnce(&Cache) -> (Vec<Candidate<'w>>, u64),
+    ) -> (Frozen, u64) {
+        let Self { world, seed, source, .. } = *self;
         let options = *cache.options();
         let mut traced = 0;
-        let mut fill = |cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]| {
-            let options = *cache.options();
-            let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
-            let level = Level { world, options: &options, source, gatherer, watch, journal };
-            traced += level.fill(cache, candidates, passes);
-        };
-        let Some(bounces) = options.bounces else {
+        let mut below: Option<Frozen> = None;
+        let mut paths = source.unwrap_or(Source::Paths(None));
+        if let Some(bounces) = options.bounces {
+            // Candidates from the surface down; the first that are needed are found last.
+            let mut deeper: Vec<Vec<Candidate>> = Vec::new();
+            for level in 1..bounces {
+                let above = deeper.last().map_or(candidates, Vec::as_slice);
+                deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
+            }
+            // One reflection of direct light: the surface that the gather sees, and the light.
+            paths = Source::Paths(Some(2));
+            for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
+                let options = CachedOptions { bounces: Some(reflections), ..options };
+                let mut cache = Cache::new(options, world.surroundings_hash());
+                let source = below.as_ref().map_or(paths, Source::Cache);
+                traced += self.fill_level(&mut cache, source, candidates, &loose_passes(candidates.len()));
+                below = Some(Frozen::new(cache));
+            }
+        } else if source.is_none() {
             let is_open = |place: &Place| !cache.covers(place.position, place.normal);
-            let open = || candidates.par_iter().filter(|candidate| is_open(&candidate.place)).count();
-            let below = (source.is_none() && open() >= MANY).then(|| {
-                let options = below(&options);
+            if candidates.par_iter().filter(|candidate| is_open(&candidate.place)).count() >= MANY {
+                let options = self::below(&options);
                 let candidates = scout(world, candidates, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash());
-                fill(&mut cache, Source::Paths(None), &candidates, &loose_passes(candidates.len()));
-                Frozen::new(cache)
-            });
-            let paths = source.unwrap_or(Source::Paths(None));
-            fill(&mut cache, below.as_ref().map_or(paths, Source::Cache), candidates, passes);
-            return (Frozen::new(cache), traced);
-        };
-        // Candidates from the surface down; the first that are needed are found last.
-        let mut deeper: Vec<Vec<Candidate>> = Vec::new();
-        for level in 1..bounces {
-            let above = deeper.last().map_or(candidates, Vec::as_slice);
-            deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
+                traced += self.fill_level(&mut cache, paths, &candidates, &loose_passes(candidates.len()));
+                below = Some(Frozen::new(cache));
+            }
         }
-        // One reflection of direct light: the surface that the gather sees, and the light.
-        let mut below: Option<Frozen> = None;
-        for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
-            let mut cache =
-                Cache::new(CachedOptions { bounces: Some(reflections), ..options }, world.surroundings_hash());
-            let source = below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache);
-            fill(&mut cache, source, candidates, &loose_passes(candidates.len()));
-            below = Some(Frozen::new(cache));
-        }
-        fill(&mut cache, below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache), candidates, passes);
+        let source = below.as_ref().map_or(paths, Source::Cache);
+        traced += self.fill_level(&mut cache, source, candidates, passes);
+        let (gaps, rays) = gaps(&cache);
+        let pass = Pass { places: gaps.len(), separation: GAPS_APART };
+        traced += rays + self.fill_level(&mut cache, source, &gaps, &[pass]);
         (Frozen::new(cache), traced)
+    }
+
+    /// Fills one cache with light from a source; gives the rays traced.
+    fn fill_level(&self, cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]) -> u64 {
+        let Self { world, seed, journal, watch, .. } = *self;
+        let options = *cache.options();
+        let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
+        Level { world, options: &options, source, gatherer, watch, journal }.fill(cache, candidates, passes)
     }
 }
 

@@ -5,7 +5,8 @@
 //! `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the reference, and
 //! without the reference's own variance.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::sampling::Stream;
 
 use crate::cache::{Cache, Reading};
 use crate::camera::Camera;
@@ -71,6 +72,8 @@ pub struct Run {
     pub error: f64,
 }
 
+/// Selects where in the picture the surfaces are.
+const PLACES_SEED: u64 = 11;
 /// Pixels along a side of the picture.
 const SIDE: u32 = 256;
 
@@ -120,12 +123,13 @@ impl<'a> Study<'a> {
     }
 }
 
-/// A surface that the camera sees in each of `side`² equal parts of the picture, if it sees one that scatters light.
+/// A surface that the camera sees at random in each of `side`² equal parts of the picture, if it sees one that scatters light.
 fn sensors(world: &World, side: u32) -> Vec<Sensor> {
     let camera = Camera::new(&world.camera, SIDE, SIDE);
-    let pixels = (0..side * side).map(|i| [i % side, i / side].map(|part| (2 * part + 1) * SIDE / (2 * side)));
-    // Every other pixel is a candidate for a record; what is an odd multiple of 2 along both axes is only in the last pass.
-    let rays = pixels.map(|[x, y]| camera.ray((x & !3) as f32 + 2.5, (y & !3) as f32 + 2.5));
+    let part = SIDE as f32 / side as f32;
+    let places = (0..side * side)
+        .map(|i| (Vec2::new((i % side) as f32, (i / side) as f32) + Stream::new(PLACES_SEED, i, 0).uniform2(0)) * part);
+    let rays = places.map(|place| camera.ray(place.x, place.y));
     let surfaces = rays.filter_map(|ray| {
         let hit = world.tree().intersect(&ray)?;
         Some(world.surface_at(&hit).facing(ray.direction))
