@@ -7,6 +7,8 @@
 //! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
 //! deeper cache is needed where the gathers' rays end, so its candidates are found by rays from the candidates above.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
 use super::candidates::{camera_candidates, camera_gaps, loose_candidates, loose_passes, scout};
@@ -105,9 +107,9 @@ impl Overture<'_> {
     fn fill<'w>(
         &self,
         mut cache: Cache,
-        candidates: &[Candidate],
+        candidates: &[Candidate<'w>],
         passes: &[Pass],
-        gaps: impl FnOnce(&Cache) -> (Vec<Candidate<'w>>, u64),
+        gaps: impl Fn(&Cache) -> (Vec<Candidate<'w>>, u64),
     ) -> (Frozen, u64) {
         let Self { world, seed, source, .. } = *self;
         let options = *cache.options();
@@ -142,9 +144,24 @@ impl Overture<'_> {
         }
         let source = below.as_ref().map_or(paths, Source::Cache);
         traced += self.fill_level(&mut cache, source, candidates, passes);
-        let (gaps, rays) = gaps(&cache);
-        let pass = Pass { places: gaps.len(), separation: GAPS_APART };
-        traced += rays + self.fill_level(&mut cache, source, &gaps, &[pass]);
+        // New records shorten others, so all are asked again until nothing is missing: then a cache that is filled once more
+        // stays as it is.
+        let mut all: Vec<Candidate> = Vec::new();
+        let mut known: HashSet<u64> = HashSet::new();
+        loop {
+            let (mut gaps, rays) = gaps(&cache);
+            traced += rays;
+            gaps.retain(|gap| known.insert(gap.point.key));
+            if gaps.is_empty() {
+                break;
+            }
+            if all.is_empty() {
+                all.extend_from_slice(candidates);
+            }
+            all.extend(gaps);
+            let pass = Pass { places: all.len(), separation: GAPS_APART };
+            traced += self.fill_level(&mut cache, source, &all, &[pass]);
+        }
         (Frozen::new(cache), traced)
     }
 
