@@ -77,7 +77,8 @@ fn any_number_of_threads_measures_the_same() {
             outcome.stdout
         };
         let one = measure(1);
-        assert_eq!(one.lines().filter(|line| *line != "0 0 0").count(), 300);
+        // Some are inside of the boxes.
+        assert!(one.lines().count() == 300 && one.lines().filter(|line| *line != "0 0 0").count() > 200);
         for threads in [2, 3] {
             assert!(measure(threads) == one, "{options}, {threads} threads");
         }

@@ -35,15 +35,15 @@ fn sphere() -> Vec<Sensor> {
     (0..1500).map(sensor).collect()
 }
 
-/// Records on a sphere, each of which knows how irradiance changes as its normal turns, are worth several without.
+/// Records on a sphere, each of which knows how irradiance changes as its normal turns, are worth several that do not.
 #[test]
 fn rotational_gradients_help_on_a_sphere() {
     let (world, sensors) = (plain(), sphere());
     for layout in GatherLayout::ALL {
         let errors = Gradients::ALL.map(|gradients| {
-            let metric = Metric::Bounded;
+            let metric = Metric::SplitSphere;
             let options =
-                CachedOptions { layout, metric, gradients, rays: 1024, error: 0.5, ..CachedOptions::default() };
+                CachedOptions { layout, metric, gradients, rays: 1024, error: 1.0, ..CachedOptions::default() };
             let cache = Cache::new(options, world.surroundings_hash());
             let request = Request { spp: 1, seed: 1, part: Part::Indirect };
             let found = by_cache(&world, &sensors, cache, &request, &Patience);
@@ -51,11 +51,9 @@ fn rotational_gradients_help_on_a_sphere() {
                 let exact = 0.5 * PI * (1.0 + f64::from(sensor.normal.z));
                 ((f64::from(value.y) - exact) / PI).powi(2)
             });
-            println!("{layout:?} {gradients:?}: {} records", found.cache.as_ref().unwrap().1.records);
             (squares.sum::<f64>() / sensors.len() as f64).sqrt()
         });
-        println!("{layout:?}: {errors:?}");
         let [off, rotation, both] = errors;
-        assert!(rotation < 0.5 * off && both < 0.5 * off, "{layout:?}: {off} without, {rotation} with, both {both}");
+        assert!(rotation < 0.4 * off && both < 0.4 * off, "{layout:?}: {off} without, {rotation} with, both {both}");
     }
 }

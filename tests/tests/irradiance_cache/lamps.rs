@@ -47,12 +47,12 @@ fn statistics(errors: &[f64]) -> (f64, f64, f64) {
     (mean, ((square - mean * mean).max(0.0) / count).sqrt(), square.sqrt())
 }
 
-/// The exact irradiance of a rectangle, at places below it and beside it.
+/// The exact irradiance of a rectangle, at places below it and, which makes the most noise, beside it.
 #[test]
 fn sensors_below_a_lamp_measure_its_form_factor() {
     let world = lamp();
     let places = [(0.0, 0.0), (0.31, -0.2), (-0.55, 0.4), (0.62, 0.1), (0.05, -0.44)];
-    for (distance, limit) in [(1.0, 0.02), (0.1, 0.04), (0.03, 0.04), (0.01, 0.04)] {
+    for (distance, limit) in [(1.0, 0.02), (0.1, 0.05), (0.03, 0.06), (0.01, 0.2)] {
         let sensors: Vec<Sensor> =
             places.iter().map(|&(x, z)| Sensor { position: vec3(x, -distance, z), normal: Vec3::Y }).collect();
         let exact = |sensor: &Sensor| polygon(&LAMP, sensor.position.as_dvec3(), DVec3::Y).irradiance.abs();
@@ -62,7 +62,6 @@ fn sensors_below_a_lamp_measure_its_form_factor() {
                 .map(|(found, sensor)| found / exact(sensor) - 1.0)
                 .collect();
             let (mean, error, rms) = statistics(&errors);
-            println!("{distance}, {has_cache}: {mean:.5} ± {error:.5}, rms {rms:.4}");
             assert!(mean.abs() < 4.0 * error + 1e-4, "{distance} away, cache {has_cache}: {mean}, not ± {error}");
             assert!(rms < limit, "{distance} away, cache {has_cache}: rms {rms}");
         }
@@ -80,8 +79,7 @@ fn a_furnace_has_its_exact_total() {
         let found = measure(&world, &sensors, 1, has_cache);
         let errors: Vec<f64> = found.iter().map(|value| value / std::f64::consts::TAU - 1.0).collect();
         let (mean, error, rms) = statistics(&errors);
-        println!("furnace, {has_cache}: {mean:.5} ± {error:.5}, rms {rms:.4}");
-        assert!(mean.abs() < 0.02, "cache {has_cache}: {mean} ± {error}");
-        assert!(rms < 0.12, "cache {has_cache}: rms {rms}");
+        assert!(mean.abs() < 0.01, "cache {has_cache}: {mean} ± {error}");
+        assert!(rms < 0.06, "cache {has_cache}: rms {rms}");
     }
 }
