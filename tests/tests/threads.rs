@@ -40,6 +40,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         "--size 70x33 --spp 3 --integrator montecarlo --bounces 2 --rays 5 --survival 0.5",
         "--size 70x33 --spp 3 --integrator direct --sampler r2",
         "--size 70x33 --spp 3 --integrator ao --ao-weighting hit-length --sampler random",
+        "--size 70x33 --spp 3 --integrator cached --record-rays 64 --cache-error 0.5",
         "--size 70x33 --spp 3 --integrator flat",
         "--size 70x33 --spp 3 --integrator albedo",
         "--size 70x33 --spp 3 --integrator heat --lights naive --stop threshold --add-back",
@@ -53,6 +54,33 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let more = render(folder.path(), &format!("{options} --threads {threads}"));
             assert!(more.exr == one.exr, "{options}, {threads} threads: the EXR differs");
             assert!(more.png == one.png, "{options}, {threads} threads: the PNG differs");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_measures_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program { executable: EXECUTABLE, folder: folder.path() };
+    let points = (0..300).map(|i| format!("{} 0 {} 0 1 0\n", 0.02 + 0.025 * (i % 20) as f32, 0.03 * (i / 20) as f32));
+    program.put("points.txt", points.collect::<String>());
+    for options in [
+        "--spp 20 --record-rays 64 --cache-error 0.5",
+        "--spp 20 --record-rays 64 --cache-error 0.5 --metric bounded --cache-bounces 2 --seed 3",
+        "--spp 3 --indirect --record-rays 64 --layout hemicube",
+        "--spp 20 --brute",
+    ] {
+        let measure = |threads: u32| {
+            let line = format!("irradiance cornell --points points.txt --progress none {options} --threads {threads}");
+            let outcome = program.run_line(&line);
+            assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""), "{options}");
+            outcome.stdout
+        };
+        let one = measure(1);
+        // Some are inside of the boxes.
+        assert!(one.lines().count() == 300 && one.lines().filter(|line| *line != "0 0 0").count() > 200);
+        for threads in [2, 3] {
+            assert!(measure(threads) == one, "{options}, {threads} threads");
         }
     }
 }

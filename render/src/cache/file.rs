@@ -73,14 +73,35 @@ impl Cache {
                 "build it again; all but the camera counts: geometry, materials, lights and sky",
             ));
         }
-        let (ours, theirs) = (named(&self.options), named(options));
-        match ours.iter().zip(&theirs).find(|(ours, theirs)| ours != theirs) {
+        match self.differing(options) {
             None => Ok(()),
-            Some(((name, ours), (_, theirs))) => Err(CacheFileError::new(
+            Some((name, ours, theirs)) => Err(CacheFileError::new(
                 format!("the cache was built with --{name} {ours}, not {theirs}"),
                 "give the options with which it was built, or build it again",
             )),
         }
+    }
+
+    /// Refuses a cache that is not of this one's scene, or was built with other options.
+    pub(super) fn check_like(&self, other: &Self) -> Result<(), CacheFileError> {
+        let remedy = "merge caches of one scene that were built with the same options";
+        if other.scene != self.scene {
+            let problem = format!("the cache is of another scene (hash {:016x}) than", other.scene);
+            return Err(CacheFileError::new(format!("{problem} those before it ({:016x})", self.scene), remedy));
+        }
+        match other.differing(&self.options) {
+            None => Ok(()),
+            Some((name, theirs, ours)) => Err(CacheFileError::new(
+                format!("the cache was built with --{name} {theirs}, those before it with {ours}"),
+                remedy,
+            )),
+        }
+    }
+
+    /// The name of the first option that is not the same, and its values in this cache and in `options`.
+    fn differing(&self, options: &CachedOptions) -> Option<(&'static str, String, String)> {
+        let mut pairs = named(&self.options).into_iter().zip(named(options));
+        pairs.find(|(ours, theirs)| ours != theirs).map(|((name, ours), (_, theirs))| (name, ours, theirs))
     }
 
     /// The bytes of a file of this cache.
@@ -158,7 +179,10 @@ impl Cache {
             records.push(Record::from_words(key, &words));
         }
         if !records.iter().all(Record::is_sound) {
-            return Err(CacheFileError::new("has a record that is none: a number is not finite", again));
+            return Err(CacheFileError::new(
+                "has a record that is none: a number is not finite or out of range",
+                again,
+            ));
         }
         Ok(Self::of(options, scene, records))
     }

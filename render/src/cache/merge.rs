@@ -10,7 +10,7 @@ impl Cache {
     /// # Errors
     /// If the caches are of different scenes, or were made with different options.
     pub fn merge(mut self, mut other: Self) -> Result<Self, CacheFileError> {
-        self.check(&other.options, other.scene)?;
+        self.check_like(&other)?;
         let (options, scene) = (other.options, other.scene);
         let mut records: Vec<Record> = self.take_original().chain(other.take_original()).collect();
         records.sort_by_cached_key(|record| (record.key, record.words()));

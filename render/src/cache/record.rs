@@ -98,7 +98,11 @@ impl Record {
         let vectors = [self.position, self.normal, self.irradiance, self.axis].into_iter();
         let finite = vectors.chain(self.rotational).chain(self.translational).all(|v| v.is_finite());
         let lengths = self.radii[0] > 0.0 && self.radii[1] >= self.radii[0] && self.radii[1].is_finite();
-        finite && lengths && self.irradiance.min_element() >= 0.0
+        let distances =
+            [self.mean_distance, self.min_distance].iter().all(|distance| (0.0..f32::INFINITY).contains(distance));
+        let units = [self.normal, self.axis].iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-3);
+        let obstacles = self.obstacles.iter().all(|distance| *distance >= 0.0);
+        finite && lengths && distances && units && obstacles && self.irradiance.min_element() >= 0.0
     }
 
     /// Ten vectors, four lengths and the obstacles.

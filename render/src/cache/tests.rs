@@ -160,6 +160,21 @@ fn damaged_and_foreign_files_are_refused() {
     let mut nan = cache(0..5);
     nan.records[3].irradiance.x = f32::NAN;
     assert!(problem(&nan.encode()).contains("is not finite"));
+    // Nor what lengths and units cannot be: the weights of such a record would be none.
+    let spoil: [fn(&mut Record); 7] = [
+        |record| record.mean_distance = f32::INFINITY,
+        |record| record.mean_distance = -1.0,
+        |record| record.min_distance = f32::NAN,
+        |record| record.normal = Vec3::ZERO,
+        |record| record.axis = 2.0 * Vec3::X,
+        |record| record.obstacles[3] = f32::NAN,
+        |record| record.obstacles[3] = -0.5,
+    ];
+    for (number, spoil) in spoil.into_iter().enumerate() {
+        let mut spoilt = cache(0..5);
+        spoil(&mut spoilt.records[3]);
+        assert!(problem(&spoilt.encode()).contains("out of range"), "{number}");
+    }
 }
 
 #[test]
@@ -192,4 +207,42 @@ fn merging_does_not_depend_on_the_order_and_keeps_common_records_once() {
     }
     let foreign = Cache::new(options(), 1);
     assert!(all.merge(foreign).unwrap_err().to_string().contains("another scene"));
+}
+
+/// Light that is linear in the normal, `4 + b·n`, on a sphere: its gradient is `n × b`. What records know of it is turned to
+/// where it is needed, by the record that is read as by the neighbours that it listens to.
+#[test]
+fn rotational_gradients_turn_what_neighbours_say() {
+    let direction = vec3(1.0, 2.0, -1.5);
+    let light = |normal: Vec3| Vec3::splat(4.0 + direction.dot(normal));
+    let on_sphere = |key: u32| {
+        let [x, y, ..] = Stream::new(6, key, 0).uniform4(0);
+        // The half that looks up, evenly.
+        let (sin, cos) = (std::f32::consts::TAU * x).sin_cos();
+        vec3((1.0 - y * y).sqrt() * cos, (1.0 - y * y).sqrt() * sin, y)
+    };
+    let record = |key: u32| {
+        let normal = on_sphere(key);
+        Record {
+            key: key.into(),
+            position: normal,
+            normal,
+            irradiance: light(normal),
+            rotational: [normal.cross(direction); 3],
+            translational: [Vec3::ZERO; 3],
+            axis: normal.any_orthonormal_vector(),
+            ..record(0, 0.0, 0.0, 0.12)
+        }
+    };
+    let error = |gradients| {
+        let mut cache = Cache::new(CachedOptions { gradients, ..options() }, SCENE);
+        cache.commit((0..1000).map(record).collect());
+        let points = (1000..1400).map(on_sphere).filter(|normal| normal.z > 0.3);
+        let difference = |normal: Vec3| (cache.interpolate(normal, normal).unwrap().irradiance - light(normal)).y;
+        let squares: Vec<f32> = points.map(difference).map(|error| error * error).collect();
+        (squares.iter().sum::<f32>() / squares.len() as f32).sqrt()
+    };
+    let [off, rotation, both] = [Gradients::Off, Gradients::Rotation, Gradients::Both].map(error);
+    println!("off {off}, rotation {rotation}, both {both}");
+    assert!(rotation < 0.3 * off && both < 0.5 * off, "off {off}, rotation {rotation}, both {both}");
 }

@@ -7,7 +7,7 @@ Exit codes:
   1  bad input or usage, found before the render
   2  the system failed, for example while the picture was written
   3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on;
-     `cubemap` and `probes` write nothing
+     `cubemap`, `probes` and `irradiance` write nothing
   5  an experiment of `halfdome validate` failed, or a check of `halfdome bake --check-uv`
   A second Ctrl-C ends the program at once, with 130 and no picture.";
 
@@ -66,7 +66,7 @@ Probes depend on scene, options and seed alone. An interrupted run writes nothin
 /// Of `halfdome validate`.
 pub(super) const VALIDATE_EXAMPLES: &str = "\
 Examples:
-  halfdome validate                       all experiments, in a minute or two
+  halfdome validate                       all experiments, in some 5 minutes
   halfdome validate furnace lights-sky    a family, and a single experiment
   halfdome validate --plots figures       with figures (SVG) and their points (CSV)
   halfdome validate --quick --json        for programs; one line has name, quantity, measured, expected, tolerance, pass";

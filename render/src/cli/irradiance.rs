@@ -7,16 +7,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::Vec3;
+use serde_json::json;
 
 use super::args::CommonArguments;
-use super::cache::{print, read_cache};
+use super::cache::{cached_options, print, read_cache, with_cache};
+use super::errand::{Errand, Outcome};
 use super::light::LightArguments;
 use super::progress::Progress;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
-use crate::driver::Watch;
 use crate::irradiance::{self, Part, Request, Sensor};
 use crate::output::OutputFile;
-use crate::scene::CachedOverrides;
+use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
 
 /// What `halfdome irradiance` takes.
 #[derive(Args, Clone, Debug)]
@@ -24,7 +25,8 @@ pub(super) struct IrradianceArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// The sensors: a line `x y z nx ny nz` for each, blank lines and # comments aside; - is standard input
+    /// The sensors: a line `x y z nx ny nz` for each, blank lines and # comments aside; - is standard input. Records go by
+    /// their order: in another one values differ, within the cache's error
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
 
@@ -32,8 +34,8 @@ pub(super) struct IrradianceArguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// By path tracing alone, without a cache
-    #[arg(long, conflicts_with = "cache")]
+    /// By path tracing alone, without a cache and its options
+    #[arg(long, conflicts_with = "cache", conflicts_with_all = CachedOverrides::NAMES)]
     brute: bool,
 
     /// Samples of direct light at each sensor; with --brute paths [default: 64; with --brute 1024]
@@ -63,9 +65,9 @@ pub(super) struct IrradianceArguments {
 pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let output = arguments.output.as_deref().map(OutputFile::check).transpose().map_err(CliError::input)?;
     let sensors = read_sensors(&arguments.points)?;
-    let overrides = arguments.light.overrides();
+    let overrides = with_cache(arguments.overrides());
     let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
-    let options = arguments.options.options();
+    let options = cached_options(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
 
     let part = if arguments.indirect { Part::Indirect } else { Part::Total };
@@ -73,20 +75,47 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let request = Request { spp, seed: settings.seed, part };
     interrupt::catch()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let progress = Progress::start(style, sensors.len() as u64 * u64::from(spp));
+    let errand = Errand::start(
+        style,
+        format!("{}: {}", arguments.scene.display(), count(sensors.len(), "sensor", "sensors")),
+        json!({
+            "scene": arguments.scene.display().to_string(),
+            "sensors": sensors.len(),
+            "spp": spp,
+            "seed": settings.seed,
+            "threads": pool.current_num_threads(),
+        }),
+    );
+    // Records alone have no number that is known before.
+    let samples = if arguments.brute || part == Part::Total { sensors.len() as u64 * u64::from(spp) } else { 0 };
+    let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
     let found = pool.install(|| match arguments.brute {
         true => irradiance::by_paths(&world, &sensors, &request, &progress),
         false => irradiance::by_cache(&world, &sensors, cache, &request, &progress),
     });
-    let stopped = progress.stop();
     drop(progress);
 
+    let usage = found.cache.as_ref().map(|(_, usage)| *usage);
+    if !found.finished {
+        errand.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing is written", file: None });
+        return Ok(EXIT_INTERRUPTED);
+    }
     let text = lines(&found.values);
     match &output {
         Some(file) => file.write(text.as_bytes()).map_err(CliError::system)?,
         None => print(&text)?,
     }
-    Ok(if stopped { EXIT_INTERRUPTED } else { EXIT_DONE })
+    let file = arguments.output.as_deref();
+    errand.end(Outcome { finished: true, rays: found.rays, cache: usage, note: "", file });
+    Ok(EXIT_DONE)
+}
+
+impl IrradianceArguments {
+    /// What these arguments say of the scene and the cache.
+    fn overrides(&self) -> Overrides {
+        let integrator = IntegratorOverrides { cached: self.options.clone(), ..IntegratorOverrides::default() };
+        Overrides { integrator, ..self.light.overrides() }
+    }
 }
 
 /// The sensors in a file, or on standard input if it is called `-`.

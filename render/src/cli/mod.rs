@@ -5,6 +5,7 @@ mod bake;
 mod building;
 mod cache;
 mod cubemap;
+mod errand;
 mod error;
 mod help;
 mod info;
@@ -68,7 +69,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => (render::run(&arguments), arguments.common.progress),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
-        Command::Cache(command) => (cache::run(&command), Mode::Auto),
+        Command::Cache(command) => (cache::run(&command), command.progress()),
         Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
         Command::Bake(arguments) => (bake::run(&arguments), arguments.common.progress),
         Command::Cubemap(arguments) => (cubemap::run(&arguments), arguments.common.progress),

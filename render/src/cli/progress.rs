@@ -55,7 +55,7 @@ const JSON_INTERVAL: Duration = Duration::from_millis(500);
 /// Watches a render and shows how far it is.
 pub(super) struct Progress {
     counters: Arc<Counters>,
-    texels: bool,
+    counted: Counted,
     reporter: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -67,31 +67,47 @@ struct Counters {
     covered: AtomicU64,
 }
 
+/// What is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Counted {
+    /// Samples.
+    Samples,
+    /// Samples, after irradiance records.
+    Records,
+    /// Texels, and irradiance records.
+    Texels,
+}
+
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Snapshot {
     samples: u64,
+    /// 0 if nobody knows.
     total: u64,
     rays: u64,
     /// Irradiance records made.
     records: u64,
-    /// Whether texels are counted in place of samples.
-    texels: bool,
+    counted: Counted,
     elapsed: Duration,
 }
 
 impl Progress {
     /// Shows the progress towards `total` samples from now on.
     pub(super) fn start(style: Style, total: u64) -> Self {
-        Self::counting(style, total, false)
+        Self::counting(style, total, Counted::Samples)
+    }
+
+    /// Shows the progress towards `total` samples after irradiance records, or with 0 towards nobody knows how many of these.
+    pub(super) fn of_records(style: Style, total: u64) -> Self {
+        Self::counting(style, total, Counted::Records)
     }
 
     /// Shows the progress towards `total` texels.
     pub(super) fn of_texels(style: Style, total: u64) -> Self {
-        Self::counting(style, total, true)
+        Self::counting(style, total, Counted::Texels)
     }
 
-    fn counting(style: Style, total: u64, texels: bool) -> Self {
+    fn counting(style: Style, total: u64, counted: Counted) -> Self {
         let counters = Arc::new(Counters::default());
         let seen = Arc::clone(&counters);
         let start = Instant::now();
@@ -100,7 +116,7 @@ impl Progress {
             total,
             rays: seen.rays.load(Ordering::Relaxed),
             records: seen.records.load(Ordering::Relaxed),
-            texels,
+            counted,
             elapsed: start.elapsed(),
         };
         let (stop, stopped) = channel();
@@ -108,7 +124,7 @@ impl Progress {
         let wait = move |interval| stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout);
         let thread = Builder::new().name("progress".to_owned());
         let reporter = match style {
-            Style::Silent => return Self { counters, texels, reporter: None },
+            Style::Silent => return Self { counters, counted, reporter: None },
             Style::Json => thread.spawn(move || {
                 while wait(JSON_INTERVAL) {
                     print_line(&snapshot().json());
@@ -125,7 +141,7 @@ impl Progress {
             }),
         };
         // A render without a bar is better than none.
-        Self { counters, texels, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
+        Self { counters, counted, reporter: reporter.ok().map(|reporter| (stop, reporter)) }
     }
 }
 
@@ -156,22 +172,22 @@ impl Watch for Progress {
 
     fn covered(&self, points: u64) {
         // A renderer's samples are counted when they are taken.
-        if self.texels {
+        if self.counted == Counted::Texels {
             self.counters.covered.store(points, Ordering::Relaxed);
         }
     }
 }
 
 impl Snapshot {
-    /// From 0 to 1.
-    fn done(&self) -> f64 {
-        if self.total == 0 { 1.0 } else { (self.samples as f64 / self.total as f64).min(1.0) }
+    /// From 0 to 1, if that is known.
+    fn done(&self) -> Option<f64> {
+        (self.total > 0).then(|| (self.samples as f64 / self.total as f64).min(1.0))
     }
 
     /// Seconds left if the rest goes as fast; unknown at the beginning.
     fn remaining(&self) -> Option<f64> {
-        let done = self.done();
-        (done > 0.0).then(|| self.elapsed.as_secs_f64() * (1.0 - done) / done)
+        let done = self.done().filter(|&done| done > 0.0)?;
+        Some(self.elapsed.as_secs_f64() * (1.0 - done) / done)
     }
 
     fn json(&self) -> Value {
@@ -183,8 +199,11 @@ impl Snapshot {
             "elapsed": self.elapsed.as_secs_f64(),
             "remaining": self.remaining(),
         });
-        if self.texels {
-            (event["texels"], event["records"]) = (self.samples.into(), self.records.into());
+        if self.counted == Counted::Texels {
+            event["texels"] = self.samples.into();
+        }
+        if self.counted != Counted::Samples {
+            event["records"] = self.records.into();
         }
         event
     }
@@ -193,11 +212,12 @@ impl Snapshot {
         let samples = per_second(self.samples, self.elapsed) / 1e6;
         let rays = per_second(self.rays, self.elapsed) / 1e6;
         let left = self.remaining().map_or("--:--".to_owned(), clock);
-        if self.texels {
-            let Self { samples, total, records, .. } = self;
-            return format!("{samples}/{total} texels  {records} records  {rays:.1} Mrays/s  {left} left");
+        let Self { samples: texels, total, records, .. } = self;
+        match self.counted {
+            Counted::Samples => format!("{samples:.2} Msamples/s  {rays:.1} Mrays/s  {left} left"),
+            Counted::Records => format!("{records} records  {rays:.1} Mrays/s  {left} left"),
+            Counted::Texels => format!("{texels}/{total} texels  {records} records  {rays:.1} Mrays/s  {left} left"),
         }
-        format!("{samples:.2} Msamples/s  {rays:.1} Mrays/s  {left} left")
     }
 }
 
@@ -221,7 +241,11 @@ pub(super) fn print_line(event: &Value) {
 
 fn bar(total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{elapsed_precise} [{wide_bar}] {percent:>3}%  {msg}");
+    // Of an unknown number there are no parts.
+    let style = ProgressStyle::with_template(match total {
+        0 => "{elapsed_precise} {spinner} {msg}",
+        _ => "{elapsed_precise} [{wide_bar}] {percent:>3}%  {msg}",
+    });
     bar.set_style(style.expect("the template is valid").progress_chars("=> "));
     bar
 }
@@ -235,7 +259,7 @@ mod tests {
         total: 100,
         rays: 3_000_000,
         records: 7,
-        texels: false,
+        counted: Counted::Samples,
         elapsed: Duration::from_secs(2),
     };
 
@@ -263,9 +287,14 @@ mod tests {
     #[test]
     fn the_bar_says_rates_and_time_left() {
         assert_eq!(HALF.message(), "0.00 Msamples/s  1.5 Mrays/s  00:02 left");
-        let texels = Snapshot { texels: true, ..HALF };
+        let texels = Snapshot { counted: Counted::Texels, ..HALF };
         assert_eq!(texels.message(), "50/100 texels  7 records  1.5 Mrays/s  00:02 left");
         assert_eq!((&texels.json()["texels"], &texels.json()["records"]), (&50.into(), &7.into()));
+        let records = Snapshot { counted: Counted::Records, total: 0, ..HALF };
+        assert_eq!(records.message(), "7 records  1.5 Mrays/s  --:-- left");
+        let unknown = records.json();
+        let expected = [&Value::Null, &Value::Null, &7.into()];
+        assert_eq!([&unknown["done"], &unknown["remaining"], &unknown["records"]], expected);
         assert_eq!(clock(3_725.4), "1:02:05");
         assert_eq!(clock(59.6), "01:00");
     }

@@ -98,9 +98,19 @@ pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Sur
     }
 }
 
-/// The same for [`connect_lamp`], which chooses among fewer lights.
-pub(crate) fn emitted_lamp_density(world: &World, normal: Vec3, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
-    emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.lamps_share()
+/// The part of an emitter's light that counts along a ray which a surface scattered, as [`connect_lamp`] finds it too. The
+/// ray has a unit vector, chosen with the given density per solid angle, and the unit normal is on its side.
+pub(crate) fn scattered_weight(
+    world: &World,
+    normal: Vec3,
+    density: f32,
+    emitter: &Surface,
+    ray: &Ray,
+    hit: &Hit,
+) -> f32 {
+    // `connect_lamp` chooses among fewer lights than `connect`.
+    let by_lamps = emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.lamps_share();
+    LightSampling::Mis.of_bounce(density, by_lamps)
 }
 
 /// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.

@@ -91,6 +91,11 @@ impl Gatherer {
         Self { layout, with_hessian, seed: seed ^ SALT }
     }
 
+    /// The rays of a gather.
+    pub(crate) fn rays(&self) -> usize {
+        self.layout.cells()
+    }
+
     /// Gathers at `points`; gives what each found, in their order, and the number of all rays.
     pub(crate) fn gather(
         &self,

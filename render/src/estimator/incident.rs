@@ -9,7 +9,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::direct::{connect_lamp, emitted_lamp_density};
+use super::direct::{connect_lamp, scattered_weight};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -103,8 +103,7 @@ impl Incident {
                 let emitter = world.surface_at(hit);
                 let emitted = emitter.emitted(ray.direction);
                 if emitted != Vec3::ZERO {
-                    let by_lamps = emitted_lamp_density(world, normal, &emitter, ray, hit);
-                    let weight = LightSampling::Mis.of_bounce(density, by_lamps);
+                    let weight = scattered_weight(world, normal, density, &emitter, ray, hit);
                     // Cosine over density is π.
                     sink.receive(ray.direction, share * PI * weight * emitted);
                 }

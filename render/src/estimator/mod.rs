@@ -9,7 +9,7 @@ mod prospect;
 mod weight;
 
 pub(crate) use direct::{
-    Connection, connect, connect_lamp, connect_to, emitted_density, emitted_lamp_density, shine, sky_density,
+    Connection, connect, connect_lamp, connect_to, emitted_density, scattered_weight, shine, sky_density,
 };
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;

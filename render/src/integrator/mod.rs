@@ -27,7 +27,7 @@ use crate::world::World;
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
-    Frozen, Journal, Known, Source, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect,
+    Frozen, Journal, Known, Source, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect, max_depth,
 };
 pub(crate) use wavefront::Wavefront;
 

@@ -1,21 +1,26 @@
 //! Irradiance at given points, as sensors in a room would measure it.
 //!
 //! A sensor is a small white surface. Direct light is sampled `spp` times at each, and with it the sun of a sky's picture;
-//! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp` paths at each.
+//! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp`
+//! paths at each.
+//!
+//! Lamps are sampled. A scattered ray looks for them as well where one begins a path, and near lamps, as in lookups of the
+//! camera; both are weighted by the power heuristic (Veach 1997).
 
 mod points;
 
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
-use crate::estimator::connect_lamp;
-use crate::integrator::{CameraRays, Wavefront, fill_for_surfaces, indirect};
+use crate::estimator::{connect_lamp, scattered_weight};
+use crate::integrator::{CameraRays, Frozen, Wavefront, fill_for_surfaces, indirect, max_depth};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -44,12 +49,25 @@ pub struct Request {
 /// Irradiance at sensors, in their order, and what it took.
 #[derive(Clone, Debug)]
 pub struct Irradiance {
-    /// In W/m², linear sRGB.
+    /// In W/m², linear sRGB; 0 at sensors that were not reached before the watcher said stop.
     pub values: Vec<Vec3>,
+    /// Whether all sensors were reached.
+    pub finished: bool,
     /// Rays traced.
     pub rays: u64,
     /// The cache, with the records that were added for the sensors, and how it was used.
     pub cache: Option<(Cache, CacheUse)>,
+}
+
+/// What is sampled at a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Light {
+    /// Direct light.
+    Direct,
+    /// All but that, by paths of at most this many surfaces or as many as chance lets them have.
+    Indirect(Option<u32>),
+    /// Both, by paths.
+    All,
 }
 
 /// The set of random numbers that says which light is sampled, and where on it.
@@ -61,98 +79,137 @@ const BATCH: usize = 2048;
 
 /// Irradiance by paths alone.
 pub fn by_paths(world: &World, sensors: &[Sensor], request: &Request, watch: &dyn Watch) -> Irradiance {
-    let found = sample(world, sensors, request, true, watch);
-    Irradiance { values: found.iter().map(|(value, _)| *value).collect(), rays: sum_rays(&found), cache: None }
+    let light = match request.part {
+        Part::Total => Light::All,
+        Part::Indirect => Light::Indirect(None),
+    };
+    let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
+    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), request, light, watch);
+    found
 }
 
 /// Irradiance with the indirect part from `cache`, to which records are added where the sensors need them. It must be
-/// of this world.
+/// of this world. Records go by the order of the sensors: in another order they may lie elsewhere.
 pub fn by_cache(world: &World, sensors: &[Sensor], cache: Cache, request: &Request, watch: &dyn Watch) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
-    let (frozen, mut rays) = fill_for_surfaces(world, request.seed, cache, &surfaces, watch);
-    let indirect: Vec<Option<Vec3>> = surfaces.par_iter().map(|surface| frozen.irradiance(surface)).collect();
-    let mut values = vec![Vec3::ZERO; sensors.len()];
-    if request.part == Part::Total {
-        let direct = sample(world, sensors, request, false, watch);
-        rays += sum_rays(&direct);
-        values.iter_mut().zip(direct).for_each(|(value, (direct, _))| *value = direct);
-    }
-    let mut missing: Vec<usize> = Vec::new();
-    for (i, found) in indirect.into_iter().enumerate() {
-        match found {
-            Some(irradiance) => values[i] += irradiance,
-            None => missing.push(i),
-        }
-    }
-    // Only where filling was interrupted.
-    let lost: Vec<Sensor> = missing.iter().map(|&i| sensors[i]).collect();
-    let found = sample(world, &lost, &Request { part: Part::Indirect, ..*request }, true, watch);
-    rays += sum_rays(&found);
-    missing.iter().zip(found).for_each(|(&i, (value, _))| values[i] += value);
+    let (frozen, rays) = fill_for_surfaces(world, request.seed, cache, &surfaces, watch);
+    let mut found = look_up(world, sensors, &frozen, request, watch);
+    found.rays += rays;
     let usage = frozen.usage();
-    Irradiance { values, rays, cache: Some((frozen.cache, usage)) }
+    found.cache = Some((frozen.cache, usage));
+    found
 }
 
-fn sum_rays(found: &[(Vec3, u64)]) -> u64 {
-    found.iter().map(|(_, rays)| rays).sum()
+/// Irradiance with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
+/// no record.
+fn look_up(world: &World, sensors: &[Sensor], frozen: &Frozen, request: &Request, watch: &dyn Watch) -> Irradiance {
+    let indirect: Vec<Option<Vec3>> =
+        sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
+    let lost: Vec<usize> = (0..sensors.len()).filter(|&i| indirect[i].is_none()).collect();
+    let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
+    let mut found = Irradiance { values, finished: true, rays: 0, cache: None };
+    if request.part == Part::Total {
+        let all: Vec<usize> = (0..sensors.len()).collect();
+        found.add(world, sensors, &all, request, Light::Direct, watch);
+    }
+    let max_depth = max_depth(frozen.cache.options());
+    found.add(world, sensors, &lost, request, Light::Indirect(max_depth), watch);
+    found
 }
 
-/// The mean of each sensor's samples, of direct light if that counts, and with `paths` of the rest; and its rays.
-fn sample(world: &World, sensors: &[Sensor], request: &Request, paths: bool, watch: &dyn Watch) -> Vec<(Vec3, u64)> {
-    let sample = |batch: &mut Batch, (number, sensor): (usize, &Sensor)| {
-        let surface = sensor.surface(world);
-        let (mut sum, mut rays) = (DVec3::ZERO, 0);
-        for first in (0..request.spp).step_by(BATCH) {
-            let samples = first..request.spp.min(first.saturating_add(BATCH as u32));
-            batch.samplers.clear();
-            batch.samplers.extend(samples.map(|i| Sampler::new(Pattern::Sobol, request.seed, number as u32, i)));
-            if request.part == Part::Total {
-                rays += batch.direct(world, &surface, &mut sum);
+impl Irradiance {
+    /// Adds the means of the samples of `light` at the sensors of these numbers.
+    fn add(
+        &mut self,
+        world: &World,
+        sensors: &[Sensor],
+        numbers: &[usize],
+        request: &Request,
+        light: Light,
+        watch: &dyn Watch,
+    ) {
+        let sample = |batch: &mut Batch, &number: &usize| {
+            let surface = sensors[number].surface(world);
+            let (mut sum, mut rays) = (DVec3::ZERO, 0);
+            for first in (0..request.spp).step_by(BATCH) {
+                if watch.stop() {
+                    return (None, rays);
+                }
+                let samples = first..request.spp.min(first.saturating_add(BATCH as u32));
+                batch.samplers.clear();
+                batch.samplers.extend(samples.map(|i| Sampler::new(Pattern::Sobol, request.seed, number as u32, i)));
+                let traced = batch.sample(world, &surface, light, &mut sum);
+                watch.advance(batch.samplers.len() as u64, traced);
+                rays += traced;
             }
-            if paths {
-                rays += batch.indirect(world, &surface, &mut sum);
-            }
+            (Some((sum / f64::from(request.spp)).as_vec3()), rays)
+        };
+        let means: Vec<(Option<Vec3>, u64)> = numbers.par_iter().map_init(Batch::default, sample).collect();
+        for (&number, (mean, rays)) in numbers.iter().zip(means) {
+            self.rays += rays;
+            self.finished &= mean.is_some();
+            self.values[number] += mean.unwrap_or_default();
         }
-        watch.advance(u64::from(request.spp), rays);
-        ((sum / f64::from(request.spp)).as_vec3(), rays)
-    };
-    sensors.par_iter().enumerate().map_init(Batch::default, sample).collect()
+    }
 }
 
 /// Samples of one sensor that are traced together, and their memory.
 #[derive(Default)]
 struct Batch {
     samplers: Vec<Sampler>,
+    shadows: Vec<Ray>,
+    occluded: Vec<bool>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    occluded: Vec<bool>,
     values: Vec<Vec3>,
     wave: Wavefront,
 }
 
 impl Batch {
-    /// Adds samples of direct light.
-    fn direct(&mut self, world: &World, surface: &Surface, sum: &mut DVec3) -> u64 {
-        self.rays.clear();
+    /// Adds a sample of `light` for each sampler; gives the number of rays.
+    fn sample(&mut self, world: &World, surface: &Surface, light: Light, sum: &mut DVec3) -> u64 {
+        let lamps = match light {
+            Light::Indirect(_) => None,
+            Light::Direct => Some(world.lights.techniques_at(surface.position)),
+            // The ray is there in any case.
+            Light::All => Some(LightSampling::Mis),
+        };
+        let mut rays = lamps.map_or(0, |lamps| self.connect(world, surface, lamps, sum));
+        if light == Light::Direct && lamps == Some(LightSampling::Direct) {
+            return rays;
+        }
+        rays += self.scatter(world, surface);
+        if lamps.is_some() {
+            self.add_emission(world, surface, sum);
+        }
+        match light {
+            Light::Direct => rays,
+            Light::Indirect(max_depth) => rays + self.follow(world, max_depth, sum),
+            Light::All => rays + self.follow(world, None, sum),
+        }
+    }
+
+    /// Adds samples of lamps.
+    fn connect(&mut self, world: &World, surface: &Surface, lamps: LightSampling, sum: &mut DVec3) -> u64 {
+        self.shadows.clear();
         self.values.clear();
         for sampler in &self.samplers {
             let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
             let numbers = (unit_double(Vec2::new(x, finer)), y);
-            if let Some(light) = connect_lamp(world, surface, LightSampling::Direct, numbers) {
-                self.rays.push(light.shadow);
+            if let Some(light) = connect_lamp(world, surface, lamps, numbers) {
+                self.shadows.push(light.shadow);
                 self.values.push(light.radiance * PI);
             }
         }
-        self.occluded.resize(self.rays.len(), false);
-        world.occluded_many(&self.rays, &mut self.occluded);
+        self.occluded.resize(self.shadows.len(), false);
+        world.occluded_many(&self.shadows, &mut self.occluded);
         let free = self.values.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
         *sum += free.map(|(value, _)| value.as_dvec3()).sum::<DVec3>();
-        self.rays.len() as u64
+        self.shadows.len() as u64
     }
 
-    /// Adds what paths find that follow the cosine: `E = π` times the mean of their radiance.
-    fn indirect(&mut self, world: &World, surface: &Surface, sum: &mut DVec3) -> u64 {
-        use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+    /// Traces rays that follow the cosine.
+    fn scatter(&mut self, world: &World, surface: &Surface) -> u64 {
         let frame = surface.frame();
         self.rays.clear();
         self.rays.extend(self.samplers.iter().map(|sampler| {
@@ -160,8 +217,25 @@ impl Batch {
             Ray::new(surface.origin_towards(surface.normal), direction)
         }));
         self.hits.resize(self.rays.len(), Hit::MISS);
-        self.values.resize(self.rays.len(), Vec3::ZERO);
         world.intersect_many(&self.rays, &mut self.hits);
+        self.rays.len() as u64
+    }
+
+    /// Adds what lamps send along the scattered rays: a cosine over its density is π.
+    fn add_emission(&self, world: &World, surface: &Surface, sum: &mut DVec3) {
+        for (ray, hit) in self.rays.iter().zip(&self.hits).filter(|(_, hit)| hit.is_hit()) {
+            let emitter = world.surface_at(hit);
+            let emitted = emitter.emitted(ray.direction);
+            if emitted != Vec3::ZERO {
+                let density = surface.normal.dot(ray.direction) / PI;
+                let weight = scattered_weight(world, surface.normal, density, &emitter, ray, hit);
+                *sum += (PI * weight * emitted).as_dvec3();
+            }
+        }
+    }
+
+    /// Adds what paths find along the scattered rays: `E = π` times the mean of their radiance.
+    fn follow(&mut self, world: &World, max_depth: Option<u32>, sum: &mut DVec3) -> u64 {
         let rays = CameraRays {
             rays: &self.rays,
             hits: &self.hits,
@@ -169,8 +243,12 @@ impl Batch {
             first_set: DIRECTION_SET + 1,
             density: 0.0,
         };
-        let further = indirect(world, None, &rays, &mut self.wave, &mut self.values);
+        self.values.resize(self.rays.len(), Vec3::ZERO);
+        let traced = indirect(world, max_depth, &rays, &mut self.wave, &mut self.values);
         *sum += self.values.iter().map(|radiance| (*radiance * PI).as_dvec3()).sum::<DVec3>();
-        self.rays.len() as u64 + further
+        traced
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -44,25 +44,25 @@ impl Sensor {
             Some(normal) => Ok(Self { position, normal: normal.as_vec3() }),
             None => Err((
                 format!("the normal {nx} {ny} {nz} has no direction"),
-                "give three finite numbers that are not all zero; the length does not matter",
+                "give three finite numbers that are not all zero; the length does not matter".to_owned(),
             )),
         }
     }
 }
 
 /// What is wrong with a line, and what would be right.
-type Wrong = (String, &'static str);
+type Wrong = (String, String);
 
 /// The numbers of a line, which has `count` of them.
-fn numbers<const N: usize>(text: &str, count: &str, remedy: &'static str) -> Result<[f64; N], Wrong> {
+fn numbers<const N: usize>(text: &str, count: &str, remedy: &str) -> Result<[f64; N], Wrong> {
     let words: Vec<&str> = text.split_whitespace().collect();
     if words.len() != N {
         let plural = if words.len() == 1 { "" } else { "s" };
-        return Err((format!("has {} value{plural} instead of {count}", words.len()), remedy));
+        return Err((format!("has {} value{plural} instead of {count}", words.len()), remedy.to_owned()));
     }
     let mut numbers = [0.0; N];
     for (number, word) in numbers.iter_mut().zip(words) {
-        *number = word.parse().map_err(|_| (format!("{word:?} is not a number"), remedy))?;
+        *number = word.parse().map_err(|_| (format!("{word:?} is not a number"), remedy.to_owned()))?;
     }
     Ok(numbers)
 }
@@ -73,7 +73,7 @@ fn position([x, y, z]: [f64; 3]) -> Result<Vec3, Wrong> {
     if !position.is_finite() || position.abs().max_element() > f64::from(MAX_COORDINATE) {
         return Err((
             format!("the position {x} {y} {z} is not in reach"),
-            "give finite coordinates of at most 2^60, in the scene's units",
+            format!("give finite coordinates of at most {MAX_COORDINATE:e}, in the scene's units"),
         ));
     }
     Ok(position.as_vec3())
@@ -104,11 +104,13 @@ fn read_lines<T>(reader: impl BufRead, parse: impl Fn(&str) -> Result<T, Wrong>)
             io::ErrorKind::InvalidData => error("is not UTF-8".to_owned(), "give plain text"),
             _ => error(format!("cannot be read: {failure}"), "give a file or a stream of text"),
         })?;
+        // Some editors begin UTF-8 with the mark of an order of bytes.
+        let line = if number == 1 { line.trim_start_matches('\u{feff}') } else { line.as_str() };
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') {
             continue;
         }
-        found.push(parse(text).map_err(|(problem, remedy)| error(problem, remedy))?);
+        found.push(parse(text).map_err(|(problem, remedy)| error(problem, &remedy))?);
     }
     Ok(found)
 }
@@ -127,6 +129,10 @@ mod tests {
         ];
         assert_eq!(read_points(text.as_bytes()).unwrap(), expected);
         assert!(read_points(&b""[..]).unwrap().is_empty());
+        for first in ["1 2 3 0 0 2\n", "# sensors\n1 2 3 0 0 2\n"] {
+            assert_eq!(read_points(format!("\u{feff}{first}").as_bytes()).unwrap(), expected[..1]);
+        }
+        assert!(read_points("1 2 3 0 0 2\n\u{feff}1 2 3 0 0 2\n".as_bytes()).is_err());
     }
 
     #[test]
@@ -160,6 +166,9 @@ mod tests {
                 "{error}"
             );
         }
+        let far = |x: f32| read_positions(format!("{x} 0 0").as_bytes());
+        assert!(far(MAX_COORDINATE).is_ok());
+        assert!(far(MAX_COORDINATE.next_up()).unwrap_err().to_string().contains("at most 4.398"));
         assert!(read_points(&b"\xff\n"[..]).unwrap_err().to_string().contains("is not UTF-8"));
     }
 }

@@ -13,6 +13,7 @@ use halfdome_kernel::{Aabb, Isa, Triangle};
 
 pub(crate) use self::sky::SkyLight;
 use crate::scene::{Material, PunctualLight};
+use crate::settings::LightSampling;
 
 /// The lights of a world.
 #[derive(Debug)]
@@ -174,11 +175,13 @@ impl Lights {
         !self.area_density.is_empty()
     }
 
-    /// Whether an emissive triangle may be so near to a point that samples of its area, whose density per solid angle falls
-    /// with the square of the distance, are better combined with bounces.
+    /// How lamps are found from a point whose light besides theirs is known. An emissive triangle may be so near to it that
+    /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined with
+    /// scattered rays; elsewhere such rays would find nothing.
     #[inline]
-    pub(crate) fn are_near(&self, point: Vec3) -> bool {
-        (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all()
+    pub(crate) fn techniques_at(&self, point: Vec3) -> LightSampling {
+        let are_near = (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all();
+        if are_near { LightSampling::Mis } else { LightSampling::Direct }
     }
 
     /// The density per area with which points of triangle `prim_id` are chosen.

@@ -19,9 +19,8 @@ impl Drop for Run {
     }
 }
 
-/// Starts a render that would take days, sends `signal` once it is under way, and gives its last event.
-fn interrupted(desk: &Desk, signal: &str) -> Value {
-    let line = "render cornell --size 40x30 --spp 4000000000 -o a.exr -o a.png --progress json";
+/// Starts what would take days, sends `signal` once it is under way, and gives its last event.
+fn interrupted(desk: &Desk, line: &str, signal: &str) -> Value {
     let arguments: Vec<_> = line.split(' ').collect();
     let mut run = Run(desk.program().command(&arguments).spawn().unwrap());
     let mut last = Value::Null;
@@ -41,7 +40,8 @@ fn interrupted(desk: &Desk, signal: &str) -> Value {
 fn signals_end_a_render_with_the_picture_so_far() {
     for signal in ["-INT", "-TERM"] {
         let desk = Desk::new();
-        let end = interrupted(&desk, signal);
+        let line = "render cornell --size 40x30 --spp 4000000000 -o a.exr -o a.png --progress json";
+        let end = interrupted(&desk, line, signal);
         assert_eq!((&end["event"], &end["finished"]), (&"end".into(), &false.into()));
         let names: Vec<_> = desk.program().files().into_keys().collect();
         assert_eq!(names, ["a.exr", "a.png", "t.obj"]);
@@ -53,6 +53,44 @@ fn signals_end_a_render_with_the_picture_so_far() {
         let red = &picture.channel("R").unwrap().values;
         assert!(red.iter().all(|value| value.is_finite() && *value >= 0.0));
         assert!(red.iter().filter(|value| **value > 0.0).count() > 40 * 30 / 2);
+    }
+}
+
+/// A line for each sensor or none.
+#[test]
+fn signals_end_sensors_with_nothing_written() {
+    for options in ["--brute --spp 4000000000", "--spp 4000000000", "--record-rays 1048576 --cache-error 0.001"] {
+        let desk = Desk::new();
+        let points = (0..500).map(|i| format!("{} 0 {} 0 1 0\n", 0.001 * i as f32, 0.001 * (i * 7 % 500) as f32));
+        desk.program().put("points.txt", points.collect::<String>());
+        let line = format!("irradiance cornell --points points.txt -o e.txt --progress json {options}");
+        let end = interrupted(&desk, &line, "-INT");
+        assert_eq!((&end["event"], &end["finished"]), (&"end".into(), &false.into()), "{options}");
+        assert_eq!(end["message"], "nothing is written");
+        let names: Vec<_> = desk.program().files().into_keys().collect();
+        assert_eq!(names, ["points.txt", "t.obj"], "{options}");
+    }
+}
+
+/// What is said of an interrupted cache is what is in its file; without a record there is none.
+#[test]
+fn signals_end_a_cache_with_the_records_so_far() {
+    let desk = Desk::new();
+    let line = "cache build cornell -o a.cache --size 400x300 --cache-error 0.05 --progress json --record-rays";
+    for rays in [1024, 1_048_576] {
+        let end = interrupted(&desk, &format!("{line} {rays}"), "-INT");
+        assert_eq!((&end["event"], &end["finished"]), (&"end".into(), &false.into()), "{rays}");
+        let (message, records) = (end["message"].as_str().unwrap(), end["cache"]["records"].as_u64().unwrap());
+        let cache = desk.folder.path().join("a.cache");
+        if records == 0 {
+            assert_eq!(message, "there was no record yet, and nothing is written");
+            assert!(!cache.exists());
+            continue;
+        }
+        assert_eq!(message, format!("{records} records are kept; --cache a.cache goes on from them"));
+        let info = desk.program().run_line("cache info a.cache --json").stdout;
+        assert_eq!(serde_json::from_str::<Value>(&info).unwrap()["records"], records);
+        std::fs::remove_file(cache).unwrap();
     }
 }
 

@@ -89,15 +89,23 @@ fn caches_merge_in_any_order_and_describe_themselves() {
             let outcome = program.run_line(&format!("cache info {name} --json"));
             succeed(&outcome);
             let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
-            assert_eq!(
-                (&info["options"]["cache_error"], &info["options"]["metric"]),
-                (&"0.5".into(), &"hessian".into())
-            );
+            let expected = serde_json::json!({
+                "cache_error": 0.5, "gradients": "both", "metric": "hessian", "layout": "stratified", "record_rays": 64,
+                "cache_bounces": null
+            });
+            assert_eq!(info["options"], expected);
             info["records"].as_u64().unwrap()
         };
         assert!(records("a.cache") > 10);
         assert_eq!(records("ab.cache"), records("a.cache") + records("b.cache"));
         assert!(program.run_line("cache info a.cache").stdout.contains("record-rays    64"));
+
+        // About 64 rays on a hemicube are those of 3 n² texels, n even: 48.
+        build(program, "cube.cache", "--layout hemicube --cache-bounces 2");
+        let cube: serde_json::Value =
+            serde_json::from_str(&program.run_line("cache info cube.cache --json").stdout).unwrap();
+        assert_eq!(cube["gather_rays"], 48 * cube["records"].as_u64().unwrap());
+        assert_eq!((&cube["options"]["layout"], &cube["options"]["cache_bounces"]), (&"hemicube".into(), &2.into()));
     });
 }
 
@@ -194,12 +202,103 @@ fn bad_input_is_named() {
         refused("render cornell --cache a.cache", &["`path` has no irradiance cache"]);
         refused("cache info foreign.cache", &["foreign.cache: is no irradiance cache"]);
         build(program, "b.cache", "--metric bounded");
-        refused("cache merge a.cache b.cache -o c.cache", &["b.cache", "--metric"]);
+        let remedy = "\n  help: merge caches of one scene that were built with the same options";
+        refused(
+            "cache merge a.cache b.cache -o c.cache",
+            &["b.cache: the cache was built with --metric bounded, those before it with hessian", remedy],
+        );
+        refused(
+            "cache merge b.cache a.cache -o c.cache",
+            &["a.cache: the cache was built with --metric hessian, those before it with bounded", remedy],
+        );
+        build(program, "sky.cache", "--sky 1");
+        let hash = |name: &str| {
+            let info = program.run_line(&format!("cache info {name} --json")).stdout;
+            let info: serde_json::Value = serde_json::from_str(&info).unwrap();
+            info["scene_hash"].as_str().unwrap().to_owned()
+        };
+        let scenes = format!(
+            "sky.cache: the cache is of another scene (hash {}) than those before it ({})",
+            hash("sky.cache"),
+            hash("a.cache")
+        );
+        refused("cache merge a.cache sky.cache -o c.cache", &[&scenes, remedy]);
+
+        for option in
+            ["--cache a.cache", "--cache-error 0.5", "--record-rays 64", "--cache-bounces 2", "--metric bounded"]
+        {
+            let line = format!("irradiance cornell --points none.txt --brute {option}");
+            refused(&line, &["cannot be used with", "--brute", option.split(' ').next().unwrap()]);
+        }
 
         program.put("points.txt", "0 0 0 0 0 1\n1 2 3 0 0 0\n");
         refused("irradiance cornell --points points.txt", &["points.txt: line 2: the normal 0 0 0 has no direction"]);
         program.put("points.txt", "0 0 0 0 0 1\n\n1 2 3 0 NaN 0\n");
         refused("irradiance cornell --points points.txt", &["line 3: the normal 0 NaN 0"]);
         refused("irradiance cornell --points none.txt", &["none.txt: cannot be read"]);
+    });
+}
+
+/// What a scene file says of the cache holds for its sensors as for its pictures, and the command line wins over it.
+#[test]
+fn sensors_use_the_options_of_the_scene_file() {
+    in_folder(|program| {
+        program.put(
+            "room.obj",
+            "mtllib room.mtl\nv 0 0 0\nv 0 0 4\nv 4 0 4\nv 4 0 0\nv 1 3 1\nv 2 3 1\nv 2 3 2\nv 1 3 2\n\
+            usemtl floor\nf 1 2 3 4\nusemtl lamp\nf 5 6 7 8\n",
+        );
+        program.put("room.mtl", "newmtl floor\nKd 0.7 0.7 0.7\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+        let scene = "[scene]\nfile = \"room.obj\"\n[camera]\neye = [2, 1, 9]\ntarget = [2, 0, 2]\n[render]\n\
+            integrator = \"cached\"\ncache_error = 0.5\nrecord_rays = 64\nmetric = \"bounded\"\nseed = 5\n";
+        program.put("room.toml", scene);
+        program.put("points.txt", "1 0 1 0 1 0\n3 0 3 0 1 0\n1.5 1 1.5 0 -1 0\n");
+        succeed(&program.run_line("cache build room.toml -o room.cache --size 48x40 --progress none"));
+        let sensors = |options: &str| {
+            let line = format!("irradiance room.toml --points points.txt --indirect --progress none {options}");
+            program.run_line(&line)
+        };
+        succeed(&sensors("--cache room.cache"));
+        let by_file = sensors("");
+        succeed(&by_file);
+        let given = sensors("--cache-error 0.5 --record-rays 64 --metric bounded --seed 5");
+        assert_eq!(given.stdout, by_file.stdout);
+        assert_ne!(sensors("--record-rays 256").stdout, by_file.stdout);
+        let other = sensors("--cache room.cache --record-rays 256");
+        assert!(other.stderr.contains("built with --record-rays 64, not 256"), "{}", other.stderr);
+    });
+}
+
+/// Programs learn that the work began, how it went and what became of the records.
+#[test]
+fn the_work_is_told_as_events() {
+    in_folder(|program| {
+        program.put("points.txt", "0.278 0.3 0.28 0 1 0\n0.278 0.2 0.5592 0 0 -1\n");
+        let events = |line: &str| {
+            let outcome = program.run_line(line);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            let events: Vec<serde_json::Value> =
+                outcome.stderr.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+            let [start, .., end] = &events[..] else { panic!("{events:?}") };
+            assert_eq!(
+                (&start["event"], &end["event"], &end["finished"]),
+                (&"start".into(), &"end".into(), &true.into())
+            );
+            assert!(end["rays"].as_u64().unwrap() > 100);
+            (start.clone(), end.clone())
+        };
+        let small = "--record-rays 64 --cache-error 0.5 --progress json";
+        let (start, end) = events(&format!("irradiance cornell --points points.txt -o e.txt {small}"));
+        assert_eq!((&start["sensors"], &start["spp"]), (&2.into(), &64.into()));
+        assert_eq!((&end["cache"]["misses"], &end["cache"]["negative"]), (&0.into(), &0.into()));
+        assert!(end["cache"]["records"].as_u64().unwrap() > 0);
+        assert_eq!(end["files"], serde_json::json!(["e.txt"]));
+        let (_, end) = events("irradiance cornell --points points.txt --brute --progress json");
+        assert_eq!((&end["cache"], &end["files"]), (&serde_json::Value::Null, &serde_json::json!([])));
+        let (start, end) = events(&format!("cache build cornell -o a.cache --size 48x40 {small}"));
+        assert_eq!((&start["width"], &start["height"]), (&48.into(), &40.into()));
+        let info: serde_json::Value =
+            serde_json::from_str(&program.run_line("cache info a.cache --json").stdout).unwrap();
+        assert_eq!(end["cache"]["records"], info["records"]);
     });
 }

@@ -17,7 +17,7 @@ fn cached(world: &World, sensors: &[Sensor], options: CachedOptions, request: &R
 }
 
 /// A closed box that emits 1 and reflects half.
-fn furnace() -> Scene {
+pub(super) fn furnace() -> Scene {
     let [a, b] = [vec3(-0.2, -3.0, 0.0), vec3(5.0, 2.0, 1.5)];
     let corner = |x: bool, y: bool, z: bool| {
         Vec3::new(if x { b.x } else { a.x }, if y { b.y } else { a.y }, if z { b.z } else { a.z })

@@ -1,8 +1,10 @@
 //! The irradiance cache from end to end: against exact answers, against path tracing, and on the command line.
 
 mod command;
+mod curved;
 mod differences;
 mod leaks;
+mod lamps;
 mod light;
 mod opening;
 mod records;

@@ -10,10 +10,13 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::args::{CommonArguments, OverrideArguments};
-use super::progress::Progress;
+use super::errand::{Errand, Outcome};
+use super::progress::{Mode, Progress};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
 use crate::cache::{Cache, named};
-use crate::driver::{self, Watch};
+use crate::driver::Watch;
+use crate::estimator::Gatherer;
+use crate::integrator::fill_for_camera;
 use crate::output::OutputFile;
 use crate::scene::Overrides;
 use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
@@ -78,6 +81,17 @@ pub(super) struct MergeArguments {
     output: PathBuf,
 }
 
+impl CacheCommand {
+    /// How its progress is shown.
+    pub(super) fn progress(&self) -> Mode {
+        match self {
+            Self::Build(arguments) => arguments.common.progress,
+            Self::Show(arguments) => arguments.common.progress,
+            Self::Info(_) | Self::Merge(_) => Mode::Auto,
+        }
+    }
+}
+
 /// Runs the command.
 pub(super) fn run(command: &CacheCommand) -> Result<u8, CliError> {
     match command {
@@ -109,7 +123,7 @@ pub(super) fn cached_options(settings: &Settings) -> Result<CachedOptions, Inval
 }
 
 /// The overrides, with the cached integrator unless another is asked for.
-fn with_cache(mut overrides: Overrides) -> Overrides {
+pub(super) fn with_cache(mut overrides: Overrides) -> Overrides {
     let integrator = &mut overrides.integrator.integrator;
     *integrator = integrator.take().or_else(|| Some(Integrator::Cached(CachedOptions::default())));
     overrides
@@ -123,12 +137,34 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     memory::check(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
     interrupt::catch()?;
-    let progress = Progress::start(arguments.common.progress.style(io::stderr().is_terminal()), 0);
-    let cache = pool.install(|| driver::fill_cache(&world, &settings, cache, &progress));
-    let stopped = progress.stop();
+    let style = arguments.common.progress.style(io::stderr().is_terminal());
+    let errand = Errand::start(
+        style,
+        format!("{}: {}x{}", arguments.scene.display(), settings.width, settings.height),
+        json!({
+            "scene": arguments.scene.display().to_string(),
+            "width": settings.width,
+            "height": settings.height,
+            "seed": settings.seed,
+            "threads": pool.current_num_threads(),
+        }),
+    );
+    let progress = Progress::of_records(style, 0);
+    let (frozen, rays) = pool.install(|| fill_for_camera(&world, &settings, cache, &progress));
+    let finished = !progress.stop();
     drop(progress);
-    file.write(&cache.encode()).map_err(CliError::system)?;
-    Ok(if stopped { EXIT_INTERRUPTED } else { EXIT_DONE })
+    let usage = frozen.usage();
+    let note = match usage.records {
+        0 => "there was no record yet, and nothing is written".to_owned(),
+        records => format!("{records} records are kept; --cache {} goes on from them", arguments.output.display()),
+    };
+    let file_written = finished || usage.records > 0;
+    if file_written {
+        file.write(&frozen.cache.encode()).map_err(CliError::system)?;
+    }
+    let file = file_written.then_some(arguments.output.as_path());
+    errand.end(Outcome { finished, rays, cache: Some(usage), note: &note, file });
+    Ok(if finished { EXIT_DONE } else { EXIT_INTERRUPTED })
 }
 
 fn info(arguments: &InfoArguments) -> Result<u8, CliError> {
@@ -136,17 +172,23 @@ fn info(arguments: &InfoArguments) -> Result<u8, CliError> {
     let reach = cache.records().iter().map(|record| record.radii[1]);
     let (shortest, longest) =
         reach.fold((f32::INFINITY, 0f32), |(low, high), radius| (low.min(radius), high.max(radius)));
-    let rays = u64::from(cache.options().rays) * cache.records().len() as u64;
+    let options = cache.options();
+    let rays = Gatherer::new(options.layout, options.rays, false, 0).rays() as u64 * cache.records().len() as u64;
     let text = if arguments.json {
-        let options: serde_json::Map<_, _> =
-            named(cache.options()).into_iter().map(|(name, value)| (name.replace('-', "_"), value.into())).collect();
         let json = json!({
             "cache": arguments.cache.display().to_string(),
             "records": cache.records().len(),
             "gather_rays": rays,
             "scene_hash": format!("{:016x}", cache.scene_hash()),
             "radius": { "shortest": shortest.min(longest), "longest": longest },
-            "options": options,
+            "options": {
+                "cache_error": decimal(options.error),
+                "gradients": options.gradients.name(),
+                "metric": options.metric.name(),
+                "layout": options.layout.name(),
+                "record_rays": options.rays,
+                "cache_bounces": options.bounces,
+            },
         });
         format!("{json:#}\n")
     } else {
@@ -161,6 +203,11 @@ fn info(arguments: &InfoArguments) -> Result<u8, CliError> {
     };
     print(&text)?;
     Ok(EXIT_DONE)
+}
+
+/// The shortest decimal number that is read as this one.
+fn decimal(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
 }
 
 fn merge(arguments: &MergeArguments) -> Result<u8, CliError> {

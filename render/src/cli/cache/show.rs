@@ -44,7 +44,7 @@ pub(in crate::cli) struct ShowArguments {
 
     /// How it runs.
     #[command(flatten)]
-    common: CommonArguments,
+    pub(super) common: CommonArguments,
 }
 
 /// Linear colours of dots and rings.

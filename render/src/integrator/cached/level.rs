@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::known::{Known, Unknown};
-use super::{Frozen, Misses, indirect, known};
+use super::{Frozen, Misses, indirect, known, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
 use crate::driver::Watch;
 use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
@@ -80,7 +80,7 @@ impl<'a> Uncached<'a> {
 impl Source<'_> {
     /// The paths that a cache with these options is made with: they meet the surface that a gather sees, and the light.
     pub(crate) fn paths(options: &CachedOptions) -> Self {
-        Self::Paths(options.bounces.map(|bounces| bounces + 1))
+        Self::Paths(max_depth(options))
     }
 }
 

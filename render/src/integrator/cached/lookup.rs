@@ -15,7 +15,7 @@ use super::super::state::Path;
 use super::super::wavefront::{Arrival, OneByOne, SETS_PER_SURFACE, Step};
 use super::super::{CameraRays, Wavefront};
 use super::{Frozen, indirect};
-use crate::estimator::{connect_lamp, emitted_lamp_density};
+use crate::estimator::{connect_lamp, scattered_weight};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -82,8 +82,7 @@ impl Step for Lookup<'_> {
 
         let surface = surface.facing(ray.direction);
         let albedo = surface.diffuse;
-        let near_lamps = world.lights.are_near(surface.position);
-        let lights = if near_lamps { LightSampling::Mis } else { LightSampling::Direct };
+        let lights = world.lights.techniques_at(surface.position);
         if albedo != Vec3::ZERO {
             if let Some(connection) = connect_lamp(world, &surface, lights, numbers.light()) {
                 connections.push(index, throughput, connection);
@@ -100,7 +99,7 @@ impl Step for Lookup<'_> {
             }
         }
         let bounce = surface.sample_with(ray.direction, numbers.onwards, numbers.cosine)?;
-        if bounce.density < f32::INFINITY && !near_lamps {
+        if bounce.density < f32::INFINITY && lights == LightSampling::Direct {
             return None;
         }
         let next = Path { throughput: throughput * bounce.weight, density: bounce.density, from: hit.prim_id, ..path };
@@ -113,8 +112,7 @@ impl Lookup<'_> {
     #[inline(always)]
     fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, hit: &Hit) -> Vec3 {
         let normal = self.world.normal_towards(path.from, ray.direction);
-        let by_lamps = emitted_lamp_density(self.world, normal, surface, ray, hit);
-        surface.emitted(ray.direction) * LightSampling::Mis.of_bounce(path.density, by_lamps)
+        surface.emitted(ray.direction) * scattered_weight(self.world, normal, path.density, surface, ray, hit)
     }
 }
 

@@ -22,7 +22,7 @@ use glam::Vec3;
 
 use super::{CameraRays, Wavefront, path};
 use crate::cache::Cache;
-use crate::settings::{PathOptions, Stop, Survival};
+use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
 pub(crate) use known::Known;
@@ -113,8 +113,15 @@ pub(super) fn radiance(
     misses: &mut Misses,
     radiance: &mut [Vec3],
 ) -> u64 {
-    // A path that goes on from a miss is reflected as often as light on its way to a record, and then meets its source.
-    let max_depth = frozen.cache.options().bounces.map(|bounces| bounces + 1);
     let traced = lookup::radiance(world, frozen, camera, wave, misses, radiance);
-    traced + misses.follow(world, camera, max_depth, wave, radiance)
+    traced + misses.follow(world, camera, max_depth(frozen.cache.options()), wave, radiance)
 }
+
+/// The most surfaces on a path in place of a record: it is reflected as often as light on its way to one, and then meets its
+/// source.
+pub(crate) fn max_depth(options: &CachedOptions) -> Option<u32> {
+    options.bounces.map(|bounces| bounces + 1)
+}
+
+#[cfg(test)]
+mod tests;

@@ -34,7 +34,7 @@ pub struct CachedOverrides {
 
 impl CachedOverrides {
     /// The names of all of them.
-    pub(super) const NAMES: [&str; 6] =
+    pub(crate) const NAMES: [&str; 6] =
         ["cache_error", "gradients", "metric", "layout", "record_rays", "cache_bounces"];
 
     /// These options, and those of `fallback` where these are not set.

@@ -1,0 +1,45 @@
+use glam::vec3;
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::{Hit, Ray};
+
+use super::*;
+use crate::integrator::FIRST_SET;
+use crate::scene::{CameraPose, Material, Mesh, Scene};
+
+/// The inside of a tetrahedron about the origin that emits 1 and reflects half.
+fn furnace() -> World {
+    let positions = vec![vec3(1.0, 1.0, 1.0), vec3(1.0, -1.0, -1.0), vec3(-1.0, 1.0, -1.0), vec3(-1.0, -1.0, 1.0)];
+    let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+    let wall = Material { diffuse: Vec3::splat(0.5), emission: Vec3::ONE, ..Material::default() };
+    World::new(Scene {
+        meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
+        materials: vec![wall],
+        camera: Some(CameraPose { eye: Vec3::ZERO, target: Vec3::X, up: Vec3::Y, vfov: 60.0 }),
+        ..Scene::default()
+    })
+    .unwrap()
+}
+
+/// `L = 1 + ρ (1 + Σ ρ^k)`, with as many terms as the cache has reflections; for ever `1 / (1 - ρ)`.
+#[test]
+fn paths_in_place_of_records_are_as_long() {
+    let world = furnace();
+    const COUNT: u32 = 1 << 14;
+    let samplers: Vec<Sampler> = (0..COUNT).map(|i| Sampler::new(Pattern::Sobol, 5, 0, i)).collect();
+    let direction = |sampler: &Sampler| CosineHemisphere.map(sampler.uniform2(0));
+    let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    world.intersect_many(&rays, &mut hits);
+    let camera =
+        CameraRays { rays: &rays, hits: &hits, samplers: &samplers, first_set: FIRST_SET, density: f32::INFINITY };
+    for (bounces, expected) in [(Some(1), 1.75), (Some(2), 1.875), (Some(3), 1.9375), (None, 2.0)] {
+        let cache = Cache::new(CachedOptions { bounces, ..CachedOptions::default() }, world.surroundings_hash());
+        let frozen = Frozen::new(cache);
+        let mut found = vec![Vec3::ZERO; rays.len()];
+        radiance(&world, &frozen, &camera, &mut Wavefront::default(), &mut Misses::default(), &mut found);
+        assert_eq!(frozen.usage().misses, u64::from(COUNT));
+        let mean = found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / f64::from(COUNT);
+        assert!((mean / expected - 1.0).abs() < 0.008, "{bounces:?}: {mean}, not {expected}");
+    }
+}

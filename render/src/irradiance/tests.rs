@@ -1,0 +1,85 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::vec3;
+
+use super::*;
+use crate::scene::cornell_box;
+use crate::settings::CachedOptions;
+
+/// Counts samples, and says stop after so many.
+struct Impatience {
+    after: u64,
+    samples: AtomicU64,
+}
+
+impl Impatience {
+    fn new(after: u64) -> Self {
+        Self { after, samples: AtomicU64::new(0) }
+    }
+}
+
+impl Watch for Impatience {
+    fn advance(&self, samples: u64, _: u64) {
+        self.samples.fetch_add(samples, Ordering::Relaxed);
+    }
+
+    fn stop(&self) -> bool {
+        self.samples.load(Ordering::Relaxed) >= self.after
+    }
+}
+
+/// Sensors on the floor of the Cornell box, out of sight of the lamp's edges or not.
+fn sensors() -> Vec<Sensor> {
+    (0..64).map(|i| Sensor { position: vec3(0.03 + 0.008 * i as f32, 0.0, 0.02), normal: Vec3::Y }).collect()
+}
+
+fn mean(values: &[Vec3]) -> DVec3 {
+    values.iter().map(|value| value.as_dvec3()).sum::<DVec3>() / values.len() as f64
+}
+
+/// Where there is no record a sensor has its own paths, with its own numbers, and they are counted.
+#[test]
+fn sensors_without_a_record_have_paths() {
+    let world = World::new(cornell_box()).unwrap();
+    let sensors = sensors();
+    let patience = Impatience::new(u64::MAX);
+    let request = Request { spp: 16, seed: 3, part: Part::Indirect };
+    let empty = |options| Frozen::new(Cache::new(options, world.surroundings_hash()));
+    let frozen = empty(CachedOptions::default());
+    let found = look_up(&world, &sensors, &frozen, &request, &patience);
+    assert_eq!(frozen.usage().misses, 64);
+    assert!(found.finished && found.rays > 64 * 16);
+    assert_eq!(found.values, by_paths(&world, &sensors, &request, &patience).values);
+
+    // As many reflections as light has on its way to a record, and direct light besides.
+    let request = Request { spp: 512, seed: 3, part: Part::Total };
+    let options = CachedOptions { bounces: Some(1), ..CachedOptions::default() };
+    let lost = mean(&look_up(&world, &sensors, &empty(options), &request, &patience).values);
+    let cache = Cache::new(options, world.surroundings_hash());
+    let covered = by_cache(&world, &sensors, cache, &request, &patience);
+    assert_eq!(covered.cache.unwrap().1.misses, 0);
+    let ratio = lost / mean(&covered.values);
+    assert!((ratio - 1.0).abs().max_element() < 0.02, "{ratio}");
+}
+
+/// Soon, whatever is under way: a sensor's samples, or the records for them.
+#[test]
+fn sensors_end_when_the_watcher_says_so() {
+    let world = World::new(cornell_box()).unwrap();
+    let sensors = sensors();
+    let request = Request { spp: 1 << 20, seed: 0, part: Part::Total };
+    let watch = Impatience::new(4096);
+    let found = by_paths(&world, &sensors, &request, &watch);
+    assert!(!found.finished);
+    assert_eq!(found.values, [Vec3::ZERO; 64]);
+    // A batch for each thread more.
+    let samples = watch.samples.load(Ordering::Relaxed) as usize;
+    assert!(samples <= 4096 + BATCH * rayon::current_num_threads(), "{samples} samples");
+
+    let cache = Cache::new(CachedOptions::default(), world.surroundings_hash());
+    for part in [Part::Total, Part::Indirect] {
+        let found = by_cache(&world, &sensors, cache.clone(), &Request { part, ..request }, &Impatience::new(0));
+        assert_eq!((found.finished, found.rays), (false, 0), "{part:?}");
+        assert_eq!(found.cache.unwrap().0.records(), []);
+    }
+}
