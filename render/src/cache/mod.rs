@@ -11,6 +11,7 @@
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
 //! clamped and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
 
+mod agreement;
 mod clamp;
 mod file;
 mod fill;
@@ -44,6 +45,8 @@ pub struct Cache {
     options: CachedOptions,
     /// What the records depend on besides the options.
     scene: u64,
+    /// Whether records that disagree reach as far as others.
+    is_rough: bool,
     /// The records with their radii after clamping.
     records: Vec<Record>,
     /// Their radii before.
@@ -52,6 +55,9 @@ pub struct Cache {
     polynomials: Vec<Polynomial>,
     tree: Octree,
 }
+
+/// By how much records may disagree, as a part of irradiance, over the error that was asked for.
+const TOLERANCE: f32 = 0.2;
 
 /// How the records around a point are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +81,12 @@ impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
     pub fn new(options: CachedOptions, scene: u64) -> Self {
         let (records, original_radii, polynomials) = Default::default();
-        Self { options, scene, records, original_radii, polynomials, tree: Octree::default() }
+        Self { options, scene, is_rough: false, records, original_radii, polynomials, tree: Octree::default() }
+    }
+
+    /// The same without error control by what neighbours know, for gathers to take means over it.
+    pub(crate) fn rough(self) -> Self {
+        Self { is_rough: true, ..self }
     }
 
     /// A cache of these records, with their radii before clamping.
@@ -106,10 +117,12 @@ impl Cache {
         sort_along_curve(&mut records, |record| record.position, |record| record.key);
         self.original_radii = records.iter().map(|record| record.radii).collect();
         let factors = clamp::neighbour_factors(&records, self.slope());
-        for (record, factor) in records.iter_mut().zip(factors) {
-            record.radii = record.radii.map(|radius| radius * factor);
-        }
+        shorten(&mut records, &factors);
         let weighting = self.weighting(self.stretch());
+        if self.options.gradients == Gradients::Both && !self.is_rough {
+            let factors = agreement::factors(&records, &weighting, TOLERANCE * self.options.error);
+            shorten(&mut records, &factors);
+        }
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
         if self.options.gradients == Gradients::Both {
             self.polynomials = polynomials(&records, &self.neighbourhood());
@@ -215,6 +228,13 @@ impl Cache {
             }
         });
         (weights > 0.0).then(|| Interpolated { irradiance: sum / weights, negative })
+    }
+}
+
+/// Multiplies the radii of each record by its factor.
+fn shorten(records: &mut [Record], factors: &[f32]) {
+    for (record, factor) in records.iter_mut().zip(factors) {
+        record.radii = record.radii.map(|radius| radius * factor);
     }
 }
 

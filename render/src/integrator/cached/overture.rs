@@ -108,7 +108,7 @@ impl Overture<'_> {
             let below = (source.is_none() && open() >= MANY).then(|| {
                 let options = below(&options);
                 let candidates = scout(world, candidates, seed, 1, SENSOR_UNITS * options.error);
-                let mut cache = Cache::new(options, world.surroundings_hash());
+                let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 fill(&mut cache, Source::Paths(None), &candidates, &loose_passes(candidates.len()));
                 Frozen::new(cache)
             });
@@ -125,8 +125,8 @@ impl Overture<'_> {
         // One reflection of direct light: the surface that the gather sees, and the light.
         let mut below: Option<Frozen> = None;
         for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
-            let mut cache =
-                Cache::new(CachedOptions { bounces: Some(reflections), ..options }, world.surroundings_hash());
+            let options = CachedOptions { bounces: Some(reflections), ..options };
+            let mut cache = Cache::new(options, world.surroundings_hash()).rough();
             let source = below.as_ref().map_or(Source::Paths(Some(2)), Source::Cache);
             fill(&mut cache, source, candidates, &loose_passes(candidates.len()));
             below = Some(Frozen::new(cache));
