@@ -1,5 +1,6 @@
 //! Times what the kernel does with the rays of a gather: their sums with gradients, and their Hessian, in nanoseconds a
-//! ray, on one thread with each instruction set.
+//! ray, on one thread with each instruction set. Beside them what it takes to trace such rays in the Cornell box, where
+//! that is cheapest.
 //!
 //! `cargo bench -p halfdome-benches --bench irradiance [-- --rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes, everything runs once, untimed.
@@ -8,10 +9,12 @@ use std::hint::black_box;
 
 use clap::Parser;
 use glam::{Vec2, Vec3};
+use halfdome_benches::rays::{RayCounts, generate};
 use halfdome_benches::rounds::{Rounds, nanoseconds};
+use halfdome_benches::scenes;
 use halfdome_kernel::irradiance::{Hemicube, Layout, Stratified};
 use halfdome_kernel::sampling::{Strata, Stream};
-use halfdome_kernel::{Isa, Level};
+use halfdome_kernel::{BuildOptions, Bvh, Hit, Isa, Level};
 
 /// Times the accumulation of gathers.
 #[derive(Parser)]
@@ -25,8 +28,16 @@ const RAYS: usize = 1 << 20;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rounds = Options::parse().rounds.timed();
-    println!("{:14}{:>8}{:>10}{:>14}{:>14}", "ns/ray", "rays", "level", "gradients", "Hessian");
+    println!("{:14}{:>8}{:>10}{:>14}{:>14}{:>14}", "ns/ray", "rays", "level", "gradients", "Hessian", "tracing");
+    let scene = scenes::by_name("cornell")?;
+    let (tree, _) = Bvh::build(&scene.triangles, &BuildOptions::default())?;
+    let counts = if rounds == 0 { RayCounts::TINY } else { RayCounts::QUICK };
+    let [_, _, gathers, _] = generate(&scene, &tree.view(), counts);
+    let mut hits = vec![Hit::MISS; gathers.rays.len()];
     for isa in Level::ALL.into_iter().skip(1).filter_map(Isa::new) {
+        let view = tree.view().with_isa(isa);
+        let tracing = nanoseconds(rounds, gathers.rays.len(), || view.intersect_many(&gathers.rays, &mut hits));
+        println!("{:14}{:8}{:>10}{:>42}", "Cornell box", 256, isa.level().name(), tracing);
         for (rings, sectors) in [(10, 31), (36, 114)] {
             let strata = Strata::new(rings, sectors)?;
             let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)])?.with_isa(isa);

@@ -1,11 +1,12 @@
-//! The sums of a gather in lanes: eight cells of a row at a time, down the rows, and then the next eight columns.
+//! The sums of a gather in lanes, [strip](super::strip) by strip.
 //!
 //! A layout is made of [`Grid`]s: rows of cells, with a wall between cells above each other and between neighbours in a
-//! row. Going down the rows, the cells above are those of the step before, so radiance and distance are read once.
+//! row. Going down the rows, the cells above are those of the step before.
 
 use glam::Vec3;
 
 use super::Gather;
+use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, Row, parts, sum};
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
 /// Hits nearer than this, 2⁻⁶⁰, count as at this distance: it keeps reciprocals finite.
@@ -17,8 +18,8 @@ pub(super) const CONTINUOUS_RATIO: f32 = 1.5;
 /// cell above and to the cell to the left. Walls that are not there have zeros.
 pub(super) const CELL: usize = 7;
 
-/// Eight cells' numbers.
-type Octet = [[f32; 8]; CELL];
+/// The numbers of a row of a strip.
+type Group = [[f32; COLUMNS]; CELL];
 
 /// Cells in rows and columns, `first` and on, row by row. The left neighbour of column 0 is the last column.
 #[derive(Clone, Copy)]
@@ -28,7 +29,7 @@ pub(super) struct Grid<'a> {
     pub(super) columns: usize,
     /// Which cells are above row 0.
     pub(super) above: Above,
-    /// An octet for each row in each eight columns: `table_len` numbers.
+    /// A group for each row of each strip: `table_len` numbers.
     pub(super) table: &'a [f32],
 }
 
@@ -63,7 +64,7 @@ impl Above {
 
 /// The length of a grid's table; saturated if it overflows.
 pub(super) fn table_len(rows: usize, columns: usize) -> usize {
-    columns.div_ceil(8).saturating_mul(rows).saturating_mul(8 * CELL)
+    columns.div_ceil(COLUMNS).saturating_mul(rows).saturating_mul(COLUMNS * CELL)
 }
 
 /// Writes a grid's table of [`table_len`] numbers; `cell(row, column)` gives those of a cell.
@@ -73,12 +74,12 @@ pub(super) fn fill_table(
     columns: usize,
     mut cell: impl FnMut(usize, usize) -> [f64; CELL],
 ) {
-    let octets = table.as_chunks_mut::<8>().0.as_chunks_mut::<CELL>().0;
-    for (number, octet) in octets.iter_mut().enumerate() {
-        let (first, row) = (number / rows * 8, number % rows);
-        *octet = [[0.0; 8]; CELL];
-        for lane in 0..8.min(columns - first) {
-            for (lanes, value) in octet.iter_mut().zip(cell(row, first + lane)) {
+    let groups = table.as_chunks_mut::<COLUMNS>().0.as_chunks_mut::<CELL>().0;
+    for (number, group) in groups.iter_mut().enumerate() {
+        let (first, row) = (number / rows * COLUMNS, number % rows);
+        *group = [[0.0; COLUMNS]; CELL];
+        for lane in 0..COLUMNS.min(columns - first) {
+            for (lanes, value) in group.iter_mut().zip(cell(row, first + lane)) {
                 lanes[lane] = value as f32;
             }
         }
@@ -92,48 +93,25 @@ pub(super) struct Samples<'a> {
     pub(super) distance: &'a [f32],
 }
 
-/// Eight cells, red, green, blue and distance.
-#[derive(Clone, Copy)]
-struct Cells([[f32; 8]; 4]);
+/// A row of cells: red, green, blue, distance and its reciprocal.
+type Light = Row<5>;
 
-impl Cells {
-    /// Black and infinitely far: adds nothing to any sum.
-    const NONE: Self = Self([[0.0; 8], [0.0; 8], [0.0; 8], [f32::INFINITY; 8]]);
+/// Black and infinitely far: adds nothing to any sum.
+const NONE: [f32; 5] = [0.0, 0.0, 0.0, f32::INFINITY, 0.0];
 
+impl<S: Simd> Cells<S, 5> for Samples<'_> {
     #[inline(always)]
-    fn set(&mut self, lane: usize, radiance: Vec3, distance: f32) {
-        (self.0[0][lane], self.0[1][lane]) = (radiance.x, radiance.y);
-        (self.0[2][lane], self.0[3][lane]) = (radiance.z, distance);
+    fn one(&self, cell: usize) -> [f32; 5] {
+        let Vec3 { x, y, z } = self.radiance[cell];
+        let distance = bound(self.distance[cell]);
+        [x, y, z, distance, 1.0 / distance]
     }
 
-    /// Up to eight cells from `first` on.
     #[inline(always)]
-    fn read(samples: &Samples, first: usize, count: usize) -> Self {
-        let mut cells = Self::NONE;
-        if let Some(radiance) = samples.radiance[first..].first_chunk::<8>()
-            && let Some(distance) = samples.distance[first..].first_chunk::<8>()
-            && count >= 8
-        {
-            for lane in 0..8 {
-                cells.set(lane, radiance[lane], distance[lane]);
-            }
-        } else {
-            for lane in 0..count {
-                cells.set(lane, samples.radiance[first + lane], samples.distance[first + lane]);
-            }
-        }
-        cells
-    }
-
-    /// Each cell's left neighbour; that of the first is cell `left`.
-    #[inline(always)]
-    fn left(&self, samples: &Samples, left: usize) -> Self {
-        let mut cells = Self::NONE;
-        cells.set(0, samples.radiance[left], samples.distance[left]);
-        for part in 0..4 {
-            cells.0[part][1..].copy_from_slice(&self.0[part][..7]);
-        }
-        cells
+    fn many(&self, cell: usize) -> Option<[S::F16; 5]> {
+        let [red, green, blue] = parts::<S>(self.radiance[cell..].first_chunk()?);
+        let distance = bound_lanes(S::F16::load(self.distance[cell..].first_chunk()?));
+        Some([red, green, blue, distance, S::F16::splat(1.0) / distance])
     }
 }
 
@@ -144,25 +122,24 @@ pub(super) fn bound(distance: f32) -> f32 {
 
 /// [`bound`] in lanes.
 #[inline(always)]
-pub(super) fn bound_lanes<L: Lanes<8>>(distance: L) -> L {
+pub(super) fn bound_lanes<L: Lanes<COLUMNS>>(distance: L) -> L {
     let least = L::splat(LEAST_DISTANCE);
     L::select(least.lt(distance), distance, least)
 }
 
-/// Eight cells in lanes.
+/// Cells in lanes.
 #[derive(Clone, Copy)]
-struct CellLanes<L> {
+struct CellLanes<const N: usize, L> {
     radiance: [L; 3],
-    distance: L,
     inverse: L,
 }
 
-impl<L: Lanes<8>> CellLanes<L> {
+impl<const N: usize, L: Lanes<N>> CellLanes<N, L> {
     #[inline(always)]
-    fn new(cells: &Cells) -> Self {
-        let [red, green, blue, distance] = &cells.0;
-        let distance = bound_lanes(L::load(distance));
-        Self { radiance: [L::load(red), L::load(green), L::load(blue)], distance, inverse: L::splat(1.0) / distance }
+    fn new<const FROM: usize>(row: &Light, first: usize) -> Self {
+        let radiance =
+            [row.lanes::<FROM, N, L>(0, first), row.lanes::<FROM, N, L>(1, first), row.lanes::<FROM, N, L>(2, first)];
+        Self { radiance, inverse: row.lanes::<FROM, N, L>(4, first) }
     }
 
     /// 1/r_AB of the walls to other cells: zero where both are infinitely far.
@@ -174,8 +151,9 @@ impl<L: Lanes<8>> CellLanes<L> {
     }
 }
 
-/// Eight partial sums of each kind.
-struct Sums<L> {
+/// Partial sums of each kind.
+#[derive(Clone, Copy)]
+struct Sums<const N: usize, L> {
     irradiance: [L; 3],
     rotational: [[L; 2]; 3],
     translational: [[L; 2]; 3],
@@ -183,7 +161,7 @@ struct Sums<L> {
     minimum_distance: L,
 }
 
-impl<L: Lanes<8>> Sums<L> {
+impl<const N: usize, L: Lanes<N>> Sums<N, L> {
     #[inline(always)]
     fn new() -> Self {
         let zero = L::splat(0.0);
@@ -196,15 +174,16 @@ impl<L: Lanes<8>> Sums<L> {
         }
     }
 
-    /// Adds eight cells and their walls to those above and to the left.
+    /// Adds the cells of a row from column `first` of the strip on, and their walls to those above and to the left.
     #[inline(always)]
-    fn add(&mut self, octet: &Octet, here: &CellLanes<L>, above: &CellLanes<L>, left: &CellLanes<L>) {
-        let [cosine, turn_x, turn_y, up_x, up_y, left_x, left_y] = octet;
-        let cosine = L::load(cosine);
-        let turn = [L::load(turn_x), L::load(turn_y)];
-        let (up_wall, left_wall) = (here.wall(above), here.wall(left));
-        let up = [L::load(up_x) * up_wall, L::load(up_y) * up_wall];
-        let left_of = [L::load(left_x) * left_wall, L::load(left_y) * left_wall];
+    fn add(&mut self, group: &Group, row: &Light, first: usize, above: &CellLanes<N, L>) -> CellLanes<N, L> {
+        let (here, left) = (CellLanes::new::<HERE>(row, first), CellLanes::new::<BEFORE>(row, first));
+        let [cosine, turn_x, turn_y, up_x, up_y, left_x, left_y] = group;
+        let cosine = load::<N, L>(cosine, first);
+        let turn: [L; 2] = [load(turn_x, first), load(turn_y, first)];
+        let (up_wall, left_wall) = (here.wall(above), here.wall(&left));
+        let up = [load::<N, L>(up_x, first) * up_wall, load::<N, L>(up_y, first) * up_wall];
+        let left_of = [load::<N, L>(left_x, first) * left_wall, load::<N, L>(left_y, first) * left_wall];
         for channel in 0..3 {
             let radiance = here.radiance[channel];
             let (rise_up, rise_left) = (radiance - above.radiance[channel], radiance - left.radiance[channel]);
@@ -216,58 +195,60 @@ impl<L: Lanes<8>> Sums<L> {
             }
         }
         self.inverse_distance = self.inverse_distance + cosine * here.inverse;
-        self.minimum_distance = self.minimum_distance.min(here.distance);
+        self.minimum_distance = self.minimum_distance.min(row.lanes::<HERE, N, L>(3, first));
+        here
     }
+}
 
+/// Lanes of a group from column `first` on.
+#[inline(always)]
+fn load<const N: usize, L: Lanes<N>>(numbers: &[f32; COLUMNS], first: usize) -> L {
+    let mut lanes = [0.0; N];
+    lanes.copy_from_slice(&numbers[first..first + N]);
+    L::load(&lanes)
+}
+
+impl Grid<'_> {
+    /// Adds the cells to the sums of a strip's columns, `N` of them each.
     #[inline(always)]
-    fn add_grid(&mut self, grid: &Grid, samples: &Samples) {
-        let mut octets = grid.table.as_chunks::<8>().0.as_chunks::<CELL>().0.iter();
-        for first in (0..grid.columns).step_by(8) {
-            let count = 8.min(grid.columns - first);
-            let mut above = Cells::NONE;
-            for lane in 0..count {
-                if let Some(cell) = grid.above.cell(first + lane) {
-                    above.set(lane, samples.radiance[cell], samples.distance[cell]);
-                }
+    fn add<S: Simd, const N: usize, L: Lanes<N>>(&self, samples: &Samples, all: &mut [Sums<N, L>]) {
+        let mut groups = self.table.as_chunks::<COLUMNS>().0.as_chunks::<CELL>().0;
+        let mut block = [Row::splat(NONE); BLOCK];
+        for first in (0..self.columns).step_by(COLUMNS) {
+            let columns = Columns::new(first, self.columns);
+            let mut rim = Row::splat(NONE);
+            if let Above::Rim(_) = self.above {
+                rim.read::<S, _>(samples, 0, &columns.replaced(|column| self.above.cell(column).unwrap_or(0)));
             }
-            let mut above = CellLanes::new(&above);
-            for (row, octet) in (0..grid.rows).zip(octets.by_ref()) {
-                let start = grid.first + row * grid.columns;
-                let cells = Cells::read(samples, start + first, count);
-                let previous = if first == 0 { grid.columns - 1 } else { first - 1 };
-                let left = CellLanes::new(&cells.left(samples, start + previous));
-                let here = CellLanes::new(&cells);
-                self.add(octet, &here, &above, &left);
-                above = here;
+            let mut above = [CellLanes::new::<HERE>(&rim, 0), CellLanes::new::<HERE>(&rim, COLUMNS - N)];
+            let mut rows = (0..self.rows).map(|row| self.first + row * self.columns);
+            while rows.len() > 0 {
+                let count = rows.len().min(BLOCK);
+                for (row, start) in block[..count].iter_mut().zip(rows.by_ref()) {
+                    row.read::<S, _>(samples, start, &columns);
+                }
+                for ((sums, above), first) in all.iter_mut().zip(&mut above).zip((0..).step_by(N)) {
+                    for (row, group) in block[..count].iter().zip(groups) {
+                        *above = sums.add(group, row, first, above);
+                    }
+                }
+                groups = groups.get(count..).unwrap_or_default();
             }
         }
     }
-
-    #[inline(always)]
-    fn total(&self) -> Gather {
-        let [red, green, blue] = &self.irradiance;
-        let irradiance = [sum(*red), sum(*green), sum(*blue)];
-        let gradients = [vectors(&self.rotational), vectors(&self.translational)];
-        let minimum = self.minimum_distance.store().into_iter().fold(f32::INFINITY, f32::min);
-        Gather::from_sums(irradiance, gradients, sum(self.inverse_distance), minimum)
-    }
 }
 
-/// The sum of the lanes, in one order.
+/// What sums say together.
 #[inline(always)]
-pub(super) fn sum<L: Lanes<8>>(lanes: L) -> f32 {
-    let [a, b, c, d, e, f, g, h] = lanes.store();
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
-}
-
-/// The sums of the lanes of a vector for each channel.
-#[inline(always)]
-fn vectors<L: Lanes<8>>(sums: &[[L; 2]; 3]) -> [[f32; 2]; 3] {
-    let mut vectors = [[0.0; 2]; 3];
-    for (vector, [x, y]) in vectors.iter_mut().zip(sums) {
-        *vector = [sum(*x), sum(*y)];
-    }
-    vectors
+fn total<const N: usize, L: Lanes<N>>(all: &[Sums<N, L>]) -> Gather {
+    let irradiance = [0, 1, 2].map(|channel| sum(all.iter().map(|sums| sums.irradiance[channel])));
+    let vectors = |of: fn(&Sums<N, L>) -> &[[L; 2]; 3]| {
+        [0, 1, 2].map(|channel| [0, 1].map(|axis| sum(all.iter().map(|sums| of(sums)[channel][axis]))))
+    };
+    let gradients = [vectors(|sums| &sums.rotational), vectors(|sums| &sums.translational)];
+    let inverse_distance = sum(all.iter().map(|sums| sums.inverse_distance));
+    let distances = all.iter().flat_map(|sums| sums.minimum_distance.store());
+    Gather::from_sums(irradiance, gradients, inverse_distance, distances.fold(f32::INFINITY, f32::min))
 }
 
 /// The gather of grids that make up a layout.
@@ -284,10 +265,18 @@ impl<const N: usize> Work for Accumulate<'_, N> {
     type Output = Gather;
     #[inline(always)]
     fn run<S: Simd>(self) -> Gather {
-        let mut sums = Sums::<S::F8>::new();
+        if S::WIDE { self.sum::<S, 16, S::F16>() } else { self.sum::<S, 8, S::F8>() }
+    }
+}
+
+impl<const GRIDS: usize> Accumulate<'_, GRIDS> {
+    #[inline(always)]
+    fn sum<S: Simd, const N: usize, L: Lanes<N>>(&self) -> Gather {
+        let mut all = [Sums::<N, L>::new(); 2];
+        let all = &mut all[..COLUMNS / N];
         for grid in &self.grids {
-            sums.add_grid(grid, &self.samples);
+            grid.add::<S, N, L>(&self.samples, all);
         }
-        sums.total()
+        total(all)
     }
 }

@@ -61,12 +61,14 @@
 //! ```
 
 mod accumulate;
+mod edge;
 mod gather;
 mod hemicube;
 mod hessian;
 mod mesh;
 pub mod reference;
 mod stratified;
+mod strip;
 #[cfg(test)]
 mod tests;
 

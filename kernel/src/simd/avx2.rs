@@ -18,6 +18,7 @@ impl Simd for Avx2 {
     type F8 = F32x8;
     type F16 = Twice<F32x8>;
     type F32 = Twice<Twice<F32x8>>;
+    const WIDE: bool = false;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -43,6 +44,13 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn transpose(rows: [F32x8; 8]) -> [F32x8; 8] {
         transpose(rows)
+    }
+
+    #[inline(always)]
+    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
+        let [a, b, c, d, e, f]: &[[f32; 8]; 6] = bytemuck::cast_ref(triples);
+        let ([x, y, z], [x_high, y_high, z_high]) = (unzip(a, b, c), unzip(d, e, f));
+        [Twice(x, x_high), Twice(y, y_high), Twice(z, z_high)]
     }
 }
 
@@ -88,6 +96,24 @@ fn transpose_halves([a, b, c, d]: [F32x8; 4]) -> [__m256; 4] {
             _mm256_shuffle_ps::<0xee>(ab, cd),
             _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
             _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+        ]
+    }
+}
+
+/// [`Simd::unzip`] of eight triples: the numbers of a kind are in other lanes of each eight, so they are put together first
+/// and in order then.
+#[inline(always)]
+fn unzip(a: &[f32; 8], b: &[f32; 8], c: &[f32; 8]) -> [F32x8; 3] {
+    // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.
+    unsafe {
+        let (a, b, c) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()), _mm256_loadu_ps(c.as_ptr()));
+        let x = _mm256_blend_ps::<0b0010_0100>(_mm256_blend_ps::<0b1001_0010>(a, b), c);
+        let y = _mm256_blend_ps::<0b0100_1001>(_mm256_blend_ps::<0b0010_0100>(a, b), c);
+        let z = _mm256_blend_ps::<0b1001_0010>(_mm256_blend_ps::<0b0100_1001>(a, b), c);
+        [
+            F32x8(_mm256_permutevar8x32_ps(x, _mm256_setr_epi32(0, 3, 6, 1, 4, 7, 2, 5))),
+            F32x8(_mm256_permutevar8x32_ps(y, _mm256_setr_epi32(1, 4, 7, 2, 5, 0, 3, 6))),
+            F32x8(_mm256_permutevar8x32_ps(z, _mm256_setr_epi32(2, 5, 0, 3, 6, 1, 4, 7))),
         ]
     }
 }

@@ -19,6 +19,7 @@ impl Simd for Avx512 {
     type F8 = F32x8;
     type F16 = F32x16;
     type F32 = Twice<F32x16>;
+    const WIDE: bool = true;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -44,6 +45,29 @@ impl Simd for Avx512 {
     fn transpose([a, b, c, d, e, f, g, h]: [F32x8; 8]) -> [F32x8; 8] {
         let [a, b, c, d, e, f, g, h] = avx2::transpose([a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0]);
         [F32x8(a), F32x8(b), F32x8(c), F32x8(d), F32x8(e), F32x8(f), F32x8(g), F32x8(h)]
+    }
+
+    #[inline(always)]
+    fn unzip([a, b, c]: &[[f32; 16]; 3]) -> [F32x16; 3] {
+        /// Lanes whose numbers have the remainders 0, 1 and 2 by 3.
+        const EVERY_THIRD: [__mmask16; 3] = [0x9249, 0x2492, 0x4924];
+        let [zero, one, two] = EVERY_THIRD;
+        // SAFETY: AVX-512 F is there, see the module; the pointers are to sixteen elements each.
+        unsafe {
+            let (a, b, c) = (_mm512_loadu_ps(a.as_ptr()), _mm512_loadu_ps(b.as_ptr()), _mm512_loadu_ps(c.as_ptr()));
+            // The numbers of a kind are in other lanes of each sixteen: put together first, and in order then.
+            let x = _mm512_mask_blend_ps(one, _mm512_mask_blend_ps(two, a, b), c);
+            let y = _mm512_mask_blend_ps(two, _mm512_mask_blend_ps(zero, a, b), c);
+            let z = _mm512_mask_blend_ps(zero, _mm512_mask_blend_ps(one, a, b), c);
+            let order = _mm512_setr_epi32(0, 3, 6, 9, 12, 15, 2, 5, 8, 11, 14, 1, 4, 7, 10, 13);
+            // An index counts by its lowest four bits.
+            let [next, last] = [1, 2].map(|step| _mm512_add_epi32(order, _mm512_set1_epi32(step)));
+            [
+                F32x16(_mm512_permutexvar_ps(order, x)),
+                F32x16(_mm512_permutexvar_ps(next, y)),
+                F32x16(_mm512_permutexvar_ps(last, z)),
+            ]
+        }
     }
 }
 

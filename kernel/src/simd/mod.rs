@@ -36,6 +36,8 @@ pub(crate) trait Simd: Copy {
     type F16: Lanes<16>;
     /// Thirty-two lanes.
     type F32: Lanes<32>;
+    /// Whether sixteen lanes are one register: else code that holds many of them at once does better with eight.
+    const WIDE: bool;
 
     /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
     fn prefetch<const BYTES: usize>(start: *const u8);
@@ -49,6 +51,9 @@ pub(crate) trait Simd: Copy {
 
     /// Eight times eight numbers, mirrored at the diagonal: lane `i` of row `j` becomes lane `j` of row `i`.
     fn transpose(rows: [Self::F8; 8]) -> [Self::F8; 8];
+
+    /// Of sixteen triples that follow each other the first numbers, the second and the third ones.
+    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3];
 }
 
 /// `N` numbers that are computed with together.

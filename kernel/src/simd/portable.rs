@@ -12,6 +12,7 @@ impl Simd for Portable {
     type F8 = wide::f32x8;
     type F16 = Twice<wide::f32x8>;
     type F32 = Twice<Twice<wide::f32x8>>;
+    const WIDE: bool = false;
 
     #[inline(always)]
     fn prefetch<const BYTES: usize>(start: *const u8) {
@@ -52,6 +53,19 @@ impl Simd for Portable {
             [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]], [a[3], b[3]]],
             [[c[0], d[0]], [c[1], d[1]], [c[2], d[2]], [c[3], d[3]]],
         ])
+    }
+
+    #[inline(always)]
+    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
+        let triples: &[[f32; 3]; 16] = bytemuck::cast_ref(triples);
+        let mut parts = [[0.0; 16]; 3];
+        for (lane, triple) in triples.iter().enumerate() {
+            for (part, number) in parts.iter_mut().zip(triple) {
+                part[lane] = *number;
+            }
+        }
+        let [first, second, third] = &parts;
+        [Lanes::load(first), Lanes::load(second), Lanes::load(third)]
     }
 }
 

@@ -107,6 +107,10 @@ fn check_transposition<S: Simd>() {
         assert_eq!(numbers.store(), core::array::from_fn(|row| rows[row][lane]));
     }
     assert_eq!(S::look_up(h, &[3, 0, 7, 7, 1, 2, 12, 5]).store(), [59.0, 56.0, 63.0, 63.0, 57.0, 58.0, 60.0, 61.0]);
+    let triples = core::array::from_fn(|row| core::array::from_fn(|lane| (16 * row + lane) as f32));
+    for (part, numbers) in S::unzip(&triples).into_iter().enumerate() {
+        assert_eq!(numbers.store(), core::array::from_fn(|triple| (3 * triple + part) as f32));
+    }
 }
 
 struct Check;

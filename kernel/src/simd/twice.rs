@@ -6,7 +6,7 @@ use super::{Lanes, Mask};
 
 /// Two sets of lanes, or two masks: the lower lanes first.
 #[derive(Clone, Copy)]
-pub(crate) struct Twice<T>(T, T);
+pub(crate) struct Twice<T>(pub(super) T, pub(super) T);
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
