@@ -100,7 +100,7 @@ mod tests {
     /// Of a parabola gradients leave out a known part, which at the new radius is what is tolerated.
     #[test]
     fn a_parabola_is_tolerated_up_to_the_radius() {
-        let (curvature, tolerance) = (6.0, 0.05);
+        let (curvature, tolerance) = (6.0, 0.08);
         let light = |x: f32| Vec3::splat(1.0 + 0.5 * curvature * x * x);
         for distance in [0.25, 0.35, 0.55] {
             let pair = [0.0, distance].map(|x| record(Vec3::X * x, light(x), curvature * x, 0.0));
@@ -120,7 +120,7 @@ mod tests {
     /// It is the least over all pairs, in whatever order.
     #[test]
     fn one_pass_is_the_least_over_pairs() {
-        let records = records(|x, _| (1.0 + (9.0 * x).sin().abs(), 0.3, 0.01));
+        let records = records(|x, _| (1.0 + 2.0 * x * x, 4.0 * x, 0.01));
         let found = factors(&records, &WEIGHTING, 0.1);
         let mut lessened = 0;
         for (i, record) in records.iter().enumerate() {

@@ -2,7 +2,7 @@
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash of
 //! the scene, the options, the number of records, the records by their keys (the key and [`Record::WORDS`] words each,
-//! with the radii before clamping) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is
+//! with the radii as they were made) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is
 //! refused; so is one of another scene or other options, and the message says which. Files are replaced in one step, as
 //! pictures are.
 

@@ -9,7 +9,8 @@
 //! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
 //!
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
-//! clamped and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
+//! clamped (`clamp`) and shortened where records disagree (`agreement`), and the tree is built anew. Everything is in a
+//! fixed order, so a cache is the same for any number of threads.
 
 mod agreement;
 mod clamp;
@@ -47,9 +48,9 @@ pub struct Cache {
     scene: u64,
     /// Whether records that disagree reach as far as others.
     is_rough: bool,
-    /// The records with their radii after clamping.
+    /// The records with their radii as they are used.
     records: Vec<Record>,
-    /// Their radii before.
+    /// Their radii as they were made.
     original_radii: Vec<[f32; 2]>,
     /// What each record and its neighbours say together, if the options have both gradients; else nothing.
     polynomials: Vec<Polynomial>,
@@ -89,7 +90,7 @@ impl Cache {
         Self { is_rough: true, ..self }
     }
 
-    /// A cache of these records, with their radii before clamping.
+    /// A cache of these records, with their radii as they were made.
     pub fn of(options: CachedOptions, scene: u64, records: Vec<Record>) -> Self {
         let mut cache = Self::new(options, scene);
         cache.commit(records);
@@ -111,7 +112,7 @@ impl Cache {
         &self.records
     }
 
-    /// Adds records, sorts and clamps all, and builds the tree anew.
+    /// Adds records, sorts all, bounds how far they reach, and builds the tree anew.
     pub(crate) fn commit(&mut self, records: Vec<Record>) {
         let mut records: Vec<Record> = self.take_original().chain(records).collect();
         sort_along_curve(&mut records, |record| record.position, |record| record.key);
@@ -130,7 +131,7 @@ impl Cache {
         self.records = records;
     }
 
-    /// Takes the records out, as they were before clamping.
+    /// Takes the records out, as they were made.
     fn take_original(&mut self) -> impl Iterator<Item = Record> + use<> {
         let records = std::mem::take(&mut self.records).into_iter().zip(std::mem::take(&mut self.original_radii));
         records.map(|(record, radii)| Record { radii, ..record })
