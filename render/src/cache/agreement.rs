@@ -114,25 +114,25 @@ mod tests {
         // Beyond the reach nothing is known, and no radius becomes less than half.
         let pair = |distance: f32| [0.0, distance].map(|x| record(Vec3::X * x, light(9.0 * x), 0.0, 0.0));
         assert_eq!(factors(&pair(0.61), &WEIGHTING, tolerance), [1.0; 2]);
-        assert_eq!(factors(&pair(0.59), &WEIGHTING, tolerance), [LEAST; 2]);
+        assert_eq!(factors(&pair(0.59), &WEIGHTING, 0.25 * tolerance), [LEAST; 2]);
     }
 
     /// It is the least over all pairs, in whatever order.
     #[test]
     fn one_pass_is_the_least_over_pairs() {
         let records = records(|x, _| (1.0 + 2.0 * x * x, 4.0 * x, 0.01));
-        let found = factors(&records, &WEIGHTING, 0.1);
+        let found = factors(&records, &WEIGHTING, 0.05);
         let mut lessened = 0;
         for (i, record) in records.iter().enumerate() {
             let used = |other: &&Record| WEIGHTING.weight(record, other.position, other.normal) > 0.0;
-            let limits = records.iter().filter(used).map(|other| limit(record, other, 0.1));
+            let limits = records.iter().filter(used).map(|other| limit(record, other, 0.05));
             let least = limits.fold(1.0, f32::min).max(LEAST);
             assert_eq!(found[i], least);
             lessened += usize::from((0.55..0.95).contains(&least));
         }
         assert!(lessened > 20, "{lessened}");
         let reversed: Vec<Record> = records.iter().rev().copied().collect();
-        let mut backwards = factors(&reversed, &WEIGHTING, 0.1);
+        let mut backwards = factors(&reversed, &WEIGHTING, 0.05);
         backwards.reverse();
         assert_eq!(backwards, found);
     }
