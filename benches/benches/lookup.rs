@@ -61,6 +61,7 @@ fn records(count: u32) -> Vec<Record> {
             position,
             normal,
             irradiance: Vec3::ONE,
+            deviation: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: reach,

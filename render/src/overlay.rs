@@ -38,6 +38,7 @@ mod tests {
             position,
             normal,
             irradiance: Vec3::ONE,
+            deviation: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: 0.1,

@@ -79,6 +79,7 @@ mod tests {
             position,
             normal: Vec3::Z,
             irradiance: vec3(2.0, 1.0, 0.001),
+            deviation: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: radius,

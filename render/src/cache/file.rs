@@ -2,7 +2,7 @@
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash of
 //! the scene, the options, the number of records, the records by their keys (the key and [`Record::WORDS`] words each,
-//! with the radii before clamping) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is
+//! with the radii as they were made) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is
 //! refused; so is one of another scene or other options, and the message says which. Files are replaced in one step, as
 //! pictures are.
 
@@ -15,7 +15,7 @@ use crate::output::{OutputError, OutputFile};
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
 
 const MAGIC: [u8; 8] = *b"halfdIRC";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Reads as another number on a machine with the other order of bytes.
 const ORDER: u32 = 0x0102_0304;
 const HEADER: usize = 8 + 4 + 4 + 8 + 6 * 4 + 8;

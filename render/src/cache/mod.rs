@@ -9,8 +9,10 @@
 //! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
 //!
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
-//! clamped and the tree is built anew. Everything is in a fixed order, so a cache is the same for any number of threads.
+//! clamped (`clamp`) and shortened where records disagree (`agreement`), and the tree is built anew. Everything is in a
+//! fixed order, so a cache is the same for any number of threads.
 
+mod agreement;
 mod clamp;
 mod cones;
 mod file;
@@ -45,14 +47,19 @@ pub struct Cache {
     options: CachedOptions,
     /// What the records depend on besides the options.
     scene: u64,
-    /// The records with their radii after clamping.
+    /// Whether records that disagree reach as far as others.
+    is_rough: bool,
+    /// The records with their radii as they are used.
     records: Vec<Record>,
-    /// Their radii before.
+    /// Their radii as they were made.
     original_radii: Vec<[f32; 2]>,
     /// What each record and its neighbours say together, if the options have both gradients; else nothing.
     polynomials: Vec<Polynomial>,
     tree: Octree,
 }
+
+/// By how much records may disagree, as a part of irradiance, over the error that was asked for.
+const TOLERANCE: f32 = 0.2;
 
 /// How the records around a point are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,10 +83,15 @@ impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
     pub fn new(options: CachedOptions, scene: u64) -> Self {
         let (records, original_radii, polynomials) = Default::default();
-        Self { options, scene, records, original_radii, polynomials, tree: Octree::default() }
+        Self { options, scene, is_rough: false, records, original_radii, polynomials, tree: Octree::default() }
     }
 
-    /// A cache of these records, with their radii before clamping.
+    /// The same without error control by what neighbours know, for gathers to take means over it.
+    pub(crate) fn rough(self) -> Self {
+        Self { is_rough: true, ..self }
+    }
+
+    /// A cache of these records, with their radii as they were made.
     pub fn of(options: CachedOptions, scene: u64, records: Vec<Record>) -> Self {
         let mut cache = Self::new(options, scene);
         cache.commit(records);
@@ -101,16 +113,18 @@ impl Cache {
         &self.records
     }
 
-    /// Adds records, sorts and clamps all, and builds the tree anew.
+    /// Adds records, sorts all, bounds how far they reach, and builds the tree anew.
     pub(crate) fn commit(&mut self, records: Vec<Record>) {
         let mut records: Vec<Record> = self.take_original().chain(records).collect();
         sort_along_curve(&mut records, |record| record.position, |record| record.key);
         self.original_radii = records.iter().map(|record| record.radii).collect();
         let factors = clamp::neighbour_factors(&records, self.slope());
-        for (record, factor) in records.iter_mut().zip(factors) {
-            record.radii = record.radii.map(|radius| radius * factor);
-        }
+        shorten(&mut records, &factors);
         let weighting = self.weighting(self.stretch());
+        if self.options.gradients == Gradients::Both && !self.is_rough {
+            let factors = agreement::factors(&records, &weighting, TOLERANCE * self.options.error);
+            shorten(&mut records, &factors);
+        }
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
         if self.options.gradients == Gradients::Both {
             self.polynomials = polynomials(&records, &self.neighbourhood());
@@ -118,7 +132,7 @@ impl Cache {
         self.records = records;
     }
 
-    /// Takes the records out, as they were before clamping.
+    /// Takes the records out, as they were made.
     fn take_original(&mut self) -> impl Iterator<Item = Record> + use<> {
         let records = std::mem::take(&mut self.records).into_iter().zip(std::mem::take(&mut self.original_radii));
         records.map(|(record, radii)| Record { radii, ..record })
@@ -216,6 +230,13 @@ impl Cache {
             }
         });
         (weights > 0.0).then(|| Interpolated { irradiance: sum / weights, negative })
+    }
+}
+
+/// Multiplies the radii of each record by its factor.
+fn shorten(records: &mut [Record], factors: &[f32]) {
+    for (record, factor) in records.iter_mut().zip(factors) {
+        record.radii = record.radii.map(|radius| radius * factor);
     }
 }
 

@@ -15,6 +15,8 @@ pub struct Record {
     pub normal: Vec3,
     /// Irradiance in W/m², linear sRGB.
     pub irradiance: Vec3,
+    /// The standard deviation of the irradiance by the gather's noise, of the channel where it is greatest.
+    pub deviation: f32,
     /// For each channel the gradient by which irradiance changes with the normal.
     pub rotational: [Vec3; 3],
     /// For each channel the gradient by which irradiance changes with the position.
@@ -62,12 +64,12 @@ impl Record {
         ((along * along + height * height) / (minor * minor) + across_squared / (major * major)).sqrt()
     }
 
-    /// Everything as 32-bit words after the key, in the order of the declaration; what a file holds.
+    /// Everything as 32-bit words after the key, vectors before scalars; what a file holds.
     pub(crate) fn words(&self) -> [u32; Self::WORDS] {
         let mut words = [0; Self::WORDS];
         let vectors = [self.position, self.normal, self.irradiance].into_iter().chain(self.rotational);
         let vectors = vectors.chain(self.translational).chain([self.axis]).flat_map(|v| v.to_array());
-        let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1]];
+        let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1], self.deviation];
         for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.obstacles)) {
             *word = value.to_bits();
         }
@@ -89,7 +91,8 @@ impl Record {
             mean_distance: value(30),
             min_distance: value(31),
             radii: [value(32), value(33)],
-            obstacles: std::array::from_fn(|i| value(34 + i)),
+            deviation: value(34),
+            obstacles: std::array::from_fn(|i| value(35 + i)),
         }
     }
 
@@ -98,13 +101,13 @@ impl Record {
         let vectors = [self.position, self.normal, self.irradiance, self.axis].into_iter();
         let finite = vectors.chain(self.rotational).chain(self.translational).all(|v| v.is_finite());
         let lengths = self.radii[0] > 0.0 && self.radii[1] >= self.radii[0] && self.radii[1].is_finite();
-        let distances =
-            [self.mean_distance, self.min_distance].iter().all(|distance| (0.0..f32::INFINITY).contains(distance));
+        let distances = [self.mean_distance, self.min_distance, self.deviation];
+        let distances = distances.iter().all(|number| (0.0..f32::INFINITY).contains(number));
         let units = [self.normal, self.axis].iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-3);
         let obstacles = self.obstacles.iter().all(|distance| *distance >= 0.0);
         finite && lengths && distances && units && obstacles && self.irradiance.min_element() >= 0.0
     }
 
-    /// Ten vectors, four lengths and the obstacles.
-    pub(crate) const WORDS: usize = 34 + SECTORS;
+    /// Ten vectors, four lengths, the deviation and the obstacles.
+    pub(crate) const WORDS: usize = 35 + SECTORS;
 }

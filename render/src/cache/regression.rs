@@ -171,6 +171,7 @@ mod tests {
                 position: frame.to_world(vec3(x, y, 0.0)),
                 normal: frame.normal,
                 irradiance,
+                deviation: 0.0,
                 rotational: [Vec3::ZERO; 3],
                 translational: [0, 1, 2].map(|i| frame.to_world(vec3(along[i], across[i], 0.0))),
                 mean_distance: 1.0,

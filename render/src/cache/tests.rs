@@ -17,6 +17,7 @@ fn record(key: u64, x: f32, y: f32, radius: f32) -> Record {
         position,
         normal: Vec3::Z,
         irradiance: vec3(20.0, 10.0, 1.0) + Vec3::from_array(gradients.map(|gradient| gradient.dot(position))),
+        deviation: 0.0,
         rotational: [Vec3::X, Vec3::Y, Vec3::Z],
         translational: gradients,
         mean_distance: radius,
@@ -79,6 +80,28 @@ fn negative_extrapolation_counts_as_nothing_and_is_counted() {
     cache.commit(vec![steep]);
     let found = cache.interpolate(vec3(0.5, 0.0, 0.0), Vec3::Z).unwrap();
     assert_eq!((found.irradiance.x, found.negative), (0.0, 1));
+}
+
+/// Records that disagree reach less far where gradients are in use, from their original radii again with every commit.
+#[test]
+fn disagreement_shortens_where_gradients_are_in_use() {
+    let radii = |gradients, metric, is_rough| {
+        let cache = Cache::new(CachedOptions { gradients, metric, ..options() }, SCENE);
+        let mut cache = if is_rough { cache.rough() } else { cache };
+        let mut other = record(1, 0.4, 0.0, 0.5);
+        other.irradiance *= 3.0;
+        cache.commit(vec![record(0, 0.0, 0.0, 0.5), other]);
+        let once = cache.records.clone();
+        cache.commit(Vec::new());
+        assert_eq!(cache.records, once);
+        once.iter().map(|record| record.radii[0]).collect::<Vec<_>>()
+    };
+    for metric in Metric::ALL {
+        assert_eq!(radii(Gradients::Off, metric, false), [0.5; 2], "as published");
+        assert_eq!(radii(Gradients::Rotation, metric, false), [0.5; 2], "as published");
+        assert_eq!(radii(Gradients::Both, metric, true), [0.5; 2], "rough");
+        assert_eq!(radii(Gradients::Both, metric, false), [0.25; 2]);
+    }
 }
 
 /// Rounds stop when each place is covered, and what they make does not depend on the number of threads.
@@ -153,7 +176,7 @@ fn damaged_and_foreign_files_are_refused() {
         changed[range].copy_from_slice(new);
         problem(&changed)
     };
-    assert!(with(8..12, &2u32.to_le_bytes()).contains("has version 2 of the format; this program reads version 1"));
+    assert!(with(8..12, &1u32.to_le_bytes()).contains("has version 1 of the format; this program reads version 2"));
     assert!(with(12..16, &0x0102_0304u32.to_be_bytes()).contains("order of bytes of another machine"));
     assert!(with(100..101, &[bytes[100] ^ 1]).contains("its checksum is wrong"));
     // With a right checksum, numbers that are none are still found.

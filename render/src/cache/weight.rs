@@ -99,6 +99,7 @@ mod tests {
             position: vec3(1.0, 2.0, 3.0),
             normal: Vec3::Z,
             irradiance: Vec3::ONE,
+            deviation: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: 1.0,

@@ -3,8 +3,8 @@
 mod command;
 mod curved;
 mod differences;
-mod leaks;
 mod lamps;
+mod leaks;
 mod light;
 mod opening;
 mod records;

@@ -49,6 +49,7 @@ fn a_scaled_scene_has_the_same_records() {
                 let expected = Record {
                     position: plain.position * length,
                     irradiance: plain.irradiance * light,
+                    deviation: plain.deviation * light,
                     rotational: plain.rotational.map(|gradient| gradient * light),
                     translational: plain.translational.map(|gradient| gradient * (light / length)),
                     mean_distance: plain.mean_distance * length,

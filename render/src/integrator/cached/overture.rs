@@ -127,7 +127,7 @@ impl Overture<'_> {
             paths = Source::Paths(Some(2));
             for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
                 let options = CachedOptions { bounces: Some(reflections), ..options };
-                let mut cache = Cache::new(options, world.surroundings_hash());
+                let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 let source = below.as_ref().map_or(paths, Source::Cache);
                 traced += self.fill_level(&mut cache, source, candidates, &loose_passes(candidates.len()));
                 below = Some(Frozen::new(cache));
@@ -137,7 +137,7 @@ impl Overture<'_> {
             if candidates.par_iter().filter(|candidate| is_open(&candidate.place)).count() >= MANY {
                 let options = self::below(&options);
                 let candidates = scout(world, candidates, seed, 1, SENSOR_UNITS * options.error);
-                let mut cache = Cache::new(options, world.surroundings_hash());
+                let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 traced += self.fill_level(&mut cache, paths, &candidates, &loose_passes(candidates.len()));
                 below = Some(Frozen::new(cache));
             }

@@ -45,7 +45,8 @@ mod tests {
         let mut points: Vec<(Vec3, Vec3)> =
             (0..900).map(|i| (vec3((i % 30) as f32, 0.0, (i / 30) as f32) * 0.1, Vec3::Y)).collect();
         // Another side of the same places, a point far away, twice, and one that faces another way.
-        points.extend((0..900).step_by(2).map(|i| (points[i].0, Vec3::NEG_Y)));
+        let below: Vec<(Vec3, Vec3)> = points.iter().step_by(2).map(|&(point, _)| (point, Vec3::NEG_Y)).collect();
+        points.extend(below);
         points.extend([(vec3(50.0, 0.0, 0.0), Vec3::Y); 2]);
         points.push((Vec3::ZERO, Vec3::X));
         let found = spacings(&points, 1);
