@@ -65,6 +65,7 @@ cargo run --release -p halfdome-benches --bin irradiance_curves -- cornell room 
     --reference 16384 --plots "$work"
 for scene in cornell room kitchen; do
     cp "$work/cache-$scene.svg" docs/validate-cache-$scene.svg
+    cp "$work/cache-$scene-time.svg" docs/validate-cache-$scene-time.svg
 done
 "$halfdome" cache build "$work/kitchen.toml" -o "$work/kitchen.cache"
 "$halfdome" cache show "$work/kitchen.toml" "$work/kitchen.cache" -o docs/records.png

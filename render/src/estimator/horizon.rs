@@ -184,7 +184,7 @@ mod tests {
                 let hit = if turn == 0.0 { distance * direction.xy().length() } else { f32::INFINITY };
                 let (found, expected) = (horizon.obstacles[number], nearest.min(hit));
                 // Nearly parallel to a plane it is far away.
-                let close = (found / expected - 1.0).abs() < 2e-3 || found.min(expected) > 100.0;
+                let close = (found / expected - 1.0).abs() < 2e-3 || found.min(expected) > 10.0;
                 assert!(close, "{i}, {turn}: {found} {expected}");
             }
         }

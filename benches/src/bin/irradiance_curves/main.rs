@@ -17,7 +17,7 @@ use glam::Vec3;
 use halfdome::driver::Watch;
 use halfdome::irradiance::{Part, Request, by_paths};
 use halfdome::scene::{Scene, cornell_box, open};
-use halfdome::validate::{Curves, Plan, Study, Walls, furnished_room};
+use halfdome::validate::{Cost, Curves, Plan, Study, Walls, furnished_room};
 use halfdome::world::World;
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeValLike as _;
@@ -109,13 +109,15 @@ fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &Threa
                 println!("{label:26}{setting:>8}{:>9}{mrays:>9.2}{seconds:>9.2}{percent:>7.2}%", run.records);
             }
             before = seconds(UsageWho::RUSAGE_SELF);
-            true
+            Some(taken * scale)
         })
     });
     if let (Some(folder), Some(curves)) = (&options.plots, measured) {
         fs::create_dir_all(folder)?;
         let title = format!("{title}: indirect light ({reference})");
-        fs::write(folder.join(format!("cache-{name}.svg")), curves.svg(&title))?;
+        for (cost, suffix) in [(Cost::Rays, ""), (Cost::Seconds, "-time")] {
+            fs::write(folder.join(format!("cache-{name}{suffix}.svg")), curves.svg(&title, cost))?;
+        }
     }
     Ok(())
 }

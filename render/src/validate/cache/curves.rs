@@ -1,4 +1,4 @@
-//! Error against rays: by paths, and by caches of several kinds, as a figure.
+//! Error against rays or time: by paths, and by caches of several kinds, as figures.
 
 use super::study::{Run, Study};
 use crate::cache::Reading;
@@ -41,6 +41,15 @@ pub struct Plan<'a> {
     pub rays: u32,
 }
 
+/// What errors are drawn against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Rays, which are the same on every machine.
+    Rays,
+    /// Processor time, where somebody took it.
+    Seconds,
+}
+
 /// The runs of each kind, in the order of [`KINDS`] after those by paths.
 #[derive(Clone, Debug)]
 pub struct Curves {
@@ -50,13 +59,18 @@ pub struct Curves {
 
 impl Curves {
     /// Measures all of `plan`. `each` sees the runs of every cache, with their kinds, or one by paths with none, and its
-    /// error or number of paths; it gives whether to go on. If not, there are no curves.
-    pub fn measure(study: &Study, plan: &Plan, mut each: impl FnMut(&[Kind], f32, &[Run]) -> bool) -> Option<Self> {
+    /// error or number of paths; it gives the seconds that they would take for all pixels, or `None` to end the work. Then
+    /// there are no curves.
+    pub fn measure(
+        study: &Study,
+        plan: &Plan,
+        mut each: impl FnMut(&[Kind], f32, &[Run]) -> Option<f64>,
+    ) -> Option<Self> {
         let mut curves = Self { paths: Vec::new(), caches: Default::default() };
         for &spp in plan.paths {
             let run = study.paths(spp);
-            each(&[], spp as f32, &[run]).then_some(())?;
-            curves.paths.push(run);
+            let seconds = each(&[], spp as f32, &[run])?;
+            curves.paths.push(Run { seconds, ..run });
         }
         for metric in Metric::ALL {
             let (numbers, kinds): (Vec<usize>, Vec<Kind>) =
@@ -65,8 +79,8 @@ impl Curves {
             for &error in plan.errors {
                 let options = CachedOptions { error, rays: plan.rays, metric, ..CachedOptions::default() };
                 let runs = study.cache(options, &readings);
-                each(&kinds, error, &runs).then_some(())?;
-                numbers.iter().zip(runs).for_each(|(&number, run)| curves.caches[number].push(run));
+                let seconds = each(&kinds, error, &runs)?;
+                numbers.iter().zip(runs).for_each(|(&number, run)| curves.caches[number].push(Run { seconds, ..run }));
             }
         }
         Some(curves)
@@ -82,23 +96,28 @@ impl Curves {
         KINDS.iter().zip(&self.caches).find(|(kind, _)| kind.label == label).map_or(&[], |(_, runs)| runs)
     }
 
-    /// Error against rays.
-    pub(super) fn figure(&self, name: &'static str, title: &str) -> Figure {
-        let point = |run: &Run| Point { x: run.rays, y: run.error, error: 0.0 };
+    /// Error against rays or time.
+    pub(super) fn figure(&self, name: &'static str, title: &str, cost: Cost) -> Figure {
+        let x = match cost {
+            Cost::Rays => Axis::logarithmic("rays for 256 × 256 pixels", 2e6, 1e9),
+            Cost::Seconds => Axis::logarithmic("processor time for 256 × 256 pixels (s)", 0.1, 300.0),
+        };
+        let of = |run: &Run| if cost == Cost::Rays { run.rays } else { run.seconds };
+        let point = |run: &Run| Point { x: of(run), y: run.error, error: 0.0 };
         let series = |label, runs: &[Run]| Series::measured(label, runs.iter().map(point).collect());
         let caches = KINDS.iter().zip(&self.caches).map(|(kind, runs)| series(kind.label, runs));
         Figure {
             name,
             title: title.to_owned(),
-            x: Axis::logarithmic("rays for 256 × 256 pixels", 2e6, 1e9),
+            x,
             y: Axis::logarithmic("relative error of indirect irradiance (root mean square)", 0.005, 1.0),
             series: std::iter::once(series(PATHS, &self.paths)).chain(caches).collect(),
         }
     }
 
     /// The figure's file.
-    pub fn svg(&self, title: &str) -> String {
-        svg(&self.figure("curves", title))
+    pub fn svg(&self, title: &str, cost: Cost) -> String {
+        svg(&self.figure("curves", title, cost))
     }
 }
 
@@ -132,7 +151,7 @@ mod tests {
 
     #[test]
     fn power_laws_are_followed_between_and_beyond() {
-        let run = |records: usize| Run { records, rays: 0.0, error: 3.0 / records as f64 };
+        let run = |records: usize| Run { records, rays: 0.0, seconds: 0.0, error: 3.0 / records as f64 };
         let runs: Vec<Run> = [10, 20, 80].map(run).to_vec();
         for records in [5.0, 10.0, 15.0, 40.0, 80.0, 200.0] {
             assert!((error_of(&runs, records) * records / 3.0 - 1.0).abs() < 1e-12);

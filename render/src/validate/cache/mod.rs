@@ -17,7 +17,7 @@ use crate::settings::{CachedOptions, Gradients, Metric};
 use crate::world::World;
 use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
 
-pub use curves::{Curves, KINDS, Kind, Plan};
+pub use curves::{Cost, Curves, KINDS, Kind, Plan};
 pub use study::{Reference, Run, Study};
 pub use walls::Walls;
 
@@ -65,9 +65,9 @@ fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(C
     let study = study(lab, &world, lab.seed())?;
     let errors: &[f32] = if lab.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
     let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
-    let curves = Curves::measure(&study, &plan, |_, _, _| !lab.watch().stop()).ok_or(Interrupted)?;
+    let curves = Curves::measure(&study, &plan, |_, _, _| (!lab.watch().stop()).then_some(0.0)).ok_or(Interrupted)?;
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
-    let figure = curves.figure(name, &format!("{title}: indirect light ({reference})"));
+    let figure = curves.figure(name, &format!("{title}: indirect light ({reference})"), Cost::Rays);
     Ok((curves, figure))
 }
 

@@ -68,6 +68,8 @@ pub struct Run {
     pub records: usize,
     /// Rays for all pixels.
     pub rays: f64,
+    /// Seconds for all pixels, if somebody timed it, or 0.
+    pub seconds: f64,
     /// Relative error.
     pub error: f64,
 }
@@ -101,7 +103,7 @@ impl<'a> Study<'a> {
         let request = Request { spp, seed: self.settings.seed, part: Part::Indirect };
         let found = by_paths(self.world, &self.sensors, &request, self.watch);
         let rays = found.rays as f64 * self.pixels();
-        Run { records: 0, rays, error: self.reference.error_of(found.values) }
+        Run { records: 0, rays, seconds: 0.0, error: self.reference.error_of(found.values) }
     }
 
     /// By a cache for the picture with both gradients, read in each of these ways, on which its records do not depend. A
@@ -117,7 +119,7 @@ impl<'a> Study<'a> {
             let read = |sensor: &Sensor| frozen.cache.interpolate_by(reading, sensor.position, sensor.normal);
             // Nothing is missing unless filling was interrupted.
             let found = self.sensors.iter().map(|sensor| read(sensor).map_or(Vec3::ZERO, |found| found.irradiance));
-            Run { records, rays, error: self.reference.error_of(found) }
+            Run { records, rays, seconds: 0.0, error: self.reference.error_of(found) }
         };
         readings.iter().map(run).collect()
     }
