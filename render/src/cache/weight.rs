@@ -43,7 +43,7 @@ const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
 /// The part of the way to an obstacle up to which a record can be used: obstacles are not quite where rays found them.
-const BEFORE: f32 = 0.95;
+const BEFORE: f32 = 0.995;
 
 impl Weighting {
     /// The weight of a record at a point with this unit normal, at least 0.

@@ -96,7 +96,7 @@ pub(super) struct Candidate<'w> {
 /// in the Cornell box about as good as those of the other metrics with the same error.
 const HESSIAN_EXTENT: f32 = 0.02;
 /// Mean distances of what a record sees within which the scene matters.
-const SURROUNDINGS: f32 = 10.0;
+const SURROUNDINGS: f32 = 16.0;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;
 
