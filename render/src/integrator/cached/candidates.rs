@@ -8,22 +8,18 @@ use rayon::prelude::*;
 
 use super::level::Candidate;
 use super::spacing::spacings;
-use crate::cache::{Bounds, Cache, Pass, Place};
+use crate::cache::{Bounds, Pass, Place};
 use crate::camera::Camera;
 use crate::estimator::GatherPoint;
 use crate::settings::Settings;
 use crate::world::{Surface, World};
 
-/// Steps between the camera's candidates, in pixels, ...
-const STEPS: [u32; 6] = [64, 32, 16, 8, LAST_STEP * 2, LAST_STEP];
-/// ... the last of which leaves gaps that are looked for when the rest is covered: there are few, so that a picture's
-/// candidates need not all be in memory.
-const LAST_STEP: u32 = 2;
+/// Steps between the camera's candidates, in pixels.
+const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
 /// The fewest pixels that a record reaches where the camera sees it, over the error: in a corner it is these that decide
 /// how many records there are, which should be as many times fewer as elsewhere where the error may be greater ...
 const LEAST_PIXELS: f32 = 6.0;
-/// ... but no fewer than these, so that the corners of a pixel are within the reach of a record that covers its middle: as
-/// far as 1/√2 more, when records are used √2 times as far as they are placed ...
+/// ... but no fewer than these, so that most of the pixels beside a candidate are within the reach of its record ...
 const LEAST_FOR_ALL: f32 = 1.75;
 /// ... and the most pixels.
 const MOST_PIXELS: f32 = 40.0;
@@ -73,25 +69,6 @@ pub(super) fn camera_candidates<'w>(
         passes.extend([1.4, 0.95].map(|part| Pass { places, separation: part * step as f32 }));
     }
     (candidates, passes, traced)
-}
-
-/// What the camera sees through the middles of all other pixels and `cache` does not cover, and the number of rays.
-pub(super) fn camera_gaps<'w>(
-    world: &'w World,
-    settings: &Settings,
-    camera: &Camera,
-    cache: &Cache,
-) -> (Vec<Candidate<'w>>, u64) {
-    let rows = (0..settings.height).into_par_iter().map(|y| {
-        let is_other = |&x: &u32| !x.is_multiple_of(LAST_STEP) || !y.is_multiple_of(LAST_STEP);
-        let pixels: Vec<(u32, u32)> = (0..settings.width).filter(is_other).map(|x| (x, y)).collect();
-        let (mut found, rays) = seen_candidates(world, settings, camera, cache.options().error, &pixels);
-        found.retain(|candidate| !cache.covers(candidate.place.position, candidate.place.normal));
-        (found, rays)
-    });
-    let rows: Vec<(Vec<Candidate>, u64)> = rows.collect();
-    let rays = rows.iter().map(|(_, rays)| rays).sum();
-    (rows.into_iter().flat_map(|(found, _)| found).collect(), rays)
 }
 
 /// A ray from the camera, or what mirrors and glass made of it.

@@ -7,11 +7,9 @@
 //! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
 //! deeper cache is needed where the gathers' rays end, so its candidates are found by rays from the candidates above.
 
-use std::collections::HashSet;
-
 use rayon::prelude::*;
 
-use super::candidates::{camera_candidates, camera_gaps, loose_candidates, loose_passes, scout};
+use super::candidates::{camera_candidates, loose_candidates, loose_passes, scout};
 use super::level::Candidate;
 use super::{Forgetful, Frozen, Journal, Level, Source};
 use crate::cache::{Bounds, Cache, Pass, Place};
@@ -29,8 +27,6 @@ const MOST_TEXELS: f32 = 40.0;
 const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
-/// How far apart records are in gaps that are found in the end, in pixels.
-const GAPS_APART: f32 = 0.95;
 /// From so many candidates without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
@@ -41,8 +37,7 @@ pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, 
     let camera = Camera::new(&world.camera, settings.width, settings.height);
     let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
     let overture = Overture { world, seed: settings.seed, source: None, journal: &Forgetful, watch };
-    let (frozen, traced) =
-        overture.fill(cache, &candidates, &passes, |cache| camera_gaps(world, settings, &camera, cache));
+    let (frozen, traced) = overture.fill(cache, &candidates, &passes);
     (frozen, rays + traced)
 }
 
@@ -57,7 +52,7 @@ pub(crate) fn fill_for_surfaces(
     let least_units = SENSOR_UNITS * cache.options().error;
     let candidates = loose_candidates(world, surfaces, 0, least_units, 1);
     let overture = Overture { world, seed, source: None, journal: &Forgetful, watch };
-    overture.fill(cache, &candidates, &loose_passes(candidates.len()), no_gaps)
+    overture.fill(cache, &candidates, &loose_passes(candidates.len()))
 }
 
 /// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
@@ -82,13 +77,7 @@ pub(crate) fn fill_for_texels<'w>(
         cache,
         &candidates,
         &loose_passes(candidates.len()),
-        no_gaps,
     )
-}
-
-/// All places have been candidates.
-fn no_gaps<'w>(_: &Cache) -> (Vec<Candidate<'w>>, u64) {
-    Default::default()
 }
 
 /// What caches are filled with.
@@ -102,15 +91,8 @@ struct Overture<'a> {
 }
 
 impl Overture<'_> {
-    /// Fills `cache` from the source, or from caches of one, two, three reflections in turn; in the end with the candidates
-    /// that `gaps` finds, for which it may trace rays.
-    fn fill<'w>(
-        &self,
-        mut cache: Cache,
-        candidates: &[Candidate<'w>],
-        passes: &[Pass],
-        gaps: impl Fn(&Cache) -> (Vec<Candidate<'w>>, u64),
-    ) -> (Frozen, u64) {
+    /// Fills `cache` from the source, or from caches of one, two, three reflections in turn.
+    fn fill(&self, mut cache: Cache, candidates: &[Candidate], passes: &[Pass]) -> (Frozen, u64) {
         let Self { world, seed, source, .. } = *self;
         let options = *cache.options();
         let mut traced = 0;
@@ -144,24 +126,6 @@ impl Overture<'_> {
         }
         let source = below.as_ref().map_or(paths, Source::Cache);
         traced += self.fill_level(&mut cache, source, candidates, passes);
-        // New records shorten others, so all are asked again until nothing is missing: then a cache that is filled once more
-        // stays as it is.
-        let mut all: Vec<Candidate> = Vec::new();
-        let mut known: HashSet<u64> = HashSet::new();
-        loop {
-            let (mut gaps, rays) = gaps(&cache);
-            traced += rays;
-            gaps.retain(|gap| known.insert(gap.point.key));
-            if gaps.is_empty() {
-                break;
-            }
-            if all.is_empty() {
-                all.extend_from_slice(candidates);
-            }
-            all.extend(gaps);
-            let pass = Pass { places: all.len(), separation: GAPS_APART };
-            traced += self.fill_level(&mut cache, source, &all, &[pass]);
-        }
         (Frozen::new(cache), traced)
     }
 
