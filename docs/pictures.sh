@@ -62,7 +62,7 @@ radiance = [2.0, 2.4, 3.0]
 SCENE
 "$halfdome" render "$work/kitchen.toml" -o docs/kitchen.png --tone neutral --exposure 0.5
 cargo run --release -p halfdome-benches --bin irradiance_curves -- cornell room "$work/kitchen.toml" --record-rays 2048 \
-    --reference 16384 --plots "$work"
+    --reference 8192 --plots "$work"
 for scene in cornell room kitchen; do
     cp "$work/cache-$scene.svg" docs/validate-cache-$scene.svg
     cp "$work/cache-$scene-time.svg" docs/validate-cache-$scene-time.svg
