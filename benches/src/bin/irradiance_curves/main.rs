@@ -17,7 +17,7 @@ use glam::Vec3;
 use halfdome::driver::Watch;
 use halfdome::irradiance::{Part, Request, by_paths};
 use halfdome::scene::{Scene, cornell_box, open};
-use halfdome::validate::{Cost, Curves, Plan, Study, Walls, furnished_room};
+use halfdome::validate::{Cost, Curves, Places, Plan, Study, Walls, furnished_room};
 use halfdome::world::World;
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeValLike as _;
@@ -91,7 +91,7 @@ fn seconds(who: UsageWho) -> f64 {
 
 fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     let world = World::new(scene)?;
-    let study = Study::new(&world, 32, options.reference, 0, &Patience);
+    let study = Study::new(&world, Places::Anywhere, 32, options.reference, 0, &Patience);
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     println!("{title}: indirect light of 256 x 256 pixels, {} rays a record; {reference}", options.record_rays);
     println!("{:26}{:>8}{:>9}{:>9}{:>9}{:>8}", "", "setting", "records", "Mrays", "seconds", "error");

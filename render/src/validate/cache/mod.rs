@@ -18,7 +18,7 @@ use crate::world::World;
 use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
 
 pub use curves::{Cost, Curves, KINDS, Kind, Plan};
-pub use study::{Reference, Run, Study};
+pub use study::{Places, Reference, Run, Study};
 pub use walls::Walls;
 
 pub(super) const FAMILY: Family = Family {
@@ -55,7 +55,7 @@ const RECORDS: f64 = 1700.0;
 /// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide: one in a
 /// corner can be half of all.
 fn study<'a>(lab: &Lab<'a>, world: &'a World, seed: u64) -> Result<Study<'a>, Interrupted> {
-    let study = Study::new(world, 32, lab.share(8192).max(2048), seed, lab.watch());
+    let study = Study::new(world, Places::Candidates, 32, lab.share(8192).max(2048), seed, lab.watch());
     if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
 }
 

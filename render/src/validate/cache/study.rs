@@ -74,6 +74,15 @@ pub struct Run {
     pub error: f64,
 }
 
+/// Which surfaces a study looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Places {
+    /// Those in the middles of pixels that may get a record: how metrics and gradients differ shows best there.
+    Candidates,
+    /// Any: what is beside edges, where all caches are as coarse as pixels are, counts as much as in a picture.
+    Anywhere,
+}
+
 /// Selects where in the picture the surfaces are.
 const PLACES_SEED: u64 = 11;
 /// Pixels along a side of the picture.
@@ -81,9 +90,9 @@ const SIDE: u32 = 256;
 
 impl<'a> Study<'a> {
     /// A study of `side`² surfaces, fewer where the camera sees none, with a reference of twice `spp` paths at each.
-    pub fn new(world: &'a World, side: u32, spp: u32, seed: u64, watch: &'a dyn Watch) -> Self {
+    pub fn new(world: &'a World, places: Places, side: u32, spp: u32, seed: u64, watch: &'a dyn Watch) -> Self {
         let settings = Settings { width: SIDE, height: SIDE, seed, ..Settings::default() };
-        let sensors = sensors(world, side);
+        let sensors = sensors(world, places, side);
         let reference = Reference::by_paths(world, &sensors, Part::Indirect, spp, !(seed << 1), watch);
         Self { world, settings, sensors, reference, watch }
     }
@@ -126,12 +135,21 @@ impl<'a> Study<'a> {
 }
 
 /// A surface that the camera sees at random in each of `side`² equal parts of the picture, if it sees one that scatters light.
-fn sensors(world: &World, side: u32) -> Vec<Sensor> {
+fn sensors(world: &World, places: Places, side: u32) -> Vec<Sensor> {
     let camera = Camera::new(&world.camera, SIDE, SIDE);
     let part = SIDE as f32 / side as f32;
-    let places = (0..side * side)
-        .map(|i| (Vec2::new((i % side) as f32, (i / side) as f32) + Stream::new(PLACES_SEED, i, 0).uniform2(0)) * part);
-    let rays = places.map(|place| camera.ray(place.x, place.y));
+    let rays = (0..side * side).map(|i| {
+        let random = Stream::new(PLACES_SEED, i, 0).uniform2(0);
+        let place = (Vec2::new((i % side) as f32, (i / side) as f32) + random) * part;
+        match places {
+            Places::Anywhere => camera.ray(place.x, place.y),
+            // Every other pixel is a candidate; what is an odd multiple of 2 along both axes is only in the last pass.
+            Places::Candidates => {
+                let [x, y] = [place.x, place.y].map(|along| (along as u32 & !3) as f32 + 2.5);
+                camera.ray(x, y)
+            }
+        }
+    });
     let surfaces = rays.filter_map(|ray| {
         let hit = world.tree().intersect(&ray)?;
         Some(world.surface_at(&hit).facing(ray.direction))
