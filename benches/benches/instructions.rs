@@ -99,14 +99,14 @@ impl Found {
 }
 
 #[library_benchmark]
-#[bench::strata(args = (Found::new(18, 57)), config = counted(30_463))]
+#[bench::strata(args = (Found::new(18, 57)), config = counted(31_419))]
 fn gradients(found: Found) -> Found {
     let _ = black_box(found.layout.accumulate(black_box(&found.radiance), &found.distance));
     found
 }
 
 #[library_benchmark]
-#[bench::strata(args = (Found::new(18, 57)), config = counted(142_857))]
+#[bench::strata(args = (Found::new(18, 57)), config = counted(80_854))]
 fn hessian(found: Found) -> Found {
     let _ = black_box(found.layout.hessian(&found.directions, black_box(&found.radiance), &found.distance));
     found

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::Gather;
-use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, Row, parts, sum};
+use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, Row, load, parts, sum};
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
 /// Hits nearer than this, 2⁻⁶⁰, count as at this distance: it keeps reciprocals finite.
@@ -159,6 +159,7 @@ struct Sums<const N: usize, L> {
     translational: [[L; 2]; 3],
     inverse_distance: L,
     minimum_distance: L,
+    squares: [L; 3],
 }
 
 impl<const N: usize, L: Lanes<N>> Sums<N, L> {
@@ -171,6 +172,7 @@ impl<const N: usize, L: Lanes<N>> Sums<N, L> {
             translational: [[zero; 2]; 3],
             inverse_distance: zero,
             minimum_distance: L::splat(f32::INFINITY),
+            squares: [zero; 3],
         }
     }
 
@@ -187,6 +189,8 @@ impl<const N: usize, L: Lanes<N>> Sums<N, L> {
         for channel in 0..3 {
             let radiance = here.radiance[channel];
             let (rise_up, rise_left) = (radiance - above.radiance[channel], radiance - left.radiance[channel]);
+            let step = cosine * rise_left;
+            self.squares[channel] = self.squares[channel] + step * step;
             self.irradiance[channel] = self.irradiance[channel] + cosine * radiance;
             for axis in 0..2 {
                 self.rotational[channel][axis] = self.rotational[channel][axis] + turn[axis] * radiance;
@@ -198,14 +202,6 @@ impl<const N: usize, L: Lanes<N>> Sums<N, L> {
         self.minimum_distance = self.minimum_distance.min(row.lanes::<HERE, N, L>(3, first));
         here
     }
-}
-
-/// Lanes of a group from column `first` on.
-#[inline(always)]
-fn load<const N: usize, L: Lanes<N>>(numbers: &[f32; COLUMNS], first: usize) -> L {
-    let mut lanes = [0.0; N];
-    lanes.copy_from_slice(&numbers[first..first + N]);
-    L::load(&lanes)
 }
 
 impl Grid<'_> {
@@ -248,7 +244,8 @@ fn total<const N: usize, L: Lanes<N>>(all: &[Sums<N, L>]) -> Gather {
     let gradients = [vectors(|sums| &sums.rotational), vectors(|sums| &sums.translational)];
     let inverse_distance = sum(all.iter().map(|sums| sums.inverse_distance));
     let distances = all.iter().flat_map(|sums| sums.minimum_distance.store());
-    Gather::from_sums(irradiance, gradients, inverse_distance, distances.fold(f32::INFINITY, f32::min))
+    let squares = [0, 1, 2].map(|channel| sum(all.iter().map(|sums| sums.squares[channel])));
+    Gather::from_sums(irradiance, gradients, inverse_distance, distances.fold(f32::INFINITY, f32::min), squares)
 }
 
 /// The gather of grids that make up a layout.

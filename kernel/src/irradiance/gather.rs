@@ -22,16 +22,21 @@ pub struct Gather {
     pub harmonic_mean_distance: f32,
     /// The least of the distances; +∞ if no ray hit anything.
     pub minimum_distance: f32,
+    /// The standard deviation of E, of the channel where it is greatest, in W/m²: √(½ Σ (ΔL ∫ cos θ dω)²) over cells and
+    /// their neighbours in a row, which see about the same, so that half of their squared difference is the variance of
+    /// one. Where they do not it is too much. Parts of E below 10⁻¹⁹ are lost, above 10¹⁹ it is infinite.
+    pub deviation: f32,
 }
 
 impl Gather {
     /// From the sums in local coordinates, whose gradients have no third component; `inverse_distance` is
-    /// Σ (1/r) ∫ cos θ dω.
+    /// Σ (1/r) ∫ cos θ dω, and `squares` are those of the deviation.
     pub(super) fn from_sums(
         irradiance: [f32; 3],
         [rotational, translational]: [[[f32; 2]; 3]; 2],
         inverse_distance: f32,
         minimum_distance: f32,
+        squares: [f32; 3],
     ) -> Self {
         let local = |[x, y]: [f32; 2]| Vec3::new(x, y, 0.0);
         Self {
@@ -40,6 +45,7 @@ impl Gather {
             translational: translational.map(local),
             harmonic_mean_distance: PI / inverse_distance,
             minimum_distance,
+            deviation: libm::sqrtf(0.5 * squares.into_iter().fold(0.0, f32::max)),
         }
     }
 

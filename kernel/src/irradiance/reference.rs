@@ -35,6 +35,7 @@ pub fn stratified(strata: &Strata, radiance: &[Vec3], distance: &[f32]) -> Gathe
                 add_wall(cell - n, cell, radial(phi(k as f64 + 0.5)) * cos(j), length * cos(j));
             }
             add_wall(previous, cell, tangent(phi(k as f64)), sin(j + 1) - sin(j));
+            sums.add_difference([radiance[previous], radiance[cell]], PI / (m * n) as f64);
         }
     }
     sums.gather()
@@ -72,6 +73,10 @@ pub fn hemicube(n: u32, radiance: &[Vec3], distance: &[f32]) -> Gather {
             }
         }
         sums.add_cell(radiance[cell], distance[cell], vector.z, DVec3::Z.cross(vector));
+        let (first, columns) = if cell < n * n { (0, n) } else { (n * n, 4 * n) };
+        let column = (cell - first) % columns;
+        let previous = cell - column + (column + columns - 1) % columns;
+        sums.add_difference([radiance[previous], radiance[cell]], vector.z);
     }
     sums.gather()
 }
@@ -127,6 +132,7 @@ struct Sums {
     translational: [DVec3; 3],
     inverse_distance: f64,
     nearness: f64,
+    squares: DVec3,
 }
 
 impl Sums {
@@ -152,6 +158,12 @@ impl Sums {
         }
     }
 
+    /// A cell's difference from the one before in its row, which for the first is the last.
+    fn add_difference(&mut self, radiance: [Vec3; 2], cosine: f64) {
+        let difference = cosine * (radiance[1].as_dvec3() - radiance[0].as_dvec3());
+        self.squares += difference * difference;
+    }
+
     fn gather(&self) -> Gather {
         let flat = |v: DVec3| dvec3(v.x, v.y, 0.0).as_vec3();
         Gather {
@@ -160,6 +172,7 @@ impl Sums {
             translational: self.translational.map(flat),
             harmonic_mean_distance: (PI / self.inverse_distance) as f32,
             minimum_distance: (1.0 / self.nearness) as f32,
+            deviation: (0.5 * self.squares.max_element()).sqrt() as f32,
         }
     }
 }

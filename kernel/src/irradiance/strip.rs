@@ -67,10 +67,16 @@ impl<const PARTS: usize> Row<PARTS> {
     /// A part in lanes that start from column `first`, from one [before](BEFORE) or [next](NEXT) to it.
     #[inline(always)]
     pub(super) fn lanes<const FROM: usize, const N: usize, L: Lanes<N>>(&self, part: usize, first: usize) -> L {
-        let mut lanes = [0.0; N];
-        lanes.copy_from_slice(&self.0[part][first + FROM..first + FROM + N]);
-        L::load(&lanes)
+        load(&self.0[part], first + FROM)
     }
+}
+
+/// Lanes of some numbers, from one on.
+#[inline(always)]
+pub(super) fn load<const N: usize, L: Lanes<N>>(numbers: &[f32], first: usize) -> L {
+    let mut lanes = [0.0; N];
+    lanes.copy_from_slice(&numbers[first..first + N]);
+    L::load(&lanes)
 }
 
 /// The columns that a row of a strip is read from.

@@ -23,7 +23,7 @@ pub struct Record {
     pub translational: [Vec3; 3],
     /// Harmonic mean of the distances of what it sees; less where something hangs low nearby.
     pub mean_distance: f32,
-    /// The least of those distances.
+    /// The least of those distances, and of the obstacles.
     pub min_distance: f32,
     /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
     pub radii: [f32; 2],

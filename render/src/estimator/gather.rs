@@ -5,9 +5,7 @@
 //! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
 //! large batches.
 
-use std::f64::consts::PI;
-
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified};
 use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use halfdome_kernel::{Hit, Ray};
@@ -39,8 +37,6 @@ pub(crate) struct GatherPoint<'w> {
 pub(crate) struct Gathered {
     /// Irradiance, gradients and distances, in world space.
     pub(crate) gather: Gather,
-    /// The standard deviation of the irradiance, of the channel where it is greatest.
-    pub(crate) deviation: f32,
     /// How irradiance curves, in the frame about the normal, if that was asked for.
     pub(crate) hessian: Option<Hessian>,
     /// What stands around.
@@ -120,15 +116,6 @@ impl Gatherer {
     }
 }
 
-/// The standard deviation of the irradiance of a gather with this radiance, as if all cells had the same weight.
-/// Cells next to each other see about the same, so that half of their squared difference is the variance of one; where
-/// they do not, it is too much.
-fn deviation(radiance: &[Vec3]) -> f32 {
-    let squares = |pair: &[Vec3]| (pair[1] - pair[0]).as_dvec3().powf(2.0);
-    let sum: DVec3 = radiance.windows(2).map(squares).sum();
-    (PI * (0.5 * sum.max_element()).sqrt() / radiance.len() as f64) as f32
-}
-
 /// A key as the pixel of a sampler: the finalizer of SplitMix64 (Steele, Lea and Flood 2014), its upper half.
 fn address(key: u64) -> u32 {
     let mixed = (key ^ key >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -200,25 +187,6 @@ impl Batch {
                 horizon.add(direction, hit.t, frame.to_local(found.normal));
             }
         }
-        Gathered { gather: gather.to_world(&frame), deviation: deviation(radiance), hessian, horizon }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use halfdome_kernel::sampling::Stream;
-
-    #[test]
-    fn deviation_is_that_of_independent_cells() {
-        assert_eq!(deviation(&[Vec3::new(3.0, 2.0, 1.0); 100]), 0.0);
-        // Uniform noise of variance 1/12 in one channel, whatever its unit.
-        let count = 4096;
-        for scale in [1e-30, 1.0, 1e30] {
-            let noise = |i| Vec3::Y * (scale * Stream::new(1, i, 0).uniform2(0).x);
-            let radiance: Vec<Vec3> = (0..count).map(noise).collect();
-            let expected = PI * (1.0 / 12.0 / f64::from(count)).sqrt() * f64::from(scale);
-            assert!((f64::from(deviation(&radiance)) / expected - 1.0).abs() < 0.03);
-        }
+        Gathered { gather: gather.to_world(&frame), hessian, horizon }
     }
 }

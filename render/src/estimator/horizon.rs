@@ -40,7 +40,7 @@ const BESIDE: [[usize; 2]; SECTORS] = {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Horizon {
     /// The nearest obstacle of each sector.
-    pub(crate) obstacles: [f32; SECTORS],
+    obstacles: [f32; SECTORS],
     /// The most that the mean distance may be, by what hangs over.
     pub(crate) clearance: f32,
     /// Whether a flat ray went that way.

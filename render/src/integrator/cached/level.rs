@@ -146,7 +146,7 @@ impl Level<'_> {
 
     /// The record of what a gather found.
     fn record(&self, candidate: &Candidate, found: &Gathered) -> Record {
-        let Gathered { gather, deviation, hessian, horizon } = found;
+        let Gathered { gather, hessian, horizon } = found;
         let surface = &candidate.point.surface;
         // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
         let mean_distance = gather.harmonic_mean_distance.min(horizon.clearance).min(self.world.diagonal());
@@ -158,7 +158,7 @@ impl Level<'_> {
             position: surface.position,
             normal: surface.shading_normal,
             irradiance: gather.irradiance,
-            deviation: *deviation,
+            deviation: gather.deviation,
             rotational: gather.rotational,
             translational: gather.translational,
             mean_distance,
