@@ -11,6 +11,9 @@
 //! which a gradient is about as uncertain as irradiance is. It is short, as a gather's gradient is that of the few walls
 //! between its cells where something changes; gradients decide where there are too few neighbours to tell. So noise is
 //! shared among neighbours without a ray, and what is left of the bias is of the third order in their distance.
+//!
+//! A polynomial of few neighbours can be anything a little farther away, so it is limited: no channel is less or more than
+//! all of what the record alone says there and the neighbours say at the record, where the polynomial was found.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -27,6 +30,8 @@ pub(super) struct Polynomial {
     slope: [Vec3; 2],
     /// Second derivatives: along, mixed, across.
     curvature: [Vec3; 3],
+    /// The least and the most of the irradiance that it was made of.
+    range: [Vec3; 2],
 }
 
 /// Which neighbours a record listens to, and what their gradients are worth.
@@ -48,7 +53,7 @@ pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> 
     let Neighbourhood { weighting, gradient_weight } = neighbourhood;
     let tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
     let fit = |(number, record): (usize, &Record)| {
-        let mut sums = Sums::default();
+        let mut sums = Sums::new();
         sums.add(record, record, 1.0, *gradient_weight);
         tree.query(record.position, |i| {
             let weight = weighting.weight(&records[i], record.position, record.normal);
@@ -62,7 +67,7 @@ pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> 
 }
 
 impl Polynomial {
-    /// Irradiance at a point with this normal, which the record can see. May be negative.
+    /// Irradiance at a point with this normal, which the record can see. May be negative, where that of the record alone is.
     #[inline]
     pub(super) fn extrapolate(&self, record: &Record, position: Vec3, normal: Vec3) -> Vec3 {
         let step = position - record.position;
@@ -71,21 +76,29 @@ impl Polynomial {
         let [xx, xy, yy] = self.curvature;
         let turn = record.normal.cross(normal);
         let turned = Vec3::from_array(record.rotational.map(|gradient| gradient.dot(turn)));
-        self.irradiance + turned + x * (slope_x + 0.5 * x * xx + y * xy) + y * (slope_y + 0.5 * y * yy)
+        let flat = self.irradiance + x * (slope_x + 0.5 * x * xx + y * xy) + y * (slope_y + 0.5 * y * yy);
+        let alone = record.extrapolate(position, record.normal, false, true);
+        let [least, most] = self.range;
+        flat.max(least.min(alone)).min(most.max(alone)) + turned
     }
 }
 
 /// The polynomial's coefficients: 1, x, y, x²/2, xy, y²/2.
 const TERMS: usize = 6;
 
-/// The normal equations. Lengths are in units of the record's lesser radius.
-#[derive(Default)]
+/// The normal equations, and the range of irradiance. Lengths are in units of the record's lesser radius.
 struct Sums {
     matrix: [[f64; TERMS]; TERMS],
     right: [DVec3; TERMS],
+    range: [Vec3; 2],
 }
 
 impl Sums {
+    fn new() -> Self {
+        let range = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        Self { matrix: Default::default(), right: Default::default(), range }
+    }
+
     /// Adds what `other` says around `record`.
     fn add(&mut self, record: &Record, other: &Record, weight: f32, gradient_weight: f32) {
         let unit = record.radii[0];
@@ -95,6 +108,7 @@ impl Sums {
         let turn = other.normal.cross(record.normal);
         let along = |vectors: [Vec3; 3], axis: Vec3| Vec3::from_array(vectors.map(|vector| vector.dot(axis)));
         let irradiance = other.irradiance + along(other.rotational, turn);
+        self.range = [self.range[0].min(irradiance), self.range[1].max(irradiance)];
         self.add_row([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], irradiance, weight);
         let certainty = (gradient_weight * other.mean_distance / unit).max(LEAST_CERTAINTY);
         let weight = weight * certainty * certainty;
@@ -118,7 +132,7 @@ impl Sums {
         for (i, times) in [(3, 1.0), (4, 2.0), (5, 1.0)] {
             self.matrix[i][i] += times * CURVATURE_COST;
         }
-        let Self { mut matrix, right: mut solution } = self;
+        let Self { mut matrix, right: mut solution, range } = self;
         for pivot in 0..TERMS {
             for row in pivot + 1..TERMS {
                 let factor = matrix[row][pivot] / matrix[pivot][pivot];
@@ -143,6 +157,7 @@ impl Sums {
             irradiance,
             slope: [x, y].map(|slope| slope * inverse),
             curvature: [xx, xy, yy].map(|curvature| curvature * inverse * inverse),
+            range,
         }
     }
 }
@@ -202,14 +217,19 @@ mod tests {
         for (record, polynomial) in records.iter().zip(&polynomials) {
             let local = frame.to_local(record.position);
             for (dx, dy) in [(0.0, 0.0), (RADIUS, 0.0), (0.0, -RADIUS), (-0.3, 0.2)] {
-                let exact = quadratic(local.x + dx, local.y + dy).0;
+                let (x, y) = (local.x + dx, local.y + dy);
+                if [x, y].iter().any(|place| !(0.0..1.0).contains(place)) {
+                    // Beyond all neighbours, where the limit holds.
+                    continue;
+                }
+                let exact = quadratic(x, y).0;
                 let position = record.position + frame.to_world(vec3(dx, dy, 0.0));
                 let found = polynomial.extrapolate(record, position, frame.normal);
                 let plain = record.extrapolate(position, frame.normal, true, true);
                 let (error, before) = ((found - exact).length(), (plain - exact).length());
-                // At the border, where neighbours are few, curvature has its price.
+                // At the border neighbours are few: curvature has its price, and what they say a limit.
                 let is_inside = (local.truncate() - 0.5).abs().max_element() < 0.5 - 0.5 * RADIUS;
-                let (part, rest) = if is_inside { (0.05, 3e-3) } else { (0.15, 0.01) };
+                let (part, rest) = if is_inside { (0.05, 3e-3) } else { (0.25, 0.01) };
                 assert!(error <= part * before + rest, "{local}: {error}, by the gradient alone {before}");
             }
         }
@@ -227,6 +247,36 @@ mod tests {
         let after = mean_square(pairs.map(|(r, p)| p.extrapolate(r, r.position, frame.normal)).collect());
         let before = mean_square(records.iter().map(|record| record.irradiance).collect());
         assert!(after < 0.35 * before, "{after}, was {before}");
+    }
+
+    /// Where neighbours are few and lie on one side, what they say together is no more than what they say.
+    #[test]
+    fn nothing_is_beyond_what_neighbours_say() {
+        let noise = |i| Vec3::from_array([0, 1, 2].map(|channel| Stream::new(10, i, channel).uniform2(0).x));
+        let (all, frame) = records(|_, _, i| (noise(i), [0.1 * noise(i + 99), 0.1 * noise(i + 199)]));
+        let (mut limited, mut exceeded) = (0, 0);
+        for few in all.chunks(5) {
+            let polynomials = polynomials(few, &NEIGHBOURHOOD);
+            let [least, most] = few.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[least, most], record| {
+                [least.min(record.irradiance), most.max(record.irradiance)]
+            });
+            for (record, polynomial) in few.iter().zip(&polynomials) {
+                for angle in 0..8 {
+                    let (sin, cos) = (angle as f32).sin_cos();
+                    let position = record.position + frame.to_world(vec3(cos, sin, 0.0) * RADIUS);
+                    let alone = record.extrapolate(position, record.normal, true, true);
+                    let within = |value: Vec3| {
+                        value.cmpge(least.min(alone) - 1e-6).all() && value.cmple(most.max(alone) + 1e-6).all()
+                    };
+                    let found = polynomial.extrapolate(record, position, frame.normal);
+                    assert!(within(found), "{found} is not between {least} and {most}, nor {alone}");
+                    let free = Polynomial { range: [Vec3::NEG_INFINITY, Vec3::INFINITY], ..*polynomial };
+                    exceeded += usize::from(!within(free.extrapolate(record, position, frame.normal)));
+                    limited += 1;
+                }
+            }
+        }
+        assert!(exceeded > limited / 5, "{exceeded} of {limited} needed a limit");
     }
 
     /// What no neighbour sees is what the record itself says, and other sides of an edge do not count.
