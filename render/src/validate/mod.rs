@@ -23,7 +23,7 @@ pub(crate) use lab::{Effort, Interrupted, Lab};
 pub(crate) use plot::{Figure, csv, svg};
 pub(crate) use report::{Row, json, list};
 
-pub use cache::{Cost, Curves, KINDS, Kind, Places, Plan, Reference, Run, Study, Walls};
+pub use cache::{Cost, Curves, KINDS, Kind, Places, Plan, Reference, RelativeError, Run, Study, Walls};
 pub use room::furnished_room;
 use statistics::Sample;
 

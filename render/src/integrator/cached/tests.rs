@@ -4,8 +4,11 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::*;
+use crate::camera::Camera;
+use crate::driver::Watch;
 use crate::integrator::FIRST_SET;
-use crate::scene::{CameraPose, Material, Mesh, Scene};
+use crate::scene::{CameraPose, Material, Mesh, Scene, cornell_box};
+use crate::settings::Settings;
 
 /// The inside of a tetrahedron about the origin that emits 1 and reflects half.
 fn furnace() -> World {
@@ -41,5 +44,39 @@ fn paths_in_place_of_records_are_as_long() {
         assert_eq!(frozen.usage().misses, u64::from(COUNT));
         let mean = found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / f64::from(COUNT);
         assert!((mean / expected - 1.0).abs() < 0.008, "{bounces:?}: {mean}, not {expected}");
+    }
+}
+
+/// Nobody watches.
+struct Patience;
+
+impl Watch for Patience {
+    fn advance(&self, _: u64, _: u64) {}
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+/// Whatever the error, records reach most of what is beside a candidate: paths are for what is left.
+#[test]
+fn few_points_have_no_record() {
+    let world = World::new(cornell_box()).unwrap();
+    let settings = Settings { width: 128, height: 128, ..Settings::default() };
+    let camera = Camera::new(&world.camera, settings.width, settings.height);
+    for error in [0.6, 0.2, 0.1] {
+        let options = CachedOptions { error, rays: 48, ..CachedOptions::default() };
+        let cache = Cache::new(options, world.surroundings_hash());
+        let (frozen, _) = fill_for_camera(&world, &settings, cache, &Patience);
+        let rays = (0..1 << 15).map(|i| {
+            let place = Sampler::new(Pattern::Sobol, 2, 0, i).uniform2(0) * 128.0;
+            camera.ray(place.x, place.y)
+        });
+        let points: Vec<_> = rays
+            .filter_map(|ray| Some(world.surface_at(&world.tree().intersect(&ray)?).facing(ray.direction)))
+            .filter(|surface| surface.diffuse != Vec3::ZERO)
+            .collect();
+        let missing = points.iter().filter(|surface| frozen.irradiance(surface).is_none()).count();
+        println!("error {error}: {missing} of {} points", points.len());
+        assert!(points.len() > 1 << 14 && missing * 25 < points.len(), "{missing} of {}", points.len());
     }
 }

@@ -103,7 +103,7 @@ impl Curves {
             Cost::Seconds => Axis::logarithmic("processor time for 256 × 256 pixels (s)", 0.1, 300.0),
         };
         let of = |run: &Run| if cost == Cost::Rays { run.rays } else { run.seconds };
-        let point = |run: &Run| Point { x: of(run), y: run.error, error: 0.0 };
+        let point = |run: &Run| Point { x: of(run), y: run.error.of_all, error: 0.0 };
         let series = |label, runs: &[Run]| Series::measured(label, runs.iter().map(point).collect());
         let caches = KINDS.iter().zip(&self.caches).map(|(kind, runs)| series(kind.label, runs));
         Figure {
@@ -124,17 +124,17 @@ impl Curves {
 /// How many records it takes for an error, and which error so many records have: between neighbouring runs by the
 /// straight line through both in logarithms, beyond them by that of the nearest two.
 pub(super) fn records_for(runs: &[Run], error: f64) -> f64 {
-    along(runs.iter().map(|run| (run.error, run.records as f64)).collect(), error)
+    along(runs.iter().map(|run| (run.error.of_all, run.records as f64)).collect(), error)
 }
 
 /// See [`records_for`].
 pub(super) fn error_of(runs: &[Run], records: f64) -> f64 {
-    along(runs.iter().map(|run| (run.records as f64, run.error)).collect(), records)
+    along(runs.iter().map(|run| (run.records as f64, run.error.of_all)).collect(), records)
 }
 
 /// How many rays it takes for an error; see [`records_for`].
 pub(super) fn rays_for(runs: &[Run], error: f64) -> f64 {
-    along(runs.iter().map(|run| (run.error, run.rays)).collect(), error)
+    along(runs.iter().map(|run| (run.error.of_all, run.rays)).collect(), error)
 }
 
 /// The value at `x` of the curve through two or more points of positive coordinates.
@@ -147,11 +147,13 @@ fn along(mut points: Vec<(f64, f64)>, x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::study::RelativeError;
     use super::*;
 
     #[test]
     fn power_laws_are_followed_between_and_beyond() {
-        let run = |records: usize| Run { records, rays: 0.0, seconds: 0.0, error: 3.0 / records as f64 };
+        let error = |error: f64| RelativeError { of_all: error, of_most: error };
+        let run = |records: usize| Run { records, rays: 0.0, seconds: 0.0, error: error(3.0 / records as f64) };
         let runs: Vec<Run> = [10, 20, 80].map(run).to_vec();
         for records in [5.0, 10.0, 15.0, 40.0, 80.0, 200.0] {
             assert!((error_of(&runs, records) * records / 3.0 - 1.0).abs() < 1e-12);

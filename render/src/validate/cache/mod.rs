@@ -18,7 +18,7 @@ use crate::world::World;
 use curves::{GRADIENTS, HESSIAN, NO_GRADIENTS, error_of, rays_for, records_for};
 
 pub use curves::{Cost, Curves, KINDS, Kind, Plan};
-pub use study::{Places, Reference, Run, Study};
+pub use study::{Places, Reference, RelativeError, Run, Study};
 pub use walls::Walls;
 
 pub(super) const FAMILY: Family = Family {
@@ -75,22 +75,22 @@ fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
     let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
     // The least error without gradients is one that coarser caches have with them.
     let without = finest(curves.of(NO_GRADIENTS)).ok_or(Interrupted)?;
-    let measured = records_for(curves.of(GRADIENTS), without.error) / without.records as f64;
-    let quantity = format!("records for an error of {:.1}%", 100.0 * without.error);
+    let measured = records_for(curves.of(GRADIENTS), without.error.of_all) / without.records as f64;
+    let quantity = format!("records for an error of {:.1}%", 100.0 * without.error.of_all);
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
 }
 
 fn paths(lab: &Lab) -> Result<Outcome, Interrupted> {
     let (curves, figure) = curves(lab, "cache-room", "Furnished room", furnished_room())?;
     let finest = finest(curves.of(HESSIAN)).ok_or(Interrupted)?;
-    let measured = finest.rays / rays_for(curves.by_paths(), finest.error);
-    let quantity = format!("rays for an error of {:.1}%", 100.0 * finest.error);
+    let measured = finest.rays / rays_for(curves.by_paths(), finest.error.of_all);
+    let quantity = format!("rays for an error of {:.1}%", 100.0 * finest.error.of_all);
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.1, figure: Some(figure) })
 }
 
 /// The run with the least error.
 fn finest(runs: &[Run]) -> Option<&Run> {
-    runs.iter().min_by(|a, b| a.error.total_cmp(&b.error))
+    runs.iter().min_by(|a, b| a.error.of_all.total_cmp(&b.error.of_all))
 }
 
 fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {

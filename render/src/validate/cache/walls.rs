@@ -52,7 +52,7 @@ impl Walls {
     /// The relative error on each wall of readings of all sensors.
     pub fn errors(&self, values: &[Vec3]) -> Vec<f64> {
         let walls = values.chunks_exact((SIDE * SIDE) as usize).zip(&self.references);
-        walls.map(|(wall, reference)| reference.error_of(referenced().map(|i| wall[i]))).collect()
+        walls.map(|(wall, reference)| reference.error_of(referenced().map(|i| wall[i])).of_all).collect()
     }
 
     /// What a cache reads with so many samples of direct light, rays of a record and this error.
