@@ -47,7 +47,7 @@ pub struct Cache {
     options: CachedOptions,
     /// What the records depend on besides the options.
     scene: u64,
-    /// Whether records that disagree reach as far as others.
+    /// Whether records reach as far as their own gathers say, whatever neighbours know.
     is_rough: bool,
     /// The records with their radii as they are used.
     records: Vec<Record>,
@@ -138,11 +138,13 @@ impl Cache {
         records.map(|(record, radii)| Record { radii, ..record })
     }
 
-    /// By how much a record's reach may grow with the distance from a neighbour.
+    /// By how much a record's reach may grow with the distance from a neighbour. A Hessian can be 0 where irradiance turns
+    /// from one curve into another, as below the edge of something that hangs low: the neighbours know that it does.
     fn slope(&self) -> f32 {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => self.options.error,
-            Metric::Hessian => 1.0,
+            Metric::Hessian if self.is_rough => 1.0,
+            Metric::Hessian => 0.4,
         }
     }
 

@@ -41,7 +41,7 @@ fn cache(keys: std::ops::Range<u32>) -> Cache {
 
 #[test]
 fn interpolation_is_exact_for_what_gradients_describe() {
-    let cache = cache(0..100);
+    let cache = cache(0..160);
     for i in 0..200 {
         let [x, y, ..] = Stream::new(4, i, 0).uniform4(0);
         let Some(found) = cache.interpolate(vec3(x, y, 0.0), Vec3::Z) else { panic!("no record at {x}, {y}") };

@@ -87,6 +87,35 @@ fn light_stays_outside() {
     }
 }
 
+/// Sky beside and under the edge of a plate at a height of h that goes on to one side: at a distance of d from below the
+/// edge, `E = π/2 (1 + d/√(d² + h²))`. Whoever stands outside hardly sees the gap, and must not light it.
+#[test]
+fn a_gap_stays_dark() {
+    for height in [0.02f32, 0.1] {
+        let plate =
+            [vec3(0.0, -40.0, height), vec3(40.0, -40.0, height), vec3(40.0, 40.0, height), vec3(0.0, 40.0, height)];
+        let world = plain(40.0, &[plate]);
+        let sensors: Vec<Sensor> = (0..4000)
+            .map(|i| {
+                let [x, y] = Stream::new(7, i, 0).uniform2(0).to_array();
+                Sensor { position: vec3(2.0 * x - 1.5, 2.0 * y - 1.0, 0.0), normal: Vec3::Z }
+            })
+            .collect();
+        for metric in Metric::ALL {
+            let options = CachedOptions { metric, rays: 2048, error: 0.4, ..CachedOptions::default() };
+            let found = irradiance(&world, &sensors, options);
+            let errors = sensors.iter().zip(found).map(|(sensor, found)| {
+                let d = -sensor.position.x;
+                0.5 + 0.5 * d / d.hypot(height) - found / PI
+            });
+            let errors: Vec<f32> = errors.collect();
+            let rms = (errors.iter().map(|error| error * error).sum::<f32>() / errors.len() as f32).sqrt();
+            println!("{height}, {metric:?}: {rms}");
+            assert!(rms < 0.012, "{height}, {metric:?}: {rms}");
+        }
+    }
+}
+
 /// Sky over a black wall of height 2 at a distance of a, `E = π/2 (1 + a/√(a² + 4))`: however long the wall is and wide the
 /// plain, records are as near to each other as someone asks for light.
 #[test]
