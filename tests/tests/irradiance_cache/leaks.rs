@@ -108,8 +108,7 @@ fn a_gap_stays_dark() {
                 let d = -sensor.position.x;
                 0.5 + 0.5 * d / d.hypot(height) - found / PI
             });
-            let errors: Vec<f32> = errors.collect();
-            let rms = (errors.iter().map(|error| error * error).sum::<f32>() / errors.len() as f32).sqrt();
+            let rms = (errors.map(|error| error * error).sum::<f32>() / sensors.len() as f32).sqrt();
             println!("{height}, {metric:?}: {rms}");
             assert!(rms < 0.012, "{height}, {metric:?}: {rms}");
         }
