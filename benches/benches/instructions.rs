@@ -99,7 +99,7 @@ impl Found {
 }
 
 #[library_benchmark]
-#[bench::strata(args = (Found::new(18, 57)), config = counted(31_419))]
+#[bench::strata(args = (Found::new(18, 57)), config = counted(30_463))]
 fn gradients(found: Found) -> Found {
     let _ = black_box(found.layout.accumulate(black_box(&found.radiance), &found.distance));
     found

@@ -1,8 +1,9 @@
 //! Which records a cache gets.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3, vec3};
 use halfdome::cache::{Cache, Record};
 use halfdome::driver;
+use halfdome::irradiance::{Part, Request, Sensor, by_cache};
 use halfdome::scene::{Scene, cornell_box};
 use halfdome::settings::{CachedOptions, GatherLayout, Integrator, Metric, Settings};
 use halfdome::world::World;
@@ -92,4 +93,28 @@ fn records_are_as_dense_as_the_error_demands() {
     };
     let (fine, coarse) = (count(0.3), count(0.6));
     assert!(fine > 2 * coarse && fine < 5 * coarse, "{fine} and {coarse} records");
+}
+
+/// The deviation that records tell is that of irradiance over seeds; cells beside an edge see different things, so it may be
+/// too much.
+#[test]
+fn records_know_their_noise() {
+    const SEEDS: u64 = 48;
+    let world = World::new(cornell_box()).unwrap();
+    for layout in GatherLayout::ALL {
+        let options = CachedOptions { layout, rays: 768, ..CachedOptions::default() };
+        let sensor = Sensor { position: vec3(0.43, 0.0, 0.12), normal: Vec3::Y };
+        let record = |seed| {
+            let cache = Cache::new(options, world.surroundings_hash());
+            let request = Request { spp: 1, seed, part: Part::Indirect };
+            by_cache(&world, &[sensor], cache, &request, &Patience).cache.unwrap().0.records()[0]
+        };
+        let records: Vec<Record> = (0..SEEDS).map(record).collect();
+        let mean = records.iter().map(|record| record.irradiance.as_dvec3()).sum::<DVec3>() / SEEDS as f64;
+        let squares = records.iter().map(|record| (record.irradiance.as_dvec3() - mean).powf(2.0)).sum::<DVec3>();
+        let deviation = (squares / (SEEDS - 1) as f64).max_element().sqrt();
+        let told = records.iter().map(|record| f64::from(record.deviation)).sum::<f64>() / SEEDS as f64;
+        println!("{layout:?}: {told} told, {deviation} found, of {mean}");
+        assert!((0.75..1.75).contains(&(told / deviation)), "{layout:?}: {told}, not {deviation}");
+    }
 }
