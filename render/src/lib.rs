@@ -14,6 +14,7 @@ pub mod film;
 mod integrator;
 pub mod irradiance;
 mod light;
+pub mod material;
 pub mod output;
 pub mod overlay;
 pub mod probes;
