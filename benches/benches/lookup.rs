@@ -61,14 +61,14 @@ fn records(count: u32) -> Vec<Record> {
             position,
             normal,
             irradiance: Vec3::ONE,
-            deviation: 0.0,
+            standard_error: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: reach,
             min_distance: 0.5 * reach,
             radii: [reach * (0.5 + 0.5 * r), reach],
             axis: normal.any_orthonormal_vector(),
-            obstacles: [f32::INFINITY; SECTORS],
+            occluders: [f32::INFINITY; SECTORS],
         }
     };
     (0..count).map(record).collect()

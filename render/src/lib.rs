@@ -10,6 +10,7 @@ pub mod cli;
 pub mod cubemap;
 pub mod driver;
 mod estimator;
+mod executor;
 pub mod film;
 mod integrator;
 pub mod irradiance;
@@ -20,9 +21,8 @@ pub mod overlay;
 pub mod probes;
 pub mod scene;
 pub mod settings;
-mod threads;
 #[cfg(feature = "cli")]
 pub mod validate;
 pub mod world;
 
-pub use threads::Threads;
+pub use executor::RayonExecutor;

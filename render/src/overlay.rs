@@ -38,14 +38,14 @@ mod tests {
             position,
             normal,
             irradiance: Vec3::ONE,
-            deviation: 0.0,
+            standard_error: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: 0.1,
             min_distance: 0.1,
             radii: [0.1; 2],
             axis: normal.any_orthonormal_vector(),
-            obstacles: [f32::INFINITY; crate::cache::SECTORS],
+            occluders: [f32::INFINITY; crate::cache::SECTORS],
         };
         // The back wall above the blocks, which the camera at z = -0.8 looks at along z; the same from behind; and the floor
         // behind the tall block.

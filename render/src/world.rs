@@ -1,8 +1,8 @@
 //! The world: a scene made ready for tracing.
 
-mod holes;
-mod rows;
+mod shading_records;
 mod surface;
+mod trace;
 
 use glam::Vec3;
 use halfdome_kernel::bvh::TreeStatistics;
@@ -10,10 +10,10 @@ use halfdome_kernel::{
     BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
 };
 
-use crate::light::{Lights, SkyLight, Source};
+use crate::executor::RayonExecutor;
+use crate::light::{Light, LightSampler, SkyLight};
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
-use crate::threads::Threads;
-pub(crate) use rows::{Emitter, Face, Finish};
+pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -25,18 +25,18 @@ pub struct World {
     /// Whether any surface has holes.
     has_holes: bool,
     /// What is behind each `prim_id`.
-    faces: Vec<Face>,
+    triangle_records: Vec<TriangleRecord>,
     /// What each material says of plain surfaces.
-    finishes: Vec<Finish>,
+    material_records: Vec<MaterialRecord>,
     /// What is known of each light that is a plain triangle, by the number of its source.
-    emitters: Vec<Emitter>,
+    emitter_records: Vec<EmitterRecord>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
     bvh: Bvh,
     isa: Isa,
     report: BuildReport,
     /// All that emits and can be aimed at.
-    pub(crate) lights: Lights,
+    pub(crate) lights: LightSampler,
     pub(crate) sky: SkyLight,
     pub(crate) camera: CameraPose,
     surroundings_hash: u64,
@@ -60,7 +60,7 @@ impl World {
     /// # Errors
     /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
-        Self::build(scene, &BuildOptions::default(), &Threads::UNWATCHED)
+        Self::build(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)
     }
 
     /// Makes a scene ready, with a tree that is built where `executor` says.
@@ -77,40 +77,40 @@ impl World {
             let Material { diffuse_map, emission_map, cutout, .. } = &materials[mesh.material];
             mesh.normals.is_empty() && diffuse_map.is_none() && emission_map.is_none() && cutout.is_none()
         };
-        let (mut faces, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
+        let (mut triangle_records, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
         for (number, mesh) in (0..).zip(&meshes) {
-            first_faces.push(faces.len() as u32);
+            first_faces.push(triangle_records.len() as u32);
             let (material, is_plain) = (mesh.material as u32, is_plain(mesh));
-            let corners = &triangles[faces.len()..][..mesh.triangles.len()];
-            faces.extend(corners.iter().map(|&corners| {
+            let corners = &triangles[triangle_records.len()..][..mesh.triangles.len()];
+            triangle_records.extend(corners.iter().map(|&corners| {
                 let normal = triangle_normal(&corners);
                 let offset = offset_distance(&corners, normal);
-                Face { corners, normal, offset, mesh: number, material, is_plain: is_plain.into() }
+                TriangleRecord { corners, normal, offset, mesh: number, material, is_plain: is_plain.into() }
             }));
         }
         let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
-        let material = |prim: usize| &even[faces[prim].material as usize];
+        let material = |prim: usize| &even[triangle_records[prim].material as usize];
         let sky = SkyLight::new(sky);
-        let lights = Lights::new(&triangles, material, lights, &sky, bvh.view().bounds());
-        let finishes = materials.iter().map(Finish::of).collect();
-        let emitter = |source: &Source| match *source {
-            Source::Triangle(prim_id) => {
-                let face = &faces[prim_id as usize];
-                Emitter::of(face, &materials[face.material as usize], lights.area_density(prim_id).recip())
+        let lights = LightSampler::new(&triangles, material, lights, &sky, bvh.view().bounds());
+        let material_records = materials.iter().map(MaterialRecord::of).collect();
+        let emitter = |light: &Light| match *light {
+            Light::Triangle(prim_id) => {
+                let face = &triangle_records[prim_id as usize];
+                EmitterRecord::of(face, &materials[face.material as usize], lights.area_density(prim_id).recip())
             }
-            _ => Emitter::NONE,
+            _ => EmitterRecord::NONE,
         };
-        let emitters = lights.sources().iter().map(emitter).collect();
+        let emitter_records = lights.lights().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
         Ok(Self {
             meshes,
             materials,
             textures,
             has_holes,
-            faces,
-            finishes,
-            emitters,
+            triangle_records,
+            material_records,
+            emitter_records,
             first_faces,
             isa: bvh.view().isa(),
             bvh,
@@ -159,31 +159,31 @@ impl World {
     }
 
     /// Takes pictures from another pose, one that [`Overrides::apply`](crate::scene::Overrides::apply) has let pass.
-    pub fn look_from(&mut self, camera: CameraPose) {
+    pub fn set_camera(&mut self, camera: CameraPose) {
         self.camera = camera;
     }
 
     /// What is known of each triangle.
     #[inline(always)]
-    pub(crate) fn faces(&self) -> &[Face] {
-        &self.faces
+    pub(crate) fn triangle_records(&self) -> &[TriangleRecord] {
+        &self.triangle_records
     }
 
     /// What each material says of plain triangles.
     #[inline(always)]
-    pub(crate) fn finishes(&self) -> &[Finish] {
-        &self.finishes
+    pub(crate) fn material_records(&self) -> &[MaterialRecord] {
+        &self.material_records
     }
 
     /// What is known of each light that is a plain triangle, by the number of its source.
     #[inline(always)]
-    pub(crate) fn emitters(&self) -> &[Emitter] {
-        &self.emitters
+    pub(crate) fn emitter_records(&self) -> &[EmitterRecord] {
+        &self.emitter_records
     }
 
     /// The unit normal of a triangle, on the side to which `direction` points.
     pub(crate) fn normal_towards(&self, prim_id: u32, direction: Vec3) -> Vec3 {
-        let normal = self.faces[prim_id as usize].normal;
+        let normal = self.triangle_records[prim_id as usize].normal;
         if normal.dot(direction) < 0.0 { -normal } else { normal }
     }
 

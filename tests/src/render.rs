@@ -8,9 +8,9 @@ use halfdome::settings::Settings;
 use halfdome::world::World;
 
 /// Lets every render run to its end.
-pub struct Patience;
+pub struct NeverStops;
 
-impl Watch for Patience {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
     fn stop(&self) -> bool {
         false
@@ -20,7 +20,7 @@ impl Watch for Patience {
 /// The picture of `scene`, which has a camera.
 pub fn render(scene: &Scene, settings: &Settings) -> Picture {
     let world = World::new(scene.clone()).expect("the scene has a camera and few triangles");
-    let render = driver::render(&world, settings, &Patience);
+    let render = driver::render(&world, settings, &NeverStops);
     assert!(render.finished);
     render.picture
 }

@@ -16,7 +16,7 @@ use std::time::Instant;
 use clap::Parser;
 use glam::Vec3;
 use halfdome::bake::atlas::{Atlas, NO_CHART};
-use halfdome::bake::{self, Bake, BakeOptions, Journal, Source};
+use halfdome::bake::{self, Bake, BakeOptions, Checkpoint, TexelSource};
 use halfdome::driver::Watch;
 use halfdome::scene::{Scene, cornell_box};
 use halfdome::world::World;
@@ -91,8 +91,8 @@ fn compare(options: &Options) -> Result<(), Failure> {
 
 /// Our bake on so many threads, 0 for as many as there are.
 fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Result<(Bake, Timed), Failure> {
-    struct Patient;
-    impl Watch for Patient {
+    struct NeverStops;
+    impl Watch for NeverStops {
         fn advance(&self, _: u64, _: u64) {}
         fn stop(&self) -> bool {
             false
@@ -103,11 +103,12 @@ fn ours(name: &str, scene: &Scene, options: &BakeOptions, threads: usize) -> Res
     pool.install(|| {
         let start = Instant::now();
         let world = World::new(scene.clone())?;
-        let bake = bake::bake(scene, &world, atlas, options, &Journal::new(0), &Patient).ok_or("it was stopped")?;
+        let bake =
+            bake::bake(scene, &world, atlas, options, &Checkpoint::new(0), &NeverStops).ok_or("it was stopped")?;
         let seconds = start.elapsed().as_secs_f64();
         let map = &bake.maps[0];
-        let texel = |(value, source): (&Vec3, &Source)| {
-            (*source == Source::Light).then_some(*value * std::f32::consts::FRAC_1_PI)
+        let texel = |(value, source): (&Vec3, &TexelSource)| {
+            (*source == TexelSource::Light).then_some(*value * std::f32::consts::FRAC_1_PI)
         };
         let texels = map.layers[0].texels.iter().zip(&map.sources).map(texel).collect();
         Ok((bake, Timed { name: name.to_owned(), texels, seconds }))
@@ -119,7 +120,7 @@ fn inner(bake: &Bake) -> Vec<usize> {
     let (map, width) = (&bake.maps[0], bake.atlas.pages[0].width as usize);
     let is_inner = |&texel: &usize| {
         let near = [texel.wrapping_sub(width), texel.wrapping_sub(1), texel, texel + 1, texel + width];
-        let is_own = |&texel: &usize| map.sources.get(texel) == Some(&Source::Light);
+        let is_own = |&texel: &usize| map.sources.get(texel) == Some(&TexelSource::Light);
         map.owners[texel] != NO_CHART
             && near.iter().all(is_own)
             && near.iter().all(|&other| map.owners[other] == map.owners[texel])

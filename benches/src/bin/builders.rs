@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use halfdome::Threads;
+use halfdome::RayonExecutor;
 use halfdome_benches::measure::{self, Timing};
 use halfdome_benches::rays::{self, RayCounts, RaySet};
 use halfdome_benches::scenes::{self, Scene};
@@ -50,7 +50,7 @@ fn compare(scene: &Scene, options: &Options) -> Result<(), Box<dyn Error>> {
         for (i, quality) in Quality::ALL.into_iter().enumerate() {
             let start = Instant::now();
             let (bvh, _) = if options.parallel {
-                Bvh::build_on(&Threads::UNWATCHED, &scene.triangles, &quality.into())?
+                Bvh::build_on(&RayonExecutor::UNWATCHED, &scene.triangles, &quality.into())?
             } else {
                 Bvh::build_on(&Serial, &scene.triangles, &quality.into())?
             };

@@ -1,20 +1,20 @@
 //! Indirect light of texels from an irradiance cache, which is filled twice.
 //!
 //! A rough cache of few records, by paths, gives a first map of all light; then each ray of the final cache's gathers ends
-//! with a look at that map ([`Lookup`]). What is wrong with the first map is an error of light that was reflected twice or
+//! with a look at that map ([`TexelIrradiance`]). What is wrong with the first map is an error of light that was reflected twice or
 //! more, over the mean of a hemisphere. With a number of bounces there is no first map: each bounce has a cache of its own.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::journal::{Notes, Stage};
-use super::light::Job;
-use super::lookup::Lookup;
+use super::baker::Baker;
+use super::checkpoint::{CheckpointedRecords, Stage};
 use super::options::Directional;
+use super::texel_irradiance::TexelIrradiance;
 use super::texels::Texel;
 use super::values::Values;
 use crate::cache::Cache;
-use crate::integrator::{Frozen, Source, fill_for_texels};
+use crate::integrator::{FrozenCache, GatherSource, fill_for_texels};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
@@ -23,24 +23,28 @@ const ROUGH: f32 = 3.0;
 /// Keeps the numbers of the rough cache apart.
 const SALT: u64 = 0xbb67_ae85_84ca_a73b;
 
-impl Job<'_> {
+impl Baker<'_> {
     /// Whether gathers look at a map that is there before.
-    pub(super) fn looks_up(&self) -> bool {
+    pub(super) fn uses_first_map(&self) -> bool {
         self.needs_cache() && self.options.cache.bounces.is_none()
     }
 
     /// All light of texels by a rough cache, the number of its records, and its rays; `direct` has the rest of the light.
-    pub(super) fn first_map<'t>(&'t self, texels: &'t [Texel], direct: &Values) -> Option<(Lookup<'t>, u64, u64)> {
+    pub(super) fn first_map<'t>(
+        &'t self,
+        texels: &'t [Texel],
+        direct: &Values,
+    ) -> Option<(TexelIrradiance<'t>, u64, u64)> {
         let options = self.options.cache;
         let error = (ROUGH * options.error).min(CachedOptions::MAX_ERROR);
         let rough = CachedOptions { error, ..options };
-        let notes = Notes { journal: self.journal, stage: Stage::Rough };
-        let source = Source::paths(&rough);
-        let (frozen, rays) = self.fill(texels, (rough, self.options.seed ^ SALT), source, &notes)?;
+        let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Rough };
+        let source = GatherSource::paths(&rough);
+        let (frozen, rays) = self.fill(texels, (rough, self.options.seed ^ SALT), source, &records)?;
         let indirect: Vec<Option<Vec3>> =
             texels.par_iter().map(|texel| frozen.irradiance(&self.surface(texel))).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
-        let map = Lookup::new(self.surfaces, texels, all.collect());
+        let map = TexelIrradiance::new(self.surfaces, texels, all.collect());
         self.watch.covered(0);
         self.watch.advance(texels.len() as u64, 0);
         Some((map, frozen.usage().records, rays))
@@ -51,18 +55,23 @@ impl Job<'_> {
         &self,
         texels: &[Texel],
         (options, seed): (CachedOptions, u64),
-        source: Source,
-        notes: &Notes,
-    ) -> Option<(Frozen, u64)> {
+        source: GatherSource,
+        records: &CheckpointedRecords,
+    ) -> Option<(FrozenCache, u64)> {
         let Self { world, watch, .. } = *self;
         let places: Vec<(Surface, f32)> = texels.iter().map(|texel| (self.surface(texel), texel.spacing)).collect();
         let cache = Cache::new(options, world.surroundings_hash());
-        let filled = fill_for_texels(world, seed, cache, &places, source, notes, watch);
+        let filled = fill_for_texels(world, seed, cache, &places, source, records, watch);
         (!watch.stop()).then_some(filled)
     }
 
     /// Indirect light of all texels from a cache; those without a record gather.
-    pub(super) fn interpolate(&self, frozen: &Frozen, texels: &[Texel], source: Source) -> Option<(Values, u64)> {
+    pub(super) fn interpolate(
+        &self,
+        frozen: &FrozenCache,
+        texels: &[Texel],
+        source: GatherSource,
+    ) -> Option<(Values, u64)> {
         let (moments, mut rays) = self.moments_of_records(frozen, texels)?;
         let moments: Vec<&[Vec3]> = moments.texels().collect();
         let found: Vec<Option<(Vec3, [DVec3; 4])>> = texels
@@ -86,7 +95,7 @@ impl Job<'_> {
         let missing: Vec<usize> = (0..texels.len()).filter(|&i| found[i].is_none()).collect();
         let mut values = Values::of(self.layers(), found.into_iter().map(Option::unwrap_or_default));
         let lost: Vec<Texel> = missing.iter().map(|&i| texels[i]).collect();
-        let (gathered, traced) = self.blocks(Stage::Missing, &lost, |texels| {
+        let (gathered, traced) = self.chunks(Stage::Missing, &lost, |texels| {
             let texels: Vec<(usize, Texel)> = texels.iter().map(|&(i, texel)| (missing[i], texel)).collect();
             self.gather(&texels, source)
         })?;
@@ -96,13 +105,13 @@ impl Job<'_> {
     }
 
     /// The moments at each record, behind an empty irradiance; nothing if there is nothing to keep.
-    fn moments_of_records(&self, frozen: &Frozen, texels: &[Texel]) -> Option<(Values, u64)> {
+    fn moments_of_records(&self, frozen: &FrozenCache, texels: &[Texel]) -> Option<(Values, u64)> {
         if self.directional() == Directional::None {
             return Some((Values::of(1, std::iter::empty()), 0));
         }
         let keys: Vec<usize> = frozen.cache.records().iter().map(|record| record.key as usize).collect();
         let points: Vec<Texel> = keys.iter().map(|&key| texels[key]).collect();
-        self.blocks(Stage::Moments, &points, |points| {
+        self.chunks(Stage::Moments, &points, |points| {
             let points: Vec<(usize, Texel)> = points.iter().map(|&(i, texel)| (keys[i], texel)).collect();
             let (moments, rays) = self.gather_moments(&points);
             (Values::of(self.layers(), moments.into_iter().map(|moments| (Vec3::ZERO, moments))), rays)

@@ -7,7 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::dilate::Grid;
+use super::dilate::PageTexels;
 use super::noise::{View, sigma};
 
 /// Texels around one that it may be mixed with.
@@ -20,7 +20,7 @@ const STRENGTH: f32 = 0.7;
 const FACING: f32 = 0.95;
 
 /// Smooths `layers` of a page, guided by the first one; `normals` has those of the texels with light.
-pub(super) fn denoise(grid: &Grid, normals: &[Vec3], layers: &mut [Vec<Vec3>], charts: usize) {
+pub(super) fn denoise(grid: &PageTexels, normals: &[Vec3], layers: &mut [Vec<Vec3>], charts: usize) {
     let Some(guide) = layers.first() else { return };
     let brightness: Vec<f32> = guide.iter().map(|value| value.element_sum()).collect();
     let view = View { grid, brightness: &brightness };
@@ -88,7 +88,7 @@ impl Filter<'_> {
 mod tests {
     use super::*;
     use crate::bake::atlas::Page;
-    use crate::bake::dilate::Source;
+    use crate::bake::dilate::TexelSource;
     use halfdome_kernel::sampling::Stream;
 
     /// Two charts side by side, one ten times as bright, with a shadow's edge across both and noise of 5%.
@@ -96,7 +96,7 @@ mod tests {
     fn noise_goes_and_edges_and_other_charts_stay() {
         let page = Page { width: 40, height: 40 };
         let owners: Vec<u32> = (0..1600).map(|i| u32::from(i % 40 >= 20)).collect();
-        let grid = Grid { page, owners, sources: vec![Source::Light; 1600] };
+        let grid = PageTexels { page, owners, sources: vec![TexelSource::Light; 1600] };
         let truth = |i: usize| (if i % 40 < 20 { 1.0 } else { 10.0 }) * (if i / 40 < 25 { 1.0 } else { 0.3 });
         let noisy = |i: usize| {
             // The sum of four even numbers is nearly normal, with a variance of 1/3.

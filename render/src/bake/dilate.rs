@@ -7,17 +7,17 @@ use super::atlas::{NO_CHART, Page};
 
 /// The texels of a page.
 #[derive(Clone, Debug)]
-pub(crate) struct Grid {
+pub(crate) struct PageTexels {
     pub(crate) page: Page,
     /// The chart of each texel, [`NO_CHART`] outside of all.
     pub(crate) owners: Vec<u32>,
     /// Where its value comes from.
-    pub(crate) sources: Vec<Source>,
+    pub(crate) sources: Vec<TexelSource>,
 }
 
 /// Where a texel's value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum TexelSource {
     /// Nowhere: it is in no chart, and black.
     Nothing,
     /// It is the light at a point of the texel.
@@ -35,7 +35,7 @@ pub(crate) struct Mean {
     pub(crate) of: Vec<u32>,
 }
 
-impl Grid {
+impl PageTexels {
     /// Gives the texels around charts to the charts, `rings` deep.
     pub(crate) fn add_gutters(&mut self, rings: u32) {
         for _ in 0..rings {
@@ -45,7 +45,7 @@ impl Grid {
                 let owner = self.neighbours(texel).map(|other| before[other as usize]).find(|&owner| owner != NO_CHART);
                 if let Some(owner) = owner {
                     self.owners[texel as usize] = owner;
-                    self.sources[texel as usize] = Source::Gutter;
+                    self.sources[texel as usize] = TexelSource::Gutter;
                 }
             }
         }
@@ -53,7 +53,7 @@ impl Grid {
 
     /// What each texel without light is the mean of, in an order in which all of these are known before.
     pub(crate) fn means(&self) -> Vec<Mean> {
-        let mut known: Vec<bool> = self.sources.iter().map(|source| *source == Source::Light).collect();
+        let mut known: Vec<bool> = self.sources.iter().map(|source| *source == TexelSource::Light).collect();
         let mut open: Vec<u32> =
             (0..known.len() as u32).filter(|&i| !known[i as usize] && self.owners[i as usize] != NO_CHART).collect();
         let mut means: Vec<Mean> = Vec::new();
@@ -93,9 +93,9 @@ mod tests {
     use super::*;
 
     /// Digits are charts with light, `x` a covered texel of chart 1, dots nothing.
-    fn grid(rows: &[&str]) -> Grid {
+    fn grid(rows: &[&str]) -> PageTexels {
         let texels = || rows.iter().flat_map(|row| row.bytes());
-        Grid {
+        PageTexels {
             page: Page { width: rows[0].len() as u32, height: rows.len() as u32 },
             owners: texels()
                 .map(|c| match c {
@@ -106,9 +106,9 @@ mod tests {
                 .collect(),
             sources: texels()
                 .map(|c| match c {
-                    b'.' => Source::Nothing,
-                    b'x' => Source::Covered,
-                    _ => Source::Light,
+                    b'.' => TexelSource::Nothing,
+                    b'x' => TexelSource::Covered,
+                    _ => TexelSource::Light,
                 })
                 .collect(),
         }
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(grid.owners, [1, 1, NO_CHART, NO_CHART, 2, 2]);
         grid.add_gutters(1);
         assert_eq!(grid.owners, [1, 1, 1, 2, 2, 2]);
-        assert_eq!(grid.sources[2], Source::Gutter);
+        assert_eq!(grid.sources[2], TexelSource::Gutter);
     }
 
     #[test]

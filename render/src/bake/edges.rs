@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::junctions::corners_on;
+use super::t_junctions::corners_on;
 use crate::scene::{Mesh, Scene};
 
 /// Shading normals this far apart at both ends of an edge, or less, are those of one smooth surface: cos 37°.

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::dilate::Grid;
+use super::dilate::PageTexels;
 use super::noise::{View, sigma};
 use super::texels::Texel;
 use crate::cache::Cache;
@@ -17,7 +17,7 @@ const REACH: i64 = 2;
 /// The relative error of each texel with light, page by page; 0 for others. `light` is that of all pages.
 pub(super) fn errors(
     world: &World,
-    grids: &[Grid],
+    page_texels: &[PageTexels],
     texels: &[Texel],
     cache: Option<&Cache>,
     light: &[Vec<Vec3>],
@@ -26,10 +26,10 @@ pub(super) fn errors(
         light.iter().map(|page| page.iter().map(|value| value.element_sum()).collect()).collect();
     let error = |texel: &Texel| {
         let page = texel.page as usize;
-        let view = View { grid: &grids[page], brightness: &brightness[page] };
-        let deviation = cache.map_or(0.0, |cache| deviation(world, cache, texel));
+        let view = View { grid: &page_texels[page], brightness: &brightness[page] };
+        let standard_error = cache.map_or(0.0, |cache| standard_error(world, cache, texel));
         let bright = brightness[page][texel.index as usize];
-        if bright > 0.0 { noise_about(&view, texel.index).hypot(deviation / bright) } else { 0.0 }
+        if bright > 0.0 { noise_about(&view, texel.index).hypot(standard_error / bright) } else { 0.0 }
     };
     let found: Vec<f32> = texels.par_iter().map(error).collect();
     let mut errors: Vec<Vec<f32>> = brightness.iter().map(|page| vec![0.0; page.len()]).collect();
@@ -47,8 +47,8 @@ fn noise_about(view: &View, texel: u32) -> f32 {
     sigma(&mut differences)
 }
 
-/// The standard deviation of what a texel's records say of its brightness.
-fn deviation(world: &World, cache: &Cache, texel: &Texel) -> f32 {
+/// The standard error of what a texel's records say of its brightness.
+fn standard_error(world: &World, cache: &Cache, texel: &Texel) -> f32 {
     let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
     let (position, normal) = (surface.position, surface.shading_normal);
     let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);

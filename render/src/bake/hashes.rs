@@ -15,7 +15,7 @@ pub struct Hashes {
     pub options: Hash,
     /// Of all materials.
     pub materials: Hash,
-    /// Of lights without a surface.
+    /// Of delta lights.
     pub lights: Hash,
     /// Of the sky.
     pub sky: Hash,

@@ -6,12 +6,15 @@
 //! cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
 //! reflects the radiance E/π.
 //!
-//! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Journal`] and ends
+//! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
 //! with the same bytes.
 
+mod ao;
 pub mod atlas;
+mod baker;
 mod cached;
 pub mod check;
+mod checkpoint;
 mod covered;
 mod denoise;
 mod dilate;
@@ -22,20 +25,17 @@ mod footprint;
 pub mod gltf;
 mod hashes;
 mod islands;
-mod journal;
-mod junctions;
-mod light;
-mod lookup;
 pub mod manifest;
 mod moments;
 mod noise;
 pub mod obj;
-mod openness;
 mod options;
 mod picture;
 mod raster;
 pub mod report;
 mod seams;
+mod t_junctions;
+mod texel_irradiance;
 mod texels;
 mod unwrap;
 mod values;
@@ -50,20 +50,20 @@ use crate::settings::Invalid;
 use crate::world::World;
 
 use atlas::{Atlas, NO_CHART};
+use baker::Baker;
 use covered::uncover;
 use denoise::denoise;
-use dilate::Grid;
+use dilate::PageTexels;
 use edges::shared_edges;
 use errors::errors;
-use light::Job;
-use moments::Lens;
+use moments::DirectionalBasis;
 use seams::{Seams, cuts};
 use texels::{Surfaces, Texel};
 use warnings::warnings;
 
-pub use dilate::Source;
+pub use checkpoint::Checkpoint;
+pub use dilate::TexelSource;
 pub use hashes::{combined, hashes};
-pub use journal::Journal;
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
 pub use picture::charts_picture;
 
@@ -90,7 +90,7 @@ pub struct Map {
     /// The chart of each texel, [`NO_CHART`] outside of all; gutters belong to their chart.
     pub owners: Vec<u32>,
     /// Where each texel's value comes from.
-    pub sources: Vec<Source>,
+    pub sources: Vec<TexelSource>,
     /// An estimate of the relative error of irradiance at each texel with light of its own, 0 for others. It knows noise,
     /// and how far the cache's records disagree, but no bias.
     pub errors: Vec<f32>,
@@ -152,13 +152,13 @@ impl Atlas {
 }
 
 /// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
-/// found is in the journal. The watcher hears of texels in place of samples, [`work`] in all.
+/// found is in the checkpoint. The watcher hears of texels in place of samples, [`work`] in all.
 pub fn bake(
     scene: &Scene,
     world: &World,
     atlas: Atlas,
     options: &BakeOptions,
-    journal: &Journal,
+    checkpoint: &Checkpoint,
     watch: &dyn Watch,
 ) -> Option<Bake> {
     let surfaces = Surfaces::new(scene, &atlas);
@@ -168,11 +168,13 @@ pub fn bake(
     for (texel, is_free) in texels.into_iter().zip(is_free) {
         if is_free { lit.push(texel) } else { covered.push(texel) }
     }
-    let light = Job { world, surfaces: &surfaces, options, journal, watch }.light(&lit)?;
+    let light = Baker { world, surfaces: &surfaces, options, checkpoint, watch }.bake_texels(&lit)?;
 
-    let mut grids = grids(&atlas, &lit, &covered);
-    let names: Vec<&'static str> =
-        std::iter::once("").chain(Lens::layers(options.directional).iter().copied()).take(light.layers()).collect();
+    let mut page_texels = page_texels(&atlas, &lit, &covered);
+    let names: Vec<&'static str> = std::iter::once("")
+        .chain(DirectionalBasis::layers(options.directional).iter().copied())
+        .take(light.layers())
+        .collect();
     let mut layers: Vec<Vec<Vec<Vec3>>> = names.iter().map(|_| black(&atlas)).collect();
     for (texel, values) in lit.iter().zip(light.values()) {
         for (layer, value) in layers.iter_mut().zip(values) {
@@ -180,9 +182,9 @@ pub fn bake(
         }
     }
     if options.denoise {
-        smooth(world, &atlas, &grids, &lit, &mut layers);
+        smooth(world, &atlas, &page_texels, &lit, &mut layers);
     }
-    for (page, grid) in grids.iter_mut().enumerate() {
+    for (page, grid) in page_texels.iter_mut().enumerate() {
         grid.add_gutters(options.padding());
         for mean in grid.means() {
             for layer in &mut layers {
@@ -194,7 +196,7 @@ pub fn bake(
     let cuts = cuts(&atlas, scene.meshes.len(), &shared_edges(scene));
     let brightness: Vec<Vec<f32>> =
         layers[0].iter().map(|page| page.iter().map(|value| value.element_sum()).collect()).collect();
-    let seams = Seams::new(&atlas, &cuts, &grids, &brightness, options.sampling);
+    let seams = Seams::new(&atlas, &cuts, &page_texels, &brightness, options.sampling);
     seams.solve(&mut layers);
     for (layer, name) in layers.iter_mut().zip(&names) {
         // Harmonics have signs, all else has not.
@@ -203,9 +205,10 @@ pub fn bake(
         }
     }
 
-    let gutter = grids.iter().flat_map(|grid| &grid.sources).filter(|source| **source == Source::Gutter).count();
+    let gutter =
+        page_texels.iter().flat_map(|grid| &grid.sources).filter(|source| **source == TexelSource::Gutter).count();
     let (cache, usage) = light.cache.unzip();
-    let errors = errors(world, &grids, &lit, cache.as_ref(), &layers[0]);
+    let errors = errors(world, &page_texels, &lit, cache.as_ref(), &layers[0]);
     let usage = usage.unwrap_or_default();
     // A record's key is the number of its texel.
     let place = |record: &Record| {
@@ -227,7 +230,7 @@ pub fn bake(
         misses: usage.misses,
         negative: usage.negative,
     };
-    let maps = maps(grids, layers, errors, &names);
+    let maps = maps(page_texels, layers, errors, &names);
     let warnings = warnings(world, options, &maps, &statistics);
     Some(Bake { atlas, maps, record_places, statistics, warnings })
 }
@@ -240,21 +243,21 @@ pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
 }
 
 /// For each page what is known of its texels.
-fn grids(atlas: &Atlas, lit: &[Texel], covered: &[Texel]) -> Vec<Grid> {
-    let grid = |page: &atlas::Page| Grid {
+fn page_texels(atlas: &Atlas, lit: &[Texel], covered: &[Texel]) -> Vec<PageTexels> {
+    let grid = |page: &atlas::Page| PageTexels {
         page: *page,
         owners: vec![NO_CHART; page.texels()],
-        sources: vec![Source::Nothing; page.texels()],
+        sources: vec![TexelSource::Nothing; page.texels()],
     };
-    let mut grids: Vec<Grid> = atlas.pages.iter().map(grid).collect();
+    let mut page_texels: Vec<PageTexels> = atlas.pages.iter().map(grid).collect();
     let mut set = |texel: &Texel, source| {
-        let grid = &mut grids[texel.page as usize];
+        let grid = &mut page_texels[texel.page as usize];
         grid.owners[texel.index as usize] = texel.chart;
         grid.sources[texel.index as usize] = source;
     };
-    lit.iter().for_each(|texel| set(texel, Source::Light));
-    covered.iter().for_each(|texel| set(texel, Source::Covered));
-    grids
+    lit.iter().for_each(|texel| set(texel, TexelSource::Light));
+    covered.iter().for_each(|texel| set(texel, TexelSource::Covered));
+    page_texels
 }
 
 /// A black layer.
@@ -263,13 +266,13 @@ fn black(atlas: &Atlas) -> Vec<Vec<Vec3>> {
 }
 
 /// Takes noise out of all pages.
-fn smooth(world: &World, atlas: &Atlas, grids: &[Grid], lit: &[Texel], layers: &mut [Vec<Vec<Vec3>>]) {
+fn smooth(world: &World, atlas: &Atlas, page_texels: &[PageTexels], lit: &[Texel], layers: &mut [Vec<Vec<Vec3>>]) {
     let mut normals = black(atlas);
     for texel in lit {
         let normal = world.receiver(texel.point.prim_id, texel.point.barycentric).shading_normal;
         normals[texel.page as usize][texel.index as usize] = normal;
     }
-    for (page, grid) in grids.iter().enumerate() {
+    for (page, grid) in page_texels.iter().enumerate() {
         let mut of_page: Vec<Vec<Vec3>> = layers.iter_mut().map(|layer| std::mem::take(&mut layer[page])).collect();
         denoise(grid, &normals[page], &mut of_page, atlas.charts.len());
         layers.iter_mut().zip(of_page).for_each(|(layer, smoothed)| layer[page] = smoothed);
@@ -277,14 +280,19 @@ fn smooth(world: &World, atlas: &Atlas, grids: &[Grid], lit: &[Texel], layers: &
 }
 
 /// Puts layers together by page.
-fn maps(grids: Vec<Grid>, layers: Vec<Vec<Vec<Vec3>>>, errors: Vec<Vec<f32>>, names: &[&'static str]) -> Vec<Map> {
-    let map = |(grid, errors): (Grid, Vec<f32>)| Map {
+fn maps(
+    page_texels: Vec<PageTexels>,
+    layers: Vec<Vec<Vec<Vec3>>>,
+    errors: Vec<Vec<f32>>,
+    names: &[&'static str],
+) -> Vec<Map> {
+    let map = |(grid, errors): (PageTexels, Vec<f32>)| Map {
         layers: Vec::new(),
         owners: grid.owners,
         sources: grid.sources,
         errors,
     };
-    let mut maps: Vec<Map> = grids.into_iter().zip(errors).map(map).collect();
+    let mut maps: Vec<Map> = page_texels.into_iter().zip(errors).map(map).collect();
     for (pages, &name) in layers.into_iter().zip(names) {
         for (map, texels) in maps.iter_mut().zip(pages) {
             map.layers.push(Layer { name, texels });

@@ -17,7 +17,7 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::options::Directional;
 use crate::estimator::Hemisphere;
-use crate::integrator::{CameraRays, Wavefront, indirect};
+use crate::integrator::{RayBatch, Wavefront, indirect};
 use crate::settings::{CachedOptions, HemisphereSampling};
 use crate::world::{Surface, World};
 
@@ -30,13 +30,13 @@ const BATCH: usize = 2048;
 
 /// The moments of light at a point, as functions of directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lens {
+pub(super) struct DirectionalBasis {
     kind: Directional,
     /// The normals of `hl2`.
     basis: [Vec3; 3],
 }
 
-impl Lens {
+impl DirectionalBasis {
     /// The names of the layers, after that of irradiance.
     pub(super) fn layers(kind: Directional) -> &'static [&'static str] {
         match kind {
@@ -113,7 +113,7 @@ impl Moments {
         &mut self,
         world: &World,
         surface: &Surface,
-        lens: &Lens,
+        basis: &DirectionalBasis,
         number: u32,
         sums: &mut [DVec3; 4],
     ) -> u64 {
@@ -137,11 +137,11 @@ impl Moments {
             self.radiance.resize(self.rays.len(), Vec3::ZERO);
             world.intersect_many(&self.rays, &mut self.hits);
             let (rays, hits, samplers) = (&self.rays, &self.hits, &self.samplers);
-            let camera = CameraRays { rays, hits, samplers, first_set: DIRECTION_SET + 1, density: 0.0 };
+            let camera = RayBatch { rays, hits, samplers, first_set: DIRECTION_SET + 1, density: 0.0 };
             traced += indirect(world, self.max_depth, &camera, &mut self.wave, &mut self.radiance);
             traced += self.rays.len() as u64;
             for (ray, radiance) in self.rays.iter().zip(&self.radiance) {
-                lens.add(ray.direction, *radiance * solid_angle, sums);
+                basis.add(ray.direction, *radiance * solid_angle, sums);
             }
         }
         traced
@@ -160,22 +160,22 @@ mod tests {
         let hemisphere = Hemisphere::new(HemisphereSampling::StratifiedUniform, 10_000);
         let frame = halfdome_kernel::sampling::Frame::from_normal(normal);
         let sum = |kind| {
-            let lens = Lens::new(kind, normal, Vec3::Y, Vec3::X);
+            let basis = DirectionalBasis::new(kind, normal, Vec3::Y, Vec3::X);
             let mut sums = [DVec3::ZERO; 4];
             for ray in 0..hemisphere.rays() {
                 let local = hemisphere.direction(ray, glam::Vec2::splat(0.5)).0;
-                lens.add(frame.to_world(local), Vec3::splat(2.0 * PI / hemisphere.rays() as f32), &mut sums);
+                basis.add(frame.to_world(local), Vec3::splat(2.0 * PI / hemisphere.rays() as f32), &mut sums);
             }
-            (sums.map(|sum| sum.x as f32), lens)
+            (sums.map(|sum| sum.x as f32), basis)
         };
-        let (hl2, lens) = sum(Directional::Hl2);
+        let (hl2, basis) = sum(Directional::Hl2);
         let expected = PI * 0.5 * (1.0 + (1.0f32 / 3.0).sqrt());
         assert!(hl2[..3].iter().all(|moment| (moment - expected).abs() < 1e-3), "{hl2:?}, not {expected}");
-        for (i, a) in lens.basis.iter().enumerate() {
+        for (i, a) in basis.basis.iter().enumerate() {
             assert!((a.dot(normal) - (1.0f32 / 3.0).sqrt()).abs() < 1e-6);
-            assert!(lens.basis[..i].iter().all(|b| a.dot(*b).abs() < 1e-6), "at right angles");
+            assert!(basis.basis[..i].iter().all(|b| a.dot(*b).abs() < 1e-6), "at right angles");
         }
-        assert!(lens.basis[0].dot(Vec3::Y) > 0.8 && lens.basis[1].dot(Vec3::X) > 0.5, "along u, then along v");
+        assert!(basis.basis[0].dot(Vec3::Y) > 0.8 && basis.basis[1].dot(Vec3::X) > 0.5, "along u, then along v");
         let (sh, _) = sum(Directional::Sh1);
         let half = (3.0 / (4.0 * PI)).sqrt() * PI;
         for (found, expected) in sh.into_iter().zip([PI.sqrt(), 0.0, half * normal.z, half * normal.x]) {

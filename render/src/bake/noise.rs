@@ -2,14 +2,14 @@
 //! median is hardly moved by the edges of shadows.
 
 use super::atlas::Page;
-use super::dilate::{Grid, Source};
+use super::dilate::{PageTexels, TexelSource};
 
 /// The median of |x| of a normal distribution is this part of its σ; a second difference has √6 times the σ.
 const MEDIAN: f32 = 0.6745 * 2.449_49;
 
 /// A page of texels with light, by their brightness.
 pub(crate) struct View<'a> {
-    pub(crate) grid: &'a Grid,
+    pub(crate) grid: &'a PageTexels,
     pub(crate) brightness: &'a [f32],
 }
 
@@ -21,7 +21,7 @@ impl View<'_> {
 
     /// Whether a texel has light of its own.
     pub(crate) fn is_light(&self, texel: u32) -> bool {
-        self.grid.sources[texel as usize] == Source::Light
+        self.grid.sources[texel as usize] == TexelSource::Light
     }
 
     /// The texel at a step from another, if it is one with light of the same chart.

@@ -40,7 +40,7 @@ pub enum Mode {
     Full,
     /// What surfaces reflect, and the sky without the sun of its picture.
     Indirect,
-    /// Emitters, lights without a surface, and the sun of a sky's picture: that by which its texels are brighter than eight
+    /// Emitters, delta lights, and the sun of a sky's picture: that by which its texels are brighter than eight
     /// times the rest.
     Direct,
     /// None: how open to the outside each texel is, from 0 to 1.

@@ -10,7 +10,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::atlas::{Atlas, NO_CHART};
-use super::dilate::{Grid, Source};
+use super::dilate::{PageTexels, TexelSource};
 use super::edges::{SharedEdge, Side};
 use super::filter::{Footprint, footprint};
 use super::noise::{View, sigma};
@@ -119,7 +119,7 @@ impl Seams {
     pub(crate) fn new(
         atlas: &Atlas,
         cuts: &[Cut],
-        grids: &[Grid],
+        page_texels: &[PageTexels],
         brightness: &[Vec<f32>],
         sampling: Sampling,
     ) -> Self {
@@ -128,9 +128,9 @@ impl Seams {
             // Engines have a switch for it.
             Sampling::Bicubic => &[Sampling::Bilinear, Sampling::Bicubic],
         };
-        let mut numbers: Vec<Vec<u32>> = grids.iter().map(|grid| vec![u32::MAX; grid.owners.len()]).collect();
+        let mut numbers: Vec<Vec<u32>> = page_texels.iter().map(|grid| vec![u32::MAX; grid.owners.len()]).collect();
         let mut seams = Self { equations: Vec::new(), unknowns: Vec::new(), costs: Vec::new(), mixed: 0 };
-        let noise = noise(atlas, grids, brightness);
+        let noise = noise(atlas, page_texels, brightness);
         let sample = |(page, footprint): &(usize, Footprint)| -> f64 {
             footprint.iter().map(|&(texel, weight)| weight * f64::from(brightness[*page][texel as usize])).sum()
         };
@@ -141,13 +141,13 @@ impl Seams {
                 let side = |i: usize| {
                     let CutSide { page, chart, .. } = cut.sides[i];
                     let footprint = footprint(sampling, atlas.pages[page], places[i]);
-                    let is_own = footprint.iter().all(|&(texel, _)| grids[page].owners[texel as usize] == chart);
+                    let is_own = footprint.iter().all(|&(texel, _)| page_texels[page].owners[texel as usize] == chart);
                     is_own.then_some((page, footprint))
                 };
                 if let (Some(a), Some(b)) = (side(0), side(1)) {
                     let [x, y] = [sample(&a), sample(&b)];
                     if (x - y).abs() <= most * 0.5 * (x + y) {
-                        seams.add(grids, &mut numbers, [(a, 1.0), (b, -1.0)]);
+                        seams.add(page_texels, &mut numbers, [(a, 1.0), (b, -1.0)]);
                     }
                 } else if cut.is_smooth {
                     // Charts are too close: a filter mixes them, and nothing can be done.
@@ -158,7 +158,7 @@ impl Seams {
         seams
     }
 
-    fn add(&mut self, grids: &[Grid], numbers: &mut [Vec<u32>], sides: [((usize, Footprint), f64); 2]) {
+    fn add(&mut self, page_texels: &[PageTexels], numbers: &mut [Vec<u32>], sides: [((usize, Footprint), f64); 2]) {
         let mut terms: Vec<(u32, f64)> = Vec::new();
         for ((page, footprint), sign) in sides {
             for (texel, weight) in footprint {
@@ -166,7 +166,7 @@ impl Seams {
                 if *number == u32::MAX {
                     *number = self.unknowns.len() as u32;
                     self.unknowns.push((page as u32, texel));
-                    let is_light = grids[page].sources[texel as usize] == Source::Light;
+                    let is_light = page_texels[page].sources[texel as usize] == TexelSource::Light;
                     self.costs.push(if is_light { LIGHT } else { FILLED });
                 }
                 match terms.iter_mut().find(|(unknown, _)| unknown == number) {
@@ -273,9 +273,9 @@ impl Seams {
 }
 
 /// The relative noise of each chart.
-fn noise(atlas: &Atlas, grids: &[Grid], brightness: &[Vec<f32>]) -> Vec<f64> {
+fn noise(atlas: &Atlas, page_texels: &[PageTexels], brightness: &[Vec<f32>]) -> Vec<f64> {
     let mut differences = vec![Vec::new(); atlas.charts.len()];
-    for (grid, brightness) in grids.iter().zip(brightness) {
+    for (grid, brightness) in page_texels.iter().zip(brightness) {
         View { grid, brightness }.differences(&mut differences);
     }
     differences.iter_mut().map(|differences| sigma(differences).into()).collect()

@@ -15,9 +15,9 @@ mod seams;
 mod shadows;
 
 /// Never stops.
-struct Patient;
+struct NeverStops;
 
-impl Watch for Patient {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
 
     fn stop(&self) -> bool {
@@ -59,7 +59,7 @@ fn glowing(emission: f32, diffuse: f32) -> Material {
 fn baked(scene: &Scene, options: &BakeOptions) -> Bake {
     let atlas = Atlas::new(scene, options).unwrap();
     let world = World::new(scene.clone()).unwrap();
-    bake(scene, &world, atlas, options, &Journal::new(0), &Patient).unwrap()
+    bake(scene, &world, atlas, options, &Checkpoint::new(0), &NeverStops).unwrap()
 }
 
 /// Options for levels of a few thousand texels.
@@ -73,7 +73,7 @@ fn quick() -> BakeOptions {
 fn lit(bake: &Bake) -> Vec<Vec3> {
     let of_map = |map: &Map| -> Vec<Vec3> {
         let texels = map.layers[0].texels.iter().zip(&map.sources);
-        texels.filter(|(_, source)| **source == Source::Light).map(|(value, _)| *value).collect()
+        texels.filter(|(_, source)| **source == TexelSource::Light).map(|(value, _)| *value).collect()
     };
     bake.maps.iter().flat_map(of_map).collect()
 }
@@ -168,9 +168,9 @@ fn a_sealed_box_is_dark_inside() {
 }
 
 /// Says stop after a number of texels and records.
-struct Impatient(AtomicU64);
+struct StopsAfter(AtomicU64);
 
-impl Watch for Impatient {
+impl Watch for StopsAfter {
     fn advance(&self, texels: u64, _: u64) {
         let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| Some(left.saturating_sub(texels)));
     }
@@ -192,32 +192,32 @@ fn threads_and_interruptions_do_not_show() {
         let mut options = BakeOptions { size: 32, spp: 4, directional, ..quick() };
         options.cache.rays = 64;
         let atlas = Atlas::new(&scene, &options).unwrap();
-        let bake_on = |threads: usize, journal: &Journal, watch: &dyn Watch| {
+        let bake_on = |threads: usize, checkpoint: &Checkpoint, watch: &dyn Watch| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| bake(&scene, &world, atlas.clone(), &options, journal, watch)).map(|bake| bake.maps)
+            pool.install(|| bake(&scene, &world, atlas.clone(), &options, checkpoint, watch)).map(|bake| bake.maps)
         };
-        let expected = bake_on(1, &Journal::new(1), &Patient).unwrap();
-        assert!(bake_on(4, &Journal::new(1), &Patient).unwrap() == expected);
+        let expected = bake_on(1, &Checkpoint::new(1), &NeverStops).unwrap();
+        assert!(bake_on(4, &Checkpoint::new(1), &NeverStops).unwrap() == expected);
         // From stop to stop, with the state on disk in between.
         let folder = tempfile::tempdir().unwrap();
-        let path = Journal::path(&folder.path().join("a.obj"));
-        let keep = |journal: Journal| {
-            journal.keep(crate::output::OutputFile::check(&path).unwrap(), std::time::Duration::from_secs(3600))
+        let path = Checkpoint::path(&folder.path().join("a.obj"));
+        let keep = |checkpoint: Checkpoint| {
+            checkpoint.keep(crate::output::OutputFile::check(&path).unwrap(), std::time::Duration::from_secs(3600))
         };
         let mut stops = 0;
         let resumed = loop {
-            let journal = keep(Journal::read(&path, 1).unwrap().unwrap_or_else(|| Journal::new(1)));
-            match bake_on(2, &journal, &Impatient(AtomicU64::new(100 + 50 * stops))) {
+            let checkpoint = keep(Checkpoint::read(&path, 1).unwrap().unwrap_or_else(|| Checkpoint::new(1)));
+            match bake_on(2, &checkpoint, &StopsAfter(AtomicU64::new(100 + 50 * stops))) {
                 Some(maps) => break maps,
-                None => journal.save().unwrap(),
+                None => checkpoint.save().unwrap(),
             }
             stops += 1;
         };
         assert!(stops > 2, "{stops}");
         assert!(resumed == expected, "{directional:?}");
-        assert!(Journal::read(&path, 2).unwrap_err().problem.contains("another level"));
+        assert!(Checkpoint::read(&path, 2).unwrap_err().problem.contains("another level"));
         std::fs::write(&path, &std::fs::read(&path).unwrap()[1..]).unwrap();
-        assert!(Journal::read(&path, 1).unwrap_err().problem.contains("damaged"));
+        assert!(Checkpoint::read(&path, 1).unwrap_err().problem.contains("damaged"));
     }
 }
 
@@ -243,7 +243,7 @@ fn parts_of_light_add_up_and_moments_agree_with_irradiance() {
     let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
     assert_eq!(names, ["", "hl2.0", "hl2.1", "hl2.2"]);
     let (mut sum, mut expected) = (0.0, 0.0);
-    for (i, _) in directional.maps[0].sources.iter().enumerate().filter(|(_, source)| **source == Source::Light) {
+    for (i, _) in directional.maps[0].sources.iter().enumerate().filter(|(_, source)| **source == TexelSource::Light) {
         expected += layers[0].texels[i].y;
         sum += layers[1..].iter().map(|layer| layer.texels[i].y).sum::<f32>() / 3f32.sqrt();
     }

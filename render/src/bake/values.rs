@@ -18,9 +18,9 @@ impl Values {
         Self { layers, all: texels.flat_map(vectors).collect() }
     }
 
-    /// Those of several blocks of texels, in their order.
-    pub(super) fn joined(layers: usize, blocks: impl Iterator<Item = Self>) -> Self {
-        Self { layers, all: blocks.flat_map(|values| values.all).collect() }
+    /// Those of several chunks of texels, in their order.
+    pub(super) fn joined(layers: usize, chunks: impl Iterator<Item = Self>) -> Self {
+        Self { layers, all: chunks.flat_map(|values| values.all).collect() }
     }
 
     /// Vectors for each texel.

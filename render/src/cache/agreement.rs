@@ -18,8 +18,8 @@ use super::octree::Octree;
 use super::record::Record;
 use super::weight::Weighting;
 
-/// Standard deviations that noise may explain.
-const DEVIATIONS: f32 = 2.0;
+/// Standard errors that noise may explain.
+const STANDARD_ERRORS: f32 = 2.0;
 /// The least factor: an edge of light is no nearer if a radius is shorter, so there must be an end.
 const LEAST: f32 = 0.5;
 
@@ -49,8 +49,8 @@ fn limit(record: &Record, other: &Record, tolerance: f32) -> f32 {
     let step = other.position - record.position;
     let found = record.extrapolate(other.position, other.normal, true, true).max(Vec3::ZERO);
     // A gradient's noise is that of the irradiance over the mean distance, about.
-    let noise = other.deviation.hypot(record.deviation * (1.0 + step.length() / record.mean_distance));
-    let difference = (found - other.irradiance).abs().max_element() - DEVIATIONS * noise;
+    let noise = other.standard_error.hypot(record.standard_error * (1.0 + step.length() / record.mean_distance));
+    let difference = (found - other.irradiance).abs().max_element() - STANDARD_ERRORS * noise;
     let tolerated = tolerance * record.irradiance.max(other.irradiance).max_element();
     // False for NaN too.
     if difference > tolerated {
@@ -70,29 +70,29 @@ mod tests {
 
     const WEIGHTING: Weighting = Weighting { metric: Metric::SplitSphere, error: 0.4, stretch: 2.0 };
 
-    fn record(position: Vec3, irradiance: Vec3, slope: f32, deviation: f32) -> Record {
+    fn record(position: Vec3, irradiance: Vec3, slope: f32, standard_error: f32) -> Record {
         Record {
             key: 0,
             position,
             normal: Vec3::Z,
             irradiance,
-            deviation,
+            standard_error,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::X * slope; 3],
             mean_distance: 1.0,
             min_distance: 1.0,
             radii: [0.3, 0.3],
             axis: Vec3::X,
-            obstacles: [f32::INFINITY; SECTORS],
+            occluders: [f32::INFINITY; SECTORS],
         }
     }
 
-    /// Records of `light` along with its slope and their deviation, at random places of the unit square.
+    /// Records of `light` along with its slope and their standard error, at random places of the unit square.
     fn records(light: impl Fn(f32, u32) -> (f32, f32, f32)) -> Vec<Record> {
         let record = |i| {
             let [x, y, ..] = Stream::new(6, i, 0).uniform4(0);
-            let (irradiance, slope, deviation) = light(x, i);
-            record(vec3(x, y, 0.0), Vec3::splat(irradiance), slope, deviation)
+            let (irradiance, slope, standard_error) = light(x, i);
+            record(vec3(x, y, 0.0), Vec3::splat(irradiance), slope, standard_error)
         };
         (0..100).map(record).collect()
     }
@@ -140,7 +140,7 @@ mod tests {
     /// Noise that the gathers know of is no disagreement, and other noise would be.
     #[test]
     fn noise_shortens_nothing() {
-        // Uniform, so that it ends at √3 deviations.
+        // Uniform, so that it ends at √3 standard errors.
         let noisy = |told: f32| {
             let noise = |i| 0.1 * 3f32.sqrt() * (2.0 * Stream::new(7, i, 0).uniform2(0).x - 1.0);
             factors(&records(|_, i| (1.0 + noise(i), 0.0, told)), &WEIGHTING, 0.1)

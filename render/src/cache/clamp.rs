@@ -68,7 +68,7 @@ pub(crate) fn neighbour_factors(records: &[Record], slope: f32) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cache::order::sort_along_curve;
+    use crate::cache::morton::sort_by_morton_code;
     use crate::cache::record::SECTORS;
     use glam::vec3;
     use halfdome_kernel::sampling::Stream;
@@ -79,14 +79,14 @@ mod tests {
             position,
             normal: Vec3::Z,
             irradiance: vec3(2.0, 1.0, 0.001),
-            deviation: 0.0,
+            standard_error: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: radius,
             min_distance: 0.0,
             radii: [radius, 2.0 * radius],
             axis: Vec3::X,
-            obstacles: [f32::INFINITY; SECTORS],
+            occluders: [f32::INFINITY; SECTORS],
         }
     }
 
@@ -125,7 +125,7 @@ mod tests {
                 record(vec3(x, y, 0.1 * z), 0.001 + r * r * r)
             })
             .collect();
-        sort_along_curve(&mut records, |record| record.position, |record| record.key);
+        sort_by_morton_code(&mut records, |record| record.position, |record| record.key);
         for slope in [1.0, 0.3] {
             let mut radii: Vec<f32> = records.iter().map(|record| record.radii[0]).collect();
             loop {

@@ -18,8 +18,8 @@ mod cones;
 mod file;
 mod fill;
 mod merge;
+mod morton;
 mod octree;
-mod order;
 mod record;
 mod regression;
 mod weight;
@@ -35,7 +35,7 @@ use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
 pub(crate) use fill::{Pass, Place};
-pub(crate) use order::sort_along_curve;
+pub(crate) use morton::sort_by_morton_code;
 
 pub use file::CacheFileError;
 pub(crate) use file::named;
@@ -116,7 +116,7 @@ impl Cache {
     /// Adds records, sorts all, bounds how far they reach, and builds the tree anew.
     pub(crate) fn commit(&mut self, records: Vec<Record>) {
         let mut records: Vec<Record> = self.take_original().chain(records).collect();
-        sort_along_curve(&mut records, |record| record.position, |record| record.key);
+        sort_by_morton_code(&mut records, |record| record.position, |record| record.key);
         self.original_radii = records.iter().map(|record| record.radii).collect();
         let factors = clamp::neighbour_factors(&records, self.slope());
         shorten(&mut records, &factors);

@@ -15,23 +15,23 @@ pub struct Record {
     pub normal: Vec3,
     /// Irradiance in W/m², linear sRGB.
     pub irradiance: Vec3,
-    /// The standard deviation of the irradiance by the gather's noise, of the channel where it is greatest.
-    pub deviation: f32,
+    /// The standard error of the irradiance by the noise of the gather, of the channel where it is greatest.
+    pub standard_error: f32,
     /// For each channel the gradient by which irradiance changes with the normal.
     pub rotational: [Vec3; 3],
     /// For each channel the gradient by which irradiance changes with the position.
     pub translational: [Vec3; 3],
     /// Harmonic mean of the distances of what it sees; less where something hangs low nearby.
     pub mean_distance: f32,
-    /// The least of those distances, and of the obstacles.
+    /// The least of those distances, and of the occluders.
     pub min_distance: f32,
     /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
     pub radii: [f32; 2],
     /// Unit tangent along which it reaches the least far.
     pub axis: Vec3,
     /// For each sector of azimuth, from the first tangent of the frame about the normal, the distance along the surface
-    /// of the nearest obstacle; infinite if there is none.
-    pub obstacles: [f32; SECTORS],
+    /// of the nearest occluder; infinite if there is none.
+    pub occluders: [f32; SECTORS],
 }
 
 impl Record {
@@ -69,8 +69,8 @@ impl Record {
         let mut words = [0; Self::WORDS];
         let vectors = [self.position, self.normal, self.irradiance].into_iter().chain(self.rotational);
         let vectors = vectors.chain(self.translational).chain([self.axis]).flat_map(|v| v.to_array());
-        let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1], self.deviation];
-        for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.obstacles)) {
+        let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1], self.standard_error];
+        for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.occluders)) {
             *word = value.to_bits();
         }
         words
@@ -91,8 +91,8 @@ impl Record {
             mean_distance: value(30),
             min_distance: value(31),
             radii: [value(32), value(33)],
-            deviation: value(34),
-            obstacles: std::array::from_fn(|i| value(35 + i)),
+            standard_error: value(34),
+            occluders: std::array::from_fn(|i| value(35 + i)),
         }
     }
 
@@ -101,13 +101,13 @@ impl Record {
         let vectors = [self.position, self.normal, self.irradiance, self.axis].into_iter();
         let finite = vectors.chain(self.rotational).chain(self.translational).all(|v| v.is_finite());
         let lengths = self.radii[0] > 0.0 && self.radii[1] >= self.radii[0] && self.radii[1].is_finite();
-        let distances = [self.mean_distance, self.min_distance, self.deviation];
+        let distances = [self.mean_distance, self.min_distance, self.standard_error];
         let distances = distances.iter().all(|number| (0.0..f32::INFINITY).contains(number));
         let units = [self.normal, self.axis].iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-3);
-        let obstacles = self.obstacles.iter().all(|distance| *distance >= 0.0);
-        finite && lengths && distances && units && obstacles && self.irradiance.min_element() >= 0.0
+        let occluders = self.occluders.iter().all(|distance| *distance >= 0.0);
+        finite && lengths && distances && units && occluders && self.irradiance.min_element() >= 0.0
     }
 
-    /// Ten vectors, four lengths, the deviation and the obstacles.
+    /// Ten vectors, four lengths, the standard error and the occluders.
     pub(crate) const WORDS: usize = 35 + SECTORS;
 }

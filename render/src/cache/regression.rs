@@ -186,14 +186,14 @@ mod tests {
                 position: frame.to_world(vec3(x, y, 0.0)),
                 normal: frame.normal,
                 irradiance,
-                deviation: 0.0,
+                standard_error: 0.0,
                 rotational: [Vec3::ZERO; 3],
                 translational: [0, 1, 2].map(|i| frame.to_world(vec3(along[i], across[i], 0.0))),
                 mean_distance: 1.0,
                 min_distance: 1.0,
                 radii: [RADIUS, 2.0 * RADIUS],
                 axis: frame.to_world(vec3(cos, sin, 0.0)),
-                obstacles: [f32::INFINITY; SECTORS],
+                occluders: [f32::INFINITY; SECTORS],
             }
         };
         ((0..25).map(record).collect(), frame)

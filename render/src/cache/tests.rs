@@ -17,14 +17,14 @@ fn record(key: u64, x: f32, y: f32, radius: f32) -> Record {
         position,
         normal: Vec3::Z,
         irradiance: vec3(20.0, 10.0, 1.0) + Vec3::from_array(gradients.map(|gradient| gradient.dot(position))),
-        deviation: 0.0,
+        standard_error: 0.0,
         rotational: [Vec3::X, Vec3::Y, Vec3::Z],
         translational: gradients,
         mean_distance: radius,
         min_distance: 0.5 * radius,
         radii: [radius; 2],
         axis: Vec3::X,
-        obstacles: [f32::INFINITY; SECTORS],
+        occluders: [f32::INFINITY; SECTORS],
     }
 }
 
@@ -190,8 +190,8 @@ fn damaged_and_foreign_files_are_refused() {
         |record| record.min_distance = f32::NAN,
         |record| record.normal = Vec3::ZERO,
         |record| record.axis = 2.0 * Vec3::X,
-        |record| record.obstacles[3] = f32::NAN,
-        |record| record.obstacles[3] = -0.5,
+        |record| record.occluders[3] = f32::NAN,
+        |record| record.occluders[3] = -0.5,
     ];
     for (number, spoil) in spoil.into_iter().enumerate() {
         let mut spoilt = cache(0..5);

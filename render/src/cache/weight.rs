@@ -13,7 +13,7 @@
 //!
 //! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
 //! own: the point must not be above or below the surface that the record and it could share, by the mean of the
-//! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no obstacle that
+//! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no occluder that
 //! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
 //! each sector of azimuth).
 
@@ -42,7 +42,7 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
-/// The part of the way to an obstacle up to which a record can be used: obstacles are not quite where rays found them.
+/// The part of the way to an occluder up to which a record can be used: occluders are not quite where rays found them.
 const BEFORE: f32 = 0.995;
 
 impl Weighting {
@@ -74,7 +74,7 @@ fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
     height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0]
 }
 
-/// Whether no obstacle that the record saw stands between it and a point a `step` away.
+/// Whether no occluder that the record saw stands between it and a point a `step` away.
 #[inline]
 fn sees(record: &Record, step: Vec3) -> bool {
     let distance_squared = step.length_squared();
@@ -83,8 +83,8 @@ fn sees(record: &Record, step: Vec3) -> bool {
         return true;
     }
     let local = Frame::from_normal(record.normal).to_local(step);
-    let obstacle = BEFORE * record.obstacles[sector(local.truncate())];
-    distance_squared <= obstacle * obstacle
+    let occluder = BEFORE * record.occluders[sector(local.truncate())];
+    distance_squared <= occluder * occluder
 }
 
 #[cfg(test)]
@@ -99,14 +99,14 @@ mod tests {
             position: vec3(1.0, 2.0, 3.0),
             normal: Vec3::Z,
             irradiance: Vec3::ONE,
-            deviation: 0.0,
+            standard_error: 0.0,
             rotational: [Vec3::ZERO; 3],
             translational: [Vec3::ZERO; 3],
             mean_distance: 1.0,
             min_distance: 0.1,
             radii: [0.5, 1.0],
             axis: Vec3::X,
-            obstacles: [f32::INFINITY; SECTORS],
+            occluders: [f32::INFINITY; SECTORS],
         }
     }
 
@@ -153,14 +153,14 @@ mod tests {
             record.position *= scale;
             record.radii = record.radii.map(|radius| radius * scale);
             record.min_distance *= scale;
-            record.obstacles[sector(Vec2::Y)] = 0.3 * scale;
+            record.occluders[sector(Vec2::Y)] = 0.3 * scale;
             let at = |step: Vec3, normal: Vec3| {
                 weighting(Metric::Bounded, 1.0).weight(&record, record.position + step * scale, normal) > 0.0
             };
             assert!(at(vec3(0.3, 0.0, 0.0), Vec3::Z));
             assert!(at(vec3(0.0, -0.6, 0.0), Vec3::Z), "nothing is in the way");
-            assert!(!at(vec3(0.0, 0.6, 0.0), Vec3::Z), "an obstacle is between");
-            assert!(at(vec3(0.0, 0.25, 0.0), Vec3::Z), "the obstacle is behind");
+            assert!(!at(vec3(0.0, 0.6, 0.0), Vec3::Z), "an occluder is between");
+            assert!(at(vec3(0.0, 0.25, 0.0), Vec3::Z), "the occluder is behind");
             assert!(!at(vec3(0.3, 0.0, 0.04), Vec3::Z) && !at(vec3(0.3, 0.0, -0.04), Vec3::Z), "another level");
             assert!(at(vec3(0.3, 0.0, 0.02), Vec3::Z) && at(vec3(0.0, 0.0, -0.004), Vec3::Z), "the same level");
         }

@@ -18,7 +18,7 @@ use super::probes::ProbesArguments;
 use super::progress::Mode;
 use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
-use crate::driver::MAX_BLOCK;
+use crate::driver::MAX_PREVIEW_SIDE;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
@@ -111,10 +111,10 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
     pub(super) cache: Option<PathBuf>,
 
-    /// Write the pictures early: when a ray for each block of SIDE pixels is traced, then for blocks of half the side,
+    /// Write the pictures early: when a ray for each square of SIDE pixels is traced, then for squares of half the side,
     /// and so on; the pictures in the end do not depend on it [default: off; 32 without a SIDE]
     #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
-    #[arg(value_parser = block)]
+    #[arg(value_parser = square)]
     pub(super) progressive: Option<u32>,
 
     /// Exposure of PNG pictures in stops: each doubles the brightness
@@ -206,9 +206,9 @@ fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected two whole numbers from 1 to {MAX_SIDE}, for example 1280x720"))
 }
 
-fn block(text: &str) -> Result<u32, String> {
-    let side = text.parse().ok().filter(|side: &u32| (2..=MAX_BLOCK).contains(side) && side.is_power_of_two());
-    side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_BLOCK}"))
+fn square(text: &str) -> Result<u32, String> {
+    let side = text.parse().ok().filter(|side: &u32| (2..=MAX_PREVIEW_SIDE).contains(side) && side.is_power_of_two());
+    side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_PREVIEW_SIDE}"))
 }
 
 fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {

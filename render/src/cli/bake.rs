@@ -17,7 +17,7 @@ use super::summary::print_warning;
 use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
-use crate::bake::{self, BakeOptions, Coordinates, Directional, Journal, Mode, Preset, Sampling};
+use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Scene, SceneFile};
 use crate::settings::Invalid;
@@ -185,19 +185,22 @@ fn bake(
         let changes = hashes.changes_since(&old.made_from);
         if !changes.is_empty() {
             // Any surface may reflect light to any other.
-            say(style, &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")));
+            print_text(
+                style,
+                &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")),
+            );
         } else if let Some(fault) = files.fault(&old) {
-            say(style, &format!("{fault}, so all of it is baked"));
+            print_text(style, &format!("{fault}, so all of it is baked"));
         } else {
-            say(style, &format!("{} is up to date", files.model.display()));
+            print_text(style, &format!("{} is up to date", files.model.display()));
             return Ok(EXIT_DONE);
         }
     }
-    let state = Journal::path(&files.model);
+    let state = Checkpoint::path(&files.model);
     let hash = bake::combined(&hashes);
-    let journal = if arguments.resume { Journal::read(&state, hash)? } else { None };
+    let checkpoint = if arguments.resume { Checkpoint::read(&state, hash)? } else { None };
     let state_file = OutputFile::check(&state).map_err(CliError::input)?;
-    let journal = journal.unwrap_or_else(|| Journal::new(hash)).keep(state_file, STATE_INTERVAL);
+    let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(state_file, STATE_INTERVAL);
 
     let mut atlas = Atlas::new(&scene, options)?;
     warn(style, &mut atlas.warnings);
@@ -207,21 +210,21 @@ fn bake(
     let world = World::new(scene.clone()).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
-    let baked = bake::bake(&scene, &world, atlas, options, &journal, &progress);
+    let baked = bake::bake(&scene, &world, atlas, options, &checkpoint, &progress);
     drop(progress);
     drop(world);
     let Some(mut baked) = baked else {
-        journal.save().map_err(CliError::system)?;
-        say(style, &format!("interrupted; --resume goes on from {}", state.display()));
+        checkpoint.save().map_err(CliError::system)?;
+        print_text(style, &format!("interrupted; --resume goes on from {}", state.display()));
         return Ok(EXIT_INTERRUPTED);
     };
     warn(style, &mut baked.warnings);
-    if let Some(failure) = journal.failure() {
+    if let Some(failure) = checkpoint.failure() {
         print_warning(style, &format!("the state could not be kept meanwhile: {failure}"));
     }
     let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
     warn(style, &mut warnings);
-    journal.remove().map_err(CliError::system)?;
+    checkpoint.remove().map_err(CliError::system)?;
     files.print(style, &baked, &written);
     Ok(EXIT_DONE)
 }
@@ -232,7 +235,7 @@ pub(super) fn warn(style: Style, warnings: &mut Vec<String>) {
 }
 
 /// Tells what happens, in the form that progress has.
-pub(super) fn say(style: Style, text: &str) {
+pub(super) fn print_text(style: Style, text: &str) {
     match style {
         Style::Silent => {}
         Style::Json => super::progress::print_line(&serde_json::json!({ "event": "note", "message": text })),

@@ -10,12 +10,12 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::args::{CommonArguments, exposure};
-use super::bake::{invalid, names, say, warn};
+use super::bake::{invalid, names, print_text, warn};
 use super::cache::print;
 use super::light::LightArguments;
 use super::progress::{Progress, Style, print_line};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world, thread_pool};
-use crate::cubemap::{self, Axes, CubeMap, Filter, Language, Mapping, Options, Seams, Source, measure};
+use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping, Options, Seams, measure};
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::{PunctualLight, Scene, Sky, value};
 use files::Files;
@@ -144,14 +144,14 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
                 let text = "the sun is a light of its own, and is not in the map";
                 warn(style, &mut vec![text.to_owned()]);
             }
-            finish(arguments, &Source::sky(sky), &options, &thread_pool(&arguments.common)?, &files, style)
+            finish(arguments, &Environment::sky(sky), &options, &thread_pool(&arguments.common)?, &files, style)
         }
         None => {
             let options = arguments.options(0)?;
             let (world, settings, pool) =
                 prepare_world(&arguments.source, arguments.light.overrides(), &arguments.common)?;
             let options = Options { seed: settings.seed, ..options };
-            let source = Source::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
+            let source = Environment::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
             finish(arguments, &source, &options, &pool, &files, style)
         }
     }
@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
 
 fn finish(
     arguments: &CubemapArguments,
-    source: &Source,
+    source: &Environment,
     options: &Options,
     pool: &rayon::ThreadPool,
     files: &Files,
@@ -170,7 +170,7 @@ fn finish(
     let map = pool.install(|| cubemap::make(source, options, &progress));
     drop(progress);
     let Some(map) = map else {
-        say(style, "interrupted; nothing is written");
+        print_text(style, "interrupted; nothing is written");
         return Ok(EXIT_INTERRUPTED);
     };
     if map.levels[0].texels.iter().all(|texel| *texel == Vec3::ZERO) {
@@ -188,7 +188,7 @@ fn finish(
             "rays": map.rays,
             "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         })),
-        Style::Bar => written.iter().for_each(|path| say(style, &format!("wrote {}", path.display()))),
+        Style::Bar => written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display()))),
     }
     match arguments.print_lookup {
         Some(language) => print(&cubemap::lookup(&map, language))?,

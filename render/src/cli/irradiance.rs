@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::args::CommonArguments;
 use super::cache::{cached_options, print, read_cache, with_cache};
-use super::errand::{Errand, Outcome};
+use super::job::{Job, Outcome};
 use super::light::LightArguments;
 use super::progress::Progress;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let request = Request { spp, seed: settings.seed, part };
     interrupt::catch()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let errand = Errand::start(
+    let job = Job::start(
         style,
         format!("{}: {}", arguments.scene.display(), count(sensors.len(), "sensor", "sensors")),
         json!({
@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 
     let usage = found.cache.as_ref().map(|(_, usage)| *usage);
     if !found.finished {
-        errand.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing is written", file: None });
+        job.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing is written", file: None });
         return Ok(EXIT_INTERRUPTED);
     }
     let text = lines(&found.values);
@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
         None => print(&text)?,
     }
     let file = arguments.output.as_deref();
-    errand.end(Outcome { finished: true, rays: found.rays, cache: usage, note: "", file });
+    job.end(Outcome { finished: true, rays: found.rays, cache: usage, note: "", file });
     Ok(EXIT_DONE)
 }
 

@@ -2,15 +2,15 @@
 
 mod args;
 mod bake;
-mod building;
+mod build_progress;
 mod cache;
 mod cubemap;
-mod errand;
 mod error;
 mod help;
 mod info;
 mod interrupt;
 mod irradiance;
+mod job;
 mod light;
 mod memory;
 mod preview;

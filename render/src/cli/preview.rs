@@ -12,7 +12,7 @@ use crate::output::{self, ToneMapping};
 /// Watches a render as `progress` does, and writes each level.
 pub(super) struct Preview<'a> {
     pub(super) progress: &'a Progress,
-    /// The side of the first blocks, if the picture is to be seen early.
+    /// The side of the first squares, if the picture is to be seen early.
     pub(super) coarsest: Option<u32>,
     pub(super) paths: &'a [PathBuf],
     pub(super) tone: &'a ToneMapping,

@@ -11,12 +11,12 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::args::CommonArguments;
-use super::bake::{invalid, say, warn};
+use super::bake::{invalid, print_text, warn};
 use super::light::LightArguments;
 use super::progress::{Progress, Style, print_line};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
 use crate::irradiance;
-use crate::probes::{self, Grid, Options, Probes, State};
+use crate::probes::{self, Options, ProbeGrid, Probes, State};
 use crate::scene::{count, value};
 use crate::world::World;
 use files::Files;
@@ -68,7 +68,7 @@ pub(super) struct ProbesArguments {
 
 impl ProbesArguments {
     /// The grid in a world.
-    fn grid(&self, count: [u32; 3], world: &World) -> Result<Grid, CliError> {
+    fn grid(&self, count: [u32; 3], world: &World) -> Result<ProbeGrid, CliError> {
         let bounds = world.tree().bounds();
         let (min, max) = match (self.min, self.max) {
             (Some(min), Some(max)) => (min, max),
@@ -81,7 +81,7 @@ impl ProbesArguments {
         // Rays could not tell points of such a box apart, or not reach them.
         let is_box = min.cmplt(max).all() && min.abs().max(max.abs()).max_element() <= halfdome_kernel::MAX_COORDINATE;
         match is_box {
-            true => Ok(Grid { min, max, count }),
+            true => Ok(ProbeGrid { min, max, count }),
             false => Err(invalid(
                 format!("the grid's box from {min} to {max} has no inside"),
                 "give --min and --max so that each coordinate of --max is the greater one",
@@ -92,7 +92,7 @@ impl ProbesArguments {
 
 /// Where probes are.
 enum Places {
-    Grid(Grid),
+    Grid(ProbeGrid),
     Points(Vec<Vec3>),
 }
 
@@ -120,7 +120,7 @@ pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     });
     drop(progress);
     let Some(found) = found else {
-        say(style, "interrupted; nothing is written");
+        print_text(style, "interrupted; nothing is written");
         return Ok(EXIT_INTERRUPTED);
     };
     warn(style, &mut warnings(&found, arguments.grid.is_some()));
@@ -170,8 +170,8 @@ fn report(style: Style, found: &Probes, files: &[PathBuf]) {
         Style::Bar => {
             let probes = count(found.probes.len(), "probe", "probes");
             let inside = format!("{moved} moved out of bodies, {filled} filled, {covered} covered");
-            say(style, &format!("{probes}: {free} free, {inside}; {} rays", found.rays));
-            files.iter().for_each(|path| say(style, &format!("wrote {}", path.display())));
+            print_text(style, &format!("{probes}: {free} free, {inside}; {} rays", found.rays));
+            files.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
         }
     }
 }
@@ -190,8 +190,8 @@ fn read_points(path: &Path) -> Result<Vec<Vec3>, CliError> {
     let points = irradiance::read_positions(reader).map_err(|error| naming(error.to_string()))?;
     match points.len() as u64 {
         0 => Err(naming("there are no points in it\n  help: give a line `x y z` for each probe".to_owned())),
-        number if number > Grid::MAX_PROBES => {
-            Err(naming(format!("there are {number} points in it\n  help: give at most {}", Grid::MAX_PROBES)))
+        number if number > ProbeGrid::MAX_PROBES => {
+            Err(naming(format!("there are {number} points in it\n  help: give at most {}", ProbeGrid::MAX_PROBES)))
         }
         _ => Ok(points),
     }
@@ -203,12 +203,12 @@ fn cells(text: &str) -> Result<[u32; 3], String> {
     let count = cells.and_then(|cells| <[u32; 3]>::try_from(cells).ok());
     let fits = |count: &[u32; 3]| {
         let sides = count.iter().all(|side| (1..=1024).contains(side));
-        sides && count.iter().map(|&side| u64::from(side)).product::<u64>() <= Grid::MAX_PROBES
+        sides && count.iter().map(|&side| u64::from(side)).product::<u64>() <= ProbeGrid::MAX_PROBES
     };
     count.filter(fits).ok_or_else(|| {
         format!(
             "expected three whole numbers from 1 to 1024, of {} probes at most, for example 8x4x8",
-            Grid::MAX_PROBES
+            ProbeGrid::MAX_PROBES
         )
     })
 }

@@ -4,18 +4,18 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use super::args::RenderArguments;
-use super::building::Building;
+use super::build_progress::BuildProgress;
 use super::cache::{cached_options, read_cache};
 use super::preview::Preview;
 use super::progress::Progress;
-use super::summary::Job;
+use super::summary::RenderReport;
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
 use crate::driver;
+use crate::executor::RayonExecutor;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
 use crate::scene::count;
 use crate::settings::Settings;
-use crate::threads::Threads;
 use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
@@ -35,9 +35,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
-    let building = Building::start(style, scene.triangle_count());
+    let building = BuildProgress::start(style, scene.triangle_count());
     let watch = |fraction| building.advance(fraction);
-    let world = pool.install(|| World::build(scene, &settings.build.into(), &Threads(&watch)));
+    let world = pool.install(|| World::build(scene, &settings.build.into(), &RayonExecutor(&watch)));
     let world = world.map_err(CliError::input)?;
     drop(building);
     let cache = match &arguments.cache {
@@ -49,8 +49,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
         warnings.push(format!("{dropped} dropped"));
     }
-    let mut job = Job { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
-    job.print_start(style);
+    let mut report =
+        RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
+    report.print_start(style);
 
     interrupt::catch()?;
     let progress = Progress::start(style, samples(&settings));
@@ -60,7 +61,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     drop(progress);
     if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";
-        job.warn(style, warning.to_owned());
+        report.warn(style, warning.to_owned());
     }
 
     let (written, mut failures) = write_all(&paths, &result.picture, &tone);
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         failures.extend(written.iter().map(|path| format!("{}: written all the same", path.display())));
         return Err(CliError::System(failures.join("\n")));
     }
-    job.print_end(style, &result, &written);
+    report.print_end(style, &result, &written);
     Ok(if result.finished { EXIT_DONE } else { EXIT_INTERRUPTED })
 }
 

@@ -12,7 +12,7 @@ use crate::scene::count;
 use crate::settings::Settings;
 
 /// What is rendered.
-pub(super) struct Job<'a> {
+pub(super) struct RenderReport<'a> {
     /// As the user calls it.
     pub(super) scene: String,
     pub(super) settings: &'a Settings,
@@ -20,7 +20,7 @@ pub(super) struct Job<'a> {
     pub(super) warnings: Vec<String>,
 }
 
-impl Job<'_> {
+impl RenderReport<'_> {
     /// Announces the job and its warnings.
     pub(super) fn print_start(&self, style: Style) {
         match style {
@@ -132,13 +132,13 @@ mod tests {
     fn the_text_says_what_was_done() {
         let settings = Settings::default();
         let warnings = vec!["no light".to_owned()];
-        let job = Job { scene: "cornell".into(), settings: &settings, threads: 2, warnings };
-        assert_eq!(job.title(), "cornell: 512x512, 64 spp, path, 2 threads");
-        let text = job.end_text(&render(true), &["a.exr".into()]);
+        let report = RenderReport { scene: "cornell".into(), settings: &settings, threads: 2, warnings };
+        assert_eq!(report.title(), "cornell: 512x512, 64 spp, path, 2 threads");
+        let text = report.end_text(&render(true), &["a.exr".into()]);
         assert_eq!(text, "rendered in 2.50 s at 2.0 Mrays/s (5000000 rays)\nwrote a.exr\n1 warning, above\n");
-        assert!(job.end_text(&render(false), &[]).starts_with("interrupted"));
+        assert!(report.end_text(&render(false), &[]).starts_with("interrupted"));
         let cache = Some(CacheUse { records: 7, misses: 2, negative: 0 });
-        let text = job.end_text(&Render { cache, ..render(true) }, &[]);
+        let text = report.end_text(&Render { cache, ..render(true) }, &[]);
         assert!(text.contains("\n7 irradiance records; 2 points had none, 0 were negative\n"), "{text}");
     }
 
@@ -146,10 +146,10 @@ mod tests {
     fn the_events_are_valid_json_whatever_the_names() {
         let settings = Settings::default();
         let warnings = vec!["a \"quoted\"\nline".to_owned()];
-        let job = Job { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings };
-        let start: Value = serde_json::from_str(&job.start_event().to_string()).unwrap();
+        let report = RenderReport { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings };
+        let start: Value = serde_json::from_str(&report.start_event().to_string()).unwrap();
         assert_eq!(start["scene"], "a\"b\\c");
-        let line = job.end_event(&render(false), &["a.exr".into()]).to_string();
+        let line = report.end_event(&render(false), &["a.exr".into()]).to_string();
         assert!(!line.contains('\n'));
         let end: Value = serde_json::from_str(&line).unwrap();
         assert_eq!(end["finished"], false);

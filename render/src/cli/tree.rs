@@ -11,13 +11,13 @@ use halfdome_kernel::{Bvh, Quality, Triangle};
 use serde_json::json;
 
 use super::args::CommonArguments;
-use super::building::Building;
+use super::build_progress::BuildProgress;
 use super::cache::print;
 use super::progress::{Style, print_line};
 use super::{CliError, EXIT_DONE, interrupt, memory, open, summary, thread_pool};
+use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
 use crate::scene::{Place, SceneError, value};
-use crate::threads::Threads;
 
 /// What `halfdome tree` takes.
 #[derive(Args, Clone, Debug)]
@@ -57,9 +57,9 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
     drop(scene);
 
     let quality = arguments.build.or(from_file.build).unwrap_or_default();
-    let building = Building::start(style, triangles.len());
+    let building = BuildProgress::start(style, triangles.len());
     let watch = |fraction| building.advance(fraction);
-    let built = pool.install(|| Bvh::build_on(&Threads(&watch), &triangles, &quality.into()));
+    let built = pool.install(|| Bvh::build_on(&RayonExecutor(&watch), &triangles, &quality.into()));
     let (bvh, report) = built.map_err(CliError::input)?;
     drop(building);
 

@@ -12,7 +12,7 @@ use super::{CliError, EXIT_DONE, EXIT_FAILED, EXIT_INTERRUPTED, interrupt};
 use crate::driver::Watch;
 use crate::output::{OutputError, OutputFile};
 use crate::scene::count;
-use crate::validate::{self, Effort, Experiment, Figure, Lab, Row, csv, svg};
+use crate::validate::{self, Effort, Experiment, Figure, Row, Runner, csv, svg};
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct ValidateArguments {
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &ValidateArguments) -> Result<u8, CliError> {
     let mut done = 0;
     for experiment in &experiments {
         progress.begin(experiment);
-        let outcome = pool.install(|| experiment.run(&Lab::new(effort, arguments.seed, &progress)));
+        let outcome = pool.install(|| experiment.run(&Runner::new(effort, arguments.seed, &progress)));
         let Ok(outcome) = outcome else { break };
         let line =
             if arguments.json { validate::json(experiment, &outcome) } else { rows.outcome(experiment, &outcome) };

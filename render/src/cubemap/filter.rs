@@ -11,7 +11,7 @@
 use glam::{DVec3, Vec3};
 
 use super::face::Face;
-use super::grid::{Grid, solid_angle};
+use super::grid::{TexelGrid, solid_angle};
 use super::lobe::Lobe;
 
 /// How large a square may be, as a part of the lobe's width or of its own distance from the axis, whichever is more. The
@@ -25,7 +25,7 @@ const DIVISIONS: u32 = 6;
 /// A cube map with its squares of 1, 2, 4 … texels.
 #[derive(Debug)]
 pub(super) struct Pyramid {
-    grid: Grid,
+    grid: TexelGrid,
     /// From whole faces down to texels: squares of all faces, by faces, then by rows.
     levels: Vec<Vec<Square>>,
 }
@@ -44,7 +44,7 @@ struct Square {
 
 impl Square {
     /// The square in this column and row of `side` by `side`.
-    fn new(grid: &Grid, face: Face, x: u32, y: u32, side: u32) -> Self {
+    fn new(grid: &TexelGrid, face: Face, x: u32, y: u32, side: u32) -> Self {
         let step = f64::from(grid.size) / f64::from(side);
         let border = |place: u32| grid.place(f64::from(place) * step);
         let (u, v) = ([border(x), border(x + 1)], [border(y), border(y + 1)]);
@@ -61,11 +61,11 @@ impl Square {
 
 impl Pyramid {
     /// Of the texels of a grid whose side is a power of two.
-    pub(super) fn new(grid: Grid, texels: &[Vec3]) -> Self {
+    pub(super) fn new(grid: TexelGrid, texels: &[Vec3]) -> Self {
         let mut levels: Vec<Vec<Square>> = Vec::new();
         let mut side = grid.size;
         while side > 0 {
-            let places = Grid { size: side, ..grid }.places();
+            let places = TexelGrid { size: side, ..grid }.places();
             let mut squares: Vec<Square> = places.map(|(face, x, y)| Square::new(&grid, face, x, y, side)).collect();
             for (number, square) in squares.iter_mut().enumerate() {
                 square.radiance = match levels.last() {
@@ -189,7 +189,7 @@ mod tests {
 
     /// A cube map of a function of the direction.
     fn pyramid(size: u32, seams: Seams, radiance: impl Fn(DVec3) -> Vec3) -> Pyramid {
-        let grid = Grid { size, seams };
+        let grid = TexelGrid { size, seams };
         let texels: Vec<Vec3> =
             grid.places().map(|(face, x, y)| radiance(grid.point(face, x, y).normalize())).collect();
         Pyramid::new(grid, &texels)

@@ -38,14 +38,14 @@ named!(Seams: None = "none", Stretch = "stretch", Warp = "warp", Lookup = "looku
 
 /// The texels of one face, as many across as down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Grid {
+pub struct TexelGrid {
     /// Texels across, at least 1.
     pub size: u32,
     /// How they are placed.
     pub seams: Seams,
 }
 
-impl Grid {
+impl TexelGrid {
     /// Where a coordinate in texels is on the face, -1 to 1; centres have halves.
     pub fn place(&self, t: f64) -> f64 {
         let n = f64::from(self.size);
@@ -123,7 +123,7 @@ mod tests {
     fn outermost_texels_are_on_the_edge_and_the_middle_stays() {
         for size in [2, 3, 4, 8, 64] {
             for seams in [Seams::Stretch, Seams::Warp, Seams::Lookup] {
-                let grid = Grid { size, seams };
+                let grid = TexelGrid { size, seams };
                 let n = f64::from(size);
                 assert_eq!((grid.place(0.5), grid.place(n - 0.5), grid.place(0.5 * n)), (-1.0, 1.0, 0.0), "{grid:?}");
                 let places: Vec<f64> = (0..size).map(|x| grid.place(f64::from(x) + 0.5)).collect();
@@ -132,10 +132,10 @@ mod tests {
             }
             // Castaño's maps of the second texel.
             let n = f64::from(size);
-            assert!((Grid { size, seams: Seams::Stretch }.place(1.5) - (2.0 / (n - 1.0) - 1.0)).abs() < 1e-15);
+            assert!((TexelGrid { size, seams: Seams::Stretch }.place(1.5) - (2.0 / (n - 1.0) - 1.0)).abs() < 1e-15);
             let s = 3.0 / n - 1.0;
             let warped = n * n / (n - 1.0).powi(3) * s.powi(3) + s;
-            assert!((Grid { size, seams: Seams::Warp }.place(1.5) - warped).abs() < 1e-14);
+            assert!((TexelGrid { size, seams: Seams::Warp }.place(1.5) - warped).abs() < 1e-14);
         }
     }
 
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn the_modified_lookup_undoes_the_stretch() {
         for seams in [Seams::None, Seams::Lookup] {
-            let grid = Grid { size: 8, seams };
+            let grid = TexelGrid { size: 8, seams };
             for x in 0..8 {
                 let t = f64::from(x) + 0.5;
                 assert!((grid.lookup(grid.place(t)) - t).abs() < 1e-12, "{seams:?}");
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn texels_cover_the_sphere() {
         for seams in Seams::ALL {
-            let grid = Grid { size: 5, seams };
+            let grid = TexelGrid { size: 5, seams };
             let side = |x: u32| [grid.place(f64::from(x)), grid.place(f64::from(x) + 1.0)];
             let sum: f64 = grid.places().map(|(_, x, y)| solid_angle(side(x), side(y))).sum();
             assert!((sum - 4.0 * PI).abs() < 1e-12, "{seams:?}: {sum}");
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn welding_joins_two_at_edges_and_three_at_corners() {
         for seams in [Seams::Stretch, Seams::Warp, Seams::Lookup] {
-            let grid = Grid { size: 4, seams };
+            let grid = TexelGrid { size: 4, seams };
             let mut texels: Vec<Vec3> = (0..grid.texels()).map(|i| Vec3::splat(i as f32)).collect();
             let before = texels.clone();
             grid.weld(&mut texels);
@@ -186,7 +186,7 @@ mod tests {
             // Eight corners of three, twelve edges with two texels of two each.
             assert_eq!(partners, [0, 24, 48, 24]);
             let mut single: Vec<Vec3> = (0..6).map(|i| Vec3::splat(i as f32)).collect();
-            Grid { size: 1, seams }.weld(&mut single);
+            TexelGrid { size: 1, seams }.weld(&mut single);
             assert_eq!(single, [Vec3::splat(2.5); 6]);
         }
     }

@@ -3,14 +3,14 @@
 use glam::{DVec3, Vec3};
 
 use super::face::Face;
-use super::grid::Grid;
+use super::grid::TexelGrid;
 use super::lobe::Lobe;
 
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Where the texels are.
-    pub grid: Grid,
+    pub grid: TexelGrid,
     /// What they are filtered by; `None` for radiance as it is.
     pub lobe: Option<Lobe>,
     /// Radiance, W/(m² sr), linear sRGB: face by face, row by row from the top.
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn lookups_at_texels_find_them_and_in_between_mix_them() {
         for seams in [Seams::None, Seams::Lookup] {
-            let grid = Grid { size: 4, seams };
+            let grid = TexelGrid { size: 4, seams };
             let texels: Vec<Vec3> = (0..96).map(|i| Vec3::splat(i as f32)).collect();
             let level = Level { grid, lobe: None, texels };
             for (number, (face, x, y)) in grid.places().enumerate() {

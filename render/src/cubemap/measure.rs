@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 use super::face::Face;
-use super::grid::{Grid, Seams};
+use super::grid::{Seams, TexelGrid};
 use super::level::Level;
 
 /// What a treatment of seams leaves in a level.
@@ -55,7 +55,7 @@ pub fn seam(level: &Level) -> f64 {
 /// What each treatment leaves in a level of this size, in the order of [`Seams::ALL`].
 pub fn smooth(size: u32) -> [SeamError; 4] {
     Seams::ALL.map(|seams| {
-        let grid = Grid { size, seams };
+        let grid = TexelGrid { size, seams };
         let value = |direction: DVec3| Vec3::splat(function(direction) as f32);
         let mut texels: Vec<Vec3> = grid.places().map(|(face, x, y)| value(grid.point(face, x, y))).collect();
         grid.weld(&mut texels);
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_seam_is_what_faces_differ_by() {
-        let grid = Grid { size: 2, seams: Seams::None };
+        let grid = TexelGrid { size: 2, seams: Seams::None };
         let mut texels = vec![Vec3::ONE; 24];
         assert_eq!(seam(&Level { grid, lobe: None, texels: texels.clone() }), 0.0);
         // One face twice as bright as the rest.

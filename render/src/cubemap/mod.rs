@@ -3,6 +3,7 @@
 //! The first level is the radiance in each texel's own solid angle. Each further level is half as large and filtered by a
 //! wider [`Lobe`], always from the first level and exactly at its texels' directions, so that errors do not add up.
 
+mod environment;
 mod face;
 mod filter;
 mod grid;
@@ -11,7 +12,6 @@ mod lobe;
 mod manifest;
 pub mod measure;
 mod shader;
-mod source;
 #[cfg(test)]
 mod tests;
 pub mod unfold;
@@ -19,17 +19,17 @@ pub mod unfold;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use environment::Environment;
 pub use face::{Axes, Face};
-pub use grid::{Grid, Seams};
+pub use grid::{Seams, TexelGrid};
 pub use level::Level;
 pub use lobe::{Filter, Lobe, Mapping};
 pub use manifest::manifest;
 pub use shader::{Language, lookup};
-pub use source::Source;
 
 use crate::driver::Watch;
+use environment::Viewer;
 use filter::Pyramid;
-use source::Viewer;
 
 /// What a cube map depends on besides its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,11 +85,11 @@ pub struct CubeMap {
 }
 
 /// Texels that a thread takes at once.
-const BLOCK: usize = 64;
+const CHUNK: usize = 64;
 
 /// Steps that [`make`] tells its watcher of: samples of the first level, and texels of the others.
-pub fn work(source: &Source, options: &Options) -> u64 {
-    let texels = |size: u32| Grid { size, seams: options.seams }.texels() as u64;
+pub fn work(source: &Environment, options: &Options) -> u64 {
+    let texels = |size: u32| TexelGrid { size, seams: options.seams }.texels() as u64;
     let filtered: u64 = (1..options.levels).map(|level| texels(options.size >> level)).sum();
     texels(options.size) * source.samples() + filtered + options.diffuse.map_or(0, texels)
 }
@@ -99,7 +99,7 @@ pub fn work(source: &Source, options: &Options) -> u64 {
 ///
 /// # Panics
 /// If the options are out of their ranges.
-pub fn make(source: &Source, options: &Options, watch: &dyn Watch) -> Option<CubeMap> {
+pub fn make(source: &Environment, options: &Options, watch: &dyn Watch) -> Option<CubeMap> {
     let (size, count) = (options.size, options.levels);
     let sizes = [Some(size), options.diffuse].into_iter().flatten();
     assert!(
@@ -107,7 +107,7 @@ pub fn make(source: &Source, options: &Options, watch: &dyn Watch) -> Option<Cub
         "sizes are powers of two in their range"
     );
     assert!((1..=Options::max_levels(size)).contains(&count), "there are levels, and not too many");
-    let grid = |size: u32| Grid { size, seams: options.seams };
+    let grid = |size: u32| TexelGrid { size, seams: options.seams };
     let (first, rays) = radiance(source, options, grid(size), watch)?;
     let pyramid = Pyramid::new(first.grid, &first.texels);
     let mut levels = vec![first];
@@ -123,9 +123,9 @@ pub fn make(source: &Source, options: &Options, watch: &dyn Watch) -> Option<Cub
 }
 
 /// The first level, and the rays that it took.
-fn radiance(source: &Source, options: &Options, grid: Grid, watch: &dyn Watch) -> Option<(Level, u64)> {
+fn radiance(source: &Environment, options: &Options, grid: TexelGrid, watch: &dyn Watch) -> Option<(Level, u64)> {
     let places: Vec<_> = (0..).zip(grid.places()).collect();
-    let block = |viewer: &mut Viewer, places: &[(u32, (Face, u32, u32))]| {
+    let chunk = |viewer: &mut Viewer, places: &[(u32, (Face, u32, u32))]| {
         let mut rays = 0;
         let texel = |&(number, place): &(u32, (Face, u32, u32))| {
             if watch.stop() {
@@ -139,18 +139,18 @@ fn radiance(source: &Source, options: &Options, grid: Grid, watch: &dyn Watch) -
         let texels: Option<Vec<Vec3>> = places.iter().map(texel).collect();
         texels.map(|texels| (texels, rays))
     };
-    let blocks: Option<Vec<(Vec<Vec3>, u64)>> = places.par_chunks(BLOCK).map_init(Viewer::default, block).collect();
-    let blocks = blocks?;
-    let rays = blocks.iter().map(|(_, rays)| rays).sum();
-    let mut texels: Vec<Vec3> = blocks.into_iter().flat_map(|(texels, _)| texels).collect();
+    let chunks: Option<Vec<(Vec<Vec3>, u64)>> = places.par_chunks(CHUNK).map_init(Viewer::default, chunk).collect();
+    let chunks = chunks?;
+    let rays = chunks.iter().map(|(_, rays)| rays).sum();
+    let mut texels: Vec<Vec3> = chunks.into_iter().flat_map(|(texels, _)| texels).collect();
     grid.weld(&mut texels);
     Some((Level { grid, lobe: None, texels }, rays))
 }
 
 /// A level that is filtered by a lobe.
-fn filtered(pyramid: &Pyramid, grid: Grid, lobe: Lobe, watch: &dyn Watch) -> Option<Level> {
+fn filtered(pyramid: &Pyramid, grid: TexelGrid, lobe: Lobe, watch: &dyn Watch) -> Option<Level> {
     let places: Vec<_> = grid.places().collect();
-    let block = |places: &[(Face, u32, u32)]| {
+    let chunk = |places: &[(Face, u32, u32)]| {
         if watch.stop() {
             return None;
         }
@@ -159,8 +159,8 @@ fn filtered(pyramid: &Pyramid, grid: Grid, lobe: Lobe, watch: &dyn Watch) -> Opt
         watch.advance(texels.len() as u64, 0);
         Some(texels)
     };
-    let blocks: Option<Vec<Vec<Vec3>>> = places.par_chunks(BLOCK).map(block).collect();
-    let mut texels = blocks?.concat();
+    let chunks: Option<Vec<Vec<Vec3>>> = places.par_chunks(CHUNK).map(chunk).collect();
+    let mut texels = chunks?.concat();
     grid.weld(&mut texels);
     Some(Level { grid, lobe: Some(lobe), texels })
 }

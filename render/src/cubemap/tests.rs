@@ -7,9 +7,9 @@ use crate::scene::{CameraPose, Material, Mesh, Scene, Sky, SkyPicture};
 use crate::world::World;
 
 /// A watcher that says stop after some steps.
-struct Patience(std::sync::atomic::AtomicU64);
+struct StopsAfter(std::sync::atomic::AtomicU64);
 
-impl Watch for Patience {
+impl Watch for StopsAfter {
     fn advance(&self, samples: u64, _: u64) {
         let left = &self.0;
         left.fetch_sub(
@@ -23,8 +23,8 @@ impl Watch for Patience {
     }
 }
 
-fn patient() -> Patience {
-    Patience(u64::MAX.into())
+fn never_stops() -> StopsAfter {
+    StopsAfter(u64::MAX.into())
 }
 
 fn options(size: u32, seams: Seams) -> Options {
@@ -68,7 +68,7 @@ fn colored_room() -> World {
 #[test]
 fn faces_show_the_walls_that_engines_look_for_there() {
     let world = colored_room();
-    let source = Source::point(&world, Vec3::ZERO, 2, 0);
+    let source = Environment::point(&world, Vec3::ZERO, 2, 0);
     let (red, dark_red) = (Vec3::X, Vec3::X * 0.25);
     let (blue, dark_blue) = (Vec3::Z, Vec3::Z * 0.25);
     // +x, -x, +z, -z of the cube map. Bevy looks up -z at the face +z, three.js +x at the face -x.
@@ -78,7 +78,7 @@ fn faces_show_the_walls_that_engines_look_for_there() {
         (Axes::Three, [dark_red, red, blue, dark_blue]),
     ] {
         let options = Options { axes, levels: 1, diffuse: None, ..options(8, Seams::None) };
-        let map = make(&source, &options, &patient()).unwrap();
+        let map = make(&source, &options, &never_stops()).unwrap();
         let all = |face: Face, color: Vec3| map.levels[0].face(face).iter().all(|texel| *texel == color);
         assert!(all(Face::PositiveX, expected[0]) && all(Face::NegativeX, expected[1]), "{axes:?}");
         assert!(all(Face::PositiveY, Vec3::Y) && all(Face::NegativeY, Vec3::Y * 0.25), "{axes:?}");
@@ -91,7 +91,7 @@ fn faces_show_the_walls_that_engines_look_for_there() {
 fn a_picture_of_the_sky_is_not_mirrored() {
     let texels: Vec<Vec3> = (0..64 * 32).map(|i| Vec3::splat((i % 64) as f32)).collect();
     let sky = Sky { radiance: Vec3::ZERO, picture: Some(SkyPicture::new(64, 32, texels)) };
-    let map = make(&Source::sky(sky), &Options { levels: 1, ..options(16, Seams::None) }, &patient()).unwrap();
+    let map = make(&Environment::sky(sky), &Options { levels: 1, ..options(16, Seams::None) }, &never_stops()).unwrap();
     let front = &map.levels[0].face(Face::PositiveZ);
     let row = &front[7 * 16..8 * 16];
     assert!(row.is_sorted_by(|a, b| a.x < b.x), "{row:?}");
@@ -107,7 +107,7 @@ fn a_constant_sky_is_constant_in_all_levels() {
     for seams in Seams::ALL {
         for (filter, mapping) in [(Filter::Ggx, Mapping::Sqrt), (Filter::Phong, Mapping::Linear)] {
             let options = Options { filter, mapping, ..options(16, seams) };
-            let map = make(&Source::sky(Sky::constant(radiance)), &options, &patient()).unwrap();
+            let map = make(&Environment::sky(Sky::constant(radiance)), &options, &never_stops()).unwrap();
             let sizes: Vec<u32> = map.levels.iter().map(|level| level.grid.size).collect();
             assert_eq!(sizes, [16, 8, 4, 2, 1]);
             for level in map.levels.iter().chain(&map.diffuse) {
@@ -125,7 +125,8 @@ fn the_diffuse_map_is_irradiance_over_pi() {
         Vec3::splat((1.0 + theta.cos()) as f32)
     });
     let sky = Sky { radiance: Vec3::ZERO, picture: Some(SkyPicture::new(256, 128, texels.collect())) };
-    let map = make(&Source::sky(sky), &Options { levels: 1, ..options(64, Seams::Lookup) }, &patient()).unwrap();
+    let map =
+        make(&Environment::sky(sky), &Options { levels: 1, ..options(64, Seams::Lookup) }, &never_stops()).unwrap();
     let diffuse = map.diffuse.unwrap();
     for ((face, x, y), texel) in diffuse.grid.places().zip(&diffuse.texels) {
         let normal = diffuse.grid.point(face, x, y).normalize();
@@ -140,7 +141,7 @@ fn treated_maps_have_no_seams() {
     let texels = (0..32 * 64).map(|i| if i == 700 { Vec3::splat(500.0) } else { Vec3::new(1.0, (i % 7) as f32, 0.5) });
     let sky = Sky { radiance: Vec3::ZERO, picture: Some(SkyPicture::new(64, 32, texels.collect())) };
     let seams = |seams: Seams| {
-        let map = make(&Source::sky(sky.clone()), &options(16, seams), &patient()).unwrap();
+        let map = make(&Environment::sky(sky.clone()), &options(16, seams), &never_stops()).unwrap();
         map.levels.iter().map(measure::seam).collect::<Vec<_>>()
     };
     let untreated = seams(Seams::None);
@@ -154,11 +155,11 @@ fn treated_maps_have_no_seams() {
 #[test]
 fn threads_and_interruptions_leave_no_trace() {
     let world = World::new(crate::scene::cornell_box()).unwrap();
-    let source = Source::point(&world, Vec3::new(0.278, 0.3, 0.279), 4, 7);
+    let source = Environment::point(&world, Vec3::new(0.278, 0.3, 0.279), 4, 7);
     let options = options(8, Seams::Warp);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| make(&source, &options, &patient())).unwrap()
+        pool.install(|| make(&source, &options, &never_stops())).unwrap()
     };
     let one = on(1);
     assert!(one == on(3));
@@ -166,7 +167,7 @@ fn threads_and_interruptions_leave_no_trace() {
     assert!(one.rays > 6 * 64 * 4);
     let work = work(&source, &options);
     for steps in [1, work / 2, work - 6 * 64] {
-        assert_eq!(make(&source, &options, &Patience(steps.into())), None, "{steps} of {work}");
+        assert_eq!(make(&source, &options, &StopsAfter(steps.into())), None, "{steps} of {work}");
     }
 }
 
@@ -174,7 +175,7 @@ fn threads_and_interruptions_leave_no_trace() {
 fn shaders_shrink_only_what_was_made_for_it() {
     let map = |seams| {
         let options = Options { levels: 3, mapping: Mapping::Sqrt, ..options(16, seams) };
-        make(&Source::sky(Sky::constant(Vec3::ONE)), &options, &patient()).unwrap()
+        make(&Environment::sky(Sky::constant(Vec3::ONE)), &options, &never_stops()).unwrap()
     };
     for language in Language::ALL {
         let text = lookup(&map(Seams::Lookup), language);

@@ -119,14 +119,14 @@ impl Canvas {
 mod tests {
     use glam::DVec3;
 
-    use super::super::grid::{Grid, Seams};
+    use super::super::grid::{Seams, TexelGrid};
     use super::*;
 
     /// Each texel has its direction for a colour: neighbours in a cross differ little, across borders of faces too.
     #[test]
     fn neighbours_on_the_sphere_are_neighbours_in_the_cross() {
         let level = |size: u32| {
-            let grid = Grid { size, seams: Seams::None };
+            let grid = TexelGrid { size, seams: Seams::None };
             let direction = |(face, x, y)| grid.point(face, x, y).normalize().as_vec3() + 2.0;
             Level { grid, lobe: None, texels: grid.places().map(direction).collect() }
         };

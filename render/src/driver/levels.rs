@@ -1,29 +1,29 @@
 //! From coarse to fine: the first sample of every pixel in an order in which the picture can be looked at early.
 //!
 //! Driscoll renders "with each ray covering 32 by 32 pixels, then when that completes, I immediately kick off another
-//! render at 16 by 16, and so on". Here the ray of a block is the first sample of its upper left pixel, so that no work
+//! render at 16 by 16, and so on". Here the ray of a square is the first sample of its upper left pixel, so that no work
 //! is done twice and the picture in the end is the one that would have been made anyway: a level takes the pixels on its
 //! grid that the grid before has not.
 
 use crate::film::Picture;
 
-/// The greatest side of a block.
-pub const MAX_BLOCK: u32 = 256;
+/// The greatest side of a square.
+pub const MAX_PREVIEW_SIDE: u32 = 256;
 
-/// The sides of the blocks from `coarsest` down to 1, halved each time.
+/// The sides of the squares from `coarsest` down to 1, halved each time.
 pub(super) fn sides(coarsest: u32) -> impl Iterator<Item = u32> {
-    let coarsest = 1 << coarsest.clamp(1, MAX_BLOCK).ilog2();
+    let coarsest = 1 << coarsest.clamp(1, MAX_PREVIEW_SIDE).ilog2();
     std::iter::successors(Some(coarsest), |side| Some(side / 2).filter(|&side| side > 0))
 }
 
-/// Whether the pixel is the corner of a block at this level and of none at the one before, if there is one.
+/// Whether the pixel is the corner of a square at this level and of none at the one before, if there is one.
 pub(super) fn is_new(x: u32, y: u32, side: u32, coarsest: u32) -> bool {
     let is_corner = |side: u32| x.is_multiple_of(side) && y.is_multiple_of(side);
     is_corner(side) && (side == coarsest || !is_corner(2 * side))
 }
 
-/// Fills each block with its upper left pixel.
-pub(super) fn fill_blocks(picture: &mut Picture, side: u32) {
+/// Fills each square with its upper left pixel.
+pub(super) fn fill_squares(picture: &mut Picture, side: u32) {
     let (width, side) = (picture.width as usize, side as usize);
     for channel in &mut picture.channels {
         for i in 0..channel.values.len() {
@@ -50,7 +50,7 @@ mod tests {
                 total += usize::from(is_new(x, y, coarsest, coarsest));
             }
             let across = |length: usize| length.div_ceil(coarsest as usize);
-            assert_eq!(total, across(50) * across(40), "blocks of the first level");
+            assert_eq!(total, across(50) * across(40), "squares of the first level");
         }
     }
 
@@ -59,10 +59,10 @@ mod tests {
         let values = (0..15).map(|i| i as f32).collect();
         let channels = vec![Channel { name: "R".to_owned(), values }];
         let mut picture = Picture { width: 5, height: 3, channels, metadata: Metadata::default() };
-        fill_blocks(&mut picture, 2);
+        fill_squares(&mut picture, 2);
         let expected = [0, 0, 2, 2, 4, 0, 0, 2, 2, 4, 10, 10, 12, 12, 14].map(|i| i as f32);
         assert_eq!(picture.channels[0].values, expected);
-        fill_blocks(&mut picture, 1);
+        fill_squares(&mut picture, 1);
         assert_eq!(picture.channels[0].values, expected);
     }
 }

@@ -4,9 +4,9 @@
 //! are already, so that a render which is stopped leaves a picture without holes. The first wave can be watched from
 //! coarse to fine. A pixel's samples are summed in their own order, whatever the tiles, waves and threads.
 
+mod frame;
 mod levels;
-mod share;
-mod shot;
+mod worker;
 
 use std::time::{Duration, Instant};
 
@@ -17,11 +17,11 @@ use crate::film::{Metadata, Picture, Tile, channels, tiles};
 use crate::integrator::{self, Prepared};
 use crate::settings::Settings;
 use crate::world::World;
-use shot::{Batch, Shot};
+use frame::{FrameRender, TileScratch};
 
 pub use crate::integrator::CacheUse;
-pub use levels::MAX_BLOCK;
-pub use share::{Share, Step};
+pub use levels::MAX_PREVIEW_SIDE;
+pub use worker::{Step, TileWorker};
 
 /// Watches a render and may stop it. Called from all threads.
 pub trait Watch: Sync {
@@ -36,14 +36,14 @@ pub trait Watch: Sync {
     /// An irradiance cache that is being filled serves so many of its points.
     fn covered(&self, _points: u64) {}
 
-    /// The side in pixels of the blocks with which the picture begins, a power of two up to [`MAX_BLOCK`]; 1 for single
+    /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1 for single
     /// pixels. The picture that [`render`] gives does not depend on it.
     fn coarsest(&self) -> u32 {
         1
     }
 
     /// Sees the picture of each level from [`coarsest`](Self::coarsest) on down to 1, if it is more than 1: one sample for
-    /// each block of `side` pixels. Called from the thread that renders, which waits.
+    /// each square of `side` pixels. Called from the thread that renders, which waits.
     fn level(&self, _side: u32, _picture: &Picture) {}
 }
 
@@ -75,22 +75,22 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
 /// Like [`render`], but the `cached` integrator adds to `cache`, which must be of this world and of its options.
 pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> Render {
     let start = Instant::now();
-    let (prepared, overture) = integrator::prepare(world, settings, cache, watch);
-    let job = Job { world, shot: Shot::new(world, settings.clone(), prepared), watch };
+    let (prepared, prefill_rays) = integrator::prepare(world, settings, cache, watch);
+    let renderer = Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared), watch };
     let mut tiles = tiles(settings.width, settings.height, settings.aov);
-    let mut rays = overture + job.first_wave(&mut tiles, start);
+    let mut rays = prefill_rays + renderer.first_wave(&mut tiles, start);
     let mut done = 1;
     while done < settings.spp && !watch.stop() {
         let wave = done.min(MAX_WAVE).min(settings.spp - done);
         rays += tiles
             .par_iter_mut()
-            .map_init(Batch::default, |batch, tile| job.sample(batch, tile, done + wave))
+            .map_init(TileScratch::default, |scratch, tile| renderer.sample(scratch, tile, done + wave))
             .sum::<u64>();
         done += wave;
     }
-    let picture = job.picture(&tiles, start);
+    let picture = renderer.picture(&tiles, start);
     let finished = picture.metadata.samples_per_pixel == settings.spp;
-    let cache = match &job.shot.prepared {
+    let cache = match &renderer.frame.prepared {
         Prepared::Cache(frozen) => Some(frozen.usage()),
         Prepared::Nothing => None,
     };
@@ -103,30 +103,30 @@ pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn 
 }
 
 /// What all tiles share.
-struct Job<'a> {
+struct Renderer<'a> {
     world: &'a World,
-    shot: Shot,
+    frame: FrameRender,
     watch: &'a dyn Watch,
 }
 
-impl Job<'_> {
+impl Renderer<'_> {
     /// Takes the first sample of every pixel, which cannot be stopped, level by level; gives the rays traced.
     fn first_wave(&self, tiles: &mut [Tile], start: Instant) -> u64 {
         let coarsest = levels::sides(self.watch.coarsest()).next().unwrap_or(1);
         let mut rays = 0;
         for side in levels::sides(coarsest) {
-            let sample = |batch: &mut Batch, tile: &mut Tile| {
+            let sample = |scratch: &mut TileScratch, tile: &mut Tile| {
                 let pixels = tile.pixels().enumerate().filter(|&(_, (x, y))| levels::is_new(x, y, side, coarsest));
                 let pixels: Vec<_> = pixels.collect();
-                let rays = self.shot.sample(self.world, batch, tile, &pixels, 0..1);
+                let rays = self.frame.sample(self.world, scratch, tile, &pixels, 0..1);
                 self.watch.advance(pixels.len() as u64, rays);
                 tile.samples = u32::from(side == 1);
                 rays
             };
-            rays += tiles.par_iter_mut().map_init(Batch::default, sample).sum::<u64>();
+            rays += tiles.par_iter_mut().map_init(TileScratch::default, sample).sum::<u64>();
             if coarsest > 1 {
                 let mut picture = self.picture(tiles, start);
-                levels::fill_blocks(&mut picture, side);
+                levels::fill_squares(&mut picture, side);
                 self.watch.level(side, &picture);
             }
         }
@@ -135,11 +135,11 @@ impl Job<'_> {
 
     /// The picture of the samples so far.
     fn picture(&self, tiles: &[Tile], start: Instant) -> Picture {
-        let Settings { width, height, seed, ref integrator, .. } = self.shot.settings;
+        let Settings { width, height, seed, ref integrator, .. } = self.frame.settings;
         let metadata = Metadata {
             samples_per_pixel: tiles.iter().map(|tile| tile.samples).min().unwrap_or(0),
             render_time_seconds: Metadata::stored_seconds(start.elapsed()),
-            world_to_camera: self.shot.camera.world_to_camera(),
+            world_to_camera: self.frame.camera.world_to_camera(),
             seed,
             scene_hash: self.world.hash(),
             integrator: integrator.name().to_owned(),
@@ -148,13 +148,13 @@ impl Job<'_> {
     }
 
     /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.
-    fn sample(&self, batch: &mut Batch, tile: &mut Tile, target: u32) -> u64 {
+    fn sample(&self, scratch: &mut TileScratch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<_> = tile.pixels().enumerate().collect();
         let mut traced = 0;
         while tile.samples < target && !self.watch.stop() {
             let samples = (BATCH / pixels.len()).max(1) as u32;
             let end = target.min(tile.samples + samples);
-            let rays = self.shot.sample(self.world, batch, tile, &pixels, tile.samples..end);
+            let rays = self.frame.sample(self.world, scratch, tile, &pixels, tile.samples..end);
             self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
             tile.samples = end;
             traced += rays;

@@ -3,23 +3,23 @@
 //! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` and then, on a
 //! triangle, by a point `y` of density `p` per area: `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle,
 //! which multiple importance sampling compares with that of the bounce, is `P p |y - x|² / cos θ_y`. A plain triangle is
-//! sampled where it is bright from the surface (see [`prospect`]), one with textures evenly. A sky that is as bright
+//! sampled where it is bright from the surface (see [`light_warp`]), one with textures evenly. A sky that is as bright
 //! everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that is not by its brightness.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
-use super::prospect::prospect;
-use crate::light::{Choice, Source};
+use super::light_warp::light_warp;
+use crate::light::{Light, SampledLight};
 use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
-/// Light that a surface reflects if `shadow` is free.
-pub(crate) struct Connection {
+/// Light that a surface reflects if `ray` is not occluded.
+pub(crate) struct ShadowRay {
     /// From the surface to the light.
-    pub shadow: Ray,
+    pub ray: Ray,
     /// Radiance reflected, over the density of the sample and with the weight of its technique.
     pub radiance: Vec3,
 }
@@ -29,58 +29,58 @@ pub(crate) struct LightSample {
     pub shadow: Ray,
     /// Unit vector to the light.
     pub direction: Vec3,
-    /// Radiance over density; of a light without a surface, irradiance at right angles to it over probability.
+    /// Radiance over density; of a delta light, irradiance at right angles to it over probability.
     pub radiance: Vec3,
     /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
-    pub per_density: f32,
+    pub inv_density: f32,
 }
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected. The
 /// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction.
 #[inline(always)]
-pub(crate) fn connect(
+pub(crate) fn sample_direct(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
     (choice, v): (f64, f32),
-) -> Option<Connection> {
-    connect_to(world, surface, lights, &world.lights.choose(choice)?, v)
+) -> Option<ShadowRay> {
+    sample_direct_from(world, surface, lights, &world.lights.choose(choice)?, v)
 }
 
 /// The same for a light that is chosen.
 #[inline(always)]
-pub(crate) fn connect_to(
+pub(crate) fn sample_direct_from(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    choice: &Choice,
+    choice: &SampledLight,
     v: f32,
-) -> Option<Connection> {
+) -> Option<ShadowRay> {
     let light = sample_light(world, surface, lights, choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * lights.of_light(light.per_density, bounce_density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
+    let radiance = reflected * light.radiance * lights.light_weight(light.inv_density, bounce_density);
+    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
 }
 
-/// Samples a lamp, or the sky's glare, which no bounce is to find: what of direct light is not for gathers. With
-/// [`LightSampling::Direct`] samples of lamps count in full, where bounces find none of them.
-pub(crate) fn connect_lamp(
+/// Samples an area light, a delta light or the sky's sun: the direct light that gathers leave out. With
+/// [`LightSampling::Direct`] samples of area lights count in full, as bounces find none of them.
+pub(crate) fn sample_direct_without_sky(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
     (choice, v): (f64, f32),
-) -> Option<Connection> {
-    let (choice, rarer) = world.lights.choose_lamp(choice)?;
-    let light = match choice.source {
-        Source::Sky => sample_glare(world, surface, &choice, v)?,
+) -> Option<ShadowRay> {
+    let (choice, rarer) = world.lights.choose_without_sky(choice)?;
+    let light = match choice.light {
+        Light::Sky => sample_sun(world, surface, &choice, v)?,
         _ => sample_light(world, surface, lights, &choice, v)?,
     };
     let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * rarer * lights.of_light(light.per_density * rarer, bounce_density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(Connection { shadow: light.shadow, radiance })
+    let radiance = reflected * light.radiance * rarer * lights.light_weight(light.inv_density * rarer, bounce_density);
+    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
 }
 
-/// The density per solid angle with which [`connect`], among bounces, gives the point of `emitter` that is hit by a ray of
+/// The density per solid angle with which [`sample_direct`], among bounces, gives the point of `emitter` that is hit by a ray of
 /// a unit vector, from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are
 /// all alike.
 pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
@@ -89,16 +89,16 @@ pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Sur
         return 0.0;
     }
     let density = area_density * hit.t * hit.t / emitter.normal.dot(ray.direction).abs();
-    match (normal, world.plain_face(hit.prim_id)) {
+    match (normal, world.plain_triangle(hit.prim_id)) {
         (Some(normal), Some(face)) => {
             let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-            density * prospect(ray.origin, normal, &face.corners, LightSampling::Mis).density(place)
+            density * light_warp(ray.origin, normal, &face.corners, LightSampling::Mis).density(place)
         }
         _ => density,
     }
 }
 
-/// The part of an emitter's light that counts along a ray which a surface scattered, as [`connect_lamp`] finds it too. The
+/// The part of an emitter's light that counts along a ray which a surface scattered, as [`sample_direct_without_sky`] finds it too. The
 /// ray has a unit vector, chosen with the given density per solid angle, and the unit normal is on its side.
 pub(crate) fn scattered_weight(
     world: &World,
@@ -108,12 +108,12 @@ pub(crate) fn scattered_weight(
     ray: &Ray,
     hit: &Hit,
 ) -> f32 {
-    // `connect_lamp` chooses among fewer lights than `connect`.
-    let by_lamps = emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.lamps_share();
-    LightSampling::Mis.of_bounce(density, by_lamps)
+    // `sample_direct_without_sky` chooses among fewer lights than `sample_direct`.
+    let by_lights = emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.share_without_sky();
+    LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The density per solid angle with which [`connect`] looks from `surface` to the sky in the unit vector `direction`.
+/// The density per solid angle with which [`sample_direct`] looks from `surface` to the sky in the unit vector `direction`.
 #[inline(always)]
 pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
     match world.lights.sky_probability() {
@@ -128,18 +128,18 @@ fn sample_light(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    choice: &Choice,
+    choice: &SampledLight,
     v: f32,
 ) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
-    let rarer = match choice.source {
-        Source::Triangle(prim_id) => return sample_triangle(world, surface, lights, *prim_id, u),
-        Source::Punctual(light) => sample_punctual(surface, light, choice.probability),
-        Source::Sky => sample_sky(world, surface, u)?,
+    let rarer = match choice.light {
+        Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, *prim_id, u),
+        Light::Punctual(light) => sample_punctual(surface, light, choice.probability),
+        Light::Sky => sample_sky(world, surface, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.
-    let LightSample { shadow, direction, radiance, per_density } = rarer;
-    Some(LightSample { shadow, direction, radiance, per_density })
+    let LightSample { shadow, direction, radiance, inv_density } = rarer;
+    Some(LightSample { shadow, direction, radiance, inv_density })
 }
 
 #[inline(always)]
@@ -152,13 +152,13 @@ fn sample_triangle(
 ) -> Option<LightSample> {
     let mut area = world.lights.area_density(prim_id).recip();
     let mut place = u;
-    if let Some(face) = world.plain_face(prim_id) {
-        let prospect = prospect(surface.position, surface.normal, &face.corners, lights);
-        place = prospect.map(u);
-        area *= prospect.per_density(place);
+    if let Some(face) = world.plain_triangle(prim_id) {
+        let warp = light_warp(surface.position, surface.normal, &face.corners, lights);
+        place = warp.map(u);
+        area *= warp.per_density(place);
     }
     let light = point_on_emitter(world, surface.position, prim_id, place)?;
-    let (sample, arrives) = shine(surface, &light, area);
+    let (sample, arrives) = area_light_sample(surface, &light, area);
     arrives.then_some(sample)
 }
 
@@ -177,21 +177,21 @@ fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2)
 /// The light from a point of an emitter, whose front emits and which is chosen with a density per area whose reciprocal is
 /// `area`; and whether any of it can arrive. Without a branch, so that loops over it become lanes.
 #[inline(always)]
-pub(crate) fn shine(surface: &Surface, light: &Surface, area: f32) -> (LightSample, bool) {
+pub(crate) fn area_light_sample(surface: &Surface, light: &Surface, area: f32) -> (LightSample, bool) {
     let to_light = light.position - surface.position;
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), -light.normal.dot(to_light));
-    let per_distance = to_light.length_squared().sqrt().recip();
-    let direction = to_light * per_distance;
-    let per_density = cosine_at_light * per_distance * (per_distance * per_distance) * area;
+    let inv_distance = to_light.length_squared().sqrt().recip();
+    let direction = to_light * inv_distance;
+    let inv_density = cosine_at_light * inv_distance * (inv_distance * inv_distance) * area;
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    let sample = LightSample { shadow, direction, radiance: light.emission * per_density, per_density };
+    let sample = LightSample { shadow, direction, radiance: light.emission * inv_density, inv_density };
     (sample, (cosine > 0.0) & (cosine_at_light > 0.0))
 }
 
 #[inline(never)]
 fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -> LightSample {
-    let (to_light, received) = receive(light, surface.position);
+    let (to_light, received) = incident_irradiance(light, surface.position);
     let shadow = match light {
         PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
         PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
@@ -199,7 +199,7 @@ fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -
         }
     };
     let direction = to_light.normalize_or_zero();
-    LightSample { shadow, direction, radiance: received / probability, per_density: 0.0 }
+    LightSample { shadow, direction, radiance: received / probability, inv_density: 0.0 }
 }
 
 #[inline(never)]
@@ -207,20 +207,20 @@ fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> 
     let direction = world.sky.sample(surface, u);
     let density = sky_density(world, surface, direction);
     let shadow = Ray::new(surface.origin_towards(direction), direction);
-    let per_density = density.recip();
-    let radiance = world.sky.radiance(direction) * per_density;
-    (density > 0.0).then_some(LightSample { shadow, direction, radiance, per_density })
+    let inv_density = density.recip();
+    let radiance = world.sky.radiance(direction) * inv_density;
+    (density > 0.0).then_some(LightSample { shadow, direction, radiance, inv_density })
 }
 
 #[inline(never)]
-fn sample_glare(world: &World, surface: &Surface, choice: &Choice, v: f32) -> Option<LightSample> {
-    let (direction, radiance) = world.sky.sample_glare(Vec2::new(choice.rest, v))?;
+fn sample_sun(world: &World, surface: &Surface, choice: &SampledLight, v: f32) -> Option<LightSample> {
+    let (direction, radiance) = world.sky.sample_sun(Vec2::new(choice.rest, v))?;
     let shadow = Ray::new(surface.origin_towards(direction), direction);
-    Some(LightSample { shadow, direction, radiance: radiance / choice.probability, per_density: 0.0 })
+    Some(LightSample { shadow, direction, radiance: radiance / choice.probability, inv_density: 0.0 })
 }
 
-/// The way from a point to a light without a surface, and the irradiance there on a surface that faces it.
-fn receive(light: &PunctualLight, point: Vec3) -> (Vec3, Vec3) {
+/// The way from a point to a delta light, and the irradiance there on a surface that faces it.
+fn incident_irradiance(light: &PunctualLight, point: Vec3) -> (Vec3, Vec3) {
     match *light {
         PunctualLight::Point { position, intensity } => {
             let to_light = position - point;

@@ -1,6 +1,6 @@
 //! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
 //!
-//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its glare, which is as
+//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its sun, which is as
 //! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to find, by paths
 //! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
 //! large batches.
@@ -10,7 +10,7 @@ use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified}
 use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use halfdome_kernel::{Hit, Ray};
 
-use super::horizon::Horizon;
+use super::occluders::OccluderSectors;
 use crate::settings::GatherLayout;
 use crate::world::{Surface, World};
 
@@ -40,7 +40,7 @@ pub(crate) struct Gathered {
     /// How irradiance curves, in the frame about the normal, if that was asked for.
     pub(crate) hessian: Option<Hessian>,
     /// What stands around.
-    pub(crate) horizon: Horizon,
+    pub(crate) occluders: OccluderSectors,
 }
 
 /// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
@@ -59,7 +59,7 @@ pub(crate) struct Gatherer {
 
 /// The rays of several gathers, one after the other. The next batch uses the memory again.
 #[derive(Default)]
-struct Batch {
+struct GatherScratch {
     /// Directions in local coordinates.
     directions: Vec<Vec3>,
     rays: Vec<Ray>,
@@ -103,7 +103,7 @@ impl Gatherer {
         points: &[GatherPoint],
         follow: &mut dyn Follow,
     ) -> (Vec<Gathered>, u64) {
-        let mut batch = Batch::default();
+        let mut batch = GatherScratch::default();
         let mut rays = 0;
         let gathers = points.chunks((BATCH / self.layout.cells()).max(1)).flat_map(|points| {
             rays += batch.trace(self, world, points, follow);
@@ -123,7 +123,7 @@ fn address(key: u64) -> u32 {
     (mixed >> 32) as u32
 }
 
-impl Batch {
+impl GatherScratch {
     /// Traces the rays of `points` and finds their radiance.
     fn trace(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
         let cells = gatherer.layout.cells();
@@ -179,14 +179,16 @@ impl Batch {
         let hessian = gatherer
             .with_hessian
             .then(|| gatherer.layout.hessian(directions, radiance, distance).expect("a value for each cell"));
-        let mut horizon = Horizon::OPEN;
-        for (&direction, hit) in directions.iter().zip(hits).filter(|(direction, _)| Horizon::is_flat(**direction)) {
-            horizon.look(direction);
+        let mut occluders = OccluderSectors::OPEN;
+        for (&direction, hit) in
+            directions.iter().zip(hits).filter(|(direction, _)| OccluderSectors::is_flat(**direction))
+        {
+            occluders.mark_seen(direction);
             if hit.is_hit() {
                 let found = world.surface_at(hit).facing(frame.to_world(direction));
-                horizon.add(direction, hit.t, frame.to_local(found.normal));
+                occluders.add_hit(direction, hit.t, frame.to_local(found.normal));
             }
         }
-        Gathered { gather: gather.to_world(&frame), hessian, horizon }
+        Gathered { gather: gather.to_world(&frame), hessian, occluders }
     }
 }

@@ -1,5 +1,5 @@
 //! Direct light with the directions that it comes from, for texels and probes: from emitters, by samples of the lights and
-//! of directions alike, weighted by the power heuristic (Veach 1997), from lights without a surface, and the sky's glare.
+//! of directions alike, weighted by the power heuristic (Veach 1997), from delta lights, and the sky's sun.
 //! The rest of the sky belongs to the gathers.
 
 use std::f32::consts::PI;
@@ -9,7 +9,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::direct::{connect_lamp, scattered_weight};
+use super::direct::{sample_direct_without_sky, scattered_weight};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -25,14 +25,14 @@ const SALT: u64 = 0x3c6e_f372_fe94_f82b;
 const BATCH: u32 = 2048;
 
 /// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
-pub(crate) trait Receive {
+pub(crate) trait IncidentSink {
     /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
-    fn receive(&mut self, direction: Vec3, irradiance: Vec3);
+    fn add_light(&mut self, direction: Vec3, irradiance: Vec3);
 }
 
 /// Samples of direct light, and their memory.
 #[derive(Default)]
-pub(crate) struct Incident {
+pub(crate) struct IncidentSampler {
     shadows: Vec<Ray>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
@@ -42,7 +42,7 @@ pub(crate) struct Incident {
     scattered: Vec<(f32, Vec3)>,
 }
 
-impl Incident {
+impl IncidentSampler {
     /// Gives to `sink` the irradiance of `spp` samples, each at one of `surfaces`, at least one; gives the number of rays.
     /// `number` selects the random numbers.
     pub(crate) fn sample(
@@ -51,7 +51,7 @@ impl Incident {
         surfaces: &[Surface],
         (seed, number): (u64, u32),
         spp: u32,
-        sink: &mut dyn Receive,
+        sink: &mut dyn IncidentSink,
     ) -> u64 {
         let mut traced = 0;
         let share = 1.0 / spp as f32;
@@ -63,7 +63,7 @@ impl Incident {
             for sample in first..spp.min(first + BATCH) {
                 let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
                 let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
-                self.aim(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);
+                self.push_sample(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);
             }
             traced += self.collect(world, share, sink);
         }
@@ -71,11 +71,11 @@ impl Incident {
     }
 
     /// Makes the two rays of a sample.
-    fn aim(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
+    fn push_sample(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
         let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
         let numbers = (unit_double(Vec2::new(x, finer)), y);
-        if let Some(light) = connect_lamp(world, surface, LightSampling::Mis, numbers) {
-            self.shadows.push(light.shadow);
+        if let Some(light) = sample_direct_without_sky(world, surface, LightSampling::Mis, numbers) {
+            self.shadows.push(light.ray);
             self.values.push(light.radiance * PI);
         }
         if world.lights.has_emitters() {
@@ -88,12 +88,12 @@ impl Incident {
     }
 
     /// Traces the rays, and passes on what they find.
-    fn collect(&mut self, world: &World, share: f32, sink: &mut dyn Receive) -> u64 {
+    fn collect(&mut self, world: &World, share: f32, sink: &mut dyn IncidentSink) -> u64 {
         self.occluded.resize(self.shadows.len(), false);
         world.occluded_many(&self.shadows, &mut self.occluded);
         for ((ray, value), occluded) in self.shadows.iter().zip(&self.values).zip(&self.occluded) {
             if !occluded {
-                sink.receive(ray.direction.normalize_or_zero(), share * *value);
+                sink.add_light(ray.direction.normalize_or_zero(), share * *value);
             }
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
@@ -105,7 +105,7 @@ impl Incident {
                 if emitted != Vec3::ZERO {
                     let weight = scattered_weight(world, normal, density, &emitter, ray, hit);
                     // Cosine over density is π.
-                    sink.receive(ray.direction, share * PI * weight * emitted);
+                    sink.add_light(ray.direction, share * PI * weight * emitted);
                 }
             }
         }

@@ -3,17 +3,18 @@
 mod direct;
 mod gather;
 mod hemisphere;
-mod horizon;
 mod incident;
-mod prospect;
+mod light_warp;
+mod occluders;
 mod weight;
 
 pub(crate) use direct::{
-    Connection, connect, connect_lamp, connect_to, emitted_density, scattered_weight, shine, sky_density,
+    ShadowRay, area_light_sample, emitted_density, sample_direct, sample_direct_from, sample_direct_without_sky,
+    scattered_weight, sky_density,
 };
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
-pub use horizon::SECTORS;
-pub(crate) use horizon::sector;
-pub(crate) use incident::{Incident, Receive};
-pub(crate) use prospect::prospect;
+pub(crate) use incident::{IncidentSampler, IncidentSink};
+pub(crate) use light_warp::light_warp;
+pub use occluders::SECTORS;
+pub(crate) use occluders::sector;

@@ -6,11 +6,11 @@ use crate::settings::LightSampling;
 
 /// Weights of light that a bounce could find with the density `bounce` and a light sample with the density `light`, both
 /// per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function, which the other
-/// technique cannot meet: a mirror or the camera's pinhole for bounces, a light without a surface for light samples.
+/// technique cannot meet: a mirror or the camera's pinhole for bounces, a delta light for light samples.
 impl LightSampling {
     /// Of light that a bounce found.
     #[inline]
-    pub(crate) fn of_bounce(self, bounce: f32, light: f32) -> f32 {
+    pub(crate) fn bounce_weight(self, bounce: f32, light: f32) -> f32 {
         match self {
             Self::Naive => 1.0,
             Self::Direct if bounce == f32::INFINITY || light == 0.0 => 1.0,
@@ -21,7 +21,7 @@ impl LightSampling {
 
     /// Of light that was sampled; by the reciprocal of its density, which whoever samples a light needs anyway.
     #[inline]
-    pub(crate) fn of_light(self, per_light: f32, bounce: f32) -> f32 {
+    pub(crate) fn light_weight(self, per_light: f32, bounce: f32) -> f32 {
         match self {
             Self::Naive if per_light == 0.0 => 1.0,
             Self::Naive => 0.0,
@@ -40,7 +40,7 @@ mod tests {
     fn what_both_can_find_counts_once() {
         for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
             for (bounce, light) in [(0.3, 2.0), (5.0, 0.01), (1.0, 1.0)] {
-                let sum = lights.of_bounce(bounce, light) + lights.of_light(1.0 / light, bounce);
+                let sum = lights.bounce_weight(bounce, light) + lights.light_weight(1.0 / light, bounce);
                 assert!((sum - 1.0).abs() < 1e-6, "{lights:?}, {bounce}, {light}: {sum}");
             }
         }
@@ -49,9 +49,9 @@ mod tests {
     #[test]
     fn deltas_win() {
         for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
-            assert_eq!(lights.of_bounce(f32::INFINITY, 3.0), 1.0, "an area light in a mirror, {lights:?}");
-            assert_eq!(lights.of_light(0.0, 3.0), 1.0, "a point light, {lights:?}");
-            assert_eq!(lights.of_bounce(3.0, 0.0), 1.0, "what is never sampled, {lights:?}");
+            assert_eq!(lights.bounce_weight(f32::INFINITY, 3.0), 1.0, "an area light in a mirror, {lights:?}");
+            assert_eq!(lights.light_weight(0.0, 3.0), 1.0, "a point light, {lights:?}");
+            assert_eq!(lights.bounce_weight(3.0, 0.0), 1.0, "what is never sampled, {lights:?}");
         }
     }
 }

@@ -11,7 +11,7 @@
 use glam::Vec3;
 use halfdome_kernel::{Hit, Ray};
 
-use super::{CameraRays, FIRST_SET};
+use super::{FIRST_SET, RayBatch};
 use crate::estimator::Hemisphere;
 use crate::settings::{AoOptions, AoWeighting};
 use crate::world::World;
@@ -21,7 +21,7 @@ const BATCH: usize = 16_384;
 
 /// Rays that wait to be traced, and their memory, which the next batch uses again.
 #[derive(Default)]
-pub(crate) struct Feelers {
+pub(crate) struct AoRays {
     /// For each its camera ray, and what it counts if it hits nothing.
     shares: Vec<(usize, f32)>,
     rays: Vec<Ray>,
@@ -29,19 +29,19 @@ pub(crate) struct Feelers {
     occluded: Vec<bool>,
 }
 
-/// Writes the openness along each camera ray to all channels; gives the number of further rays.
-pub(super) fn openness(
+/// Writes the ambient occlusion along each camera ray to all channels; gives the number of further rays.
+pub(super) fn radiance(
     world: &World,
     options: &AoOptions,
-    camera: &CameraRays,
-    feelers: &mut Feelers,
+    batch: &RayBatch,
+    ao_rays: &mut AoRays,
     radiance: &mut [Vec3],
 ) -> u64 {
     let hemisphere = Hemisphere::new(options.sampling, options.rays);
     let bounds = world.tree().bounds();
     let t_max = options.max_distance.unwrap_or_else(|| (bounds.max - bounds.min).length());
     let mut traced = 0;
-    for (index, (ray, hit)) in camera.rays.iter().zip(camera.hits).enumerate() {
+    for (index, (ray, hit)) in batch.rays.iter().zip(batch.hits).enumerate() {
         if !hit.is_hit() {
             radiance[index] = Vec3::ONE;
             continue;
@@ -50,23 +50,23 @@ pub(super) fn openness(
         let surface = world.surface_at(hit).facing(ray.direction);
         let frame = surface.frame();
         for number in 0..hemisphere.rays() {
-            let u = camera.samplers[index].uniform2(FIRST_SET.wrapping_add(number));
+            let u = batch.samplers[index].uniform2(FIRST_SET.wrapping_add(number));
             let (local, weight) = hemisphere.direction(number, u);
             let direction = frame.to_world(local);
             // A shading normal may point a ray into the surface, where nothing is open.
             if surface.normal.dot(direction) > 0.0 {
-                feelers.shares.push((index, weight / hemisphere.rays() as f32));
-                feelers.rays.push(Ray { t_max, ..Ray::new(surface.origin_towards(direction), direction) });
+                ao_rays.shares.push((index, weight / hemisphere.rays() as f32));
+                ao_rays.rays.push(Ray { t_max, ..Ray::new(surface.origin_towards(direction), direction) });
             }
-            if feelers.rays.len() == BATCH {
-                traced += feelers.trace(world, options.weighting, t_max, radiance);
+            if ao_rays.rays.len() == BATCH {
+                traced += ao_rays.trace(world, options.weighting, t_max, radiance);
             }
         }
     }
-    traced + feelers.trace(world, options.weighting, t_max, radiance)
+    traced + ao_rays.trace(world, options.weighting, t_max, radiance)
 }
 
-impl Feelers {
+impl AoRays {
     /// Adds what each ray counts to its camera ray; gives their number.
     fn trace(&mut self, world: &World, weighting: AoWeighting, t_max: f32, radiance: &mut [Vec3]) -> u64 {
         let traced = self.rays.len();

@@ -7,12 +7,12 @@
 use glam::Vec3;
 use halfdome_kernel::Ray;
 
-use super::connections::Connections;
 use super::emission::{emission, sky};
+use super::shadow_queue::ShadowQueue;
 use super::state::Path;
-use super::wavefront::{Arrival, OneByOne, Step};
-use super::{CameraRays, Wavefront};
-use crate::estimator::connect;
+use super::wavefront::{PathVertex, ScalarSteps, VertexStep};
+use super::{RayBatch, Wavefront};
+use crate::estimator::sample_direct;
 use crate::settings::{DirectOptions, LightSampling};
 use crate::world::World;
 
@@ -22,11 +22,11 @@ const LIGHTS: LightSampling = LightSampling::Direct;
 pub(super) fn radiance(
     world: &World,
     options: &DirectOptions,
-    camera: &CameraRays,
+    batch: &RayBatch,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    wave.follow(world, camera, &mut OneByOne { world, step: Direct { world, options } }, radiance)
+    wave.follow(world, batch, &mut ScalarSteps { world, step: Direct { world, options } }, radiance)
 }
 
 struct Direct<'a> {
@@ -34,7 +34,7 @@ struct Direct<'a> {
     options: &'a DirectOptions,
 }
 
-impl Step for Direct<'_> {
+impl VertexStep for Direct<'_> {
     fn max_depth(&self) -> u32 {
         self.options.max_depth
     }
@@ -43,11 +43,11 @@ impl Step for Direct<'_> {
     fn step(
         &mut self,
         path: Path,
-        arrival: &Arrival,
-        connections: &mut Connections,
+        vertex: &PathVertex,
+        shadow_queue: &mut ShadowQueue,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
-        let (world, Arrival { ray, hit, numbers, .. }) = (self.world, arrival);
+        let (world, PathVertex { ray, hit, numbers, .. }) = (self.world, vertex);
         if !hit.is_hit() {
             *radiance += path.throughput * sky(world, LIGHTS, &path, ray.direction);
             return None;
@@ -56,9 +56,9 @@ impl Step for Direct<'_> {
         *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
-        if let Some(connection) = connect(world, &surface, LIGHTS, numbers.light()) {
-            connections.push(path.index, path.throughput, connection);
+        if let Some(shadow_ray) = sample_direct(world, &surface, LIGHTS, numbers.light()) {
+            shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
-        path.through(&surface, arrival)
+        path.through(&surface, vertex)
     }
 }

@@ -10,7 +10,7 @@ use crate::world::{Surface, World};
 
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
-    world.sky.radiance(direction) * lights.of_bounce(path.density, path.sky_density)
+    world.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
 }
 
 /// What the surface emits along the path, weighted against the light sample that might have found it.
@@ -29,5 +29,5 @@ pub(super) fn emission(
     }
     let normal = (path.from != Hit::NO_PRIM).then(|| world.normal_towards(path.from, ray.direction));
     let density = emitted_density(world, normal, surface, ray, hit);
-    surface.emission * lights.of_bounce(path.density, density)
+    surface.emission * lights.bounce_weight(path.density, density)
 }

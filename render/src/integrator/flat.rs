@@ -2,16 +2,16 @@
 
 use glam::Vec3;
 
-use super::CameraRays;
+use super::RayBatch;
 use crate::scene::Specular;
 use crate::world::{Surface, World};
 
 /// "A really simple single-threaded ray tracer that just displayed the color of the surface it hit" (Driscoll, less one
 /// thread): what surfaces reflect or let through, and what they emit; the sky elsewhere.
-pub(super) fn colors(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
+pub(super) fn colors(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> u64 {
     show(
         world,
-        camera,
+        batch,
         radiance,
         |direction| world.sky.radiance(direction),
         |surface, direction| {
@@ -27,10 +27,10 @@ pub(super) fn colors(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) 
 }
 
 /// Shading normals, from -1..=1 to 0..=1 per channel, on the side that the camera sees; black elsewhere.
-pub(super) fn normals(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
+pub(super) fn normals(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> u64 {
     show(
         world,
-        camera,
+        batch,
         radiance,
         |_| Vec3::ZERO,
         |surface, direction| surface.facing(direction).shading_normal * 0.5 + 0.5,
@@ -38,19 +38,19 @@ pub(super) fn normals(world: &World, camera: &CameraRays, radiance: &mut [Vec3])
 }
 
 /// Diffuse reflectance; black elsewhere.
-pub(super) fn albedo(world: &World, camera: &CameraRays, radiance: &mut [Vec3]) -> u64 {
-    show(world, camera, radiance, |_| Vec3::ZERO, |surface, _| surface.diffuse)
+pub(super) fn albedo(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> u64 {
+    show(world, batch, radiance, |_| Vec3::ZERO, |surface, _| surface.diffuse)
 }
 
 /// Writes what `color` says of the surface that each ray of its direction hits, or `elsewhere` where there is none.
 fn show(
     world: &World,
-    camera: &CameraRays,
+    batch: &RayBatch,
     radiance: &mut [Vec3],
     elsewhere: impl Fn(Vec3) -> Vec3,
     color: impl Fn(Surface, Vec3) -> Vec3,
 ) -> u64 {
-    for ((ray, hit), radiance) in camera.rays.iter().zip(camera.hits).zip(radiance) {
+    for ((ray, hit), radiance) in batch.rays.iter().zip(batch.hits).zip(radiance) {
         *radiance = match hit.is_hit() {
             true => color(world.surface_at(hit), ray.direction),
             false => elsewhere(ray.direction),

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{CameraRays, Wavefront, path};
+use super::{RayBatch, Wavefront, path};
 use crate::settings::PathOptions;
 use crate::world::World;
 
@@ -11,17 +11,17 @@ use crate::world::World;
 pub(super) fn visits(
     world: &World,
     options: &PathOptions,
-    camera: &CameraRays,
+    batch: &RayBatch,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
     let tree = world.tree();
-    let mut visits: Vec<u64> = camera.rays.iter().map(|ray| tree.intersect_visits(ray).total()).collect();
-    let traced = path::radiance(world, options, camera, wave, radiance, &mut |wave| {
+    let mut visits: Vec<u64> = batch.rays.iter().map(|ray| tree.intersect_visits(ray).total()).collect();
+    let traced = path::radiance(world, options, batch, wave, radiance, &mut |wave| {
         for (index, ray) in wave.indices().zip(&wave.rays) {
             visits[index] += tree.intersect_visits(ray).total();
         }
-        for (index, ray) in wave.connections.waiting() {
+        for (index, ray) in wave.shadow_queue.waiting() {
             visits[index] += tree.occluded_visits(ray).total();
         }
     });

@@ -4,15 +4,15 @@
 //! what it needs further in batches.
 
 mod ao;
-mod block;
 mod cached;
-mod connections;
 mod direct;
 mod emission;
 mod flat;
 mod heat;
 mod montecarlo;
 mod path;
+mod path_block;
+mod shadow_queue;
 mod state;
 mod wavefront;
 
@@ -27,12 +27,13 @@ use crate::world::World;
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
-    Frozen, Journal, Known, Source, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels, indirect, max_depth,
+    FrozenCache, GatherSource, IrradianceMap, RecordLog, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels,
+    indirect, max_depth,
 };
 pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
-pub(crate) struct CameraRays<'a> {
+pub(crate) struct RayBatch<'a> {
     pub rays: &'a [Ray],
     pub hits: &'a [Hit],
     /// The numbers of each ray's sample, all of one pattern and seed; sets from [`first_set`](Self::first_set) on are the
@@ -46,10 +47,10 @@ pub(crate) struct CameraRays<'a> {
 
 /// What an integrator keeps from one batch to the next: memory alone.
 #[derive(Default)]
-pub(crate) struct Memory {
+pub(crate) struct Scratch {
     wave: Wavefront,
     generations: [montecarlo::Generation; 2],
-    feelers: ao::Feelers,
+    ao_rays: ao::AoRays,
     misses: cached::Misses,
 }
 
@@ -58,13 +59,13 @@ pub(crate) enum Prepared {
     /// Nothing.
     Nothing,
     /// A frozen irradiance cache.
-    Cache(Frozen),
+    Cache(FrozenCache),
 }
 
 impl Prepared {
     /// A cache that is to be read as it is.
     pub(crate) fn frozen(cache: Cache) -> Self {
-        Self::Cache(Frozen::new(cache))
+        Self::Cache(FrozenCache::new(cache))
     }
 }
 
@@ -87,7 +88,7 @@ pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, 
 pub(crate) fn radiance_by_paths(
     world: &World,
     options: &PathOptions,
-    rays: &CameraRays,
+    rays: &RayBatch,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
@@ -99,23 +100,23 @@ pub(crate) fn radiance(
     world: &World,
     settings: &Settings,
     prepared: &Prepared,
-    camera: &CameraRays,
-    memory: &mut Memory,
+    batch: &RayBatch,
+    scratch: &mut Scratch,
     radiance: &mut [Vec3],
 ) -> u64 {
-    let Memory { wave, generations, feelers, misses } = memory;
+    let Scratch { wave, generations, ao_rays, misses } = scratch;
     if let Prepared::Cache(frozen) = prepared {
-        return cached::radiance(world, frozen, camera, wave, misses, radiance);
+        return cached::radiance(world, frozen, batch, wave, misses, radiance);
     }
     match &settings.integrator {
-        Integrator::Path(options) => path::radiance(world, options, camera, wave, radiance, &mut |_| ()),
+        Integrator::Path(options) => path::radiance(world, options, batch, wave, radiance, &mut |_| ()),
         Integrator::Cached(_) => unreachable!("its cache is prepared"),
-        Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, camera, generations, radiance),
-        Integrator::Direct(options) => direct::radiance(world, options, camera, wave, radiance),
-        Integrator::Ao(options) => ao::openness(world, options, camera, feelers, radiance),
-        Integrator::Flat => flat::colors(world, camera, radiance),
-        Integrator::Heat(options) => heat::visits(world, options, camera, wave, radiance),
-        Integrator::Normals => flat::normals(world, camera, radiance),
-        Integrator::Albedo => flat::albedo(world, camera, radiance),
+        Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, batch, generations, radiance),
+        Integrator::Direct(options) => direct::radiance(world, options, batch, wave, radiance),
+        Integrator::Ao(options) => ao::radiance(world, options, batch, ao_rays, radiance),
+        Integrator::Flat => flat::colors(world, batch, radiance),
+        Integrator::Heat(options) => heat::visits(world, options, batch, wave, radiance),
+        Integrator::Normals => flat::normals(world, batch, radiance),
+        Integrator::Albedo => flat::albedo(world, batch, radiance),
     }
 }

@@ -13,11 +13,11 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::{Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::connections::Connections;
 use super::emission::{emission, sky};
+use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
-use super::{CameraRays, FIRST_SET};
-use crate::estimator::{Hemisphere, connect, sky_density};
+use super::{FIRST_SET, RayBatch};
+use crate::estimator::{Hemisphere, sample_direct, sky_density};
 use crate::settings::{LightSampling, MonteCarloOptions};
 use crate::world::{Surface, World};
 
@@ -37,7 +37,7 @@ pub(crate) struct Generation {
     nodes: Vec<Node>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    connections: Connections,
+    shadow_queue: ShadowQueue,
 }
 
 /// A ray in the tree of rays.
@@ -54,7 +54,7 @@ struct Node {
 pub(super) fn radiance(
     world: &World,
     options: &MonteCarloOptions,
-    camera: &CameraRays,
+    batch: &RayBatch,
     [parents, children]: &mut [Generation; 2],
     radiance: &mut [Vec3],
 ) -> u64 {
@@ -63,21 +63,21 @@ pub(super) fn radiance(
     let mut traced = 0;
     // Few enough camera rays at once that the last bounce fits into memory.
     let together = (BATCH / (options.rays_per_sample() + 1)).max(1) as usize;
-    for first in (0..camera.rays.len()).step_by(together) {
+    for first in (0..batch.rays.len()).step_by(together) {
         parents.clear();
-        for index in first..camera.rays.len().min(first + together) {
+        for index in first..batch.rays.len().min(first + together) {
             let node =
-                Node { path: Path::from_camera(index as u32, camera.density), number: 0, bounces: options.bounces };
-            parents.push(node, camera.rays[index]);
-            parents.hits.push(camera.hits[index]);
+                Node { path: Path::from_camera(index as u32, batch.density), number: 0, bounces: options.bounces };
+            parents.push(node, batch.rays[index]);
+            parents.hits.push(batch.hits[index]);
         }
         for _ in 0..MAX_DEPTH {
             children.clear();
             for ((node, ray), hit) in parents.nodes.iter().zip(&parents.rays).zip(&parents.hits) {
                 let index = node.path.index as usize;
-                gather.branch(node, ray, hit, &camera.samplers[index], children, &mut radiance[index]);
+                gather.branch(node, ray, hit, &batch.samplers[index], children, &mut radiance[index]);
             }
-            traced += children.connections.resolve(world, radiance);
+            traced += children.shadow_queue.resolve(world, radiance);
             if children.nodes.is_empty() {
                 break;
             }
@@ -136,10 +136,10 @@ impl Gather<'_> {
         let surface = surface.facing(ray.direction);
         let set = node.first_set();
         let [finer, chance] = sampler.uniform2(set).to_array();
-        let on_light = sampler.uniform2(set.wrapping_add(1));
-        let choice = unit_double(Vec2::new(on_light.x, finer));
-        if let Some(connection) = connect(world, &surface, LIGHTS, (choice, on_light.y)) {
-            children.connections.push(path.index, path.throughput, connection);
+        let u_light = sampler.uniform2(set.wrapping_add(1));
+        let choice = unit_double(Vec2::new(u_light.x, finer));
+        if let Some(shadow_ray) = sample_direct(world, &surface, LIGHTS, (choice, u_light.y)) {
+            children.shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         if node.bounces > 0 {
             self.gather(node, &surface, sampler, children);

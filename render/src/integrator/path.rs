@@ -9,9 +9,9 @@
 //! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 //!
-//! A step is made for a block of paths at once: where they arrive is looked up, then lamps, light and bounces are computed
-//! in lanes (see [`block`](super::block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
-//! sky and lights without a surface are done one by one.
+//! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are computed
+//! in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
+//! sky and delta lights are done one by one.
 
 use std::ops::Range;
 
@@ -19,13 +19,13 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::{Ray, Task};
 
-use super::block::{Block, Bounces, LANES, Shadows};
 use super::emission::{emission, sky};
+use super::path_block::{Bounces, LANES, PathBlock, ShadowRays};
 use super::state::Path;
-use super::wavefront::{Walk, first_set};
-use super::{CameraRays, Wavefront};
+use super::wavefront::{WavefrontStep, first_set};
+use super::{RayBatch, Wavefront};
 use crate::bsdf::Bounce;
-use crate::estimator::{connect_to, sky_density};
+use crate::estimator::{sample_direct_from, sky_density};
 use crate::settings::{PathOptions, Stop};
 use crate::world::{Surface, WHITE, World};
 
@@ -35,32 +35,32 @@ use crate::world::{Surface, WHITE, World};
 pub(super) fn radiance(
     world: &World,
     options: &PathOptions,
-    camera: &CameraRays,
+    batch: &RayBatch,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
 ) -> u64 {
-    let (block, shadows, bounces) = (Block::new(), Shadows::new(), Bounces::new());
-    wave.follow(world, camera, &mut PathTracer { world, options, watch, block, shadows, bounces }, radiance)
+    let (block, shadows, bounces) = (PathBlock::new(), ShadowRays::new(), Bounces::new());
+    wave.follow(world, batch, &mut PathTracer { world, options, watch, block, shadows, bounces }, radiance)
 }
 
 struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
     watch: &'a mut dyn FnMut(&Wavefront),
-    block: Block,
-    shadows: Shadows,
+    block: PathBlock,
+    shadows: ShadowRays,
     bounces: Bounces,
 }
 
-impl Walk for PathTracer<'_> {
+impl WavefrontStep for PathTracer<'_> {
     fn max_depth(&self) -> u32 {
         self.options.max_depth
     }
 
-    fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
+    fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
         let Self { world, options, block, shadows, bounces, .. } = self;
-        let step = Advance { world, options, wave, camera, depth, radiance };
+        let step = Advance { world, options, wave, batch, depth, radiance };
         world.isa().run(Steps { step, block, shadows, bounces });
     }
 
@@ -74,7 +74,7 @@ struct Advance<'a> {
     world: &'a World,
     options: &'a PathOptions,
     wave: &'a mut Wavefront,
-    camera: &'a CameraRays<'a>,
+    batch: &'a RayBatch<'a>,
     depth: u32,
     radiance: &'a mut [Vec3],
 }
@@ -82,8 +82,8 @@ struct Advance<'a> {
 /// The same block by block, as a task that is compiled for each instruction set.
 struct Steps<'a> {
     step: Advance<'a>,
-    block: &'a mut Block,
-    shadows: &'a mut Shadows,
+    block: &'a mut PathBlock,
+    shadows: &'a mut ShadowRays,
     bounces: &'a mut Bounces,
 }
 
@@ -102,8 +102,8 @@ impl Task for Steps<'_> {
             if step.depth < step.options.max_depth {
                 step.stop(block);
                 step.draw(block);
-                step.connect(block, shadows);
-                kept = step.go_on(block, bounces, kept);
+                step.sample_lights(block, shadows);
+                kept = step.continue_paths(block, bounces, kept);
             }
         }
         step.wave.keep(kept);
@@ -113,7 +113,7 @@ impl Task for Steps<'_> {
 impl<'a> Advance<'a> {
     /// Takes paths that have hit something, from number `next` on, into the block; gives the number of the next.
     #[inline(always)]
-    fn fill(&mut self, mut next: usize, block: &mut Block) -> usize {
+    fn fill(&mut self, mut next: usize, block: &mut PathBlock) -> usize {
         let mut len = 0;
         for hit in &self.wave.hits[next..] {
             // Put there in any case, and the place is taken if it has hit something: nobody can foresee whether.
@@ -143,18 +143,18 @@ impl<'a> Advance<'a> {
 
     /// Looks up where the block's paths have arrived, and collects light there.
     #[inline(always)]
-    fn arrive(&mut self, block: &mut Block) {
+    fn arrive(&mut self, block: &mut PathBlock) {
         block.arrive(self.world, &self.wave.paths, &self.wave.rays);
         for i in 0..block.len {
-            if block.is_rare(i) {
-                self.attend(block, i);
+            if block.is_general(i) {
+                self.shade_general(block, i);
             }
         }
     }
 
     /// Collects the light that a surface emits, and tells the block what is not in its columns.
     #[inline(never)]
-    fn attend(&mut self, block: &mut Block, i: usize) {
+    fn shade_general(&mut self, block: &mut PathBlock, i: usize) {
         let (world, source) = (self.world, block.source[i] as usize);
         let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
         let surface = world.surface_at(hit);
@@ -165,10 +165,10 @@ impl<'a> Advance<'a> {
 
     /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
     #[inline(always)]
-    fn stop(&mut self, block: &mut Block) {
+    fn stop(&mut self, block: &mut PathBlock) {
         match self.options.stop {
             Stop::Threshold { cutoff, add_back } => {
-                block.end_below(cutoff);
+                block.end_below_threshold(cutoff);
                 let instead = if add_back { self.world.lights.mean_radiance() } else { Vec3::ZERO };
                 for i in 0..block.len {
                     if let Some((index, reflected)) = block.ended(i) {
@@ -176,16 +176,16 @@ impl<'a> Advance<'a> {
                     }
                 }
             }
-            Stop::Roulette { after, survival } if self.depth > after => block.gamble(survival),
+            Stop::Roulette { after, survival } if self.depth > after => block.roulette(survival),
             _ => {}
         }
     }
 
     /// Draws the numbers of the block's paths.
     #[inline(always)]
-    fn draw(&self, block: &mut Block) {
-        let Some(sampler) = self.camera.samplers.first() else { return };
-        let (isa, first_set, len) = (self.world.isa(), first_set(self.camera, self.depth), block.len);
+    fn draw(&self, block: &mut PathBlock) {
+        let Some(sampler) = self.batch.samplers.first() else { return };
+        let (isa, first_set, len) = (self.world.isa(), first_set(self.batch, self.depth), block.len);
         for i in 0..len {
             block.addresses[i] = self.wave.addresses[block.index(i)];
         }
@@ -194,47 +194,49 @@ impl<'a> Advance<'a> {
             sampler.fill2(isa, first_set + set, addresses, &mut numbers[..len]);
         };
         if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
-            draw(2, &mut block.onwards);
-            for (chance, numbers) in block.chances.iter_mut().zip(&block.onwards) {
+            draw(2, &mut block.u_direction);
+            for (chance, numbers) in block.u_roulette.iter_mut().zip(&block.u_direction) {
                 *chance = numbers.x;
             }
         }
-        draw(0, &mut block.on_light);
-        draw(1, &mut block.onwards);
-        CosineHemisphere.map_many(isa, &block.onwards[..len], &mut block.cosine[..len]);
+        draw(0, &mut block.u_light);
+        draw(1, &mut block.u_direction);
+        CosineHemisphere.map_many(isa, &block.u_direction[..len], &mut block.cosine[..len]);
     }
 
     /// Samples a light for each path of the block.
     #[inline(always)]
-    fn connect(&mut self, block: &mut Block, shadows: &mut Shadows) {
+    fn sample_lights(&mut self, block: &mut PathBlock, shadows: &mut ShadowRays) {
         if !block.choose_lights(self.world) {
             return;
         }
         if block.has_other_lights() {
             for i in 0..block.len {
                 if let Some(light) = block.other_light(i) {
-                    self.connect_other(block, i, light);
+                    self.sample_other_light(block, i, light);
                 }
             }
         }
-        block.connect(self.options.lights, &WHITE, shadows);
-        self.wave.connections.extend(self.world.isa(), shadows, block.len);
+        block.sample_lights(self.options.lights, &WHITE, shadows);
+        self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
 
     /// Samples the light of this number, of which the block knows too little, for path `i`; `rest` is left of the number by
     /// which it was chosen.
     #[inline(never)]
-    fn connect_other(&mut self, block: &Block, i: usize, (light, rest): (usize, f64)) {
-        let (surface, throughput) = self.stands_at(block, i);
+    fn sample_other_light(&mut self, block: &PathBlock, i: usize, (light, rest): (usize, f64)) {
+        let (surface, throughput) = self.surface_of(block, i);
         let Some(choice) = self.world.lights.choice(light, rest) else { return };
-        if let Some(connection) = connect_to(self.world, &surface, self.options.lights, &choice, block.on_light[i].y) {
-            self.wave.connections.push(block.index(i) as u32, throughput, connection);
+        if let Some(shadow_ray) =
+            sample_direct_from(self.world, &surface, self.options.lights, &choice, block.u_light[i].y)
+        {
+            self.wave.shadow_queue.push(block.index(i) as u32, throughput, shadow_ray);
         }
     }
 
     /// The surface of path `i` of the block, and its throughput.
     #[inline(never)]
-    fn stands_at(&self, block: &Block, i: usize) -> (Surface<'a>, Vec3) {
+    fn surface_of(&self, block: &PathBlock, i: usize) -> (Surface<'a>, Vec3) {
         let (source, world) = (block.source[i] as usize, self.world);
         let Wavefront { paths, rays, hits, .. } = &*self.wave;
         (world.surface_at(&hits[source]).facing(rays[source].direction), paths[source].throughput)
@@ -243,7 +245,7 @@ impl<'a> Advance<'a> {
     /// Puts the paths of the block that go on behind the others, of which there are `kept`, in the places of those that are
     /// done with; gives their number then.
     #[inline(always)]
-    fn go_on(&mut self, block: &Block, bounces: &mut Bounces, kept: usize) -> usize {
+    fn continue_paths(&mut self, block: &PathBlock, bounces: &mut Bounces, kept: usize) -> usize {
         let world = self.world;
         block.bounce(&WHITE, bounces);
         if world.lights.sky_probability() > 0.0 {
@@ -265,11 +267,11 @@ impl<'a> Advance<'a> {
 
     /// Lets path `i` of the block go on from a surface that may mirror or refract.
     #[inline(never)]
-    fn reflect(&mut self, block: &Block, bounces: &mut Bounces, i: usize) {
-        let (surface, throughput) = self.stands_at(block, i);
+    fn reflect(&mut self, block: &PathBlock, bounces: &mut Bounces, i: usize) {
+        let (surface, throughput) = self.surface_of(block, i);
         let source = block.source[i] as usize;
         let incoming = self.wave.rays[source].direction;
-        let bounce = surface.sample_with(incoming, block.onwards[i], block.cosine[i]);
+        let bounce = surface.sample_with(incoming, block.u_direction[i], block.cosine[i]);
         bounces.goes_on[i] = (block.survives(i) && bounce.is_some()).into();
         let Some(Bounce { direction, weight, density }) = bounce else { return };
         let ray = Ray::new(surface.origin_towards(direction), direction);

@@ -19,10 +19,10 @@ pub(super) struct Path {
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
-    /// The triangle of its last bounce, if light was sampled there by [`prospect`](crate::estimator::prospect); else
+    /// The triangle of its last bounce, if light was sampled there by [`light_warp`](crate::estimator::light_warp); else
     /// [`Hit::NO_PRIM`].
     pub from: u32,
-    /// Makes a row of it.
+    /// Fills the record up to eight words.
     pub unused: u32,
 }
 
@@ -35,8 +35,8 @@ impl Path {
 
 /// The number that says which light is sampled.
 #[inline(always)]
-pub(super) fn light_choice(on_light: Vec2, onwards: Vec2) -> f64 {
-    unit_double(Vec2::new(on_light.x, onwards.x))
+pub(super) fn u_light_choice(u_light: Vec2, u_direction: Vec2) -> f64 {
+    unit_double(Vec2::new(u_light.x, u_direction.x))
 }
 
 /// The probability with which roulette lets a path go on of whose light `reflected` is left.

@@ -5,59 +5,59 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Hit, Ray, Task};
 
-use super::CameraRays;
-use super::connections::Connections;
-use super::state::{Path, light_choice};
+use super::RayBatch;
+use super::shadow_queue::ShadowQueue;
+use super::state::{Path, u_light_choice};
 use crate::world::{Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
-pub(super) trait Walk {
+pub(super) trait WavefrontStep {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
 
     /// Takes all paths from their hit number `depth` to their next ray, and removes those that have ended. Light that
-    /// they find on the way is added to `radiance`, and light that waits for a shadow ray to the connections.
-    fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]);
+    /// they find on the way is added to `radiance`, and light that waits for a shadow ray to the shadow queue.
+    fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]);
 
     /// Sees the rays of each step before they are traced.
     fn watch(&mut self, _wave: &Wavefront) {}
 }
 
 /// Paths that take their steps one by one.
-pub(super) struct OneByOne<'w, S> {
+pub(super) struct ScalarSteps<'w, S> {
     pub world: &'w World,
     pub step: S,
 }
 
 /// The step of one path.
-pub(super) trait Step {
+pub(super) trait VertexStep {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
 
     /// Takes a path from its hit to its next ray, or ends it. Light that it finds on the way is added to `radiance`, and
-    /// light that waits for a shadow ray to `connections`.
+    /// light that waits for a shadow ray to `shadow_queue`.
     fn step(
         &mut self,
         path: Path,
-        arrival: &Arrival,
-        connections: &mut Connections,
+        vertex: &PathVertex,
+        shadow_queue: &mut ShadowQueue,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)>;
 }
 
-impl<S: Step> Walk for OneByOne<'_, S> {
+impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
     fn max_depth(&self) -> u32 {
         self.step.max_depth()
     }
 
-    fn advance(&mut self, wave: &mut Wavefront, camera: &CameraRays, depth: u32, radiance: &mut [Vec3]) {
-        wave.draw(self.world, camera, depth);
+    fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
+        wave.draw(self.world, batch, depth);
         self.world.isa().run(Advance { wave, step: &mut self.step, radiance });
     }
 }
 
 /// Where a path has arrived.
-pub(super) struct Arrival<'a> {
+pub(super) struct PathVertex<'a> {
     pub ray: &'a Ray,
     pub hit: &'a Hit,
     pub numbers: Numbers,
@@ -66,9 +66,9 @@ pub(super) struct Arrival<'a> {
 /// Random numbers for a surface on a path.
 #[derive(Clone, Copy)]
 pub(super) struct Numbers {
-    on_light: Vec2,
+    u_light: Vec2,
     /// Where the path goes on.
-    pub onwards: Vec2,
+    pub u_direction: Vec2,
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: Vec3,
 }
@@ -83,25 +83,25 @@ pub(crate) struct Wavefront {
     pub(super) addresses: Vec<Address>,
     /// Of the paths, where numbers are drawn for all at once.
     drawn: Vec<Address>,
-    on_light: Vec<Vec2>,
-    onwards: Vec<Vec2>,
+    u_light: Vec<Vec2>,
+    u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,
-    pub(super) connections: Connections,
+    pub(super) shadow_queue: ShadowQueue,
 }
 
 /// Sets of random numbers that a path uses at a surface: on the light, for the next direction, and for going on.
 pub(super) const SETS_PER_SURFACE: u32 = 3;
 
 /// The first set of random numbers for hit number `depth`.
-pub(super) fn first_set(camera: &CameraRays, depth: u32) -> u32 {
-    camera.first_set + (depth - 1) * SETS_PER_SURFACE
+pub(super) fn first_set(batch: &RayBatch, depth: u32) -> u32 {
+    batch.first_set + (depth - 1) * SETS_PER_SURFACE
 }
 
 impl Path {
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
     #[inline]
-    pub(super) fn through(self, surface: &Surface, arrival: &Arrival) -> Option<(Self, Ray)> {
-        let bounce = surface.sample(arrival.ray.direction, arrival.numbers.onwards)?;
+    pub(super) fn through(self, surface: &Surface, vertex: &PathVertex) -> Option<(Self, Ray)> {
+        let bounce = surface.sample(vertex.ray.direction, vertex.numbers.u_direction)?;
         if bounce.density != f32::INFINITY {
             return None;
         }
@@ -115,7 +115,7 @@ impl Numbers {
     /// direction's: as neither enters the other's term of the sum, that makes no bias.
     #[inline]
     pub(super) fn light(&self) -> (f64, f32) {
-        (light_choice(self.on_light, self.onwards), self.on_light.y)
+        (u_light_choice(self.u_light, self.u_direction), self.u_light.y)
     }
 }
 
@@ -125,17 +125,17 @@ impl Wavefront {
     pub(super) fn follow(
         &mut self,
         world: &World,
-        camera: &CameraRays,
-        walk: &mut impl Walk,
+        batch: &RayBatch,
+        step: &mut impl WavefrontStep,
         radiance: &mut [Vec3],
     ) -> u64 {
         radiance.fill(Vec3::ZERO);
-        self.start(camera);
+        self.start(batch);
         let mut traced = 0;
-        for depth in 1..=walk.max_depth() {
-            walk.advance(self, camera, depth, radiance);
-            walk.watch(self);
-            traced += self.connections.resolve(world, radiance);
+        for depth in 1..=step.max_depth() {
+            step.advance(self, batch, depth, radiance);
+            step.watch(self);
+            traced += self.shadow_queue.resolve(world, radiance);
             if self.paths.is_empty() {
                 break;
             }
@@ -146,42 +146,43 @@ impl Wavefront {
     }
 
     /// Starts a path with each camera ray, in the memory of the paths before.
-    fn start(&mut self, camera: &CameraRays) {
+    fn start(&mut self, batch: &RayBatch) {
         self.paths.clear();
-        self.paths.extend((0..camera.rays.len() as u32).map(|index| Path::from_camera(index, camera.density)));
+        self.paths.extend((0..batch.rays.len() as u32).map(|index| Path::from_camera(index, batch.density)));
         self.rays.clear();
-        self.rays.extend_from_slice(camera.rays);
+        self.rays.extend_from_slice(batch.rays);
         self.hits.clear();
-        self.hits.extend_from_slice(camera.hits);
+        self.hits.extend_from_slice(batch.hits);
         self.addresses.clear();
-        self.addresses.extend(camera.samplers.iter().map(Sampler::address));
+        self.addresses.extend(batch.samplers.iter().map(Sampler::address));
     }
 
     /// Draws the numbers that all paths use at hit number `depth`.
-    fn draw(&mut self, world: &World, camera: &CameraRays, depth: u32) {
-        let Some(sampler) = camera.samplers.first() else { return };
+    fn draw(&mut self, world: &World, batch: &RayBatch, depth: u32) {
+        let Some(sampler) = batch.samplers.first() else { return };
         let (isa, count) = (world.isa(), self.paths.len());
-        let first_set = first_set(camera, depth);
+        let first_set = first_set(batch, depth);
         self.drawn.clear();
         self.drawn.extend(self.paths.iter().map(|path| self.addresses[path.index as usize]));
         let draw = |set: u32, numbers: &mut Vec<Vec2>| {
             numbers.resize(count, Vec2::ZERO);
             sampler.fill2(isa, first_set + set, &self.drawn, numbers);
         };
-        draw(0, &mut self.on_light);
-        draw(1, &mut self.onwards);
+        draw(0, &mut self.u_light);
+        draw(1, &mut self.u_direction);
         self.cosine.resize(count, Vec3::Z);
-        CosineHemisphere.map_many(isa, &self.onwards, &mut self.cosine);
+        CosineHemisphere.map_many(isa, &self.u_direction, &mut self.cosine);
     }
 
     /// Lets all paths take a step.
     #[inline(always)]
-    fn advance(&mut self, step: &mut impl Step, radiance: &mut [Vec3]) {
+    fn advance(&mut self, step: &mut impl VertexStep, radiance: &mut [Vec3]) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
-            let numbers = Numbers { on_light: self.on_light[i], onwards: self.onwards[i], cosine: self.cosine[i] };
-            let (path, arrival) = (self.paths[i], Arrival { ray: &self.rays[i], hit: &self.hits[i], numbers });
-            let next = step.step(path, &arrival, &mut self.connections, &mut radiance[path.index as usize]);
+            let numbers =
+                Numbers { u_light: self.u_light[i], u_direction: self.u_direction[i], cosine: self.cosine[i] };
+            let (path, vertex) = (self.paths[i], PathVertex { ray: &self.rays[i], hit: &self.hits[i], numbers });
+            let next = step.step(path, &vertex, &mut self.shadow_queue, &mut radiance[path.index as usize]);
             if let Some((path, ray)) = next {
                 (self.paths[kept], self.rays[kept]) = (path, ray);
                 kept += 1;
@@ -211,7 +212,7 @@ struct Advance<'a, S> {
     radiance: &'a mut [Vec3],
 }
 
-impl<S: Step> Task for Advance<'_, S> {
+impl<S: VertexStep> Task for Advance<'_, S> {
     type Output = ();
 
     #[inline(always)]

@@ -4,7 +4,7 @@
 //! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp`
 //! paths at each.
 //!
-//! Lamps are sampled. A scattered ray looks for them as well where one begins a path, and near lamps, as in lookups of the
+//! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
 //! camera; both are weighted by the power heuristic (Veach 1997).
 
 mod points;
@@ -19,8 +19,8 @@ use rayon::prelude::*;
 
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
-use crate::estimator::{connect_lamp, scattered_weight};
-use crate::integrator::{CameraRays, Frozen, Wavefront, fill_for_surfaces, indirect, max_depth};
+use crate::estimator::{sample_direct_without_sky, scattered_weight};
+use crate::integrator::{FrozenCache, RayBatch, Wavefront, fill_for_surfaces, indirect, max_depth};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -61,7 +61,7 @@ pub struct Irradiance {
 
 /// What is sampled at a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Light {
+enum Component {
     /// Direct light.
     Direct,
     /// All but that, by paths of at most this many surfaces or as many as chance lets them have.
@@ -79,12 +79,12 @@ const BATCH: usize = 2048;
 
 /// Irradiance by paths alone.
 pub fn by_paths(world: &World, sensors: &[Sensor], request: &Request, watch: &dyn Watch) -> Irradiance {
-    let light = match request.part {
-        Part::Total => Light::All,
-        Part::Indirect => Light::Indirect(None),
+    let component = match request.part {
+        Part::Total => Component::All,
+        Part::Indirect => Component::Indirect(None),
     };
     let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
-    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), request, light, watch);
+    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), request, component, watch);
     found
 }
 
@@ -102,7 +102,13 @@ pub fn by_cache(world: &World, sensors: &[Sensor], cache: Cache, request: &Reque
 
 /// Irradiance with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
 /// no record.
-fn look_up(world: &World, sensors: &[Sensor], frozen: &Frozen, request: &Request, watch: &dyn Watch) -> Irradiance {
+fn look_up(
+    world: &World,
+    sensors: &[Sensor],
+    frozen: &FrozenCache,
+    request: &Request,
+    watch: &dyn Watch,
+) -> Irradiance {
     let indirect: Vec<Option<Vec3>> =
         sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
     let lost: Vec<usize> = (0..sensors.len()).filter(|&i| indirect[i].is_none()).collect();
@@ -110,25 +116,25 @@ fn look_up(world: &World, sensors: &[Sensor], frozen: &Frozen, request: &Request
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None };
     if request.part == Part::Total {
         let all: Vec<usize> = (0..sensors.len()).collect();
-        found.add(world, sensors, &all, request, Light::Direct, watch);
+        found.add(world, sensors, &all, request, Component::Direct, watch);
     }
     let max_depth = max_depth(frozen.cache.options());
-    found.add(world, sensors, &lost, request, Light::Indirect(max_depth), watch);
+    found.add(world, sensors, &lost, request, Component::Indirect(max_depth), watch);
     found
 }
 
 impl Irradiance {
-    /// Adds the means of the samples of `light` at the sensors of these numbers.
+    /// Adds the means of the samples of a component at the sensors of these numbers.
     fn add(
         &mut self,
         world: &World,
         sensors: &[Sensor],
         numbers: &[usize],
         request: &Request,
-        light: Light,
+        component: Component,
         watch: &dyn Watch,
     ) {
-        let sample = |batch: &mut Batch, &number: &usize| {
+        let sample = |batch: &mut SensorScratch, &number: &usize| {
             let surface = sensors[number].surface(world);
             let (mut sum, mut rays) = (DVec3::ZERO, 0);
             for first in (0..request.spp).step_by(BATCH) {
@@ -138,13 +144,13 @@ impl Irradiance {
                 let samples = first..request.spp.min(first.saturating_add(BATCH as u32));
                 batch.samplers.clear();
                 batch.samplers.extend(samples.map(|i| Sampler::new(Pattern::Sobol, request.seed, number as u32, i)));
-                let traced = batch.sample(world, &surface, light, &mut sum);
+                let traced = batch.sample(world, &surface, component, &mut sum);
                 watch.advance(batch.samplers.len() as u64, traced);
                 rays += traced;
             }
             (Some((sum / f64::from(request.spp)).as_vec3()), rays)
         };
-        let means: Vec<(Option<Vec3>, u64)> = numbers.par_iter().map_init(Batch::default, sample).collect();
+        let means: Vec<(Option<Vec3>, u64)> = numbers.par_iter().map_init(SensorScratch::default, sample).collect();
         for (&number, (mean, rays)) in numbers.iter().zip(means) {
             self.rays += rays;
             self.finished &= mean.is_some();
@@ -155,7 +161,7 @@ impl Irradiance {
 
 /// Samples of one sensor that are traced together, and their memory.
 #[derive(Default)]
-struct Batch {
+struct SensorScratch {
     samplers: Vec<Sampler>,
     shadows: Vec<Ray>,
     occluded: Vec<bool>,
@@ -165,39 +171,39 @@ struct Batch {
     wave: Wavefront,
 }
 
-impl Batch {
-    /// Adds a sample of `light` for each sampler; gives the number of rays.
-    fn sample(&mut self, world: &World, surface: &Surface, light: Light, sum: &mut DVec3) -> u64 {
-        let lamps = match light {
-            Light::Indirect(_) => None,
-            Light::Direct => Some(world.lights.techniques_at(surface.position)),
+impl SensorScratch {
+    /// Adds a sample of a component for each sampler; gives the number of rays.
+    fn sample(&mut self, world: &World, surface: &Surface, component: Component, sum: &mut DVec3) -> u64 {
+        let lights = match component {
+            Component::Indirect(_) => None,
+            Component::Direct => Some(world.lights.techniques_at(surface.position)),
             // The ray is there in any case.
-            Light::All => Some(LightSampling::Mis),
+            Component::All => Some(LightSampling::Mis),
         };
-        let mut rays = lamps.map_or(0, |lamps| self.connect(world, surface, lamps, sum));
-        if light == Light::Direct && lamps == Some(LightSampling::Direct) {
+        let mut rays = lights.map_or(0, |lights| self.sample_lights(world, surface, lights, sum));
+        if component == Component::Direct && lights == Some(LightSampling::Direct) {
             return rays;
         }
         rays += self.scatter(world, surface);
-        if lamps.is_some() {
+        if lights.is_some() {
             self.add_emission(world, surface, sum);
         }
-        match light {
-            Light::Direct => rays,
-            Light::Indirect(max_depth) => rays + self.follow(world, max_depth, sum),
-            Light::All => rays + self.follow(world, None, sum),
+        match component {
+            Component::Direct => rays,
+            Component::Indirect(max_depth) => rays + self.follow(world, max_depth, sum),
+            Component::All => rays + self.follow(world, None, sum),
         }
     }
 
-    /// Adds samples of lamps.
-    fn connect(&mut self, world: &World, surface: &Surface, lamps: LightSampling, sum: &mut DVec3) -> u64 {
+    /// Adds samples of lights.
+    fn sample_lights(&mut self, world: &World, surface: &Surface, lights: LightSampling, sum: &mut DVec3) -> u64 {
         self.shadows.clear();
         self.values.clear();
         for sampler in &self.samplers {
             let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
             let numbers = (unit_double(Vec2::new(x, finer)), y);
-            if let Some(light) = connect_lamp(world, surface, lamps, numbers) {
-                self.shadows.push(light.shadow);
+            if let Some(light) = sample_direct_without_sky(world, surface, lights, numbers) {
+                self.shadows.push(light.ray);
                 self.values.push(light.radiance * PI);
             }
         }
@@ -221,7 +227,7 @@ impl Batch {
         self.rays.len() as u64
     }
 
-    /// Adds what lamps send along the scattered rays: a cosine over its density is π.
+    /// Adds what lights send along the scattered rays: a cosine over its density is π.
     fn add_emission(&self, world: &World, surface: &Surface, sum: &mut DVec3) {
         for (ray, hit) in self.rays.iter().zip(&self.hits).filter(|(_, hit)| hit.is_hit()) {
             let emitter = world.surface_at(hit);
@@ -236,7 +242,7 @@ impl Batch {
 
     /// Adds what paths find along the scattered rays: `E = π` times the mean of their radiance.
     fn follow(&mut self, world: &World, max_depth: Option<u32>, sum: &mut DVec3) -> u64 {
-        let rays = CameraRays {
+        let rays = RayBatch {
             rays: &self.rays,
             hits: &self.hits,
             samplers: &self.samplers,

@@ -44,7 +44,7 @@ fn sensors_without_a_record_have_paths() {
     let sensors = sensors();
     let patience = Impatience::new(u64::MAX);
     let request = Request { spp: 16, seed: 3, part: Part::Indirect };
-    let empty = |options| Frozen::new(Cache::new(options, world.surroundings_hash()));
+    let empty = |options| FrozenCache::new(Cache::new(options, world.surroundings_hash()));
     let frozen = empty(CachedOptions::default());
     let found = look_up(&world, &sensors, &frozen, &request, &patience);
     assert_eq!(frozen.usage().misses, 64);

@@ -1,4 +1,4 @@
-//! All that emits and can be aimed at: emissive triangles, lights without a surface and the sky, chosen in proportion to
+//! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen in proportion to
 //! power.
 
 mod ambient;
@@ -17,14 +17,14 @@ use crate::settings::LightSampling;
 
 /// The lights of a world.
 #[derive(Debug)]
-pub(crate) struct Lights {
-    sources: Vec<Source>,
+pub(crate) struct LightSampler {
+    lights: Vec<Light>,
     /// `None` if nothing emits: what else could be wrong with weights is excluded.
     table: Option<AliasTable<Vec<AliasEntry>>>,
-    /// The same with nothing of the sky but its glare, if there is a sky.
-    lamps: Option<AliasTable<Vec<AliasEntry>>>,
-    /// The part of all power that lamps and glare have.
-    lamps_share: f32,
+    /// The same with nothing of the sky but its sun, if there is a sky.
+    table_without_sky: Option<AliasTable<Vec<AliasEntry>>>,
+    /// The part of all power that all but the sky have, and its sun.
+    share_without_sky: f32,
     /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
     area_density: Vec<f32>,
     /// The probability with which it gives the sky.
@@ -37,22 +37,22 @@ pub(crate) struct Lights {
 
 /// One light.
 #[derive(Clone, Debug)]
-pub(crate) enum Source {
+pub(crate) enum Light {
     /// An emissive triangle.
     Triangle(u32),
-    /// A light without a surface.
+    /// A delta light.
     Punctual(PunctualLight),
     /// The sky.
     Sky,
 }
 
 /// A light that was chosen.
-pub(crate) struct Choice<'l> {
-    pub source: &'l Source,
+pub(crate) struct SampledLight<'l> {
+    pub light: &'l Light,
     /// The probability of choosing it.
     pub probability: f32,
     /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
-    /// light are, and points that they place on a lamp of several triangles are so over all of it.
+    /// light are, and points that they place on an area light of several triangles are so over all of it.
     pub rest: f32,
 }
 
@@ -61,7 +61,7 @@ fn luminance(rgb: Vec3) -> f64 {
     rgb.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-impl Lights {
+impl LightSampler {
     /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
@@ -70,9 +70,9 @@ impl Lights {
         sky: &SkyLight,
         bounds: Aabb,
     ) -> Self {
-        let (sky, glare) = (sky.mean(), sky.mean_glare());
+        let (sky, sun) = (sky.mean(), sky.mean_sun());
         let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky, bounds);
-        let mut sources = Vec::new();
+        let mut lights = Vec::new();
         let mut powers = Vec::new();
         let mut areas = Vec::new();
         let mut emitting = Aabb::EMPTY;
@@ -82,18 +82,18 @@ impl Lights {
             if material.emission != Vec3::ZERO && area > 0.0 {
                 let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
                 powers.push(PI * f64::from(area) * sides * brightness(material.emission));
-                sources.push(Source::Triangle(prim_id as u32));
+                lights.push(Light::Triangle(prim_id as u32));
                 areas.push(area);
                 emitting = emitting.union(&Aabb::around(triangle));
             }
         }
         for light in punctual {
             powers.push(power(&light, bounds));
-            sources.push(Source::Punctual(light));
+            lights.push(Light::Punctual(light));
         }
         if sky != Vec3::ZERO {
             powers.push(sky_power(sky, bounds));
-            sources.push(Source::Sky);
+            lights.push(Light::Sky);
         }
         // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of light.
         let reach = Vec3::splat((areas.iter().sum::<f32>() * FRAC_1_PI).sqrt());
@@ -102,12 +102,12 @@ impl Lights {
         let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
         let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
-        let glare_power = sky_power(glare, bounds);
-        let lamps = match sources.split_last() {
-            Some((Source::Sky, lamps)) => {
-                let mut weights = weights[..lamps.len()].to_vec();
-                if glare != Vec3::ZERO {
-                    weights.push((glare_power / greatest) as f32);
+        let sun_power = sky_power(sun, bounds);
+        let table_without_sky = match lights.split_last() {
+            Some((Light::Sky, table_without_sky)) => {
+                let mut weights = weights[..table_without_sky.len()].to_vec();
+                if sun != Vec3::ZERO {
+                    weights.push((sun_power / greatest) as f32);
                 }
                 AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok()
             }
@@ -118,56 +118,65 @@ impl Lights {
             && !areas.is_empty()
         {
             area_density = vec![0.0; triangles.len()];
-            for (index, (source, area)) in sources.iter().zip(areas).enumerate() {
-                if let Source::Triangle(prim_id) = source {
+            for (index, (light, area)) in lights.iter().zip(areas).enumerate() {
+                if let Light::Triangle(prim_id) = light {
                     area_density[*prim_id as usize] = table.mass(index) / area;
                 }
             }
         }
-        let sky_probability = match (&table, sources.last()) {
-            (Some(table), Some(Source::Sky)) => table.mass(sources.len() - 1),
+        let sky_probability = match (&table, lights.last()) {
+            (Some(table), Some(Light::Sky)) => table.mass(lights.len() - 1),
             _ => 0.0,
         };
-        let dim = if glare == Vec3::ZERO { 1.0 } else { 1.0 - glare_power / sky_power(sky, bounds) };
-        let lamps_share = 1.0 - sky_probability * dim as f32;
-        Self { sources, table, lamps, lamps_share, area_density, sky_probability, surroundings, mean_radiance }
+        let dim = if sun == Vec3::ZERO { 1.0 } else { 1.0 - sun_power / sky_power(sky, bounds) };
+        let share_without_sky = 1.0 - sky_probability * dim as f32;
+        Self {
+            lights,
+            table,
+            table_without_sky,
+            share_without_sky,
+            area_density,
+            sky_probability,
+            surroundings,
+            mean_radiance,
+        }
     }
 
     /// Chooses a light by a number in [0, 1), of double precision as there may be millions.
     #[inline]
-    pub(crate) fn choose(&self, u: f64) -> Option<Choice<'_>> {
+    pub(crate) fn choose(&self, u: f64) -> Option<SampledLight<'_>> {
         let (index, probability, rest) = self.table.as_ref()?.sample(u);
-        Some(Choice { source: &self.sources[index], probability, rest: as_rest(rest) })
+        Some(SampledLight { light: &self.lights[index], probability, rest: rest_as_f32(rest) })
     }
 
-    /// Writes the number of the source that [`choose`](Self::choose) chooses by each of the numbers `u`, and what is left
+    /// Writes the index of the light that [`choose`](Self::choose) chooses by each of the numbers `u`, and what is left
     /// of `u`; whether there is any light.
-    pub(crate) fn choose_many(&self, isa: Isa, u: &[f64], sources: &mut [u32], rests: &mut [f64]) -> bool {
-        self.table.as_ref().map(|table| table.sample_many(isa, u, sources, rests)).is_some()
+    pub(crate) fn choose_many(&self, isa: Isa, u: &[f64], lights: &mut [u32], rests: &mut [f64]) -> bool {
+        self.table.as_ref().map(|table| table.sample_many(isa, u, lights, rests)).is_some()
     }
 
-    /// The choice of the source of this number, with what is left of the number by which it was chosen.
-    pub(crate) fn choice(&self, source: usize, rest: f64) -> Option<Choice<'_>> {
-        let probability = self.table.as_ref()?.mass(source);
-        Some(Choice { source: self.sources.get(source)?, probability, rest: as_rest(rest) })
+    /// The choice of the light of this index, with what is left of the number by which it was chosen.
+    pub(crate) fn choice(&self, light: usize, rest: f64) -> Option<SampledLight<'_>> {
+        let probability = self.table.as_ref()?.mass(light);
+        Some(SampledLight { light: self.lights.get(light)?, probability, rest: rest_as_f32(rest) })
     }
 
     /// All lights, by their numbers.
-    pub(crate) fn sources(&self) -> &[Source] {
-        &self.sources
+    pub(crate) fn lights(&self) -> &[Light] {
+        &self.lights
     }
 
-    /// Chooses a lamp, or the sky for its glare, by a number in [0, 1); and by how much less often
+    /// Chooses a light other than the sky, or the sky for its sun, by a number in [0, 1); and by how much less often
     /// [`choose`](Self::choose) gives it, with the probability that is in the choice.
     #[inline]
-    pub(crate) fn choose_lamp(&self, u: f64) -> Option<(Choice<'_>, f32)> {
+    pub(crate) fn choose_without_sky(&self, u: f64) -> Option<(SampledLight<'_>, f32)> {
         if self.sky_probability == 0.0 {
             return self.choose(u).map(|choice| (choice, 1.0));
         }
-        let (index, among_lamps, rest) = self.lamps.as_ref()?.sample(u);
+        let (index, mass_without_sky, rest) = self.table_without_sky.as_ref()?.sample(u);
         let probability = self.table.as_ref()?.mass(index);
-        let rest = as_rest(rest);
-        Some((Choice { source: &self.sources[index], probability, rest }, probability / among_lamps))
+        let rest = rest_as_f32(rest);
+        Some((SampledLight { light: &self.lights[index], probability, rest }, probability / mass_without_sky))
     }
 
     /// Whether a surface emits.
@@ -175,7 +184,7 @@ impl Lights {
         !self.area_density.is_empty()
     }
 
-    /// How lamps are found from a point whose light besides theirs is known. An emissive triangle may be so near to it that
+    /// How area lights are found from a point whose indirect light is known. An emissive triangle may be so near to it that
     /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined with
     /// scattered rays; elsewhere such rays would find nothing.
     #[inline]
@@ -195,9 +204,9 @@ impl Lights {
         self.sky_probability
     }
 
-    /// By how much [`choose`](Self::choose) gives a lamp less often than [`choose_lamp`](Self::choose_lamp).
-    pub(crate) fn lamps_share(&self) -> f32 {
-        self.lamps_share
+    /// By how much [`choose`](Self::choose) gives a light other than the sky less often than [`choose_without_sky`](Self::choose_without_sky).
+    pub(crate) fn share_without_sky(&self) -> f32 {
+        self.share_without_sky
     }
 
     /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.
@@ -208,7 +217,7 @@ impl Lights {
 
 /// What is left of a number, in [0, 1) as a single too.
 #[inline(always)]
-pub(crate) fn as_rest(rest: f64) -> f32 {
+pub(crate) fn rest_as_f32(rest: f64) -> f32 {
     (rest as f32).min(ONE_MINUS_EPSILON)
 }
 
@@ -223,7 +232,7 @@ fn brightness(rgb: Vec3) -> f64 {
     luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
 }
 
-/// The luminous power of a light without a surface; of a directional one, what it sends through the scene's sphere.
+/// The luminous power of a delta light; of a directional one, what it sends through the scene's sphere.
 fn power(light: &PunctualLight, bounds: Aabb) -> f64 {
     let (color, extent) = flux(light, bounds);
     brightness(color) * extent

@@ -5,10 +5,10 @@
 //! solid angle. So the density of a direction is its texel's share of all light over the texel's solid angle, exactly.
 //!
 //! Whoever gathers from all sides by evenly spread rays finds a sun by chance, or not at all. For gathers a picture is the
-//! sum of two: its *glare*, that by which texels are brighter than a few times the rest, is sampled as a lamp is, and what
+//! sum of two: its *sun*, that by which texels are brighter than a few times the rest, is sampled as a light is, and what
 //! is left has no peaks.
 
-mod glare;
+mod sun;
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -16,7 +16,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
 
-use self::glare::Glare;
+use self::sun::SunTexels;
 use super::brightness;
 use crate::scene::{Sky, SkyPicture};
 use crate::world::Surface;
@@ -27,7 +27,7 @@ pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
     panorama: Option<Panorama>,
-    glare: Option<Glare>,
+    sun: Option<SunTexels>,
 }
 
 /// A picture with its tables.
@@ -47,8 +47,8 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             Panorama::new(picture)
         });
-        let glare = panorama.as_ref().and_then(|panorama| Glare::of(&panorama.picture));
-        Self { constant, mean, panorama, glare }
+        let sun = panorama.as_ref().and_then(|panorama| SunTexels::of(&panorama.picture));
+        Self { constant, mean, panorama, sun }
     }
 
     /// Radiance from this unit vector.
@@ -59,10 +59,10 @@ impl SkyLight {
         }
     }
 
-    /// Radiance from this unit vector without the glare.
+    /// Radiance from this unit vector without the sun.
     pub(crate) fn ambient(&self, direction: Vec3) -> Vec3 {
         let radiance = self.radiance(direction);
-        self.glare.as_ref().map_or(radiance, |glare| glare.split(radiance).0)
+        self.sun.as_ref().map_or(radiance, |sun| sun.split(radiance).0)
     }
 
     /// Mean radiance of all directions.
@@ -70,14 +70,14 @@ impl SkyLight {
         self.mean
     }
 
-    /// The part of the mean that is glare.
-    pub(crate) fn mean_glare(&self) -> Vec3 {
-        self.glare.as_ref().map_or(Vec3::ZERO, Glare::mean)
+    /// The part of the mean that is the sun's.
+    pub(crate) fn mean_sun(&self) -> Vec3 {
+        self.sun.as_ref().map_or(Vec3::ZERO, SunTexels::mean)
     }
 
-    /// A direction in which to look for glare, and its radiance there over the density per solid angle.
-    pub(crate) fn sample_glare(&self, u: Vec2) -> Option<(Vec3, Vec3)> {
-        Some(self.glare.as_ref()?.sample(&self.panorama.as_ref()?.picture, u))
+    /// A direction in which to look for the sun, and its radiance there over the density per solid angle.
+    pub(crate) fn sample_sun(&self, u: Vec2) -> Option<(Vec3, Vec3)> {
+        Some(self.sun.as_ref()?.sample(&self.panorama.as_ref()?.picture, u))
     }
 
     /// A direction in which to look for light from `surface`.
@@ -209,8 +209,11 @@ mod tests {
             assert_eq!(panorama.texel(middle), (column, row, texel));
             let share = f64::from(panorama.density(middle)) * panorama.picture.solid_angle(row as u32);
             total += share;
-            let (expected, deviation) = (share * f64::from(count), (share * f64::from(count)).sqrt());
-            assert!((f64::from(found) - expected).abs() <= 5.0 * deviation + 2.0, "{texel}: {found}, not {expected}");
+            let (expected, standard_error) = (share * f64::from(count), (share * f64::from(count)).sqrt());
+            assert!(
+                (f64::from(found) - expected).abs() <= 5.0 * standard_error + 2.0,
+                "{texel}: {found}, not {expected}"
+            );
         }
         assert!((total - 1.0).abs() < 1e-5, "the density integrates to {total}");
     }

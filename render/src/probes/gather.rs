@@ -1,6 +1,6 @@
 //! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
 //!
-//! Emitters, lights without a surface and the sky's glare are sampled, as they are for a bake's texels: by two sensors back to
+//! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to
 //! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
 //! at random, so that noise has no pattern from probe to probe, and light without fine detail has none at all.
 
@@ -13,8 +13,8 @@ use halfdome_kernel::{Hit, Ray};
 use super::Options;
 use super::harmonics::basis;
 use super::quadrature::Quadrature;
-use crate::estimator::{Incident, Receive};
-use crate::integrator::{CameraRays, Wavefront, indirect};
+use crate::estimator::{IncidentSampler, IncidentSink};
+use crate::integrator::{RayBatch, Wavefront, indirect};
 use crate::world::World;
 
 /// The set of random numbers by which a probe's directions are turned.
@@ -26,14 +26,14 @@ const BATCH: usize = 2048;
 
 /// What arrives at a point, linear sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Light {
+pub struct ProbeLight {
     /// Coefficients of radiance, W/(m² sr), in the order and with the signs of [`harmonics`](super::harmonics).
     pub harmonics: [Vec3; 9],
     /// Irradiance, W/m², for normals along +x, -x, +y, -y, +z and -z.
     pub axes: [Vec3; 6],
 }
 
-impl Light {
+impl ProbeLight {
     /// A weighted sum.
     pub(super) fn add(&mut self, other: &Self, weight: f32) {
         self.harmonics.iter_mut().zip(other.harmonics).for_each(|(sum, value)| *sum += value * weight);
@@ -58,13 +58,13 @@ impl Sums {
         self.axes.iter_mut().zip(cosines).for_each(|(sum, cosine)| *sum += flux * cosine);
     }
 
-    fn light(&self) -> Light {
-        Light { harmonics: self.harmonics.map(|sum| sum.as_vec3()), axes: self.axes.map(|sum| sum.as_vec3()) }
+    fn light(&self) -> ProbeLight {
+        ProbeLight { harmonics: self.harmonics.map(|sum| sum.as_vec3()), axes: self.axes.map(|sum| sum.as_vec3()) }
     }
 }
 
-impl Receive for Sums {
-    fn receive(&mut self, direction: Vec3, irradiance: Vec3) {
+impl IncidentSink for Sums {
+    fn add_light(&mut self, direction: Vec3, irradiance: Vec3) {
         let cosine = self.normal.dot(direction);
         if cosine > 0.0 {
             self.add(direction.as_dvec3().normalize(), irradiance.as_dvec3() / f64::from(cosine));
@@ -73,7 +73,7 @@ impl Receive for Sums {
 }
 
 /// Gathers for probes, and their memory.
-pub(super) struct Gatherer<'a> {
+pub(super) struct ProbeGatherer<'a> {
     world: &'a World,
     options: &'a Options,
     sphere: &'a Quadrature,
@@ -83,10 +83,10 @@ pub(super) struct Gatherer<'a> {
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
     wave: Wavefront,
-    incident: Incident,
+    incident: IncidentSampler,
 }
 
-impl<'a> Gatherer<'a> {
+impl<'a> ProbeGatherer<'a> {
     pub(super) fn new(world: &'a World, options: &'a Options, sphere: &'a Quadrature) -> Self {
         Self {
             world,
@@ -98,12 +98,12 @@ impl<'a> Gatherer<'a> {
             hits: Vec::new(),
             radiance: Vec::new(),
             wave: Wavefront::default(),
-            incident: Incident::default(),
+            incident: IncidentSampler::default(),
         }
     }
 
     /// The light at a point, and the number of rays. `number` selects the random numbers.
-    pub(super) fn light(&mut self, position: Vec3, number: u32) -> (Light, u64) {
+    pub(super) fn light(&mut self, position: Vec3, number: u32) -> (ProbeLight, u64) {
         let seed = self.options.seed ^ SALT;
         let turn = turn(Sampler::new(Pattern::Random, seed, number, 0).uniform4(TURN_SET));
         let mut sums = Sums::default();
@@ -137,7 +137,7 @@ impl<'a> Gatherer<'a> {
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_many(rays, hits);
-        let camera = CameraRays { rays, hits, samplers, first_set: TURN_SET + 1, density: 0.0 };
+        let camera = RayBatch { rays, hits, samplers, first_set: TURN_SET + 1, density: 0.0 };
         let traced = indirect(world, None, &camera, wave, radiance);
         for ((ray, weight), seen) in rays.iter().zip(&self.weights).zip(radiance) {
             let seen = if seen.is_finite() { seen.as_dvec3() } else { DVec3::ZERO };

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// A box that is divided into cells with a probe each.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
+pub struct ProbeGrid {
     /// The lower corner.
     pub min: Vec3,
     /// The upper corner.
@@ -13,7 +13,7 @@ pub struct Grid {
     pub count: [u32; 3],
 }
 
-impl Grid {
+impl ProbeGrid {
     /// The most probes.
     pub const MAX_PROBES: u64 = 1 << 22;
 
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn probes_are_in_the_middles_of_cells_with_x_first() {
-        let grid = Grid { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(1.0, 3.0, 3.0), count: [2, 3, 1] };
+        let grid = ProbeGrid { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(1.0, 3.0, 3.0), count: [2, 3, 1] };
         let positions: Vec<Vec3> = grid.positions().collect();
         assert_eq!(positions.len(), grid.len());
         assert_eq!(positions[1], Vec3::new(0.5, 0.5, 2.5));

@@ -12,14 +12,14 @@ mod volume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-pub use gather::Light;
-pub use grid::Grid;
+pub use gather::ProbeLight;
+pub use grid::ProbeGrid;
 pub use volume::{Volume, volume};
 
 use crate::driver::Watch;
 use crate::settings::named;
 use crate::world::World;
-use gather::Gatherer;
+use gather::ProbeGatherer;
 use quadrature::Quadrature;
 
 /// How light is estimated.
@@ -43,7 +43,7 @@ pub struct Probe {
     /// The part of all directions in which the backs of surfaces are seen there, from 0 to 1.
     pub backs: f32,
     /// What arrives.
-    pub light: Light,
+    pub light: ProbeLight,
 }
 
 /// Whether a probe is in the open.
@@ -72,7 +72,7 @@ pub struct Probes {
 
 /// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher says stop. They depend on
 /// the world, the grid and the options alone.
-pub fn on_grid(world: &World, grid: &Grid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
+pub fn on_grid(world: &World, grid: &ProbeGrid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
     let mut probes = place::probes(world, grid, watch)?;
     let rays = gather(world, &mut probes, |probe| probe.state != State::Covered, options, watch)?;
     place::fill(grid, &mut probes);
@@ -83,7 +83,7 @@ pub fn on_grid(world: &World, grid: &Grid, options: &Options, watch: &dyn Watch)
 pub fn at_points(world: &World, points: &[Vec3], options: &Options, watch: &dyn Watch) -> Option<Probes> {
     let probe = |(&position, backs): (&Vec3, f32)| {
         let state = if place::is_covered(backs) { State::Covered } else { State::Free };
-        Probe { position, state, backs, light: Light::default() }
+        Probe { position, state, backs, light: ProbeLight::default() }
     };
     let mut probes: Vec<Probe> = points.iter().zip(place::backs(world, points, watch)?).map(probe).collect();
     let rays = gather(world, &mut probes, |_| true, options, watch)?;
@@ -99,7 +99,7 @@ fn gather(
     watch: &dyn Watch,
 ) -> Option<u64> {
     let sphere = Quadrature::with_directions(options.rays);
-    let one = |gatherer: &mut Gatherer, (number, probe): (usize, &mut Probe)| {
+    let one = |gatherer: &mut ProbeGatherer, (number, probe): (usize, &mut Probe)| {
         if watch.stop() {
             return None;
         }
@@ -111,6 +111,6 @@ fn gather(
         Some(rays)
     };
     let rays: Option<Vec<u64>> =
-        probes.par_iter_mut().enumerate().map_init(|| Gatherer::new(world, options, &sphere), one).collect();
+        probes.par_iter_mut().enumerate().map_init(|| ProbeGatherer::new(world, options, &sphere), one).collect();
     Some(rays?.iter().sum())
 }

@@ -9,9 +9,9 @@ use glam::Vec3;
 use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
-use super::gather::Light;
+use super::gather::ProbeLight;
 use super::quadrature::Quadrature;
-use super::{Grid, Probe, State};
+use super::{Probe, ProbeGrid, State};
 use crate::driver::Watch;
 use crate::world::World;
 
@@ -48,11 +48,11 @@ pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option
 }
 
 /// Probes of a grid, moved where they would be covered; `None` if the watcher says stop. Their light is yet to be found.
-pub(super) fn probes(world: &World, grid: &Grid, watch: &dyn Watch) -> Option<Vec<Probe>> {
+pub(super) fn probes(world: &World, grid: &ProbeGrid, watch: &dyn Watch) -> Option<Vec<Probe>> {
     let middles: Vec<Vec3> = grid.positions().collect();
     let seen = backs(world, &middles, watch)?;
     let place = |(position, backs): (Vec3, f32)| {
-        let mut probe = Probe { position, state: State::Free, backs, light: Light::default() };
+        let mut probe = Probe { position, state: State::Free, backs, light: ProbeLight::default() };
         if is_covered(backs) {
             let points: Vec<Vec3> = offsets().iter().map(|offset| position + *offset * grid.cell()).collect();
             let seen = self::backs(world, &points, watch)?;
@@ -79,9 +79,9 @@ fn offsets() -> Vec<Vec3> {
 }
 
 /// Fills covered probes from their neighbours.
-pub(super) fn fill(grid: &Grid, probes: &mut [Probe]) {
+pub(super) fn fill(grid: &ProbeGrid, probes: &mut [Probe]) {
     loop {
-        let filled: Vec<(usize, Light)> = (0..probes.len())
+        let filled: Vec<(usize, ProbeLight)> = (0..probes.len())
             .filter(|&i| probes[i].state == State::Covered)
             .filter_map(|i| Some((i, mean_of_neighbours(grid, probes, i)?)))
             .collect();
@@ -95,9 +95,9 @@ pub(super) fn fill(grid: &Grid, probes: &mut [Probe]) {
 }
 
 /// The mean of the up to 26 neighbours that have light.
-fn mean_of_neighbours(grid: &Grid, probes: &[Probe], index: usize) -> Option<Light> {
+fn mean_of_neighbours(grid: &ProbeGrid, probes: &[Probe], index: usize) -> Option<ProbeLight> {
     let place = grid.place(index);
-    let (mut sum, mut weights) = (Light::default(), 0.0);
+    let (mut sum, mut weights) = (ProbeLight::default(), 0.0);
     let near = |axis: usize| {
         let at = place[axis];
         at.saturating_sub(1)..(at + 2).min(grid.count[axis])
@@ -113,7 +113,7 @@ fn mean_of_neighbours(grid: &Grid, probes: &[Probe], index: usize) -> Option<Lig
             }
         }
     }
-    let mut mean = Light::default();
+    let mut mean = ProbeLight::default();
     mean.add(&sum, 1.0 / weights);
     (weights > 0.0).then_some(mean)
 }
@@ -124,12 +124,12 @@ mod tests {
 
     #[test]
     fn what_is_covered_is_filled_from_outside_inwards() {
-        let grid = Grid { min: Vec3::ZERO, max: Vec3::new(5.0, 1.0, 1.0), count: [5, 1, 1] };
+        let grid = ProbeGrid { min: Vec3::ZERO, max: Vec3::new(5.0, 1.0, 1.0), count: [5, 1, 1] };
         let probe = |light: f32, state| Probe {
             position: Vec3::ZERO,
             state,
             backs: 0.0,
-            light: Light { harmonics: [Vec3::splat(light); 9], axes: [Vec3::splat(light); 6] },
+            light: ProbeLight { harmonics: [Vec3::splat(light); 9], axes: [Vec3::splat(light); 6] },
         };
         let covered = probe(1000.0, State::Covered);
         let mut probes = [probe(1.0, State::Free), covered, covered, covered, probe(3.0, State::Moved)];

@@ -5,9 +5,9 @@ use std::f32::consts::PI;
 use super::*;
 use crate::scene::{CameraPose, Material, Mesh, PunctualLight, Scene, Sky, SkyPicture};
 
-struct Never;
+struct NeverStops;
 
-impl Watch for Never {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
 
     fn stop(&self) -> bool {
@@ -47,7 +47,7 @@ fn with_sphere(mut scene: Scene, middle: Vec3, radius: f32, inwards: bool, mater
 }
 
 fn at(world: &World, points: &[Vec3]) -> Vec<Probe> {
-    at_points(world, points, &OPTIONS, &Never).unwrap().probes
+    at_points(world, points, &OPTIONS, &NeverStops).unwrap().probes
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn a_glowing_room_has_the_radiance_of_its_series() {
     let world = World::new(with_sphere(scene(), Vec3::ZERO, 2.0, true, material)).unwrap();
     let options = Options { rays: 4096, spp: 4096, seed: 1 };
     let points = [Vec3::ZERO, Vec3::new(0.8, -0.5, 0.9)];
-    for probe in at_points(&world, &points, &options, &Never).unwrap().probes {
+    for probe in at_points(&world, &points, &options, &NeverStops).unwrap().probes {
         let light = &probe.light;
         assert!((light.harmonics[0] / (expected * (4.0 * PI).sqrt()) - 1.0).abs().max_element() < 0.01, "{light:?}");
         assert!(light.harmonics[1..].iter().all(|value| (*value / expected).abs().max_element() < 0.06), "{light:?}");
@@ -133,7 +133,7 @@ fn a_directional_light_is_its_harmonics_and_casts_shadows() {
     let expected = [1.0, 0.0, 2.0, 0.0, 0.0, 2.0].map(|cosine: f32| irradiance * cosine / 3.0);
     let found = lit.light.axes.iter().zip(expected).map(|(a, b)| (*a - b).abs().max_element()).fold(0.0, f32::max);
     assert!(found < 1e-5, "{:?}", lit.light.axes);
-    assert_eq!(dark.light, Light::default());
+    assert_eq!(dark.light, ProbeLight::default());
 }
 
 /// A ball that fills several cells of a lit room, and hides a part of others.
@@ -143,8 +143,8 @@ fn probes_inside_of_bodies_are_moved_or_filled() {
     let scene = Scene { sky: Sky::constant(Vec3::ONE), ..scene() };
     let radius = 0.9;
     let world = World::new(with_sphere(scene, Vec3::ZERO, radius, false, white)).unwrap();
-    let grid = Grid { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), count: [8, 8, 8] };
-    let found = on_grid(&world, &grid, &OPTIONS, &Never).unwrap().probes;
+    let grid = ProbeGrid { min: Vec3::splat(-2.0), max: Vec3::splat(2.0), count: [8, 8, 8] };
+    let found = on_grid(&world, &grid, &OPTIONS, &NeverStops).unwrap().probes;
     let mut counts = [0; 4];
     for (probe, middle) in found.iter().zip(grid.positions()) {
         counts[probe.state as usize] += 1;
@@ -170,8 +170,8 @@ fn probes_inside_of_bodies_are_moved_or_filled() {
 
 #[test]
 fn threads_leave_no_trace_and_an_interruption_leaves_nothing() {
-    struct Impatient;
-    impl Watch for Impatient {
+    struct StopsAtOnce;
+    impl Watch for StopsAtOnce {
         fn advance(&self, _: u64, _: u64) {}
         fn stop(&self) -> bool {
             true
@@ -179,14 +179,14 @@ fn threads_leave_no_trace_and_an_interruption_leaves_nothing() {
     }
     let world = World::new(crate::scene::cornell_box()).unwrap();
     let bounds = world.tree().bounds();
-    let grid = Grid { min: bounds.min, max: bounds.max, count: [3, 2, 3] };
+    let grid = ProbeGrid { min: bounds.min, max: bounds.max, count: [3, 2, 3] };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| on_grid(&world, &grid, &OPTIONS, &Never)).unwrap()
+        pool.install(|| on_grid(&world, &grid, &OPTIONS, &NeverStops)).unwrap()
     };
     let one = on(1);
     assert!(one == on(3) && one.rays > 18 * 512);
     assert!(one.probes.iter().all(|probe| probe.light.harmonics[0].min_element() > 0.0));
-    assert_eq!(on_grid(&world, &grid, &OPTIONS, &Impatient), None);
-    assert_ne!(on_grid(&world, &grid, &Options { seed: 4, ..OPTIONS }, &Never).unwrap(), one);
+    assert_eq!(on_grid(&world, &grid, &OPTIONS, &StopsAtOnce), None);
+    assert_ne!(on_grid(&world, &grid, &Options { seed: 4, ..OPTIONS }, &NeverStops).unwrap(), one);
 }

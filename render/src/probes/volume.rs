@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Grid, Probe};
+use super::{Probe, ProbeGrid};
 
 /// A texture of three dimensions.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Volume {
 }
 
 /// The volume of a grid's probes, in the grid's order.
-pub fn volume(grid: &Grid, probes: &[Probe]) -> Volume {
+pub fn volume(grid: &ProbeGrid, probes: &[Probe]) -> Volume {
     let [rx, ry, rz] = grid.count;
     let extent = [rx, 2 * ry, 3 * rz];
     let mut texels = vec![Vec3::ZERO; extent.map(|side| side as usize).iter().product()];
@@ -44,7 +44,7 @@ pub fn volume(grid: &Grid, probes: &[Probe]) -> Volume {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Light, State};
+    use super::super::{ProbeLight, State};
     use super::*;
 
     /// What Bevy's shader reads at the middle of a probe's cell, nearest texel.
@@ -60,10 +60,15 @@ mod tests {
 
     #[test]
     fn the_shader_finds_each_side_of_each_probe() {
-        let grid = Grid { min: Vec3::ZERO, max: Vec3::ONE, count: [2, 3, 4] };
+        let grid = ProbeGrid { min: Vec3::ZERO, max: Vec3::ONE, count: [2, 3, 4] };
         let probe = |index: usize| {
             let axes = [0, 1, 2, 3, 4, 5].map(|side| Vec3::splat(PI * (10 * index + side) as f32));
-            Probe { position: Vec3::ZERO, state: State::Free, backs: 0.0, light: Light { axes, ..Light::default() } }
+            Probe {
+                position: Vec3::ZERO,
+                state: State::Free,
+                backs: 0.0,
+                light: ProbeLight { axes, ..ProbeLight::default() },
+            }
         };
         let probes: Vec<Probe> = (0..24).map(probe).collect();
         let volume = volume(&grid, &probes);
@@ -77,7 +82,7 @@ mod tests {
             }
         }
         // Even light is even for every normal.
-        let even = Light { axes: [Vec3::splat(PI); 6], ..Light::default() };
+        let even = ProbeLight { axes: [Vec3::splat(PI); 6], ..ProbeLight::default() };
         let even: Vec<Probe> = probes.iter().map(|probe| Probe { light: even, ..*probe }).collect();
         let found = read(&super::volume(&grid, &even), grid.count, [1, 2, 3], Vec3::new(0.6, -0.64, 0.48));
         assert!((found - Vec3::ONE).abs().max_element() < 1e-6);

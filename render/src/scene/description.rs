@@ -17,7 +17,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Pictures on surfaces; materials name them by index.
     pub textures: Vec<Texture>,
-    /// Lights without a surface.
+    /// Delta lights.
     pub lights: Vec<PunctualLight>,
     /// Where the picture is taken from; `None` when the file has no camera.
     pub camera: Option<CameraPose>,
@@ -239,7 +239,7 @@ impl Scene {
         })
     }
 
-    /// Whether anything emits: the sky, a light without a surface, or a triangle.
+    /// Whether anything emits: the sky, a delta light, or a triangle.
     pub fn has_light(&self) -> bool {
         let emits = |mesh: &Mesh| !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO;
         self.sky.mean() != Vec3::ZERO || !self.lights.is_empty() || self.meshes.iter().any(emits)

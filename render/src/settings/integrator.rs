@@ -38,7 +38,7 @@ pub struct PathOptions {
     pub stop: Stop,
 }
 
-/// How light is found that more than one technique could find. Lights without a surface are always sampled, mirror
+/// How light is found that more than one technique could find. Delta lights are always sampled, mirror
 /// images of lights are always found by bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSampling {

@@ -16,7 +16,7 @@ use super::lights::{beside_wall, on_ground};
 use super::plot::{Axis, Figure, Point, Series};
 use super::scenes::{grey, ground, meter, scene, world};
 use super::statistics::{PowerLaw, Sample, root_mean_square_error};
-use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
+use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
 use crate::scene::Scene;
 use crate::settings::{
     AoOptions, AoWeighting, HemisphereSampling, Integrator, LightSampling, PathOptions, Settings, Stop,
@@ -30,42 +30,44 @@ pub(super) const FAMILY: Family = Family {
         Experiment {
             name: "convergence-ao-random",
             about: "Exponent of the error of ambient occlusion with independent directions",
-            run: |lab| ambient_occlusion(lab, "random", -0.5, 0.04, |n| many(Pattern::Random, n)),
+            run: |runner| ambient_occlusion(runner, "random", -0.5, 0.04, |n| many(Pattern::Random, n)),
         },
         Experiment {
             name: "convergence-ao-stratified",
             about: "Exponent of the error of ambient occlusion with stratified directions",
-            run: |lab| ambient_occlusion(lab, "stratified", -0.75, 0.08, |n| gather(HemisphereSampling::Stratified, n)),
+            run: |runner| {
+                ambient_occlusion(runner, "stratified", -0.75, 0.08, |n| gather(HemisphereSampling::Stratified, n))
+            },
         },
         Experiment {
             name: "convergence-ao-sobol",
             about: "Exponent of the error of ambient occlusion with Sobol' points",
-            run: |lab| ambient_occlusion(lab, "Sobol'", -0.75, 0.08, |n| many(Pattern::Sobol, n)),
+            run: |runner| ambient_occlusion(runner, "Sobol'", -0.75, 0.08, |n| many(Pattern::Sobol, n)),
         },
         Experiment {
             name: "convergence-direct-random",
             about: "Exponent of the error of direct light with independent points on the lamp",
-            run: |lab| direct(lab, "random", -0.5, 0.04, Pattern::Random),
+            run: |runner| direct(runner, "random", -0.5, 0.04, Pattern::Random),
         },
         Experiment {
             name: "convergence-direct-r2",
             about: "Exponent of the error of direct light with the R2 sequence on the lamp",
-            run: |lab| direct(lab, "R2", -1.0, 0.2, Pattern::R2),
+            run: |runner| direct(runner, "R2", -1.0, 0.2, Pattern::R2),
         },
         Experiment {
             name: "convergence-direct-sobol",
             about: "Exponent of the error of direct light with Sobol' points on the lamp",
-            run: |lab| direct(lab, "Sobol'", -1.25, 0.12, Pattern::Sobol),
+            run: |runner| direct(runner, "Sobol'", -1.25, 0.12, Pattern::Sobol),
         },
         Experiment {
             name: "convergence-cosine",
             about: "Variance of one cosine-weighted occlusion ray, relative to its closed form",
-            run: |lab| one_ray(lab, HemisphereSampling::Cosine, exact::openness_variance(PLACE, 1.0)),
+            run: |runner| one_ray(runner, HemisphereSampling::Cosine, exact::openness_variance(PLACE, 1.0)),
         },
         Experiment {
             name: "convergence-uniform",
             about: "Variance of one uniform occlusion ray, relative to its closed form",
-            run: |lab| one_ray(lab, HemisphereSampling::Uniform, exact::uniform_openness_variance(PLACE, 1.0)),
+            run: |runner| one_ray(runner, HemisphereSampling::Uniform, exact::uniform_openness_variance(PLACE, 1.0)),
         },
         Experiment {
             name: "convergence-strata",
@@ -99,19 +101,25 @@ fn many(sampler: Pattern, spp: u32) -> Settings {
 }
 
 fn ambient_occlusion(
-    lab: &Lab,
+    runner: &Runner,
     label: &str,
     expected: f64,
     tolerance: f64,
     settings: impl Fn(u32) -> Settings,
 ) -> Result<Outcome, Interrupted> {
-    let errors = errors(lab, &wall(PLACE), openness(), settings)?;
+    let errors = errors(runner, &wall(PLACE), openness(), settings)?;
     let figure = figure("convergence-ao", "Ambient occlusion beside a wall: error against rays", "rays n", (1e-3, 0.3));
     Ok(slope(label, expected, tolerance, &errors, figure))
 }
 
 /// A triangle that glows, face down: with one light, nothing is left to choose but the point on it.
-fn direct(lab: &Lab, label: &str, expected: f64, tolerance: f64, sampler: Pattern) -> Result<Outcome, Interrupted> {
+fn direct(
+    runner: &Runner,
+    label: &str,
+    expected: f64,
+    tolerance: f64,
+    sampler: Pattern,
+) -> Result<Outcome, Interrupted> {
     const LAMP: [DVec3; 3] = [dvec3(-0.6, 1.0, -0.7), dvec3(0.9, 1.1, -0.4), dvec3(0.1, 1.3, 0.8)];
     let lamp = [LAMP.map(|corner| corner.as_vec3())];
     let place = meter(vec3(0.3, 0.0, 0.2), Vec3::Y);
@@ -120,20 +128,25 @@ fn direct(lab: &Lab, label: &str, expected: f64, tolerance: f64, sampler: Patter
     let settings =
         |spp| Settings { spp, sampler, integrator: Integrator::Path(options.clone()), ..Settings::default() };
     let radiance = 0.5 / PI * exact::polygon_irradiance(dvec3(0.3, 0.0, 0.2), DVec3::Y, &LAMP).abs();
-    let errors = errors(lab, &lit, radiance, settings)?;
+    let errors = errors(runner, &lit, radiance, settings)?;
     let figure =
         figure("convergence-direct", "Direct light of a triangle: error against samples", "samples n", (1e-5, 0.1));
     Ok(slope(label, expected, tolerance, &errors, figure))
 }
 
 /// Relative errors, root mean square over the pixels, for some numbers of samples.
-fn errors(lab: &Lab, world: &World, exact: f64, settings: impl Fn(u32) -> Settings) -> Result<Vec<Point>, Interrupted> {
+fn errors(
+    runner: &Runner,
+    world: &World,
+    exact: f64,
+    settings: impl Fn(u32) -> Settings,
+) -> Result<Vec<Point>, Interrupted> {
     // Fewer samples have too few strata to show how their errors fall.
     let numbers = [16, 32, 64, 128, 256, 512, 1024, 2048];
     let mut points = Vec::new();
     for n in numbers {
-        let side = lab.share(48).max(24);
-        let runs = lab.render(world, Settings { width: side, height: side, ..settings(n) })?;
+        let side = runner.share(48).max(24);
+        let runs = runner.render(world, Settings { width: side, height: side, ..settings(n) })?;
         let error = root_mean_square_error(&runs.values, exact) / exact;
         // That of the root of a sum of squares of normal numbers.
         let uncertainty = error / (2.0 * runs.values.len() as f64).sqrt();
@@ -167,22 +180,22 @@ fn slope(label: &str, expected: f64, tolerance: f64, errors: &[Point], mut figur
     Outcome { quantity, measured: law.exponent, expected, tolerance, figure: Some(figure) }
 }
 
-fn one_ray(lab: &Lab, sampling: HemisphereSampling, exact: f64) -> Result<Outcome, Interrupted> {
-    let side = lab.share(512).max(192);
+fn one_ray(runner: &Runner, sampling: HemisphereSampling, exact: f64) -> Result<Outcome, Interrupted> {
+    let side = runner.share(512).max(192);
     let settings = Settings { width: side, height: side, ..gather(sampling, 1) };
-    let sample = Sample::of(&lab.render(&wall(PLACE), settings)?.values);
+    let sample = Sample::of(&runner.render(&wall(PLACE), settings)?.values);
     let quantity = "ratio of variances".to_owned();
     Ok(Outcome { quantity, measured: sample.variance / exact, expected: 1.0, tolerance: 0.05, figure: None })
 }
 
 /// Driscoll's two pictures of 256 rays: random uniform, and stratified. Against the distance from the wall; the curves
 /// are exact.
-fn strata(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn strata(runner: &Runner) -> Result<Outcome, Interrupted> {
     const RAYS: u32 = 256;
-    let side = lab.share(64).max(24);
+    let side = runner.share(64).max(24);
     let variance = |place: f64, sampling| {
         let settings = Settings { width: side, height: side, ..gather(sampling, RAYS) };
-        Ok(Sample::of(&lab.render(&wall(place), settings)?.values))
+        Ok(Sample::of(&runner.render(&wall(place), settings)?.values))
     };
     let choices = [
         ("random uniform", HemisphereSampling::Uniform),

@@ -7,7 +7,7 @@ use halfdome_kernel::sampling::Pattern;
 use super::plot::{Axis, Figure, Point, Series, span};
 use super::scenes::{Corners, cube, grey, moved, scene, sphere, tetrahedron, turned, view, world};
 use super::statistics::Sample;
-use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
+use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
 use crate::scene::Sky;
 use crate::settings::{
     AoOptions, AoWeighting, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings,
@@ -22,17 +22,17 @@ pub(super) const FAMILY: Family = Family {
         Experiment {
             name: "furnace-sphere",
             about: "Radiance in a glowing sphere by path tracing",
-            run: |lab| closed(lab, &sphere(3, 1.0)),
+            run: |runner| closed(runner, &sphere(3, 1.0)),
         },
         Experiment {
             name: "furnace-tetrahedron",
             about: "Radiance in a glowing tetrahedron by path tracing",
-            run: |lab| closed(lab, &tetrahedron()),
+            run: |runner| closed(runner, &tetrahedron()),
         },
         Experiment {
             name: "furnace-box",
             about: "Radiance in a glowing box by path tracing",
-            run: |lab| closed(lab, &cube()),
+            run: |runner| closed(runner, &cube()),
         },
         Experiment {
             name: "furnace-bounces",
@@ -83,14 +83,14 @@ fn naive(max_depth: u32, stop: Stop) -> Integrator {
     Integrator::Path(PathOptions { max_depth, lights: LightSampling::Naive, stop })
 }
 
-fn closed(lab: &Lab, solid: &[Corners]) -> Result<Outcome, Interrupted> {
-    let runs =
-        lab.render(&room(solid), Settings { width: 64, height: 64, spp: lab.share(64), ..Settings::default() })?;
+fn closed(runner: &Runner, solid: &[Corners]) -> Result<Outcome, Interrupted> {
+    let runs = runner
+        .render(&room(solid), Settings { width: 64, height: 64, spp: runner.share(64), ..Settings::default() })?;
     Ok(Outcome::mean("radiance", &Sample::of(&runs.values), radiance(), ROUNDING))
 }
 
 /// Driscoll's graph: the error in per cent when light has bounced `k` times, direct light being the first.
-fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn bounces(runner: &Runner) -> Result<Outcome, Interrupted> {
     const MOST: u32 = 16;
     // Without any bounce, emitters alone are seen, which `montecarlo` does not offer.
     let gathered = |sampling| {
@@ -122,8 +122,9 @@ fn bounces(lab: &Lab) -> Result<Outcome, Interrupted> {
         let mut points = Vec::new();
         for bounces in 0..=MOST {
             let Some(integrator) = integrator(bounces) else { continue };
-            let settings = Settings { width: 64, height: 64, spp: lab.share(spp), integrator, ..Settings::default() };
-            let sample = Sample::of(&lab.render(room, settings)?.values);
+            let settings =
+                Settings { width: 64, height: 64, spp: runner.share(spp), integrator, ..Settings::default() };
+            let sample = Sample::of(&runner.render(room, settings)?.values);
             z.push(sample.z(exact::furnace_after(EMISSION.into(), REFLECTANCE.into(), bounces), ROUNDING));
             let missing = 100.0 * (1.0 - sample.mean / radiance()).abs();
             points.push(Point { x: bounces.into(), y: missing, error: 100.0 * sample.standard_error() / radiance() });
@@ -146,7 +147,7 @@ fn survivals() -> impl Iterator<Item = f64> {
 }
 
 /// Single paths with independent random numbers and one probability of survival, `side`² of them or 1000.
-fn roulette(lab: &Lab, room: &World, survival: f64, size: (u32, u32)) -> Result<Sample, Interrupted> {
+fn roulette(runner: &Runner, room: &World, survival: f64, size: (u32, u32)) -> Result<Sample, Interrupted> {
     let stop = Stop::Roulette { after: 0, survival: Survival::Constant(survival as f32) };
     let settings = Settings {
         width: size.0,
@@ -156,7 +157,7 @@ fn roulette(lab: &Lab, room: &World, survival: f64, size: (u32, u32)) -> Result<
         integrator: naive(1024, stop),
         ..Settings::default()
     };
-    Ok(Sample::of(&lab.render(room, settings)?.values))
+    Ok(Sample::of(&runner.render(room, settings)?.values))
 }
 
 fn exact_variance(survival: f64) -> f64 {
@@ -165,14 +166,14 @@ fn exact_variance(survival: f64) -> f64 {
 
 /// Driscoll's other graph: the error of 1000 runs. Where variance is infinite, below ρ², the means of any number of
 /// runs are too small but for a few that are far too great: there is nothing to hold them to.
-fn survival(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn survival(runner: &Runner) -> Result<Outcome, Interrupted> {
     const RUNS: (u32, u32) = (40, 25);
     let room = room(&sphere(3, 1.0));
     let runs = f64::from(RUNS.0 * RUNS.1);
     let error = |survival: f64| 100.0 * (exact_variance(survival) / runs).sqrt() / radiance();
     let (mut z, mut points) = (Vec::new(), Vec::new());
     for survival in survivals() {
-        let sample = roulette(lab, &room, survival, RUNS)?;
+        let sample = roulette(runner, &room, survival, RUNS)?;
         let off = 100.0 * (sample.mean / radiance() - 1.0);
         points.push(Point { x: survival, y: off, error: 100.0 * sample.standard_error() / radiance() });
         if exact_variance(survival).is_finite() {
@@ -196,13 +197,13 @@ fn survival(lab: &Lab) -> Result<Outcome, Interrupted> {
 
 /// The largest distance of the variance from its closed form where paths' fourth moment, by which a measured variance
 /// scatters, is moderate.
-fn variance(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn variance(runner: &Runner) -> Result<Outcome, Interrupted> {
     const MODERATE: f64 = 0.5;
-    let side = lab.share(512).max(256);
+    let side = runner.share(512).max(256);
     let room = room(&sphere(3, 1.0));
     let (mut off, mut points) = (Vec::new(), Vec::new());
     for survival in survivals() {
-        let sample = roulette(lab, &room, survival, (side, side))?;
+        let sample = roulette(runner, &room, survival, (side, side))?;
         points.push(Point { x: survival, y: sample.variance, error: sample.variance_error });
         if survival >= MODERATE {
             off.push((sample.variance / exact_variance(survival) - 1.0).abs());
@@ -224,7 +225,7 @@ fn variance(lab: &Lab) -> Result<Outcome, Interrupted> {
 
 /// A path ends at the first surface behind which less than the cutoff would be left of its light, so after `k` bounces
 /// with `ρ^{k+1}` below it. What it leaves out is known here, as the mean radiance is that of every place.
-fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn threshold(runner: &Runner) -> Result<Outcome, Interrupted> {
     let reflectance = f64::from(REFLECTANCE);
     let bounces = |cutoff: f64| (0..).find(|&k| exact::furnace_residual(reflectance, k) < cutoff).unwrap_or(u32::MAX);
     let left_out = |cutoff: f64| exact::furnace_after(EMISSION.into(), reflectance, bounces(cutoff));
@@ -237,8 +238,8 @@ fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
         let mut points = Vec::new();
         for cutoff in cutoffs {
             let integrator = naive(1024, Stop::Threshold { cutoff: cutoff as f32, add_back });
-            let settings = Settings { width: 32, height: 32, spp: lab.share(16), integrator, ..Settings::default() };
-            let sample = Sample::of(&lab.render(&room, settings)?.values);
+            let settings = Settings { width: 32, height: 32, spp: runner.share(16), integrator, ..Settings::default() };
+            let sample = Sample::of(&runner.render(&room, settings)?.values);
             z.push(sample.z(exact(cutoff), ROUNDING));
             points.push(Point { x: cutoff, y: sample.mean, error: sample.standard_error() });
         }
@@ -258,7 +259,7 @@ fn threshold(lab: &Lab) -> Result<Outcome, Interrupted> {
 /// Driscoll's rays escaped from his sphere near the horizon. Here the sky outside has radiance one and the walls send
 /// on all that they get, so a pixel is black unless one of its rays has come out: of a path, of its shadow rays towards
 /// the sky, or of ambient occlusion, which sends more of its uniform rays along the surface.
-fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn escapes(runner: &Runner) -> Result<Outcome, Interrupted> {
     let paths = |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth });
     let occlusion = AoOptions {
         weighting: AoWeighting::Misses,
@@ -278,8 +279,8 @@ fn escapes(lab: &Lab) -> Result<Outcome, Interrupted> {
         room.sky = Sky::constant(Vec3::ONE);
         let room = world(room);
         for integrator in integrators.clone() {
-            let settings = Settings { width: 96, height: 96, spp: lab.share(8), integrator, ..Settings::default() };
-            let runs = lab.render(&room, settings)?;
+            let settings = Settings { width: 96, height: 96, spp: runner.share(8), integrator, ..Settings::default() };
+            let runs = runner.render(&room, settings)?;
             escaped += runs.values.iter().filter(|value| **value != 0.0).count();
             rays += runs.rays;
         }

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3, dvec3, vec3};
 use super::plot::{Axis, Figure, Point, Series, span};
 use super::scenes::{Corners, grey, ground, mesh, meter, moved, quad, scene, sphere, turned, view, world};
 use super::statistics::Sample;
-use super::{Experiment, Family, Interrupted, Lab, Outcome, exact};
+use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
 use crate::scene::{CameraPose, Mesh, PunctualLight, Scene, Sky};
 use crate::settings::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, PathOptions, Settings,
@@ -20,32 +20,32 @@ pub(super) const FAMILY: Family = Family {
         Experiment {
             name: "lights-point",
             about: "Irradiance from a point light on the ground, against distance",
-            run: |lab| POINT.run(lab),
+            run: |runner| POINT.run(runner),
         },
         Experiment {
             name: "lights-sphere",
             about: "Irradiance from a glowing sphere above the ground, against distance",
-            run: |lab| SPHERE.run(lab),
+            run: |runner| SPHERE.run(runner),
         },
         Experiment {
             name: "lights-horizon",
             about: "Irradiance from a glowing sphere that the ground cuts, against distance",
-            run: |lab| HORIZON.run(lab),
+            run: |runner| HORIZON.run(runner),
         },
         Experiment {
             name: "lights-polygon",
             about: "Irradiance from a glowing square, against distance, by Lambert's formula",
-            run: |lab| POLYGON.run(lab),
+            run: |runner| POLYGON.run(runner),
         },
         Experiment {
             name: "lights-sky",
             about: "Irradiance from the sky beside an endless black wall, against the distance from it",
-            run: |lab| SKY.run(lab),
+            run: |runner| SKY.run(runner),
         },
         Experiment {
             name: "lights-openness",
             about: "Ambient occlusion beside that wall, by each choice of directions",
-            run: |lab| OPENNESS.run(lab),
+            run: |runner| OPENNESS.run(runner),
         },
         Experiment {
             name: "lights-two-spheres",
@@ -212,7 +212,7 @@ pub(super) fn beside_wall() -> Scene {
 }
 
 impl Profile {
-    fn run(&self, lab: &Lab) -> Result<Outcome, Interrupted> {
+    fn run(&self, runner: &Runner) -> Result<Outcome, Interrupted> {
         const PLACES: u32 = 9;
         let (x_label, from, to) = self.x;
         let mut world = world((self.scene)());
@@ -224,12 +224,12 @@ impl Profile {
                 let settings = Settings {
                     width: 32,
                     height: 32,
-                    spp: lab.share(64).max(16),
+                    spp: runner.share(64).max(16),
                     integrator: integrator(),
                     ..Settings::default()
                 };
                 world.camera = on_ground(x as f32);
-                let runs = lab.render(&world, settings)?;
+                let runs = runner.render(&world, settings)?;
                 let sample = Sample::of(&runs.values.iter().map(|value| value * self.factor).collect::<Vec<_>>());
                 z.push(sample.z((self.exact)(x), self.allowance));
                 points.push(Point { x, y: sample.mean, error: sample.standard_error() });
@@ -250,7 +250,7 @@ impl Profile {
 
 /// The form factor is π times less than the mean of the irradiance from one sphere over the other, by the midpoint rule
 /// in `s` with `cos = 1 - 2 s²`, of which `2 s ds` is the share of the surface: so places are close where much arrives.
-fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn two_spheres(runner: &Runner) -> Result<Outcome, Interrupted> {
     const PLACES: u32 = 32;
     /// Facets, and as few places.
     const ALLOWANCE: f64 = 2e-3;
@@ -271,8 +271,8 @@ fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
             // About a skew meridian, where no edge of the sphere runs.
             let normal = dvec3(sin * 0.8, cos, sin * 0.6).as_vec3();
             world.camera = meter(normal, normal);
-            let settings = Settings { width: 16, height: 16, spp: lab.share(64), ..Settings::default() };
-            let sample = Sample::of(&lab.render(&world, settings)?.values);
+            let settings = Settings { width: 16, height: 16, spp: runner.share(64), ..Settings::default() };
+            let sample = Sample::of(&runner.render(&world, settings)?.values);
             let share = 2.0 * s / f64::from(PLACES) * TO_IRRADIANCE / PI;
             form_factor += share * sample.mean;
             variance += (share * sample.standard_error()).powi(2);
@@ -295,7 +295,7 @@ fn two_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
 }
 
 /// Radiance of both spheres, seen from between them.
-fn concentric_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn concentric_spheres(runner: &Runner) -> Result<Outcome, Interrupted> {
     const INNER: f32 = 0.5;
     const EMISSION: [f64; 2] = [1.0, 0.25];
     const REFLECTED: [f64; 2] = [0.6, 0.8];
@@ -307,8 +307,8 @@ fn concentric_spheres(lab: &Lab) -> Result<Outcome, Interrupted> {
         camera.vfov = 40.0;
         let material = |i: usize| grey(REFLECTED[i] as f32, EMISSION[i] as f32);
         let scene = scene([(inner.as_slice(), material(0)), (outer.as_slice(), material(1))], camera);
-        let settings = Settings { width: 48, height: 48, spp: lab.share(128), ..Settings::default() };
-        z.push(Sample::of(&lab.render(&world(scene), settings)?.values).z(exact, 2.0 * FACETS));
+        let settings = Settings { width: 48, height: 48, spp: runner.share(128), ..Settings::default() };
+        z.push(Sample::of(&runner.render(&world(scene), settings)?.values).z(exact, 2.0 * FACETS));
     }
     Ok(Outcome::worst_z(z))
 }

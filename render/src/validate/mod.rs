@@ -8,20 +8,20 @@ mod cache;
 mod convergence;
 mod exact;
 mod furnace;
-mod lab;
 mod lights;
 mod materials;
 mod plot;
 mod report;
 mod room;
+mod runner;
 mod scenes;
 mod statistics;
 
 use crate::settings::Invalid;
 
-pub(crate) use lab::{Effort, Interrupted, Lab};
 pub(crate) use plot::{Figure, csv, svg};
 pub(crate) use report::{Row, json, list};
+pub(crate) use runner::{Effort, Interrupted, Runner};
 
 pub use cache::{Cost, Curves, KINDS, Kind, Places, Plan, Reference, RelativeError, Run, Study, Walls};
 pub use room::furnished_room;
@@ -43,7 +43,7 @@ pub(crate) struct Experiment {
     pub name: &'static str,
     /// What is measured, as a sentence without a full stop.
     pub about: &'static str,
-    run: fn(&Lab) -> Result<Outcome, Interrupted>,
+    run: fn(&Runner) -> Result<Outcome, Interrupted>,
 }
 
 /// What an experiment found.
@@ -98,8 +98,8 @@ impl Experiment {
     ///
     /// # Errors
     /// [`Interrupted`] if the lab's watcher says stop.
-    pub(crate) fn run(&self, lab: &Lab) -> Result<Outcome, Interrupted> {
-        (self.run)(&lab.for_experiment(self.name))
+    pub(crate) fn run(&self, runner: &Runner) -> Result<Outcome, Interrupted> {
+        (self.run)(&runner.for_experiment(self.name))
     }
 }
 

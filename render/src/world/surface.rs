@@ -1,6 +1,6 @@
 //! Surfaces: what the world is where a ray meets it.
 //!
-//! Most triangles are plain: all that a hit tells of them is in their [`Face`] and their material. Vertex normals and
+//! Most triangles are plain: all that a hit tells of them is in their [`TriangleRecord`] and their material. Vertex normals and
 //! textures are looked up for the others alone.
 //!
 //! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{Hit, offset_distance, offset_point};
 
-use super::{Face, World};
+use super::{TriangleRecord, World};
 use crate::scene::{Material, Specular, TextureMap};
 
 /// The material of whatever measures light, or just scatters it.
@@ -79,7 +79,7 @@ impl World {
     /// The surface at barycentric coordinates of a triangle.
     #[inline(always)]
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
-        let face = &self.faces[prim_id as usize];
+        let face = &self.triangle_records[prim_id as usize];
         let weights = [1.0 - u - v, u, v];
         let material = &self.materials[face.material as usize];
         let mut surface = Surface {
@@ -107,7 +107,7 @@ impl World {
     /// What vertex normals and textures say.
     #[inline(never)]
     fn details(&self, prim_id: u32, weights: [f32; 3]) -> Details {
-        let Face { normal, mesh, material, .. } = self.faces[prim_id as usize];
+        let TriangleRecord { normal, mesh, material, .. } = self.triangle_records[prim_id as usize];
         let (mesh, material) = (&self.meshes[mesh as usize], &self.materials[material as usize]);
         let index = self.index_in_mesh(prim_id);
         let textured = |color: Vec3, map: &Option<TextureMap>| match map {
@@ -133,7 +133,7 @@ impl World {
 
     /// Texture coordinates at a hit, or the barycentric ones if the mesh has none.
     pub(crate) fn texcoord(&self, hit: &Hit) -> Vec2 {
-        let mesh = &self.meshes[self.faces[hit.prim_id as usize].mesh as usize];
+        let mesh = &self.meshes[self.triangle_records[hit.prim_id as usize].mesh as usize];
         if mesh.texcoords.is_empty() {
             return Vec2::new(hit.u, hit.v);
         }

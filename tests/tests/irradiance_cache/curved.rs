@@ -8,7 +8,7 @@ use halfdome::irradiance::{Part, Request, Sensor, by_cache};
 use halfdome::scene::{CameraPose, Scene, Sky};
 use halfdome::settings::{CachedOptions, GatherLayout, Gradients, Metric};
 use halfdome::world::World;
-use halfdome_tests::render::{Patience, material, mesh, quad};
+use halfdome_tests::render::{NeverStops, material, mesh, quad};
 
 /// A black floor, far larger than it is below the sphere, under a sky of radiance 1.
 fn plain() -> World {
@@ -46,7 +46,7 @@ fn rotational_gradients_help_on_a_sphere() {
                 CachedOptions { layout, metric, gradients, rays: 1024, error: 1.0, ..CachedOptions::default() };
             let cache = Cache::new(options, world.surroundings_hash());
             let request = Request { spp: 1, seed: 1, part: Part::Indirect };
-            let found = by_cache(&world, &sensors, cache, &request, &Patience);
+            let found = by_cache(&world, &sensors, cache, &request, &NeverStops);
             let squares = found.values.iter().zip(&sensors).map(|(value, sensor)| {
                 let exact = 0.5 * PI * (1.0 + f64::from(sensor.normal.z));
                 ((f64::from(value.y) - exact) / PI).powi(2)

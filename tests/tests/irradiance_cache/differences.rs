@@ -12,7 +12,7 @@ use halfdome::irradiance::{Part, Request, Sensor, by_cache, by_paths};
 use halfdome::scene::cornell_box;
 use halfdome::settings::{CachedOptions, GatherLayout, Metric};
 use halfdome::world::World;
-use halfdome_tests::render::Patience;
+use halfdome_tests::render::NeverStops;
 
 /// Half of each step, in metres: a sweep, over which the quotient is level. With longer ones the first point's is not.
 const STEPS: [f32; 3] = [0.01, 0.014, 0.02];
@@ -25,7 +25,7 @@ fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seed
     for seed in 0..seeds {
         let cache = Cache::new(options, world.surroundings_hash());
         let request = Request { spp: 1, seed, part: Part::Indirect };
-        let (cache, _) = by_cache(world, &[sensor], cache, &request, &Patience).cache.unwrap();
+        let (cache, _) = by_cache(world, &[sensor], cache, &request, &NeverStops).cache.unwrap();
         let [record] = cache.records() else { panic!("{} records", cache.records().len()) };
         irradiance += f64::from(record.irradiance.y);
         let gradient = record.translational[1].as_dvec3();
@@ -41,7 +41,7 @@ fn recorded(world: &World, sensor: Sensor, layout: GatherLayout, rays: u32, seed
 /// Irradiance by paths. A sensor's random numbers depend on its place in the list, so each has a list of its own.
 fn traced(world: &World, sensor: Sensor) -> f64 {
     let request = Request { spp: 262_144, seed: 3, part: Part::Indirect };
-    f64::from(by_paths(world, &[sensor], &request, &Patience).values[0].y)
+    f64::from(by_paths(world, &[sensor], &request, &NeverStops).values[0].y)
 }
 
 #[test]

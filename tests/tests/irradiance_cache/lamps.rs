@@ -7,7 +7,7 @@ use halfdome::scene::{CameraPose, Scene};
 use halfdome::settings::CachedOptions;
 use halfdome::world::World;
 use halfdome_tests::polygon_light::polygon;
-use halfdome_tests::render::{Patience, material, mesh, quad};
+use halfdome_tests::render::{NeverStops, material, mesh, quad};
 
 use super::light::furnace;
 
@@ -32,8 +32,8 @@ fn measure(world: &World, sensors: &[Sensor], seed: u64, has_cache: bool) -> Vec
     let request = Request { spp: 64, seed, part: Part::Total };
     let cache = Cache::new(CachedOptions { rays: 256, ..CachedOptions::default() }, world.surroundings_hash());
     let found = match has_cache {
-        true => by_cache(world, sensors, cache, &request, &Patience),
-        false => by_paths(world, sensors, &request, &Patience),
+        true => by_cache(world, sensors, cache, &request, &NeverStops),
+        false => by_paths(world, sensors, &request, &NeverStops),
     };
     assert!(found.finished);
     found.values.iter().map(|value| f64::from(value.y)).collect()

@@ -10,7 +10,7 @@ use halfdome::scene::{CameraPose, Scene, Sky};
 use halfdome::settings::{CachedOptions, GatherLayout, Metric};
 use halfdome::world::World;
 use halfdome_kernel::sampling::Stream;
-use halfdome_tests::render::{Patience, material, mesh, quad};
+use halfdome_tests::render::{NeverStops, material, mesh, quad};
 
 /// Black rectangles on a plain of this half width.
 fn plain(half: f32, walls: &[[Vec3; 4]]) -> World {
@@ -53,7 +53,7 @@ fn sensors() -> Vec<Sensor> {
 
 fn irradiance(world: &World, sensors: &[Sensor], options: CachedOptions) -> Vec<f32> {
     let cache = Cache::new(options, world.surroundings_hash());
-    let found = by_cache(world, sensors, cache, &Request { spp: 1, seed: 0, part: Part::Indirect }, &Patience);
+    let found = by_cache(world, sensors, cache, &Request { spp: 1, seed: 0, part: Part::Indirect }, &NeverStops);
     found.values.iter().map(|value| value.x).collect()
 }
 

@@ -6,14 +6,14 @@ use halfdome::irradiance::{Irradiance, Part, Request, Sensor, by_cache, by_paths
 use halfdome::scene::{CameraPose, Scene, cornell_box};
 use halfdome::settings::{CachedOptions, GatherLayout, Gradients, Integrator, Metric, PathOptions, Settings};
 use halfdome::world::World;
-use halfdome_tests::render::{Patience, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{NeverStops, material, mesh, pixels, quad, render};
 
 fn world(scene: &Scene) -> World {
     World::new(scene.clone()).unwrap()
 }
 
 fn cached(world: &World, sensors: &[Sensor], options: CachedOptions, request: &Request) -> Irradiance {
-    by_cache(world, sensors, Cache::new(options, world.surroundings_hash()), request, &Patience)
+    by_cache(world, sensors, Cache::new(options, world.surroundings_hash()), request, &NeverStops)
 }
 
 /// A closed box that emits 1 and reflects half.
@@ -100,7 +100,7 @@ fn sensors_read_the_same_by_cache_and_by_paths() {
     let world = world(&cornell_box());
     let sensors = cornell_sensors();
     for part in [Part::Total, Part::Indirect] {
-        let paths = by_paths(&world, &sensors, &Request { spp: 8192, seed: 1, part }, &Patience);
+        let paths = by_paths(&world, &sensors, &Request { spp: 8192, seed: 1, part }, &NeverStops);
         let request = Request { spp: 256, seed: 2, part };
         for metric in Metric::ALL {
             let options = CachedOptions { metric, rays: 4096, ..CachedOptions::default() };
@@ -120,7 +120,7 @@ fn gradients_help() {
     let world = world(&cornell_box());
     let sensors = cornell_sensors();
     let request = Request { spp: 4096, seed: 1, part: Part::Indirect };
-    let paths = by_paths(&world, &sensors, &request, &Patience);
+    let paths = by_paths(&world, &sensors, &request, &NeverStops);
     let error = |gradients| {
         let options = CachedOptions {
             metric: Metric::SplitSphere,

@@ -8,7 +8,7 @@ use halfdome::scene::{CameraPose, Scene, Sky};
 use halfdome::settings::{CachedOptions, GatherLayout, Metric};
 use halfdome::world::World;
 use halfdome_tests::polygon_light::polygon;
-use halfdome_tests::render::{Patience, material, mesh, quad};
+use halfdome_tests::render::{NeverStops, material, mesh, quad};
 
 /// The lid's height.
 const LID: f64 = 2.0;
@@ -51,7 +51,7 @@ fn record(world: &World, position: DVec3, layout: GatherLayout, rays: u32, seed:
     let options = CachedOptions { layout, rays, error: 0.5, metric, ..CachedOptions::default() };
     let cache = Cache::new(options, world.surroundings_hash());
     let sensor = Sensor { position: position.as_vec3(), normal: Vec3::Z };
-    let found = by_cache(world, &[sensor], cache, &Request { spp: 1, seed, part: Part::Indirect }, &Patience);
+    let found = by_cache(world, &[sensor], cache, &Request { spp: 1, seed, part: Part::Indirect }, &NeverStops);
     let records = found.cache.unwrap().0.records().to_vec();
     assert_eq!(records.len(), 1);
     let own = (records[0].irradiance - found.values[0]).abs().max_element();

@@ -7,7 +7,7 @@ use halfdome::irradiance::{Part, Request, Sensor, by_cache};
 use halfdome::scene::{Scene, cornell_box};
 use halfdome::settings::{CachedOptions, GatherLayout, Integrator, Metric, Settings};
 use halfdome::world::World;
-use halfdome_tests::render::Patience;
+use halfdome_tests::render::NeverStops;
 
 fn fill(scene: &Scene, options: CachedOptions) -> Vec<Record> {
     fill_for(48, scene, options)
@@ -19,7 +19,7 @@ fn fill_for(side: u32, scene: &Scene, options: CachedOptions) -> Vec<Record> {
     let integrator = Integrator::Cached(options);
     let settings = Settings { width: side, height: side, integrator, ..Settings::default() };
     let cache = Cache::new(options, world.surroundings_hash());
-    driver::fill_cache(&world, &settings, cache, &Patience).records().to_vec()
+    driver::fill_cache(&world, &settings, cache, &NeverStops).records().to_vec()
 }
 
 /// The Cornell box with all lengths multiplied by `length` and radiance by `light`.
@@ -50,13 +50,13 @@ fn a_scaled_scene_has_the_same_records() {
                 let expected = Record {
                     position: plain.position * length,
                     irradiance: plain.irradiance * light,
-                    deviation: plain.deviation * light,
+                    standard_error: plain.standard_error * light,
                     rotational: plain.rotational.map(|gradient| gradient * light),
                     translational: plain.translational.map(|gradient| gradient * (light / length)),
                     mean_distance: plain.mean_distance * length,
                     min_distance: plain.min_distance * length,
                     radii: plain.radii.map(|radius| radius * length),
-                    obstacles: plain.obstacles.map(|distance| distance * length),
+                    occluders: plain.occluders.map(|distance| distance * length),
                     ..*plain
                 };
                 assert_eq!(*record, expected, "{metric:?}, {length}");
@@ -107,14 +107,14 @@ fn records_know_their_noise() {
         let record = |seed| {
             let cache = Cache::new(options, world.surroundings_hash());
             let request = Request { spp: 1, seed, part: Part::Indirect };
-            by_cache(&world, &[sensor], cache, &request, &Patience).cache.unwrap().0.records()[0]
+            by_cache(&world, &[sensor], cache, &request, &NeverStops).cache.unwrap().0.records()[0]
         };
         let records: Vec<Record> = (0..SEEDS).map(record).collect();
         let mean = records.iter().map(|record| record.irradiance.as_dvec3()).sum::<DVec3>() / SEEDS as f64;
         let squares = records.iter().map(|record| (record.irradiance.as_dvec3() - mean).powf(2.0)).sum::<DVec3>();
-        let deviation = (squares / (SEEDS - 1) as f64).max_element().sqrt();
-        let told = records.iter().map(|record| f64::from(record.deviation)).sum::<f64>() / SEEDS as f64;
-        println!("{layout:?}: {told} told, {deviation} found, of {mean}");
-        assert!((0.75..1.75).contains(&(told / deviation)), "{layout:?}: {told}, not {deviation}");
+        let standard_error = (squares / (SEEDS - 1) as f64).max_element().sqrt();
+        let told = records.iter().map(|record| f64::from(record.standard_error)).sum::<f64>() / SEEDS as f64;
+        println!("{layout:?}: {told} told, {standard_error} found, of {mean}");
+        assert!((0.75..1.75).contains(&(told / standard_error)), "{layout:?}: {told}, not {standard_error}");
     }
 }

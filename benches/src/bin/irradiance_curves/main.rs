@@ -42,9 +42,9 @@ struct Options {
 }
 
 /// Nobody watches.
-struct Patience;
+struct NeverStops;
 
-impl Watch for Patience {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
     fn stop(&self) -> bool {
         false
@@ -91,7 +91,7 @@ fn seconds(who: UsageWho) -> f64 {
 
 fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     let world = World::new(scene)?;
-    let study = Study::new(&world, Places::Anywhere, 64, options.reference, 0, &Patience);
+    let study = Study::new(&world, Places::Anywhere, 64, options.reference, 0, &NeverStops);
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     println!("{title}: indirect light of 256 x 256 pixels, {} rays a record; {reference}", options.record_rays);
     println!("{:26}{:>8}{:>9}{:>9}{:>9}{:>8}{:>8}", "", "setting", "records", "Mrays", "seconds", "error", "of 99%");
@@ -129,7 +129,7 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
         material.diffuse = Vec3::ZERO;
     }
     let world = World::new(scene.clone())?;
-    let walls = Walls::new(&world, options.reference, 1, &Patience);
+    let walls = Walls::new(&world, options.reference, 1, &NeverStops);
     let percent = |errors: Vec<f64>| errors.iter().map(|error| format!("{:>7.2}%", 100.0 * error)).collect::<String>();
     println!(
         "Three walls of the Cornell box, 96 x 96 sensors each: relative errors of the back, the red and the green wall"
@@ -146,11 +146,13 @@ fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     };
     for (spp, rays, error) in [(8, 192, 0.8), (16, 384, 0.7), (64, 1024, 0.6), (128, 2048, 0.55), (256, 3072, 0.5)] {
         let name = format!("cache, {spp} samples, {rays} rays, {error}");
-        ours(&name, &|| walls.by_cache(&world, (spp, rays, error), 0, &Patience).values);
+        ours(&name, &|| walls.by_cache(&world, (spp, rays, error), 0, &NeverStops).values);
     }
     for spp in [64, 256] {
         let request = Request { spp, seed: 0, part: Part::Total };
-        ours(&format!("path tracing, {spp} paths"), &|| by_paths(&world, walls.sensors(), &request, &Patience).values);
+        ours(&format!("path tracing, {spp} paths"), &|| {
+            by_paths(&world, walls.sensors(), &request, &NeverStops).values
+        });
     }
     match Radiance::find() {
         Ok(radiance) => {

@@ -18,7 +18,7 @@ const SETTINGS: [&str; 4] = ["-ab", "6", "-ad", "1024"];
 /// stand for much of the lamp, which are most of its error then, it is at its best.
 pub(crate) const ACCURACIES: [&[&str]; 4] =
     [&["-aa", ".5623"], &["-aa", ".3"], &["-aa", ".3", "-ds", ".05", "-dt", "0", "-dc", "1"], &["-aa", ".1"]];
-/// How far sensors are before their walls, in metres: Radiance must not take the wall for an obstacle.
+/// How far sensors are before their walls, in metres: Radiance must not take the wall for an occluder.
 const CLEARANCE: f32 = 1e-5;
 
 /// Where Radiance's programs and its library are.

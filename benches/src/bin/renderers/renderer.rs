@@ -63,7 +63,7 @@ impl Renderer for Halfdome<'_> {
 
     fn render(&mut self, spp: u32, seed: u32) -> Result<Rendering, String> {
         let settings = Settings { spp, seed: seed.into(), ..self.settings.clone() };
-        let render = self.pool.install(|| driver::render(self.world, &settings, &Patience));
+        let render = self.pool.install(|| driver::render(self.world, &settings, &NeverStops));
         let seconds = render.elapsed.as_secs_f64();
         Ok(Rendering { pixels: pixels(&render.picture), seconds, rays: Some(render.rays) })
     }
@@ -84,9 +84,9 @@ pub(crate) fn settings(side: u32, sure_bounces: u32, sampler: Pattern) -> Settin
 }
 
 /// Lets every render run to its end.
-struct Patience;
+struct NeverStops;
 
-impl Watch for Patience {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
     fn stop(&self) -> bool {
         false

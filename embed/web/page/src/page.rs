@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use halfdome::cache::Cache;
-use halfdome::driver::{self, Share, Step, Watch};
+use halfdome::driver::{self, Step, TileWorker, Watch};
 use halfdome::output::ToneMapping;
 use halfdome::overlay::visible_records;
 use halfdome::scene::{self, Overrides};
 use halfdome::settings::Integrator;
 use halfdome::world::World;
-use halfdome::{Threads, scene::Scene};
+use halfdome::{RayonExecutor, scene::Scene};
 use halfdome_kernel::Quality;
 
 use crate::files::Dropped;
@@ -25,7 +25,7 @@ pub(crate) struct Page {
     files: Dropped,
     world: Option<World>,
     cache: Option<Cache>,
-    share: Option<Share>,
+    worker: Option<TileWorker>,
 }
 
 /// What a function answers: bytes, or a message.
@@ -62,7 +62,7 @@ impl Page {
     fn build(&mut self, scene: Scene, warnings: Vec<String>) -> Result<Summary, String> {
         let triangles = scene.triangle_count();
         let (lower, upper) = scene.bounds().unwrap_or_default();
-        let world = World::build(scene, &Quality::Medium.into(), &Threads::UNWATCHED);
+        let world = World::build(scene, &Quality::Medium.into(), &RayonExecutor::UNWATCHED);
         let world = world.map_err(|error| error.to_string())?;
         let camera = world.camera().into();
         *self = Self { world: Some(world), ..Self::default() };
@@ -76,7 +76,7 @@ impl Page {
             return Err(format!("the integrator `{}` has no cache", settings.integrator.name()));
         };
         let world = self.world.as_mut().ok_or("no scene is open")?;
-        world.look_from(camera);
+        world.set_camera(camera);
         let cache = self.cache.take().filter(|cache| cache.scene_hash() == world.surroundings_hash());
         let cache = cache.unwrap_or_else(|| Cache::new(options, world.surroundings_hash()));
         let cache = driver::fill_cache(world, &settings, cache, &Progress);
@@ -100,15 +100,15 @@ impl Page {
             return Err("the picture is for no worker".to_owned());
         }
         let world = self.world.as_mut().ok_or("no scene is open")?;
-        world.look_from(camera);
-        self.share = Some(Share::new(world, &settings, self.cache.take(), number, count));
+        world.set_camera(camera);
+        self.worker = Some(TileWorker::new(world, &settings, self.cache.take(), number, count));
         Ok(Vec::new())
     }
 
     /// Renders a tile a little further, and writes what the page shows of it; false if all is done.
     pub(crate) fn step(&mut self, output: &mut Vec<u8>) -> bool {
-        let Self { world: Some(world), share: Some(share), .. } = self else { return false };
-        let Some(Step { x, y, radiance, samples, rays }) = share.step(world) else { return false };
+        let Self { world: Some(world), worker: Some(worker), .. } = self else { return false };
+        let Some(Step { x, y, radiance, samples, rays }) = worker.step(world) else { return false };
         let numbers = [x.start, y.start, x.end - x.start, y.end - y.start, samples as u32, rays as u32];
         let tone = ToneMapping::default();
         output.clear();

@@ -36,7 +36,7 @@ fn a_cache_tells_what_gathers_do() {
     let gathered = |seed: u64| -> Vec<f32> {
         let irradiance = |(key, texel): (usize, &Texel)| {
             let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-            let uncached = Uncached::new(&world, &many, integrator::Source::paths(&many), seed);
+            let uncached = Uncached::new(&world, &many, integrator::GatherSource::paths(&many), seed);
             uncached.irradiance(&[GatherPoint { key: key as u64, surface }]).0[0].x
         };
         some.par_iter().enumerate().map(irradiance).collect()

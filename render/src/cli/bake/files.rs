@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::super::CliError;
 use super::super::progress::{Style, print_line};
-use super::{invalid, say};
+use super::{invalid, print_text};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
 use crate::bake::manifest::{Hash, Hashes, Manifest, Output, Unit};
@@ -226,8 +226,9 @@ impl Files {
             let chart = |&owner: &u32| (owner != NO_CHART).then_some(owner);
             let density =
                 |&owner: &u32| chart(&owner).map_or(f32::NAN, |owner| bake.atlas.charts[owner as usize].density());
-            let known =
-                |(&error, &source): (&f32, &bake::Source)| if source == bake::Source::Light { error } else { f32::NAN };
+            let known = |(&error, &source): (&f32, &bake::TexelSource)| {
+                if source == bake::TexelSource::Light { error } else { f32::NAN }
+            };
             ReportPage {
                 name: self.page(page, "exr"),
                 width: size.width,
@@ -280,8 +281,8 @@ impl Files {
                 let pages = count(bake.maps.len(), "page", "pages");
                 let texels = format!("{pages}, {} texels, {} gathers ({share:.1}%)", s.texels, s.gathers);
                 let covered = format!("{} texels moved out of bodies, {} covered as a whole", s.moved, s.covered);
-                say(style, &format!("{texels}, {} rays\n{covered}", s.rays));
-                written.iter().for_each(|path| say(style, &format!("wrote {}", path.display())));
+                print_text(style, &format!("{texels}, {} rays\n{covered}", s.rays));
+                written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
             }
         }
     }

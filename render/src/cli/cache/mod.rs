@@ -10,7 +10,7 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::args::{CommonArguments, OverrideArguments};
-use super::errand::{Errand, Outcome};
+use super::job::{Job, Outcome};
 use super::progress::{Mode, Progress};
 use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
 use crate::cache::{Cache, named};
@@ -138,7 +138,7 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
     interrupt::catch()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let errand = Errand::start(
+    let job = Job::start(
         style,
         format!("{}: {}x{}", arguments.scene.display(), settings.width, settings.height),
         json!({
@@ -163,7 +163,7 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
         file.write(&frozen.cache.encode()).map_err(CliError::system)?;
     }
     let file = file_written.then_some(arguments.output.as_path());
-    errand.end(Outcome { finished, rays, cache: Some(usage), note: &note, file });
+    job.end(Outcome { finished, rays, cache: Some(usage), note: &note, file });
     Ok(if finished { EXIT_DONE } else { EXIT_INTERRUPTED })
 }
 

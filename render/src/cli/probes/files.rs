@@ -9,7 +9,7 @@ use super::super::CliError;
 use super::super::bake::invalid;
 use crate::film::{Channel, Metadata, Picture};
 use crate::output::{OutputFile, Shape, Texture, encode_exr, encode_ktx2_texture};
-use crate::probes::{Grid, Options, Probe, Probes, harmonics, volume};
+use crate::probes::{Options, Probe, ProbeGrid, Probes, harmonics, volume};
 use crate::scene::count;
 
 /// The version of the JSON's form; it changes when old readers would misunderstand it.
@@ -100,7 +100,7 @@ impl Files {
     pub(super) fn write(
         &self,
         found: &Probes,
-        grid: Option<&Grid>,
+        grid: Option<&ProbeGrid>,
         options: &Options,
     ) -> Result<Vec<String>, CliError> {
         let mut warnings = Vec::new();
@@ -135,14 +135,14 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     OutputFile::check(path).and_then(|file| file.write(bytes)).map_err(CliError::system)
 }
 
-fn document(found: &Probes, grid: Option<&Grid>, options: &Options) -> String {
+fn document(found: &Probes, grid: Option<&ProbeGrid>, options: &Options) -> String {
     let entry = |probe: &Probe| ProbeEntry {
         position: probe.position,
         state: probe.state.name(),
         backs: probe.backs,
         sh: probe.light.harmonics,
     };
-    let grid = grid.map(|&Grid { min, max, count }| GridEntry {
+    let grid = grid.map(|&ProbeGrid { min, max, count }| GridEntry {
         count,
         min,
         max,
@@ -163,7 +163,7 @@ fn document(found: &Probes, grid: Option<&Grid>, options: &Options) -> String {
 }
 
 /// A texel for each probe: of a grid as wide as it is along x, its slices below each other; of a list a single column.
-fn picture(found: &Probes, grid: Option<&Grid>, options: &Options) -> Picture {
+fn picture(found: &Probes, grid: Option<&ProbeGrid>, options: &Options) -> Picture {
     let number = found.probes.len() as u32;
     let width = grid.map_or(1, |grid| grid.count[0]);
     let channel = |name: String, value: &dyn Fn(&Probe) -> f32| Channel {

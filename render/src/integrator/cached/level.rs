@@ -6,78 +6,78 @@ use halfdome_kernel::{Hit, Ray};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::known::{Known, Unknown};
-use super::{Frozen, Misses, indirect, known, max_depth};
+use super::irradiance_map::{IrradianceMap, UnmappedHits};
+use super::{FrozenCache, Misses, indirect, irradiance_map, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
 use crate::driver::Watch;
 use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
-use crate::integrator::{CameraRays, Wavefront};
+use crate::integrator::{RayBatch, Wavefront};
 use crate::settings::CachedOptions;
 use crate::world::World;
 
 /// Where light beyond the first surface comes from.
 #[derive(Clone, Copy)]
-pub(crate) enum Source<'a> {
+pub(crate) enum GatherSource<'a> {
     /// Paths, of at most this many surfaces or as many as chance lets them have.
     Paths(Option<u32>),
     /// A cache of light with one reflection less.
-    Cache(&'a Frozen),
+    Cache(&'a FrozenCache),
     /// Somebody who knows all light on surfaces.
-    Known(&'a dyn Known),
+    Map(&'a dyn IrradianceMap),
 }
 
 /// A cache that is being filled.
 pub(super) struct Level<'a> {
     pub(crate) world: &'a World,
     pub(crate) options: &'a CachedOptions,
-    pub(crate) source: Source<'a>,
+    pub(crate) source: GatherSource<'a>,
     pub(crate) gatherer: Gatherer,
     pub(crate) watch: &'a dyn Watch,
-    pub(crate) journal: &'a dyn Journal,
+    pub(crate) log: &'a dyn RecordLog,
 }
 
 /// Keeps records that are made while a cache is filled, so that work which was interrupted can go on. As where records go
 /// follows from the records before, a cache that is filled again, with known records instead of gathers, is the same.
-pub(crate) trait Journal: Sync {
+pub(crate) trait RecordLog: Sync {
     /// The record with this key, if it was made before.
-    fn known(&self, key: u64) -> Option<Record>;
+    fn get(&self, key: u64) -> Option<Record>;
     /// Takes note of a new record. Called from all threads.
-    fn note(&self, record: &Record);
+    fn put(&self, record: &Record);
 }
 
 /// Knows nothing, and keeps nothing.
-pub(super) struct Forgetful;
+pub(super) struct NoLog;
 
-impl Journal for Forgetful {
-    fn known(&self, _: u64) -> Option<Record> {
+impl RecordLog for NoLog {
+    fn get(&self, _: u64) -> Option<Record> {
         None
     }
 
-    fn note(&self, _: &Record) {}
+    fn put(&self, _: &Record) {}
 }
 
 /// Gathers for points that have no cache.
 pub(crate) struct Uncached<'a> {
     world: &'a World,
     gatherer: Gatherer,
-    source: Source<'a>,
+    source: GatherSource<'a>,
 }
 
 impl<'a> Uncached<'a> {
     /// Gathers as records of a cache with these options are made.
-    pub(crate) fn new(world: &'a World, options: &CachedOptions, source: Source<'a>, seed: u64) -> Self {
+    pub(crate) fn new(world: &'a World, options: &CachedOptions, source: GatherSource<'a>, seed: u64) -> Self {
         Self { world, gatherer: Gatherer::new(options.layout, options.rays, false, seed), source }
     }
 
     /// Irradiance at points, in their order, and the number of rays.
     pub(crate) fn irradiance(&self, points: &[GatherPoint]) -> (Vec<Vec3>, u64) {
-        let mut follower = Follower { world: self.world, source: self.source, memory: Default::default() };
+        let mut follower = Follower { world: self.world, source: self.source, scratch: Default::default() };
         let (found, rays) = self.gatherer.gather(self.world, points, &mut follower);
         (found.into_iter().map(|found| found.gather.irradiance).collect(), rays)
     }
 }
 
-impl Source<'_> {
+impl GatherSource<'_> {
     /// The paths that a cache with these options is made with: they meet the surface that a gather sees, and the light.
     pub(crate) fn paths(options: &CachedOptions) -> Self {
         Self::Paths(max_depth(options))
@@ -86,7 +86,7 @@ impl Source<'_> {
 
 /// A point that may get a record.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate<'w> {
+pub(super) struct RecordSite<'w> {
     pub(crate) point: GatherPoint<'w>,
     pub(crate) place: Place,
     pub(crate) bounds: Bounds,
@@ -101,26 +101,25 @@ const SURROUNDINGS: f32 = 16.0;
 const GATHERS: usize = 2;
 
 impl Level<'_> {
-    /// Adds records to `cache` until each candidate is covered, or the watcher says stop; gives the rays traced.
-    pub(crate) fn fill(&self, cache: &mut Cache, candidates: &[Candidate], passes: &[Pass]) -> u64 {
-        let places: Vec<Place> = candidates.iter().map(|candidate| candidate.place).collect();
+    /// Adds records to `cache` until each site is covered, or the watcher says stop; gives the rays traced.
+    pub(crate) fn fill(&self, cache: &mut Cache, sites: &[RecordSite], passes: &[Pass]) -> u64 {
+        let places: Vec<Place> = sites.iter().map(|site| site.place).collect();
         let mut traced = 0;
         cache.fill(&places, passes, |picks, covered| {
             self.watch.covered(covered as u64);
-            let mut records: Vec<Option<Record>> =
-                picks.iter().map(|&i| self.journal.known(candidates[i].point.key)).collect();
+            let mut records: Vec<Option<Record>> = picks.iter().map(|&i| self.log.get(sites[i].point.key)).collect();
             let new: Vec<(usize, usize)> =
                 (0..).zip(picks).filter(|&(place, _)| records[place].is_none()).map(|(place, &i)| (place, i)).collect();
             let gathers = new.par_chunks(GATHERS).map(|new| {
                 if self.watch.stop() {
                     return None;
                 }
-                let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| candidates[i].point).collect();
-                let mut follower = Follower { world: self.world, source: self.source, memory: Default::default() };
+                let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| sites[i].point).collect();
+                let mut follower = Follower { world: self.world, source: self.source, scratch: Default::default() };
                 let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
                 let records: Vec<Record> =
-                    new.iter().zip(found).map(|(&(_, i), found)| self.record(&candidates[i], &found)).collect();
-                records.iter().for_each(|record| self.journal.note(record));
+                    new.iter().zip(found).map(|(&(_, i), found)| self.record(&sites[i], &found)).collect();
+                records.iter().for_each(|record| self.log.put(record));
                 self.watch.advance(0, rays);
                 self.watch.gathered(records.len() as u64);
                 Some((records, rays))
@@ -145,33 +144,33 @@ impl Level<'_> {
     }
 
     /// The record of what a gather found.
-    fn record(&self, candidate: &Candidate, found: &Gathered) -> Record {
-        let Gathered { gather, hessian, horizon } = found;
-        let surface = &candidate.point.surface;
+    fn record(&self, site: &RecordSite, found: &Gathered) -> Record {
+        let Gathered { gather, hessian, occluders } = found;
+        let surface = &site.point.surface;
         // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
-        let mean_distance = gather.harmonic_mean_distance.min(horizon.clearance).min(self.world.diagonal());
-        // Rays meet surfaces, but not where these are nearest; the planes of obstacles do.
-        let obstacles = horizon.obstacles();
-        let min_distance = obstacles.into_iter().fold(gather.minimum_distance.min(mean_distance), f32::min);
+        let mean_distance = gather.harmonic_mean_distance.min(occluders.clearance).min(self.world.diagonal());
+        // Rays meet surfaces, but not where these are nearest; the planes of occluders do.
+        let occluders = occluders.occluders();
+        let min_distance = occluders.into_iter().fold(gather.minimum_distance.min(mean_distance), f32::min);
         let mut record = Record {
-            key: candidate.point.key,
+            key: site.point.key,
             position: surface.position,
             normal: surface.shading_normal,
             irradiance: gather.irradiance,
-            deviation: gather.deviation,
+            standard_error: gather.deviation,
             rotational: gather.rotational,
             translational: gather.translational,
             mean_distance,
             min_distance,
             radii: [self.options.error * mean_distance; 2],
             axis: surface.frame().tangent,
-            obstacles,
+            occluders,
         };
         if let Some(hessian) = hessian {
             let ellipse = hessian.radii(self.area_error(mean_distance)).to_world(&surface.frame());
             (record.axis, record.radii) = (ellipse.axes[0], ellipse.radii);
         }
-        bound(&mut record, self.options, candidate.bounds);
+        bound(&mut record, self.options, site.bounds);
         record
     }
 }
@@ -179,18 +178,18 @@ impl Level<'_> {
 /// Follows a gather's rays.
 struct Follower<'a> {
     world: &'a World,
-    source: Source<'a>,
-    memory: (Wavefront, Misses, Unknown),
+    source: GatherSource<'a>,
+    scratch: (Wavefront, Misses, UnmappedHits),
 }
 
 impl Follow for Follower<'_> {
     fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
-        let camera = CameraRays { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
-        let (wave, misses, unknown) = &mut self.memory;
+        let batch = RayBatch { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
+        let (wave, misses, unmapped) = &mut self.scratch;
         match self.source {
-            Source::Paths(max_depth) => indirect(self.world, max_depth, &camera, wave, radiance),
-            Source::Cache(frozen) => super::radiance(self.world, frozen, &camera, wave, misses, radiance),
-            Source::Known(known) => known::radiance(self.world, known, &camera, wave, unknown, radiance),
+            GatherSource::Paths(max_depth) => indirect(self.world, max_depth, &batch, wave, radiance),
+            GatherSource::Cache(frozen) => super::radiance(self.world, frozen, &batch, wave, misses, radiance),
+            GatherSource::Map(map) => irradiance_map::radiance(self.world, map, &batch, wave, unmapped, radiance),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
-//! Lamps are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
+//! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
 //! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
 
 use std::f32::consts::PI;
@@ -9,13 +9,13 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
-use super::super::connections::Connections;
 use super::super::emission::emission;
+use super::super::shadow_queue::ShadowQueue;
 use super::super::state::Path;
-use super::super::wavefront::{Arrival, OneByOne, SETS_PER_SURFACE, Step};
-use super::super::{CameraRays, Wavefront};
-use super::{Frozen, indirect};
-use crate::estimator::{connect_lamp, scattered_weight};
+use super::super::wavefront::{PathVertex, SETS_PER_SURFACE, ScalarSteps, VertexStep};
+use super::super::{RayBatch, Wavefront};
+use super::{FrozenCache, indirect};
+use crate::estimator::{sample_direct_without_sky, scattered_weight};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -36,24 +36,24 @@ pub(crate) struct Misses {
 /// Writes the radiance along each ray, and puts points without records into `misses`; gives the number of further rays.
 pub(super) fn radiance(
     world: &World,
-    frozen: &Frozen,
-    camera: &CameraRays,
+    frozen: &FrozenCache,
+    batch: &RayBatch,
     wave: &mut Wavefront,
     misses: &mut Misses,
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
-    wave.follow(world, camera, &mut OneByOne { world, step: Lookup { world, frozen, camera, misses } }, radiance)
+    wave.follow(world, batch, &mut ScalarSteps { world, step: Lookup { world, frozen, batch, misses } }, radiance)
 }
 
 struct Lookup<'a> {
     world: &'a World,
-    frozen: &'a Frozen,
-    camera: &'a CameraRays<'a>,
+    frozen: &'a FrozenCache,
+    batch: &'a RayBatch<'a>,
     misses: &'a mut Misses,
 }
 
-impl Step for Lookup<'_> {
+impl VertexStep for Lookup<'_> {
     fn max_depth(&self) -> u32 {
         MAX_SURFACES
     }
@@ -61,11 +61,11 @@ impl Step for Lookup<'_> {
     fn step(
         &mut self,
         path: Path,
-        arrival: &Arrival,
-        connections: &mut Connections,
+        vertex: &PathVertex,
+        shadow_queue: &mut ShadowQueue,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
-        let (world, Arrival { ray, hit, numbers, .. }, Path { index, throughput, .. }) = (self.world, arrival, path);
+        let (world, PathVertex { ray, hit, numbers, .. }, Path { index, throughput, .. }) = (self.world, vertex, path);
         if !hit.is_hit() {
             // The sky that a gather sees is its own affair.
             if path.density == f32::INFINITY {
@@ -84,8 +84,8 @@ impl Step for Lookup<'_> {
         let albedo = surface.diffuse;
         let lights = world.lights.techniques_at(surface.position);
         if albedo != Vec3::ZERO {
-            if let Some(connection) = connect_lamp(world, &surface, lights, numbers.light()) {
-                connections.push(index, throughput, connection);
+            if let Some(shadow_ray) = sample_direct_without_sky(world, &surface, lights, numbers.light()) {
+                shadow_queue.push(index, throughput, shadow_ray);
             }
             match self.frozen.irradiance(&surface) {
                 Some(irradiance) => *radiance += throughput * albedo * irradiance * (1.0 / PI),
@@ -93,12 +93,12 @@ impl Step for Lookup<'_> {
                     let direction = surface.frame().to_world(numbers.cosine);
                     if surface.normal.dot(direction) > 0.0 {
                         let ray = Ray::new(surface.origin_towards(direction), direction);
-                        self.misses.push(index, throughput * albedo, ray, self.camera.samplers[index as usize]);
+                        self.misses.push(index, throughput * albedo, ray, self.batch.samplers[index as usize]);
                     }
                 }
             }
         }
-        let bounce = surface.sample_with(ray.direction, numbers.onwards, numbers.cosine)?;
+        let bounce = surface.sample_with(ray.direction, numbers.u_direction, numbers.cosine)?;
         if bounce.density < f32::INFINITY && lights == LightSampling::Direct {
             return None;
         }
@@ -108,7 +108,7 @@ impl Step for Lookup<'_> {
 }
 
 impl Lookup<'_> {
-    /// What a surface emits along a ray that was scattered near the lamps.
+    /// What a surface emits along a ray that was scattered near area lights.
     #[inline(always)]
     fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, hit: &Hit) -> Vec3 {
         let normal = self.world.normal_towards(path.from, ray.direction);
@@ -121,7 +121,7 @@ impl Misses {
     pub(super) fn follow(
         &mut self,
         world: &World,
-        camera: &CameraRays,
+        batch: &RayBatch,
         max_depth: Option<u32>,
         wave: &mut Wavefront,
         radiance: &mut [Vec3],
@@ -133,8 +133,8 @@ impl Misses {
         self.radiance.resize(self.rays.len(), Vec3::ZERO);
         world.intersect_many(&self.rays, &mut self.hits);
         // Behind the sets of all surfaces before.
-        let first_set = camera.first_set + MAX_SURFACES * SETS_PER_SURFACE;
-        let rays = CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };
+        let first_set = batch.first_set + MAX_SURFACES * SETS_PER_SURFACE;
+        let rays = RayBatch { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };
         let further = indirect(world, max_depth, &rays, wave, &mut self.radiance);
         for (&(index, throughput), found) in self.seen.iter().zip(&self.radiance) {
             radiance[index as usize] += throughput * *found;

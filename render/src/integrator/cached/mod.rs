@@ -1,4 +1,4 @@
-//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: an *overture* fills the cache, and
+//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: a *prefill* fills the cache, and
 //! then it is frozen and the picture taken from it,
 //!
 //! `L = L_e + ρ/π (E_direct + E_indirect)`,
@@ -9,34 +9,34 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
-mod candidates;
-mod known;
+mod irradiance_map;
 mod level;
 mod lookup;
-mod overture;
+mod prefill;
+mod sites;
 mod spacing;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::Vec3;
 
-use super::{CameraRays, Wavefront, path};
+use super::{RayBatch, Wavefront, path};
 use crate::cache::Cache;
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-pub(crate) use known::Known;
-use level::{Forgetful, Level};
-pub(crate) use level::{Journal, Source, Uncached};
+pub(crate) use irradiance_map::IrradianceMap;
+pub(crate) use level::{GatherSource, RecordLog, Uncached};
+use level::{Level, NoLog};
 pub(crate) use lookup::Misses;
-pub(crate) use overture::{fill_for_camera, fill_for_surfaces, fill_for_texels};
+pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
 
 /// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
 const SURE_DEPTH: u32 = 1;
 
 /// A cache that grows no more, and what happened while it was read.
 #[derive(Debug)]
-pub(crate) struct Frozen {
+pub(crate) struct FrozenCache {
     pub(crate) cache: Cache,
     misses: AtomicU64,
     negative: AtomicU64,
@@ -53,7 +53,7 @@ pub struct CacheUse {
     pub negative: u64,
 }
 
-impl Frozen {
+impl FrozenCache {
     /// The frozen cache, not read yet.
     pub(crate) fn new(cache: Cache) -> Self {
         Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
@@ -83,12 +83,12 @@ impl Frozen {
     }
 }
 
-/// Writes what surfaces reflect along each ray, and the sky without its glare, found by paths of at most `max_depth` surfaces: all that is
+/// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth` surfaces: all that is
 /// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
 pub(crate) fn indirect(
     world: &World,
     max_depth: Option<u32>,
-    rays: &CameraRays,
+    rays: &RayBatch,
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
@@ -107,14 +107,14 @@ pub(crate) fn indirect(
 /// Writes the radiance along each camera ray; gives the number of further rays.
 pub(super) fn radiance(
     world: &World,
-    frozen: &Frozen,
-    camera: &CameraRays,
+    frozen: &FrozenCache,
+    batch: &RayBatch,
     wave: &mut Wavefront,
     misses: &mut Misses,
     radiance: &mut [Vec3],
 ) -> u64 {
-    let traced = lookup::radiance(world, frozen, camera, wave, misses, radiance);
-    traced + misses.follow(world, camera, max_depth(frozen.cache.options()), wave, radiance)
+    let traced = lookup::radiance(world, frozen, batch, wave, misses, radiance);
+    traced + misses.follow(world, batch, max_depth(frozen.cache.options()), wave, radiance)
 }
 
 /// The most surfaces on a path in place of a record: it is reflected as often as light on its way to one, and then meets its

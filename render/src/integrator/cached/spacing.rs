@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::cache::sort_along_curve;
+use crate::cache::sort_by_morton_code;
 
 /// Points before and after one in their order that are looked at.
 const WINDOW: usize = 8;
@@ -17,7 +17,7 @@ pub(super) fn spacings(points: &[(Vec3, Vec3)], number: usize) -> Vec<f32> {
     let mut spacings = vec![f32::INFINITY; points.len()];
     for facing in 0..6 {
         let mut order: Vec<usize> = (0..points.len()).filter(|&i| side(points[i].1) == facing).collect();
-        sort_along_curve(&mut order, |&i| points[i].0, |&i| i);
+        sort_by_morton_code(&mut order, |&i| points[i].0, |&i| i);
         for (place, &i) in order.iter().enumerate() {
             let around = place.saturating_sub(WINDOW)..(place + WINDOW + 1).min(order.len());
             let distances = order[around].iter().map(|&j| points[i].0.distance(points[j].0));

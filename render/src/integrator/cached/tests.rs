@@ -35,10 +35,10 @@ fn paths_in_place_of_records_are_as_long() {
     let mut hits = vec![Hit::MISS; rays.len()];
     world.intersect_many(&rays, &mut hits);
     let camera =
-        CameraRays { rays: &rays, hits: &hits, samplers: &samplers, first_set: FIRST_SET, density: f32::INFINITY };
+        RayBatch { rays: &rays, hits: &hits, samplers: &samplers, first_set: FIRST_SET, density: f32::INFINITY };
     for (bounces, expected) in [(Some(1), 1.75), (Some(2), 1.875), (Some(3), 1.9375), (None, 2.0)] {
         let cache = Cache::new(CachedOptions { bounces, ..CachedOptions::default() }, world.surroundings_hash());
-        let frozen = Frozen::new(cache);
+        let frozen = FrozenCache::new(cache);
         let mut found = vec![Vec3::ZERO; rays.len()];
         radiance(&world, &frozen, &camera, &mut Wavefront::default(), &mut Misses::default(), &mut found);
         assert_eq!(frozen.usage().misses, u64::from(COUNT));
@@ -48,16 +48,16 @@ fn paths_in_place_of_records_are_as_long() {
 }
 
 /// Nobody watches.
-struct Patience;
+struct NeverStops;
 
-impl Watch for Patience {
+impl Watch for NeverStops {
     fn advance(&self, _: u64, _: u64) {}
     fn stop(&self) -> bool {
         false
     }
 }
 
-/// Whatever the error, records reach most of what is beside a candidate: paths are for what is left.
+/// Whatever the error, records reach most of what is beside a site: paths are for what is left.
 #[test]
 fn few_points_have_no_record() {
     let world = World::new(cornell_box()).unwrap();
@@ -66,7 +66,7 @@ fn few_points_have_no_record() {
     for error in [0.6, 0.2, 0.1] {
         let options = CachedOptions { error, rays: 48, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
-        let (frozen, _) = fill_for_camera(&world, &settings, cache, &Patience);
+        let (frozen, _) = fill_for_camera(&world, &settings, cache, &NeverStops);
         let rays = (0..1 << 15).map(|i| {
             let place = Sampler::new(Pattern::Sobol, 2, 0, i).uniform2(0) * 128.0;
             camera.ray(place.x, place.y)

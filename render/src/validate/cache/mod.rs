@@ -10,7 +10,7 @@ mod walls;
 use super::plot::Figure;
 use super::room::furnished_room;
 use super::scenes::world;
-use super::{Experiment, Family, Interrupted, Lab, Outcome};
+use super::{Experiment, Family, Interrupted, Outcome, Runner};
 use crate::cache::Reading;
 use crate::scene::{Scene, cornell_box};
 use crate::settings::{CachedOptions, Gradients, Metric};
@@ -52,27 +52,28 @@ pub(super) const FAMILY: Family = Family {
 /// each.
 const RECORDS: f64 = 1700.0;
 
-/// A study of a scene with the lab's random numbers. A quick one looks at as many surfaces, as few of them decide: one in a
+/// A study of a scene with the runner's random numbers. A quick one looks at as many surfaces, as few of them decide: one in a
 /// corner can be half of all.
-fn study<'a>(lab: &Lab<'a>, world: &'a World, seed: u64) -> Result<Study<'a>, Interrupted> {
-    let study = Study::new(world, Places::Candidates, 32, lab.share(8192).max(2048), seed, lab.watch());
-    if lab.watch().stop() { Err(Interrupted) } else { Ok(study) }
+fn study<'a>(runner: &Runner<'a>, world: &'a World, seed: u64) -> Result<Study<'a>, Interrupted> {
+    let study = Study::new(world, Places::Candidates, 32, runner.share(8192).max(2048), seed, runner.watch());
+    if runner.watch().stop() { Err(Interrupted) } else { Ok(study) }
 }
 
 /// The curves of a scene, and their figure.
-fn curves(lab: &Lab, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
+fn curves(runner: &Runner, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
     let world = world(scene);
-    let study = study(lab, &world, lab.seed())?;
-    let errors: &[f32] = if lab.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
+    let study = study(runner, &world, runner.seed())?;
+    let errors: &[f32] = if runner.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
     let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
-    let curves = Curves::measure(&study, &plan, |_, _, _| (!lab.watch().stop()).then_some(0.0)).ok_or(Interrupted)?;
+    let curves =
+        Curves::measure(&study, &plan, |_, _, _| (!runner.watch().stop()).then_some(0.0)).ok_or(Interrupted)?;
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     let figure = curves.figure(name, &format!("{title}: indirect light ({reference})"), Cost::Rays);
     Ok((curves, figure))
 }
 
-fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
-    let (curves, figure) = curves(lab, "cache-cornell", "Cornell box", cornell_box())?;
+fn gradients(runner: &Runner) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(runner, "cache-cornell", "Cornell box", cornell_box())?;
     // The least error without gradients is one that coarser caches have with them.
     let without = finest(curves.of(NO_GRADIENTS)).ok_or(Interrupted)?;
     let measured = records_for(curves.of(GRADIENTS), without.error.of_all) / without.records as f64;
@@ -80,8 +81,8 @@ fn gradients(lab: &Lab) -> Result<Outcome, Interrupted> {
     Ok(Outcome { quantity, measured, expected: 0.0, tolerance: 0.5, figure: Some(figure) })
 }
 
-fn paths(lab: &Lab) -> Result<Outcome, Interrupted> {
-    let (curves, figure) = curves(lab, "cache-room", "Furnished room", furnished_room())?;
+fn paths(runner: &Runner) -> Result<Outcome, Interrupted> {
+    let (curves, figure) = curves(runner, "cache-room", "Furnished room", furnished_room())?;
     let finest = finest(curves.of(HESSIAN)).ok_or(Interrupted)?;
     let measured = finest.rays / rays_for(curves.by_paths(), finest.error.of_all);
     let quantity = format!("rays for an error of {:.1}%", 100.0 * finest.error.of_all);
@@ -93,17 +94,17 @@ fn finest(runs: &[Run]) -> Option<&Run> {
     runs.iter().min_by(|a, b| a.error.of_all.total_cmp(&b.error.of_all))
 }
 
-fn hessian(lab: &Lab) -> Result<Outcome, Interrupted> {
+fn hessian(runner: &Runner) -> Result<Outcome, Interrupted> {
     let world = world(cornell_box());
     let mut squares = [0.0; 2];
-    for seed in [lab.seed(), !lab.seed()] {
-        let study = study(lab, &world, seed)?;
+    for seed in [runner.seed(), !runner.seed()] {
+        let study = study(runner, &world, seed)?;
         let error = |metric, reading, errors: [f32; 2]| {
             let runs = errors.map(|error| {
                 let options = CachedOptions { metric, error, rays: 4096, ..CachedOptions::default() };
                 study.cache(options, &[reading])[0]
             });
-            if lab.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
+            if runner.watch().stop() { Err(Interrupted) } else { Ok(error_of(&runs, RECORDS)) }
         };
         squares[0] += error(Metric::Bounded, Reading::Alone(Gradients::Both), [0.34, 0.28])?.powi(2);
         squares[1] += error(Metric::Hessian, Reading::Together, [0.41, 0.36])?.powi(2);

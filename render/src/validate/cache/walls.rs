@@ -9,7 +9,7 @@ use crate::irradiance::{Irradiance, Part, Request, Sensor, by_cache};
 use crate::scene::{Mesh, cornell_box};
 use crate::settings::CachedOptions;
 use crate::validate::scenes::world as prepared;
-use crate::validate::{Interrupted, Lab, Outcome, worst};
+use crate::validate::{Interrupted, Outcome, Runner, worst};
 use crate::world::World;
 
 /// The sensors, wall by wall, and what some of them read by path tracing.
@@ -85,11 +85,11 @@ fn sensor(wall: &Mesh, i: u32) -> Sensor {
     Sensor { position: a + u * along + v * across, normal: along.cross(across).normalize() }
 }
 
-pub(super) fn experiment(lab: &Lab) -> Result<Outcome, Interrupted> {
+pub(super) fn experiment(runner: &Runner) -> Result<Outcome, Interrupted> {
     let world = prepared(cornell_box());
-    let walls = Walls::new(&world, lab.share(65_536), !lab.seed(), lab.watch());
-    let found = walls.by_cache(&world, SETTINGS, lab.seed(), lab.watch());
-    if lab.watch().stop() {
+    let walls = Walls::new(&world, runner.share(65_536), !runner.seed(), runner.watch());
+    let found = walls.by_cache(&world, SETTINGS, runner.seed(), runner.watch());
+    if runner.watch().stop() {
         return Err(Interrupted);
     }
     let errors = walls.errors(&found.values);

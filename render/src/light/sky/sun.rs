@@ -1,4 +1,4 @@
-//! What of a picture gathers would find too seldom: the sun, above all.
+//! Sun extraction: the part of a sky's picture that gathers would find too seldom.
 
 use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::sampling::{AliasEntry, AliasTable};
@@ -6,13 +6,13 @@ use halfdome_kernel::sampling::{AliasEntry, AliasTable};
 use super::{brightness, direction_in};
 use crate::scene::SkyPicture;
 
-/// A texel may be so many times as bright as the mean before it glares. A clear sky without its sun is below that.
+/// A texel may be so many times as bright as the mean before it counts as a part of the sun. A clear sky without its sun is below that.
 const LIMIT: f64 = 8.0;
 
-/// The texels of a picture that glare.
+/// The sun: the texels of a picture that are far brighter than the mean, as far as they are.
 #[derive(Debug)]
-pub(super) struct Glare {
-    /// The brightness beyond which it is glare.
+pub(super) struct SunTexels {
+    /// The brightness beyond which it is the sun's.
     limit: f64,
     /// Their numbers, in ascending order.
     texels: Vec<u32>,
@@ -21,8 +21,8 @@ pub(super) struct Glare {
     mean: Vec3,
 }
 
-impl Glare {
-    /// `None` if nothing glares.
+impl SunTexels {
+    /// `None` if no texel is bright enough.
     pub(super) fn of(picture: &SkyPicture) -> Option<Self> {
         let rows = || (0..).zip(picture.texels.chunks_exact(picture.width as usize));
         let mean = |limit: f64| -> f64 {
@@ -49,7 +49,7 @@ impl Glare {
         Some(Self { limit, texels, table, mean: (sum / (4.0 * std::f64::consts::PI)).as_vec3() })
     }
 
-    /// What of a radiance is for gathers, and what is glare.
+    /// What of a radiance is for gathers, and what is the sun's.
     pub(super) fn split(&self, radiance: Vec3) -> (Vec3, Vec3) {
         split(radiance, self.limit)
     }
@@ -59,7 +59,7 @@ impl Glare {
         self.mean
     }
 
-    /// A direction, and the glare's radiance there over the density per solid angle.
+    /// A direction, and the sun's radiance there over the density per solid angle.
     pub(super) fn sample(&self, picture: &SkyPicture, u: Vec2) -> (Vec3, Vec3) {
         let (index, probability, across) = self.table.sample(u.x.into());
         let texel = self.texels[index];
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sky_is_its_glare_and_the_rest() {
+    fn a_sky_is_its_sun_and_the_rest() {
         let suns = [Vec3::new(4000.0, 3000.0, 2000.0), Vec3::splat(400.0)];
         let sky = SkyLight::new(Sky { radiance: Vec3::ZERO, picture: Some(picture(suns)) });
         let whole = picture(suns);
@@ -110,31 +110,31 @@ mod tests {
             }
         }
         assert!((weight / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12);
-        let mean = (sum / weight).as_vec3() + sky.mean_glare();
+        let mean = (sum / weight).as_vec3() + sky.mean_sun();
         assert!((mean / sky.mean() - 1.0).abs().max_element() < 1e-5, "{mean}, not {}", sky.mean());
     }
 
     #[test]
-    fn samples_of_glare_have_its_mean_and_lead_to_suns() {
+    fn samples_of_the_sun_have_its_mean_and_lead_to_it() {
         let suns = [Vec3::splat(2000.0), Vec3::splat(1000.0)];
         let whole = picture(suns);
-        let glare = Glare::of(&whole).unwrap();
-        assert_eq!(glare.texels, [3 * 32 + 20, 9 * 32 + 5]);
+        let sun = SunTexels::of(&whole).unwrap();
+        assert_eq!(sun.texels, [3 * 32 + 20, 9 * 32 + 5]);
         let sky = SkyLight::new(Sky { radiance: Vec3::ZERO, picture: Some(whole) });
         for i in 0..1000 {
-            let (direction, estimate) = sky.sample_glare(Stream::new(7, 0, i).uniform2(0)).unwrap();
+            let (direction, estimate) = sky.sample_sun(Stream::new(7, 0, i).uniform2(0)).unwrap();
             assert!(direction.is_normalized() && sky.radiance(direction).x >= 1000.0, "{direction}");
-            let expected = 4.0 * std::f32::consts::PI * sky.mean_glare();
+            let expected = 4.0 * std::f32::consts::PI * sky.mean_sun();
             assert!((estimate / expected - 1.0).abs().max_element() < 1e-4, "{estimate}, not {expected}");
         }
     }
 
     #[test]
-    fn an_overcast_sky_does_not_glare() {
-        assert!(Glare::of(&picture([Vec3::splat(7.0), Vec3::splat(3.0)])).is_none());
-        assert!(Glare::of(&picture([Vec3::ONE; 2])).is_none());
+    fn an_overcast_sky_has_no_sun() {
+        assert!(SunTexels::of(&picture([Vec3::splat(7.0), Vec3::splat(3.0)])).is_none());
+        assert!(SunTexels::of(&picture([Vec3::ONE; 2])).is_none());
         let sky = SkyLight::new(Sky::constant(Vec3::ONE));
-        assert_eq!((sky.ambient(Vec3::Y), sky.mean_glare()), (Vec3::ONE, Vec3::ZERO));
-        assert!(sky.sample_glare(Vec2::ZERO).is_none());
+        assert_eq!((sky.ambient(Vec3::Y), sky.mean_sun()), (Vec3::ONE, Vec3::ZERO));
+        assert!(sky.sample_sun(Vec2::ZERO).is_none());
     }
 }

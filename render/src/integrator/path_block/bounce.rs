@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Isa, Ray};
 
-use super::Block;
+use super::PathBlock;
 use super::columns::{Integers, LANES, Paths, Rays, keep};
 use crate::integrator::state::Path;
 use crate::scene::Material;
@@ -19,7 +19,7 @@ pub(in crate::integrator) struct Bounces {
     pub goes_on: Integers,
 }
 
-impl Block {
+impl PathBlock {
     /// Scattered light.
     #[inline(always)]
     pub(in crate::integrator) fn bounce(&self, matte: &Material, bounces: &mut Bounces) {
@@ -33,7 +33,7 @@ impl Block {
             let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
-            let survives = self.chances[i] < self.survival[i];
+            let survives = self.u_roulette[i] < self.survival[i];
             bounces.goes_on[i] = u32::from(reflects & survives) & self.goes_on[i];
         }
     }

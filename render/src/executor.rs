@@ -5,14 +5,14 @@ use halfdome_kernel::Executor;
 /// The threads of the current rayon pool, and whom to tell of a build's progress: fractions that add up to about 1,
 /// from all threads.
 #[derive(Clone, Copy)]
-pub struct Threads<'w>(pub &'w (dyn Fn(f32) + Sync));
+pub struct RayonExecutor<'w>(pub &'w (dyn Fn(f32) + Sync));
 
-impl Threads<'_> {
+impl RayonExecutor<'_> {
     /// Without anybody who is told.
     pub const UNWATCHED: Self = Self(&|_| ());
 }
 
-impl Executor for Threads<'_> {
+impl Executor for RayonExecutor<'_> {
     fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
         rayon::join(a, b)
     }
@@ -44,7 +44,7 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let heard = Mutex::new(Vec::new());
                 let watch = |fraction| heard.lock().unwrap().push(fraction);
-                let built = pool.install(|| Bvh::build_on(&Threads(&watch), &triangles, &quality.into()));
+                let built = pool.install(|| Bvh::build_on(&RayonExecutor(&watch), &triangles, &quality.into()));
                 let (bvh, _) = built.unwrap();
                 assert!(bvh.view().nodes() == expected.view().nodes(), "{quality}, {threads} threads");
                 let ids = |bvh: &Bvh| bvh.view().blocks().iter().map(|block| block.prim_id).collect::<Vec<_>>();

@@ -8,7 +8,7 @@ use halfdome_kernel::{Hit, Ray};
 
 use crate::camera::Camera;
 use crate::film::{Features, FilterSample, FilterSampler, Tile};
-use crate::integrator::{self, CameraRays, Memory, Prepared};
+use crate::integrator::{self, Prepared, RayBatch, Scratch};
 use crate::settings::Settings;
 use crate::world::World;
 
@@ -17,30 +17,30 @@ const FILM_SET: u32 = 0;
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]
-pub(super) struct Batch {
+pub(super) struct TileScratch {
     /// Number of the pixel in its tile, and place in the pixel.
     places: Vec<(usize, FilterSample)>,
     samplers: Vec<Sampler>,
     addresses: Vec<Address>,
     /// Numbers for the place in the pixel.
-    on_film: Vec<Vec2>,
+    u_film: Vec<Vec2>,
     /// Points of the film, in pixels.
     points: Vec<Vec2>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    memory: Memory,
+    scratch: Scratch,
 }
 
 /// What a sample depends on besides the world.
-pub(super) struct Shot {
+pub(super) struct FrameRender {
     pub(super) settings: Settings,
     pub(super) prepared: Prepared,
     pub(super) camera: Camera,
     filter: FilterSampler,
 }
 
-impl Shot {
+impl FrameRender {
     /// A picture of `world` as its camera sees it.
     pub(super) fn new(world: &World, settings: Settings, prepared: Prepared) -> Self {
         let camera = Camera::new(&world.camera, settings.width, settings.height);
@@ -52,12 +52,12 @@ impl Shot {
     pub(super) fn sample(
         &self,
         world: &World,
-        batch: &mut Batch,
+        scratch: &mut TileScratch,
         tile: &mut Tile,
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let Batch { places, samplers, addresses, on_film, points, rays, hits, radiance, memory } = batch;
+        let TileScratch { places, samplers, addresses, u_film, points, rays, hits, radiance, scratch } = scratch;
         let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
         for sample in samples.clone() {
@@ -65,12 +65,12 @@ impl Shot {
         }
         addresses.clear();
         addresses.extend(samplers.iter().map(Sampler::address));
-        on_film.resize(addresses.len(), Vec2::ZERO);
-        fill2(world.isa(), pattern, seed, FILM_SET, addresses, on_film);
+        u_film.resize(addresses.len(), Vec2::ZERO);
+        fill2(world.isa(), pattern, seed, FILM_SET, addresses, u_film);
         places.clear();
         points.clear();
         let pixels = samples.flat_map(|_| pixels);
-        for (&(number, (x, y)), u) in pixels.zip(on_film.iter()) {
+        for (&(number, (x, y)), u) in pixels.zip(u_film.iter()) {
             let filter = self.filter.sample(u.to_array());
             points.push(Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
             places.push((number, filter));
@@ -80,8 +80,8 @@ impl Shot {
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_side_by_side(rays, hits);
-        let camera = CameraRays { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
-        let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, memory, radiance);
+        let camera = RayBatch { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
+        let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, scratch, radiance);
         for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {

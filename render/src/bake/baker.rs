@@ -8,33 +8,33 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::ao::AmbientOcclusion;
+use super::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
 use super::footprint::footprint;
-use super::journal::{Journal, Notes, Stage};
-use super::moments::{Lens, Moments};
-use super::openness::Openness;
+use super::moments::{DirectionalBasis, Moments};
 use super::options::{BakeOptions, Directional, Mode};
 use super::texels::{Surfaces, Texel};
 use super::values::Values;
 use crate::cache::Cache;
 use crate::driver::{CacheUse, Watch};
-use crate::estimator::{GatherPoint, Incident, Receive};
-use crate::integrator::{Source, Uncached};
+use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
+use crate::integrator::{GatherSource, Uncached};
 use crate::world::{Surface, World};
 
 /// Texels that a thread takes at once.
-const BLOCK: usize = 64;
+const CHUNK: usize = 64;
 
 /// What a bake works with.
-pub(super) struct Job<'a> {
+pub(super) struct Baker<'a> {
     pub(super) world: &'a World,
     pub(super) surfaces: &'a Surfaces<'a>,
     pub(super) options: &'a BakeOptions,
-    pub(super) journal: &'a Journal,
+    pub(super) checkpoint: &'a Checkpoint,
     pub(super) watch: &'a dyn Watch,
 }
 
 /// The light of texels.
-pub(super) struct Light {
+pub(super) struct BakedTexels {
     /// For each texel irradiance, then the moments that are asked for.
     values: Values,
     /// Rays traced now.
@@ -45,7 +45,7 @@ pub(super) struct Light {
     pub(super) cache: Option<(Cache, CacheUse)>,
 }
 
-impl Light {
+impl BakedTexels {
     /// Vectors for each texel.
     pub(super) fn layers(&self) -> usize {
         self.values.layers()
@@ -60,46 +60,46 @@ impl Light {
 /// Irradiance and moments of direct light.
 struct Sums {
     normal: Vec3,
-    lens: Lens,
+    basis: DirectionalBasis,
     irradiance: DVec3,
     moments: [DVec3; 4],
 }
 
-impl Receive for Sums {
-    fn receive(&mut self, direction: Vec3, irradiance: Vec3) {
+impl IncidentSink for Sums {
+    fn add_light(&mut self, direction: Vec3, irradiance: Vec3) {
         self.irradiance += irradiance.as_dvec3();
         let cosine = self.normal.dot(direction);
         if cosine > 0.0 {
-            self.lens.add(direction, irradiance / cosine, &mut self.moments);
+            self.basis.add(direction, irradiance / cosine, &mut self.moments);
         }
     }
 }
 
-impl Job<'_> {
+impl Baker<'_> {
     /// The light of `texels`; `None` if the watcher says stop.
-    pub(super) fn light(&self, texels: &[Texel]) -> Option<Light> {
-        let (alone, mut rays) = self.blocks(Stage::Texels, texels, |texels| self.alone(texels))?;
+    pub(super) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
+        let (without_cache, mut rays) = self.chunks(Stage::Texels, texels, |texels| self.without_cache(texels))?;
         if !self.needs_cache() {
-            let gathers = if self.gathers_alone() { texels.len() as u64 } else { 0 };
-            return Some(Light { values: alone, rays, gathers, cache: None });
+            let gathers = if self.is_brute_force() { texels.len() as u64 } else { 0 };
+            return Some(BakedTexels { values: without_cache, rays, gathers, cache: None });
         }
         let options = &self.options.cache;
         let (mut gathers, mut first) = (0, None);
-        if self.looks_up() {
-            let (map, records, traced) = self.first_map(texels, &alone)?;
+        if self.uses_first_map() {
+            let (map, records, traced) = self.first_map(texels, &without_cache)?;
             (gathers, rays) = (gathers + records, rays + traced);
             first = Some(map);
         }
-        let source = first.as_ref().map_or(Source::paths(options), |map| Source::Known(map));
-        let notes = Notes { journal: self.journal, stage: Stage::Records };
-        let (frozen, filled) = self.fill(texels, (*options, self.options.seed), source, &notes)?;
+        let source = first.as_ref().map_or(GatherSource::paths(options), |map| GatherSource::Map(map));
+        let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Records };
+        let (frozen, filled) = self.fill(texels, (*options, self.options.seed), source, &records)?;
         let (mut values, traced) = self.interpolate(&frozen, texels, source)?;
         if self.options.mode == Mode::Full {
-            values.add(&alone);
+            values.add(&without_cache);
         }
         let usage = frozen.usage();
         gathers += usage.records + usage.misses;
-        Some(Light { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)) })
+        Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)) })
     }
 
     /// What is kept of directions.
@@ -109,7 +109,7 @@ impl Job<'_> {
 
     /// Vectors for each texel.
     pub(super) fn layers(&self) -> usize {
-        1 + Lens::layers(self.directional()).len()
+        1 + DirectionalBasis::layers(self.directional()).len()
     }
 
     fn is_indirect(&self) -> bool {
@@ -120,7 +120,7 @@ impl Job<'_> {
         self.options.has_cache()
     }
 
-    fn gathers_alone(&self) -> bool {
+    fn is_brute_force(&self) -> bool {
         self.is_indirect() && self.options.brute
     }
 
@@ -128,12 +128,12 @@ impl Job<'_> {
         self.world.receiver(texel.point.prim_id, texel.point.barycentric)
     }
 
-    fn lens(&self, texel: &Texel, surface: &Surface) -> Lens {
-        Lens::new(self.directional(), surface.shading_normal, texel.tangents[0], texel.tangents[1])
+    fn basis(&self, texel: &Texel, surface: &Surface) -> DirectionalBasis {
+        DirectionalBasis::new(self.directional(), surface.shading_normal, texel.tangents[0], texel.tangents[1])
     }
 
-    /// The values of texels, found in blocks on all threads, or known from before; and the rays of those that were not.
-    pub(super) fn blocks(
+    /// The values of texels, found in chunks on all threads, or known from before; and the rays of those that were not.
+    pub(super) fn chunks(
         &self,
         stage: Stage,
         texels: &[Texel],
@@ -141,8 +141,8 @@ impl Job<'_> {
     ) -> Option<(Values, u64)> {
         let layers = self.layers();
         let numbered: Vec<(usize, Texel)> = texels.iter().copied().enumerate().collect();
-        let block = |(number, texels): (usize, &[(usize, Texel)])| {
-            let known = self.journal.get(stage, number as u64);
+        let chunk = |(number, texels): (usize, &[(usize, Texel)])| {
+            let known = self.checkpoint.get(stage, number as u64);
             if let Some(words) = known.filter(|words| words.len() == 3 * layers * texels.len()) {
                 self.watch.advance(texels.len() as u64, 0);
                 return Some((Values::from_words(layers, &words), 0));
@@ -151,26 +151,26 @@ impl Job<'_> {
                 return None;
             }
             let (values, rays) = find(texels);
-            self.journal.put(stage, number as u64, values.to_words());
+            self.checkpoint.put(stage, number as u64, values.to_words());
             self.watch.advance(texels.len() as u64, rays);
             Some((values, rays))
         };
-        let blocks: Vec<Option<(Values, u64)>> = numbered.par_chunks(BLOCK).enumerate().map(block).collect();
-        let blocks = blocks.into_iter().collect::<Option<Vec<_>>>()?;
-        let rays = blocks.iter().map(|(_, rays)| rays).sum();
-        Some((Values::joined(layers, blocks.into_iter().map(|(values, _)| values)), rays))
+        let chunks: Vec<Option<(Values, u64)>> = numbered.par_chunks(CHUNK).enumerate().map(chunk).collect();
+        let chunks = chunks.into_iter().collect::<Option<Vec<_>>>()?;
+        let rays = chunks.iter().map(|(_, rays)| rays).sum();
+        Some((Values::joined(layers, chunks.into_iter().map(|(values, _)| values)), rays))
     }
 
     /// What texels find without a cache.
-    fn alone(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
+    fn without_cache(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
         let (mut values, mut rays) = match self.options.mode {
-            Mode::Ao => self.openness(texels),
+            Mode::Ao => self.ambient_occlusion(texels),
             Mode::Full | Mode::Direct => self.direct(texels),
-            Mode::Indirect if self.looks_up() => self.direct(texels),
+            Mode::Indirect if self.uses_first_map() => self.direct(texels),
             Mode::Indirect => (Values::of(self.layers(), texels.iter().map(|_| (Vec3::ZERO, [DVec3::ZERO; 4]))), 0),
         };
-        if self.gathers_alone() {
-            let (gathered, traced) = self.gather(texels, Source::paths(&self.options.cache));
+        if self.is_brute_force() {
+            let (gathered, traced) = self.gather(texels, GatherSource::paths(&self.options.cache));
             values.add(&gathered);
             rays += traced;
         }
@@ -178,12 +178,12 @@ impl Job<'_> {
     }
 
     /// How open texels are.
-    fn openness(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
+    fn ambient_occlusion(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
         let Self { world, options, .. } = self;
-        let mut openness = Openness::new(options.spp, options.ao_distance);
+        let mut ambient_occlusion = AmbientOcclusion::new(options.spp, options.ao_distance);
         let mut rays = 0;
         let open = texels.iter().map(|(number, texel)| {
-            let (open, traced) = openness.at(world, &self.surface(texel), options.seed, *number as u32);
+            let (open, traced) = ambient_occlusion.at(world, &self.surface(texel), options.seed, *number as u32);
             rays += traced;
             (Vec3::splat(open), [DVec3::ZERO; 4])
         });
@@ -193,12 +193,12 @@ impl Job<'_> {
     /// What lights send to texels.
     fn direct(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
         let Self { world, options, .. } = self;
-        let mut incident = Incident::default();
+        let mut incident = IncidentSampler::default();
         let mut rays = 0;
         let received = texels.iter().map(|(number, texel)| {
             let surface = self.surface(texel);
-            let (normal, lens) = (surface.shading_normal, self.lens(texel, &surface));
-            let mut sums = Sums { normal, lens, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
+            let (normal, basis) = (surface.shading_normal, self.basis(texel, &surface));
+            let mut sums = Sums { normal, basis, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
             let address = (options.seed, *number as u32);
             let (surfaces, traced) = footprint(world, self.surfaces, texel);
             rays += traced + incident.sample(world, &surfaces, address, options.spp, &mut sums);
@@ -208,7 +208,7 @@ impl Job<'_> {
     }
 
     /// What texels gather.
-    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: Source) -> (Values, u64) {
+    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> (Values, u64) {
         let Self { world, options, .. } = self;
         let point =
             |(number, texel): &(usize, Texel)| GatherPoint { key: *number as u64, surface: self.surface(texel) };
@@ -228,8 +228,8 @@ impl Job<'_> {
         let mut rays = 0;
         for ((number, texel), sums) in texels.iter().zip(&mut moments) {
             let surface = self.surface(texel);
-            let lens = self.lens(texel, &surface);
-            rays += gatherer.gather(self.world, &surface, &lens, *number as u32, sums);
+            let basis = self.basis(texel, &surface);
+            rays += gatherer.gather(self.world, &surface, &basis, *number as u32, sums);
         }
         (moments, rays)
     }

@@ -1,14 +1,14 @@
-//! Paths in lanes: what a few paths need to know of their surfaces, in columns, so that plain loops over them, compiled
+//! A path-state block: what a few paths need to know of their surfaces, in columns, so that plain loops over them, compiled
 //! for each instruction set, do as many at once as its registers hold.
 //!
-//! Whatever is looked up, paths, rays, triangles, materials and lamps, lies in rows of eight words, which are turned into
-//! columns eight at a time; and so are shadow rays and next rays turned into rows again. A loop here calls the functions
+//! Whatever is looked up, paths, rays, triangles, materials and lights, lies in records of eight words, which are turned
+//! into columns eight at a time; and so are shadow rays and next rays turned into records again. A loop here calls the functions
 //! that a single path would call, on surfaces put together from the columns; what they do is inlined and has no branch. So
 //! results are equal bit for bit to those of one path at a time, on every instruction set. All lanes are computed, those
 //! behind the last path for nothing.
 //!
-//! What is not the same for all, as textures, mirrors and emission, is *rare*: a block says which paths have it, and who
-//! steps them does that one by one, and tells the block.
+//! What is not the same for all, as textures, mirrors and emission, is *general*: a block says which paths need it, and the
+//! integrator shades these one by one (the slow path), and tells the block.
 
 mod bounce;
 mod columns;
@@ -26,13 +26,13 @@ use crate::world::{Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use columns::LANES;
-use columns::{Column, Faces, Finishes, Integers, Paths, Rays, Vectors, gather, triangle};
-use light::Lamps;
-pub(super) use light::Shadows;
+use columns::{Column, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle};
+use light::LightSamples;
+pub(super) use light::ShadowRays;
 
 /// Paths that have arrived at a surface each.
 #[derive(Clone, Copy, Zeroable)]
-pub(super) struct Block {
+pub(super) struct PathBlock {
     /// How many there are.
     pub len: usize,
     /// The place of each in its wavefront.
@@ -43,9 +43,9 @@ pub(super) struct Block {
     prims: Integers,
     rays: Rays,
     paths: Paths,
-    faces: Faces,
-    finishes: Finishes,
-    /// The surfaces, whose normals face the paths. What they reflect diffusely is in `finishes`.
+    triangles: TriangleColumns,
+    materials: MaterialColumns,
+    /// The surfaces, whose normals face the paths. What they reflect diffusely is in `materials`.
     position: Vectors,
     normal: Vectors,
     shading_normal: Vectors,
@@ -54,22 +54,22 @@ pub(super) struct Block {
     /// The probability of scattering light, other than as a mirror or glass does.
     scatters: Column,
     /// Whether there is more to a surface than the columns say.
-    is_rare: Integers,
+    is_general: Integers,
     /// The probability with which chance lets a path go on.
     survival: Column,
     /// Whether it goes on as far as chance has no say.
     goes_on: Integers,
     pub addresses: [Address; LANES],
-    pub on_light: [Vec2; LANES],
-    pub onwards: [Vec2; LANES],
+    pub u_light: [Vec2; LANES],
+    pub u_direction: [Vec2; LANES],
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: [Vec3; LANES],
     /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
-    pub chances: Column,
-    lamps: Lamps,
+    pub u_roulette: Column,
+    light_samples: LightSamples,
 }
 
-impl Block {
+impl PathBlock {
     /// No paths.
     pub(super) fn new() -> Self {
         Self::zeroed()
@@ -89,31 +89,31 @@ impl Block {
         let (isa, len) = (world.isa(), self.len);
         gather::<1, _, _>(isa, paths, &self.source[..len], &mut self.paths);
         gather::<1, _, _>(isa, rays, &self.source[..len], &mut self.rays);
-        gather::<2, _, _>(isa, world.faces(), &self.prims[..len], &mut self.faces);
-        gather::<1, _, _>(isa, world.finishes(), &self.faces.material[..len], &mut self.finishes);
+        gather::<2, _, _>(isa, world.triangle_records(), &self.prims[..len], &mut self.triangles);
+        gather::<1, _, _>(isa, world.material_records(), &self.triangles.material[..len], &mut self.materials);
         self.scatters = [1.0; LANES];
         self.survival = [1.0; LANES];
         self.goes_on = [1; LANES];
-        self.reflectance = self.finishes.diffuse;
+        self.reflectance = self.materials.diffuse;
         for i in 0..LANES {
             let weights = [1.0 - self.u[i] - self.v[i], self.u[i], self.v[i]];
-            self.position.set(i, interpolate(triangle(&self.faces.corners, i), weights));
-            let front = self.faces.normal.get(i);
+            self.position.set(i, interpolate(triangle(&self.triangles.corners, i), weights));
+            let front = self.triangles.normal.get(i);
             let cosine = front.dot(self.rays.direction.get(i));
             let normal = front * if cosine > 0.0 { -1.0 } else { 1.0 };
             self.normal.set(i, normal);
             self.shading_normal.set(i, normal);
-            let emits = self.finishes.emission.get(i).abs().max_element() > 0.0;
-            let is_seen = (self.finishes.emits_both_sides[i] != 0) | (cosine < 0.0);
-            let is_simple = self.faces.is_plain[i] & self.finishes.is_matte[i];
-            self.is_rare[i] = u32::from((emits & is_seen) | (is_simple == 0));
+            let emits = self.materials.emission.get(i).abs().max_element() > 0.0;
+            let is_seen = (self.materials.emits_both_sides[i] != 0) | (cosine < 0.0);
+            let is_simple = self.triangles.is_plain[i] & self.materials.is_matte[i];
+            self.is_general[i] = u32::from((emits & is_seen) | (is_simple == 0));
         }
     }
 
     /// Whether there is more to the surface of path `i` than the columns say: it emits, reflects as a mirror, or varies.
     #[inline(always)]
-    pub(super) fn is_rare(&self, i: usize) -> bool {
-        self.is_rare[i] != 0
+    pub(super) fn is_general(&self, i: usize) -> bool {
+        self.is_general[i] != 0
     }
 
     /// Lets path `i` stand at a surface that is not plain, or not matte.
@@ -121,7 +121,7 @@ impl Block {
         self.position.set(i, surface.position);
         self.normal.set(i, surface.normal);
         self.shading_normal.set(i, surface.shading_normal);
-        self.finishes.diffuse.set(i, surface.diffuse);
+        self.materials.diffuse.set(i, surface.diffuse);
         self.reflectance.set(i, surface.reflectance());
         self.scatters[i] = 1.0 - surface.specular_probability();
     }
@@ -133,9 +133,9 @@ impl Block {
             position: self.position.get(i),
             normal: self.normal.get(i),
             shading_normal: self.shading_normal.get(i),
-            diffuse: self.finishes.diffuse.get(i),
+            diffuse: self.materials.diffuse.get(i),
             emission: Vec3::ZERO,
-            offset: self.faces.offset[i],
+            offset: self.triangles.offset[i],
             prim_id: 0,
             is_back: false,
             material: matte,
@@ -144,7 +144,7 @@ impl Block {
 
     /// Ends the paths of whose light less than `cutoff` would be reflected, in every channel.
     #[inline(always)]
-    pub(super) fn end_below(&mut self, cutoff: f32) {
+    pub(super) fn end_below_threshold(&mut self, cutoff: f32) {
         for i in 0..LANES {
             let reflected = self.paths.throughput.get(i) * self.reflectance.get(i);
             self.goes_on[i] = u32::from(reflected.max_element() >= cutoff);
@@ -153,7 +153,7 @@ impl Block {
 
     /// Leaves it to chance which paths go on.
     #[inline(always)]
-    pub(super) fn gamble(&mut self, survival: Survival) {
+    pub(super) fn roulette(&mut self, survival: Survival) {
         for i in 0..LANES {
             self.survival[i] = survive(survival, self.paths.throughput.get(i) * self.reflectance.get(i));
         }
@@ -187,7 +187,7 @@ impl Block {
     /// Whether path `i` survives.
     #[inline(always)]
     pub(super) fn survives(&self, i: usize) -> bool {
-        self.goes_on[i] != 0 && self.chances[i] < self.survival[i]
+        self.goes_on[i] != 0 && self.u_roulette[i] < self.survival[i]
     }
 
     /// The probability with which chance lets path `i` go on.

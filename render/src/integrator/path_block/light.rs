@@ -5,35 +5,35 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Isa, Ray};
 
-use super::Block;
-use super::columns::{Column, Emitters, Integers, LANES, Rays, Vectors, gather, keep, triangle};
-use crate::estimator::{prospect, shine};
-use crate::integrator::state::light_choice;
-use crate::light::as_rest;
+use super::PathBlock;
+use super::columns::{Column, EmitterColumns, Integers, LANES, Rays, Vectors, gather, keep, triangle};
+use crate::estimator::{area_light_sample, light_warp};
+use crate::integrator::state::u_light_choice;
+use crate::light::rest_as_f32;
 use crate::scene::Material;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World, interpolate};
 
-/// Light sources, one for each path of a block, with numbers that say where on each.
+/// The light chosen for each path of a block, with numbers that say where on each.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Lamps {
+pub(super) struct LightSamples {
     choices: [f64; LANES],
     rests: [f64; LANES],
-    /// Numbers of sources.
+    /// Indices of lights.
     sources: Integers,
-    /// Whether the source is a triangle, and all that there is to know of it is in its columns.
+    /// Whether the light is a triangle, and all that there is to know of it is in its columns.
     is_plain: Integers,
-    emitters: Emitters,
-    on_lamp: [Column; 2],
+    emitters: EmitterColumns,
+    uv: [Column; 2],
 }
 
 /// Shadow rays of a block, and the light that each lets through.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(in crate::integrator) struct Shadows {
+pub(in crate::integrator) struct ShadowRays {
     rays: Rays,
-    waiting: Waiting,
+    waiting: PendingLights,
     /// Whether there is any light.
     lit: Integers,
 }
@@ -41,42 +41,42 @@ pub(in crate::integrator) struct Shadows {
 /// Light that waits for its shadow ray: what it adds to the camera ray of this number.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Waiting {
+struct PendingLights {
     index: Integers,
     light: Vectors,
 }
 
-impl Lamps {
-    /// Chooses a source for each of the first `len` paths by the numbers drawn; whether there is any.
+impl LightSamples {
+    /// Chooses a light for each of the first `len` paths by the numbers drawn; whether there is any.
     #[inline(always)]
-    fn choose(&mut self, world: &World, len: usize, on_light: &[Vec2; LANES], onwards: &[Vec2; LANES]) -> bool {
+    fn choose(&mut self, world: &World, len: usize, u_light: &[Vec2; LANES], u_direction: &[Vec2; LANES]) -> bool {
         let isa = world.isa();
-        for ((choice, &on_light), &onwards) in self.choices.iter_mut().zip(on_light).zip(onwards) {
-            *choice = light_choice(on_light, onwards);
+        for ((choice, &u_light), &u_direction) in self.choices.iter_mut().zip(u_light).zip(u_direction) {
+            *choice = u_light_choice(u_light, u_direction);
         }
         let (sources, rests) = (&mut self.sources[..len], &mut self.rests[..len]);
         if !world.lights.choose_many(isa, &self.choices[..len], sources, rests) {
             return false;
         }
-        gather::<3, _, _>(isa, world.emitters(), sources, &mut self.emitters);
-        let [across, up] = &mut self.on_lamp;
-        across.iter_mut().zip(&self.rests).for_each(|(across, &rest)| *across = as_rest(rest));
-        up.iter_mut().zip(on_light).for_each(|(up, on_light)| *up = on_light.y);
+        gather::<3, _, _>(isa, world.emitter_records(), sources, &mut self.emitters);
+        let [across, up] = &mut self.uv;
+        across.iter_mut().zip(&self.rests).for_each(|(across, &rest)| *across = rest_as_f32(rest));
+        up.iter_mut().zip(u_light).for_each(|(up, u_light)| *up = u_light.y);
         true
     }
 
-    /// The point of lamp `i` that is sampled from `surface`, and the reciprocal of its density per area.
+    /// The point of light `i` that is sampled from `surface`, and the reciprocal of its density per area.
     #[inline(always)]
     fn point<'w>(&self, i: usize, surface: &Surface<'w>, lights: LightSampling) -> (Surface<'w>, f32) {
         let emitters = &self.emitters;
         let corners = triangle(&emitters.corners, i);
-        let prospect = prospect(surface.position, surface.normal, &corners, lights);
-        let u = prospect.map(Vec2::new(self.on_lamp[0][i], self.on_lamp[1][i]));
+        let warp = light_warp(surface.position, surface.normal, &corners, lights);
+        let u = warp.map(Vec2::new(self.uv[0][i], self.uv[1][i]));
         let point = TriangleWarp.map(u);
         let front = emitters.normal.get(i);
         let is_behind = (emitters.emits_both_sides[i] != 0) & (front.dot(corners[0] - surface.position) > 0.0);
         let normal = if is_behind { -front } else { front };
-        let lamp = Surface {
+        let light = Surface {
             position: interpolate(corners, [1.0 - point.x - point.y, point.x, point.y]),
             normal,
             shading_normal: normal,
@@ -87,62 +87,67 @@ impl Lamps {
             is_back: false,
             material: surface.material,
         };
-        (lamp, emitters.area[i] * prospect.per_density(u))
+        (light, emitters.area[i] * warp.per_density(u))
     }
 }
 
-impl Block {
+impl PathBlock {
     /// Chooses a light for each path by the numbers drawn; whether there is any.
     #[inline(always)]
     pub(in crate::integrator) fn choose_lights(&mut self, world: &World) -> bool {
-        self.lamps.choose(world, self.len, &self.on_light, &self.onwards)
+        self.light_samples.choose(world, self.len, &self.u_light, &self.u_direction)
     }
 
-    /// Whether there may be a light that [`connect`](Self::connect) does not know.
+    /// Whether there may be a light that [`sample_lights`](Self::sample_lights) does not know.
     #[inline(always)]
     pub(in crate::integrator) fn has_other_lights(&self) -> bool {
-        self.lamps.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
+        self.light_samples.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
     }
 
     /// The number of the light of path `i` and what is left of the number that chose it, if it is none that
-    /// [`connect`](Self::connect) knows.
+    /// [`sample_lights`](Self::sample_lights) knows.
     #[inline(always)]
     pub(in crate::integrator) fn other_light(&self, i: usize) -> Option<(usize, f64)> {
-        let is_other = self.lamps.emitters.is_plain[i] == 0 && self.goes_on[i] != 0;
-        is_other.then(|| (self.lamps.sources[i] as usize, self.lamps.rests[i]))
+        let is_other = self.light_samples.emitters.is_plain[i] == 0 && self.goes_on[i] != 0;
+        is_other.then(|| (self.light_samples.sources[i] as usize, self.light_samples.rests[i]))
     }
 
-    /// Light from the chosen lamps.
+    /// Samples of the chosen lights.
     #[inline(always)]
-    pub(in crate::integrator) fn connect(&self, lights: LightSampling, matte: &Material, shadows: &mut Shadows) {
+    pub(in crate::integrator) fn sample_lights(
+        &self,
+        lights: LightSampling,
+        matte: &Material,
+        shadows: &mut ShadowRays,
+    ) {
         // A loop each, which knows its weights.
         match lights {
             LightSampling::Naive => shadows.lit = [0; LANES],
-            LightSampling::Direct => self.connect_by(LightSampling::Direct, matte, shadows),
-            LightSampling::Mis => self.connect_by(LightSampling::Mis, matte, shadows),
+            LightSampling::Direct => self.sample_lights_by(LightSampling::Direct, matte, shadows),
+            LightSampling::Mis => self.sample_lights_by(LightSampling::Mis, matte, shadows),
         }
     }
 
     #[inline(always)]
-    fn connect_by(&self, lights: LightSampling, matte: &Material, shadows: &mut Shadows) {
+    fn sample_lights_by(&self, lights: LightSampling, matte: &Material, shadows: &mut ShadowRays) {
         for i in 0..LANES {
             let surface = self.surface(i, matte);
-            let (lamp, area) = self.lamps.point(i, &surface, lights);
-            let (light, arrives) = shine(&surface, &lamp, area);
+            let (light, area) = self.light_samples.point(i, &surface, lights);
+            let (light, arrives) = area_light_sample(&surface, &light, area);
             let lambert = surface.lambert(light.direction);
-            let weight = lights.of_light(light.per_density, self.scatters[i] * lambert);
+            let weight = lights.light_weight(light.inv_density, self.scatters[i] * lambert);
             let radiance = (surface.diffuse * lambert) * light.radiance * weight;
             shadows.rays.origin.set(i, light.shadow.origin);
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
             shadows.waiting.light.set(i, self.paths.throughput.get(i) * radiance);
-            let is_there = self.lamps.emitters.is_plain[i] & self.goes_on[i];
+            let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i];
             shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;
         }
     }
 }
 
-impl Shadows {
+impl ShadowRays {
     /// Rays from 0 to 1.
     pub(in crate::integrator) fn new() -> Self {
         let mut shadows = Self::zeroed();

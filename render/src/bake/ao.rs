@@ -11,14 +11,14 @@ use crate::world::{Surface, World};
 const DIRECTION_SET: u32 = 0;
 
 /// Rays of ambient occlusion, and their memory.
-pub(super) struct Openness {
+pub(super) struct AmbientOcclusion {
     hemisphere: Hemisphere,
     t_max: f32,
     rays: Vec<Ray>,
     occluded: Vec<bool>,
 }
 
-impl Openness {
+impl AmbientOcclusion {
     /// About `rays` rays a texel that see as far as `distance`.
     pub(super) fn new(rays: u32, distance: Option<f32>) -> Self {
         let hemisphere = Hemisphere::new(HemisphereSampling::Stratified, rays);

@@ -7,13 +7,13 @@ use glam::Vec3;
 use halfdome_kernel::Hit;
 
 use super::texels::{Surfaces, Texel};
-use crate::integrator::Known;
+use crate::integrator::IrradianceMap;
 
 /// Stands for no texel.
 const NOTHING: u32 = u32::MAX;
 
 /// Irradiance by texel.
-pub(super) struct Lookup<'a> {
+pub(super) struct TexelIrradiance<'a> {
     surfaces: &'a Surfaces<'a>,
     texels: &'a [Texel],
     /// For each page the number of each texel among all with light.
@@ -21,7 +21,7 @@ pub(super) struct Lookup<'a> {
     irradiance: Vec<Option<Vec3>>,
 }
 
-impl<'a> Lookup<'a> {
+impl<'a> TexelIrradiance<'a> {
     /// `irradiance` has that of each of `texels`, where it is known.
     pub(super) fn new(surfaces: &'a Surfaces<'a>, texels: &'a [Texel], irradiance: Vec<Option<Vec3>>) -> Self {
         let mut numbers: Vec<Vec<u32>> = surfaces.pages().iter().map(|page| vec![NOTHING; page.texels()]).collect();
@@ -32,7 +32,7 @@ impl<'a> Lookup<'a> {
     }
 }
 
-impl Known for Lookup<'_> {
+impl IrradianceMap for TexelIrradiance<'_> {
     fn irradiance(&self, hit: &Hit) -> Option<Vec3> {
         let place = self.surfaces.place(hit.prim_id, [hit.u, hit.v])?;
         let number = self.numbers[place.page][place.texel as usize];
@@ -55,7 +55,7 @@ mod tests {
         let surfaces = Surfaces::new(&scene, &atlas);
         let texels = surfaces.texels();
         let known = |number: usize| (!number.is_multiple_of(7)).then(|| Vec3::splat(number as f32));
-        let lookup = Lookup::new(&surfaces, &texels, (0..texels.len()).map(known).collect());
+        let lookup = TexelIrradiance::new(&surfaces, &texels, (0..texels.len()).map(known).collect());
         assert!(texels.len() > 1000);
         for (number, texel) in texels.iter().enumerate() {
             let [u, v] = texel.point.barycentric;
@@ -65,7 +65,7 @@ mod tests {
         // A texel of another chart is not asked.
         let mut foreign = texels.clone();
         foreign.iter_mut().for_each(|texel| texel.chart += 1);
-        let lookup = Lookup::new(&surfaces, &foreign, vec![Some(Vec3::ONE); foreign.len()]);
+        let lookup = TexelIrradiance::new(&surfaces, &foreign, vec![Some(Vec3::ONE); foreign.len()]);
         let Texel { point, .. } = texels[0];
         let hit = Hit { prim_id: point.prim_id, u: point.barycentric[0], v: point.barycentric[1], ..Hit::MISS };
         assert_eq!(lookup.irradiance(&hit), None);

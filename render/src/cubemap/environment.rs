@@ -5,8 +5,8 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::face::{Axes, Face};
-use super::grid::Grid;
-use crate::integrator::{CameraRays, Wavefront, radiance_by_paths};
+use super::grid::TexelGrid;
+use crate::integrator::{RayBatch, Wavefront, radiance_by_paths};
 use crate::light::SkyLight;
 use crate::scene::Sky;
 use crate::settings::PathOptions;
@@ -18,7 +18,7 @@ const TEXEL_SET: u32 = 0;
 const MAX_POINTS: u32 = 256;
 
 /// What is seen in all directions.
-pub struct Source<'a>(Kind<'a>);
+pub struct Environment<'a>(Kind<'a>);
 
 enum Kind<'a> {
     Sky { light: SkyLight, width: u32 },
@@ -36,11 +36,11 @@ pub(super) struct Viewer {
     wave: Wavefront,
 }
 
-impl<'a> Source<'a> {
-    /// The sky. Its sun, which daylight has besides, is a light without a surface and is not seen.
-    pub fn sky(sky: Sky) -> Source<'static> {
+impl<'a> Environment<'a> {
+    /// The sky. Its sun, which daylight has besides, is a delta light and is not seen.
+    pub fn sky(sky: Sky) -> Environment<'static> {
         let width = sky.picture.as_ref().map_or(0, |picture| picture.width);
-        Source(Kind::Sky { light: SkyLight::new(sky), width })
+        Environment(Kind::Sky { light: SkyLight::new(sky), width })
     }
 
     /// A point in a scene, with `spp` paths for each texel, at least 1.
@@ -52,7 +52,7 @@ impl<'a> Source<'a> {
     pub(super) fn texel(
         &self,
         viewer: &mut Viewer,
-        (grid, axes): (&Grid, Axes),
+        (grid, axes): (&TexelGrid, Axes),
         number: u32,
         (face, x, y): (Face, u32, u32),
     ) -> (Vec3, u64) {
@@ -108,7 +108,7 @@ impl Viewer {
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.radiance.resize(self.rays.len(), Vec3::ZERO);
         world.intersect_many(&self.rays, &mut self.hits);
-        let camera = CameraRays {
+        let camera = RayBatch {
             rays: &self.rays,
             hits: &self.hits,
             samplers: &self.samplers,

@@ -1,44 +1,44 @@
-//! Light samples of all paths of a batch, which wait for their shadow rays to be traced together.
+//! The shadow queue: light samples of all paths of a batch, whose shadow rays are traced together.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Isa, Ray};
 
-use super::block::{LANES, Shadows};
-use crate::estimator::Connection;
+use super::path_block::{LANES, ShadowRays};
+use crate::estimator::ShadowRay;
 use crate::world::World;
 
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
-pub(crate) struct Connections {
+pub(crate) struct ShadowQueue {
     /// How many wait: the first of each list.
     len: usize,
     shadows: Vec<Ray>,
-    pending: Vec<Pending>,
+    pending: Vec<PendingLight>,
     occluded: Vec<bool>,
 }
 
 /// What it adds to which camera ray's.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Pending {
+struct PendingLight {
     index: u32,
     light: Vec3,
 }
 
-impl Connections {
-    /// Lets a connection wait, whose light is worth `throughput` to the camera ray `index`.
+impl ShadowQueue {
+    /// Queues a shadow ray whose light is worth `throughput` to the camera ray `index`.
     #[inline]
-    pub(super) fn push(&mut self, index: u32, throughput: Vec3, connection: Connection) {
+    pub(super) fn push(&mut self, index: u32, throughput: Vec3, shadow_ray: ShadowRay) {
         self.make_room(1);
-        self.shadows[self.len] = connection.shadow;
-        self.pending[self.len] = Pending { index, light: throughput * connection.radiance };
+        self.shadows[self.len] = shadow_ray.ray;
+        self.pending[self.len] = PendingLight { index, light: throughput * shadow_ray.radiance };
         self.len += 1;
     }
 
     /// Lets the light of the first `count` shadow rays of a block wait, of those that have any.
     #[inline(always)]
-    pub(super) fn extend(&mut self, isa: Isa, shadows: &Shadows, count: usize) {
+    pub(super) fn extend(&mut self, isa: Isa, shadows: &ShadowRays, count: usize) {
         self.make_room(LANES);
         self.len += shadows.keep(isa, count, &mut self.shadows[self.len..], &mut self.pending[self.len..]);
     }
@@ -48,7 +48,7 @@ impl Connections {
     fn make_room(&mut self, count: usize) {
         if self.shadows.len() < self.len + count {
             self.shadows.resize(2 * self.len + count, Ray::zeroed());
-            self.pending.resize(2 * self.len + count, Pending::zeroed());
+            self.pending.resize(2 * self.len + count, PendingLight::zeroed());
         }
     }
 
@@ -57,7 +57,7 @@ impl Connections {
         let count = std::mem::take(&mut self.len);
         self.occluded.resize(count, false);
         world.occluded_many(&self.shadows[..count], &mut self.occluded);
-        for (Pending { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
+        for (PendingLight { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
             // Adding nothing is quicker than a branch that nobody can foresee.
             radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
         }

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::bake::say;
+use super::bake::print_text;
 use super::progress::{Style, per_second, print_line};
 use crate::driver::CacheUse;
 
 /// Work that was announced.
-pub(super) struct Errand {
+pub(super) struct Job {
     style: Style,
     start: Instant,
 }
@@ -30,14 +30,14 @@ pub(super) struct Outcome<'a> {
     pub(super) file: Option<&'a Path>,
 }
 
-impl Errand {
+impl Job {
     /// Announces the work: by a title, or an event with these values.
     pub(super) fn start(style: Style, title: String, mut event: Value) -> Self {
         if style == Style::Json {
             event["event"] = "start".into();
             print_line(&event);
         } else {
-            say(style, &title);
+            print_text(style, &title);
         }
         Self { style, start: Instant::now() }
     }
@@ -48,7 +48,7 @@ impl Errand {
         if self.style == Style::Json {
             print_line(&outcome.event(seconds.as_secs_f64(), per_second(outcome.rays, seconds)));
         } else {
-            say(self.style, &outcome.text(seconds.as_secs_f64()));
+            print_text(self.style, &outcome.text(seconds.as_secs_f64()));
         }
     }
 }

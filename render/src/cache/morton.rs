@@ -7,7 +7,7 @@ use glam::Vec3;
 const BITS: u32 = 21;
 
 /// Sorts `items` by their places along the curve; those at the same place by `tie`.
-pub(crate) fn sort_along_curve<T, K: Ord>(items: &mut [T], position: impl Fn(&T) -> Vec3, tie: impl Fn(&T) -> K) {
+pub(crate) fn sort_by_morton_code<T, K: Ord>(items: &mut [T], position: impl Fn(&T) -> Vec3, tie: impl Fn(&T) -> K) {
     let Some(first) = items.first().map(&position) else { return };
     let (lower, upper) = items
         .iter()
@@ -50,7 +50,7 @@ mod tests {
     fn octants_follow_each_other_and_ties_are_broken() {
         let corner = |i: usize| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let mut corners: Vec<(usize, Vec3)> = (0..16).rev().map(|i| (i, corner(i % 8))).collect();
-        sort_along_curve(&mut corners, |&(_, position)| position, |&(i, _)| i);
+        sort_by_morton_code(&mut corners, |&(_, position)| position, |&(i, _)| i);
         let order: Vec<usize> = corners.into_iter().map(|(i, _)| i).collect();
         assert_eq!(order, (0..8).flat_map(|i| [i, i + 8]).collect::<Vec<_>>());
     }

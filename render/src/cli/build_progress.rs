@@ -15,7 +15,7 @@ const STEPS: u64 = 1000;
 const JSON_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Shows how far a build is; on being dropped, nothing any more.
-pub(super) struct Building {
+pub(super) struct BuildProgress {
     state: Mutex<State>,
 }
 
@@ -32,7 +32,7 @@ enum Output {
     Bar(ProgressBar),
 }
 
-impl Building {
+impl BuildProgress {
     /// Shows the progress of a build of `triangles`, if that takes long.
     pub(super) fn start(style: Style, triangles: usize) -> Self {
         let output = match style {
@@ -62,7 +62,7 @@ impl Building {
     }
 }
 
-impl Drop for Building {
+impl Drop for BuildProgress {
     fn drop(&mut self) {
         if let Ok(State { output: Output::Bar(bar), .. }) = self.state.get_mut() {
             bar.finish_and_clear();
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn only_large_models_are_worth_a_word() {
         let shows = |style, triangles| {
-            !matches!(Building::start(style, triangles).state.get_mut().unwrap().output, Output::None)
+            !matches!(BuildProgress::start(style, triangles).state.get_mut().unwrap().output, Output::None)
         };
         assert!(shows(Style::Json, LARGE) && shows(Style::Bar, LARGE));
         assert!(!shows(Style::Silent, LARGE) && !shows(Style::Json, LARGE - 1) && !shows(Style::Bar, LARGE - 1));
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn fractions_add_up_to_one_at_most() {
-        let building = Building::start(Style::Silent, LARGE);
+        let building = BuildProgress::start(Style::Silent, LARGE);
         (0..3).for_each(|_| building.advance(0.25));
         assert_eq!(building.state.lock().unwrap().done, 0.75);
         building.advance(0.5);

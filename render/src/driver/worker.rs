@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
+use super::frame::{FrameRender, TileScratch};
 use super::levels;
-use super::shot::{Batch, Shot};
 use crate::cache::Cache;
 use crate::film::{TILE_SIDE, Tile, tiles};
 use crate::integrator::Prepared;
@@ -17,13 +17,13 @@ use crate::world::World;
 const SAMPLES: u32 = 2;
 
 /// One worker's tiles of a picture: first one sample a pixel from coarse to fine, then wave by wave the others.
-pub struct Share {
-    shot: Shot,
+pub struct TileWorker {
+    frame: FrameRender,
     tiles: Vec<Tile>,
-    batch: Batch,
+    scratch: TileScratch,
     /// The tile that is next.
     next: usize,
-    /// The side in pixels of the blocks at hand, or 0 when every pixel has a sample.
+    /// The side in pixels of the squares at hand, or 0 when every pixel has a sample.
     side: u32,
 }
 
@@ -34,7 +34,7 @@ pub struct Step {
     pub x: Range<u32>,
     /// The tile's rows.
     pub y: Range<u32>,
-    /// Linear radiance of its pixels so far, row by row; as long as only the corners of blocks have a sample, blocks of
+    /// Linear radiance of its pixels so far, row by row; as long as only the corners of squares have a sample, squares of
     /// one colour.
     pub radiance: Vec<[f32; 3]>,
     /// Camera samples taken.
@@ -43,7 +43,7 @@ pub struct Step {
     pub rays: u64,
 }
 
-impl Share {
+impl TileWorker {
     /// Every tile of the picture that `world`'s camera sees whose number leaves `number` when divided by `count`, the
     /// number of workers, more than 0. The integrator `cached` reads `cache`, to which nothing is added
     /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced.
@@ -56,32 +56,38 @@ impl Share {
         };
         let settings = Settings { aov: false, ..settings.clone() };
         let tiles = tiles(settings.width, settings.height, false).into_iter().skip(number).step_by(count).collect();
-        Self { shot: Shot::new(world, settings, prepared), tiles, batch: Batch::default(), next: 0, side: TILE_SIDE }
+        Self {
+            frame: FrameRender::new(world, settings, prepared),
+            tiles,
+            scratch: TileScratch::default(),
+            next: 0,
+            side: TILE_SIDE,
+        }
     }
 
     /// Goes on by a step; `None` if all is done. `world` is the one that the share was made for, looked at from anywhere.
     pub fn step(&mut self, world: &World) -> Option<Step> {
-        let Self { shot, tiles, batch, next, side } = self;
-        let spp = shot.settings.spp;
+        let Self { frame, tiles, scratch, next, side } = self;
+        let spp = frame.settings.spp;
         let tile = tiles.get_mut(*next).filter(|tile| *side > 0 || tile.samples < spp)?;
         let pixels = tile.pixels().enumerate();
-        let (samples, rays, block);
+        let (samples, rays, square);
         if *side > 0 {
             let pixels: Vec<_> = pixels.filter(|&(_, (x, y))| levels::is_new(x, y, *side, TILE_SIDE)).collect();
-            rays = shot.sample(world, batch, tile, &pixels, 0..1);
+            rays = frame.sample(world, scratch, tile, &pixels, 0..1);
             samples = pixels.len();
             tile.samples = u32::from(*side == 1);
-            block = *side;
+            square = *side;
         } else {
             let pixels: Vec<_> = pixels.collect();
             let end = spp.min(tile.samples + SAMPLES);
-            rays = shot.sample(world, batch, tile, &pixels, tile.samples..end);
+            rays = frame.sample(world, scratch, tile, &pixels, tile.samples..end);
             samples = pixels.len() * (end - tile.samples) as usize;
             tile.samples = end;
-            block = 1;
+            square = 1;
         }
         let (x, y) = tile.extent();
-        let radiance = radiance(tile, block);
+        let radiance = radiance(tile, square);
         *next += 1;
         if *next == tiles.len() {
             (*next, *side) = (0, *side / 2);
@@ -91,14 +97,14 @@ impl Share {
 
     /// Samples a pixel that all tiles have.
     pub fn samples_per_pixel(&self) -> u32 {
-        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(self.shot.settings.spp)
+        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(self.frame.settings.spp)
     }
 }
 
-/// The radiance of a tile's pixels, each that of the upper left one in its block.
-fn radiance(tile: &Tile, block: u32) -> Vec<[f32; 3]> {
+/// The radiance of a tile's pixels, each that of the upper left one in its square.
+fn radiance(tile: &Tile, square: u32) -> Vec<[f32; 3]> {
     let (columns, rows) = tile.extent();
-    let corner = |i: u32| i - i % block;
+    let corner = |i: u32| i - i % square;
     tile.pixels()
         .map(|(x, y)| {
             let (x, y) = (corner(x) - columns.start, corner(y) - rows.start);
@@ -114,9 +120,9 @@ mod tests {
     use crate::film::Picture;
     use crate::scene::cornell_box;
 
-    struct Unwatched;
+    struct NeverStops;
 
-    impl Watch for Unwatched {
+    impl Watch for NeverStops {
         fn advance(&self, _samples: u64, _rays: u64) {}
         fn stop(&self) -> bool {
             false
@@ -138,9 +144,9 @@ mod tests {
         let world = World::new(cornell_box()).unwrap();
         for name in ["path", "ao", "cached"] {
             let settings = settings(name);
-            let whole = render(&world, &settings, &Unwatched);
+            let whole = render(&world, &settings, &NeverStops);
             let cache =
-                |options| fill_cache(&world, &settings, Cache::new(options, world.surroundings_hash()), &Unwatched);
+                |options| fill_cache(&world, &settings, Cache::new(options, world.surroundings_hash()), &NeverStops);
             let cache = match settings.integrator {
                 Integrator::Cached(options) => Some(cache(options)),
                 _ => None,
@@ -149,14 +155,14 @@ mod tests {
                 let mut seen = 0;
                 let (mut rays, mut samples) = (0, 0);
                 for number in 0..count {
-                    let mut share = Share::new(&world, &settings, cache.clone(), number, count);
+                    let mut worker = TileWorker::new(&world, &settings, cache.clone(), number, count);
                     let mut last = Vec::new();
-                    while let Some(step) = share.step(&world) {
+                    while let Some(step) = worker.step(&world) {
                         (rays, samples) = (rays + step.rays, samples + step.samples);
                         last.retain(|tile: &Step| tile.x != step.x || tile.y != step.y);
                         last.push(step);
                     }
-                    assert_eq!(share.samples_per_pixel(), 4);
+                    assert_eq!(worker.samples_per_pixel(), 4);
                     for Step { x, y, radiance, .. } in last {
                         let places = y.flat_map(|y| x.clone().map(move |x| (x, y)));
                         for ((x, y), found) in places.zip(radiance) {
@@ -176,9 +182,9 @@ mod tests {
     fn blocks_have_the_colour_of_their_corner() {
         let world = World::new(cornell_box()).unwrap();
         let settings = settings("normals");
-        let mut share = Share::new(&world, &settings, None, 0, 6);
+        let mut worker = TileWorker::new(&world, &settings, None, 0, 6);
         for side in [32, 16, 8, 4, 2, 1] {
-            let Step { radiance, samples, .. } = share.step(&world).unwrap();
+            let Step { radiance, samples, .. } = worker.step(&world).unwrap();
             assert_eq!(samples, if side == 32 { 1 } else { 3 * (32 / side) * (32 / side) / 4 });
             for (i, value) in radiance.iter().enumerate() {
                 let (x, y) = (i % 32, i / 32);
@@ -191,7 +197,7 @@ mod tests {
     #[test]
     fn a_worker_too_many_has_nothing_to_do() {
         let world = World::new(cornell_box()).unwrap();
-        let mut share = Share::new(&world, &settings("ao"), None, 6, 7);
-        assert_eq!((share.step(&world), share.samples_per_pixel()), (None, 4));
+        let mut worker = TileWorker::new(&world, &settings("ao"), None, 6, 7);
+        assert_eq!((worker.step(&world), worker.samples_per_pixel()), (None, 4));
     }
 }

@@ -21,7 +21,7 @@ pub(crate) enum Effort {
 pub(crate) struct Interrupted;
 
 /// Runs the renders of experiments.
-pub(crate) struct Lab<'a> {
+pub(crate) struct Runner<'a> {
     effort: Effort,
     watch: &'a dyn Watch,
     seed: u64,
@@ -37,7 +37,7 @@ pub(super) struct Runs {
     pub rays: u64,
 }
 
-impl<'a> Lab<'a> {
+impl<'a> Runner<'a> {
     /// A lab that makes the same experiments whenever it has the same `effort` and `seed`.
     pub(crate) fn new(effort: Effort, seed: u64, watch: &'a dyn Watch) -> Self {
         Self { effort, watch, seed, renders: Cell::new(0) }

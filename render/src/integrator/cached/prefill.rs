@@ -1,17 +1,17 @@
-//! The overture: fills a cache for what a camera sees, coarse to fine, or for given points.
+//! The prefill: fills a cache for what a camera sees, coarse to fine, or for given points.
 //!
 //! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and what the gathers'
 //! rays hit asks it for indirect light, of which paths bring most of the noise. A few points gather from paths themselves.
 //!
 //! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first, as Driscoll hopes
 //! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
-//! deeper cache is needed where the gathers' rays end, so its candidates are found by rays from the candidates above.
+//! deeper cache is needed where the gathers' rays end, so its sites are found by rays from the sites above.
 
 use rayon::prelude::*;
 
-use super::candidates::{camera_candidates, loose_candidates, loose_passes, scout};
-use super::level::Candidate;
-use super::{Forgetful, Frozen, Journal, Level, Source};
+use super::level::RecordSite;
+use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
+use super::{FrozenCache, GatherSource, Level, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
 use crate::driver::Watch;
@@ -27,17 +27,22 @@ const MOST_TEXELS: f32 = 40.0;
 const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
-/// From so many candidates without a record on it is worth it to gather from another cache instead of by paths ...
+/// From so many sites without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
 const FEWER: u32 = 4;
 
 /// Adds to `cache` what a camera needs, and freezes it; gives the rays traced.
-pub(crate) fn fill_for_camera(world: &World, settings: &Settings, cache: Cache, watch: &dyn Watch) -> (Frozen, u64) {
+pub(crate) fn fill_for_camera(
+    world: &World,
+    settings: &Settings,
+    cache: Cache,
+    watch: &dyn Watch,
+) -> (FrozenCache, u64) {
     let camera = Camera::new(&world.camera, settings.width, settings.height);
-    let (candidates, passes, rays) = camera_candidates(world, settings, &camera, cache.options().error);
-    let overture = Overture { world, seed: settings.seed, source: None, journal: &Forgetful, watch };
-    let (frozen, traced) = overture.fill(cache, &candidates, &passes);
+    let (sites, passes, rays) = camera_sites(world, settings, &camera, cache.options().error);
+    let prefill = Prefill { world, seed: settings.seed, source: None, log: &NoLog, watch };
+    let (frozen, traced) = prefill.fill(cache, &sites, &passes);
     (frozen, rays + traced)
 }
 
@@ -48,11 +53,11 @@ pub(crate) fn fill_for_surfaces(
     cache: Cache,
     surfaces: &[Surface],
     watch: &dyn Watch,
-) -> (Frozen, u64) {
+) -> (FrozenCache, u64) {
     let least_units = SENSOR_UNITS * cache.options().error;
-    let candidates = loose_candidates(world, surfaces, 0, least_units, 1);
-    let overture = Overture { world, seed, source: None, journal: &Forgetful, watch };
-    overture.fill(cache, &candidates, &loose_passes(candidates.len()))
+    let sites = point_sites(world, surfaces, 0, least_units, 1);
+    let prefill = Prefill { world, seed, source: None, log: &NoLog, watch };
+    prefill.fill(cache, &sites, &point_passes(sites.len()))
 }
 
 /// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
@@ -62,79 +67,75 @@ pub(crate) fn fill_for_texels<'w>(
     seed: u64,
     cache: Cache,
     texels: &[(Surface<'w>, f32)],
-    source: Source,
-    journal: &dyn Journal,
+    source: GatherSource,
+    log: &dyn RecordLog,
     watch: &dyn Watch,
-) -> (Frozen, u64) {
+) -> (FrozenCache, u64) {
     let least_texels = LEAST_TEXELS * cache.options().error;
-    let candidate = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| Candidate {
+    let site = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| RecordSite {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
         bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
     };
-    let candidates: Vec<Candidate> = (0..).zip(texels).map(candidate).collect();
-    Overture { world, seed, source: Some(source), journal, watch }.fill(
-        cache,
-        &candidates,
-        &loose_passes(candidates.len()),
-    )
+    let sites: Vec<RecordSite> = (0..).zip(texels).map(site).collect();
+    Prefill { world, seed, source: Some(source), log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 
 /// What caches are filled with.
-struct Overture<'a> {
+struct Prefill<'a> {
     world: &'a World,
     seed: u64,
     /// Where light comes from, unless a cache has a number of bounces; by default from paths, or another cache.
-    source: Option<Source<'a>>,
-    journal: &'a dyn Journal,
+    source: Option<GatherSource<'a>>,
+    log: &'a dyn RecordLog,
     watch: &'a dyn Watch,
 }
 
-impl Overture<'_> {
+impl Prefill<'_> {
     /// Fills `cache` from the source, or from caches of one, two, three reflections in turn.
-    fn fill(&self, mut cache: Cache, candidates: &[Candidate], passes: &[Pass]) -> (Frozen, u64) {
+    fn fill(&self, mut cache: Cache, sites: &[RecordSite], passes: &[Pass]) -> (FrozenCache, u64) {
         let Self { world, seed, source, .. } = *self;
         let options = *cache.options();
         let mut traced = 0;
-        let mut below: Option<Frozen> = None;
-        let mut paths = source.unwrap_or(Source::Paths(None));
+        let mut below: Option<FrozenCache> = None;
+        let mut paths = source.unwrap_or(GatherSource::Paths(None));
         if let Some(bounces) = options.bounces {
-            // Candidates from the surface down; the first that are needed are found last.
-            let mut deeper: Vec<Vec<Candidate>> = Vec::new();
+            // Sites from the surface down; the first that are needed are found last.
+            let mut deeper: Vec<Vec<RecordSite>> = Vec::new();
             for level in 1..bounces {
-                let above = deeper.last().map_or(candidates, Vec::as_slice);
-                deeper.push(scout(world, above, seed, level, DEEPER_UNITS * options.error));
+                let above = deeper.last().map_or(sites, Vec::as_slice);
+                deeper.push(deeper_sites(world, above, seed, level, DEEPER_UNITS * options.error));
             }
             // One reflection of direct light: the surface that the gather sees, and the light.
-            paths = Source::Paths(Some(2));
-            for (reflections, candidates) in (1..).zip(deeper.iter().rev()) {
+            paths = GatherSource::Paths(Some(2));
+            for (reflections, sites) in (1..).zip(deeper.iter().rev()) {
                 let options = CachedOptions { bounces: Some(reflections), ..options };
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
-                let source = below.as_ref().map_or(paths, Source::Cache);
-                traced += self.fill_level(&mut cache, source, candidates, &loose_passes(candidates.len()));
-                below = Some(Frozen::new(cache));
+                let source = below.as_ref().map_or(paths, GatherSource::Cache);
+                traced += self.fill_level(&mut cache, source, sites, &point_passes(sites.len()));
+                below = Some(FrozenCache::new(cache));
             }
         } else if source.is_none() {
             let is_open = |place: &Place| !cache.covers(place.position, place.normal);
-            if candidates.par_iter().filter(|candidate| is_open(&candidate.place)).count() >= MANY {
+            if sites.par_iter().filter(|site| is_open(&site.place)).count() >= MANY {
                 let options = self::below(&options);
-                let candidates = scout(world, candidates, seed, 1, SENSOR_UNITS * options.error);
+                let sites = deeper_sites(world, sites, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
-                traced += self.fill_level(&mut cache, paths, &candidates, &loose_passes(candidates.len()));
-                below = Some(Frozen::new(cache));
+                traced += self.fill_level(&mut cache, paths, &sites, &point_passes(sites.len()));
+                below = Some(FrozenCache::new(cache));
             }
         }
-        let source = below.as_ref().map_or(paths, Source::Cache);
-        traced += self.fill_level(&mut cache, source, candidates, passes);
-        (Frozen::new(cache), traced)
+        let source = below.as_ref().map_or(paths, GatherSource::Cache);
+        traced += self.fill_level(&mut cache, source, sites, passes);
+        (FrozenCache::new(cache), traced)
     }
 
     /// Fills one cache with light from a source; gives the rays traced.
-    fn fill_level(&self, cache: &mut Cache, source: Source, candidates: &[Candidate], passes: &[Pass]) -> u64 {
-        let Self { world, seed, journal, watch, .. } = *self;
+    fn fill_level(&self, cache: &mut Cache, source: GatherSource, sites: &[RecordSite], passes: &[Pass]) -> u64 {
+        let Self { world, seed, log, watch, .. } = *self;
         let options = *cache.options();
         let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
-        Level { world, options: &options, source, gatherer, watch, journal }.fill(cache, candidates, passes)
+        Level { world, options: &options, source, gatherer, watch, log }.fill(cache, sites, passes)
     }
 }
 

@@ -45,10 +45,10 @@ pub(in crate::integrator) struct Paths {
     unused: Integers,
 }
 
-/// [`Face`](crate::world::Face)s.
+/// [`TriangleRecord`](crate::world::TriangleRecord)s.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Faces {
+pub(super) struct TriangleColumns {
     pub corners: [Vectors; 3],
     pub normal: Vectors,
     pub offset: Column,
@@ -57,20 +57,20 @@ pub(super) struct Faces {
     pub is_plain: Integers,
 }
 
-/// [`Finish`](crate::world::Finish)es.
+/// [`MaterialRecord`](crate::world::MaterialRecord)s.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Finishes {
+pub(super) struct MaterialColumns {
     pub diffuse: Vectors,
     pub is_matte: Integers,
     pub emission: Vectors,
     pub emits_both_sides: Integers,
 }
 
-/// [`Emitter`](crate::world::Emitter)s.
+/// [`EmitterRecord`](crate::world::EmitterRecord)s.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Emitters {
+pub(super) struct EmitterColumns {
     pub corners: [Vectors; 3],
     pub normal: Vectors,
     pub offset: Column,

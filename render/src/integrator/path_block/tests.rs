@@ -5,7 +5,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp
 use halfdome_kernel::{Isa, Level, Task};
 
 use super::*;
-use crate::estimator::{prospect, shine};
+use crate::estimator::{area_light_sample, light_warp};
 use crate::scene::{CameraPose, Mesh, Scene};
 use crate::settings::LightSampling;
 
@@ -16,8 +16,8 @@ struct Step<'a> {
     rays: &'a [Ray],
     lights: LightSampling,
     matte: &'a Material,
-    block: &'a mut Block,
-    shadows: &'a mut Shadows,
+    block: &'a mut PathBlock,
+    shadows: &'a mut ShadowRays,
     bounces: &'a mut Bounces,
 }
 
@@ -28,16 +28,16 @@ impl Task for Step<'_> {
     fn run(self) {
         let Self { world, paths, rays, lights, matte, block, shadows, bounces } = self;
         block.arrive(world, paths, rays);
-        block.gamble(Survival::Throughput { max: 0.9 });
+        block.roulette(Survival::Throughput { max: 0.9 });
         assert!(block.choose_lights(world) && !block.has_specular());
-        block.connect(lights, matte, shadows);
+        block.sample_lights(lights, matte, shadows);
         block.bounce(matte, bounces);
     }
 }
 
 const TRIANGLES: u32 = 40;
 
-/// Triangles anywhere, every second one a lamp, of which every other shines to both sides.
+/// Triangles anywhere, every second one a light, of which every other shines to both sides.
 fn world() -> World {
     let material = |i: u32| {
         let [red, green, blue, _] = Stream::new(1, i, 0).uniform4(0);
@@ -77,13 +77,14 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
     let mut lit = 0;
     for isa in Level::ALL.into_iter().filter_map(Isa::new) {
         for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
-            let (mut block, mut shadows, mut bounces) = (Block::new(), Shadows::new(), Bounces::new());
+            let (mut block, mut shadows, mut bounces) = (PathBlock::new(), ShadowRays::new(), Bounces::new());
             block.len = count;
             for (i, (_, _, hit)) in numbers.iter().enumerate() {
                 block.put(i, count - 1 - i, hit);
                 let stream = Stream::new(3, i as u32, 0);
-                (block.on_light[i], block.onwards[i]) = (stream.uniform2(0), stream.uniform2(1));
-                (block.cosine[i], block.chances[i]) = (CosineHemisphere.map(block.onwards[i]), stream.uniform2(2).x);
+                (block.u_light[i], block.u_direction[i]) = (stream.uniform2(0), stream.uniform2(1));
+                (block.cosine[i], block.u_roulette[i]) =
+                    (CosineHemisphere.map(block.u_direction[i]), stream.uniform2(2).x);
             }
             let (block_, shadows_, bounces_) = (&mut block, &mut shadows, &mut bounces);
             isa.run(Step {
@@ -97,31 +98,31 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                 bounces: bounces_,
             });
             let (mut found_shadows, mut found_lights) = (vec![Ray::zeroed(); count], vec![[0.0; 4]; count]);
-            let connections = shadows.keep(isa, count, &mut found_shadows, &mut found_lights);
+            let count = shadows.keep(isa, count, &mut found_shadows, &mut found_lights);
             let (mut next_rays, mut next_paths) = (vec![Ray::zeroed(); count], paths.clone());
             let kept = bounces.keep(isa, count, &mut next_rays, &mut next_paths);
-            let mut connected = found_shadows[..connections].iter().zip(&found_lights);
+            let mut connected = found_shadows[..count].iter().zip(&found_lights);
             let mut gone_on = next_rays[..kept].iter().zip(&next_paths);
             for (i, (path, ray, hit)) in numbers.iter().enumerate() {
                 let seen = world.surface_at(hit);
-                assert_eq!(block.is_rare(i), seen.emitted(ray.direction) != Vec3::ZERO, "{isa:?}, {i}");
+                assert_eq!(block.is_general(i), seen.emitted(ray.direction) != Vec3::ZERO, "{isa:?}, {i}");
                 let surface = seen.facing(ray.direction);
-                // A lamp, as one path would sample it.
+                // A light, as one path would sample it.
                 let choice =
-                    world.lights.choose(super::super::state::light_choice(block.on_light[i], block.onwards[i]));
+                    world.lights.choose(super::super::state::u_light_choice(block.u_light[i], block.u_direction[i]));
                 let choice = choice.unwrap();
-                let crate::light::Source::Triangle(prim_id) = *choice.source else { panic!("there are no others") };
-                let face = world.plain_face(prim_id).unwrap();
-                let prospect = prospect(surface.position, surface.normal, &face.corners, lights);
-                let place = prospect.map(Vec2::new(choice.rest, block.on_light[i].y));
+                let crate::light::Light::Triangle(prim_id) = *choice.light else { panic!("there are no others") };
+                let face = world.plain_triangle(prim_id).unwrap();
+                let warp = light_warp(surface.position, surface.normal, &face.corners, lights);
+                let place = warp.map(Vec2::new(choice.rest, block.u_light[i].y));
                 let Vec2 { x, y } = TriangleWarp.map(place);
-                let lamp = world.surface(prim_id, x, y);
-                let both = lamp.material.emits_both_sides;
-                let lamp = if both { lamp.facing(face.corners[0] - surface.position) } else { lamp };
-                let area = world.lights.area_density(prim_id).recip() * prospect.per_density(place);
-                let (light, arrives) = shine(&surface, &lamp, area);
+                let emitter = world.surface(prim_id, x, y);
+                let both = emitter.material.emits_both_sides;
+                let emitter = if both { emitter.facing(face.corners[0] - surface.position) } else { emitter };
+                let area = world.lights.area_density(prim_id).recip() * warp.per_density(place);
+                let (light, arrives) = area_light_sample(&surface, &emitter, area);
                 let (reflected, density) = surface.evaluate(light.direction);
-                let radiance = reflected * light.radiance * lights.of_light(light.per_density, density);
+                let radiance = reflected * light.radiance * lights.light_weight(light.inv_density, density);
                 if lights != LightSampling::Naive && arrives && radiance.max_element() > 0.0 {
                     let (shadow, found) = connected.next().unwrap();
                     let light_found = Vec3::new(found[1], found[2], found[3]);
@@ -130,8 +131,8 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                     lit += 1;
                 }
                 let survival = (path.throughput * surface.diffuse).max_element().min(0.9);
-                if let Some(bounce) = surface.sample(ray.direction, block.onwards[i])
-                    && block.chances[i] < survival
+                if let Some(bounce) = surface.sample(ray.direction, block.u_direction[i])
+                    && block.u_roulette[i] < survival
                 {
                     let (next_ray, next) = gone_on.next().unwrap();
                     let origin = surface.origin_towards(bounce.direction);
@@ -151,11 +152,11 @@ fn thresholds_end_the_paths_below_them() {
     let (world, cutoff) = (world(), 0.3);
     let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32)).collect();
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
-    let mut block = Block::new();
+    let mut block = PathBlock::new();
     block.len = LANES;
     numbers.iter().enumerate().for_each(|(i, (_, _, hit))| block.put(i, i, hit));
     block.arrive(&world, &paths, &rays);
-    block.end_below(cutoff);
+    block.end_below_threshold(cutoff);
     let mut ended = 0;
     for (i, (path, _, hit)) in numbers.iter().enumerate() {
         let reflected = path.throughput * world.surface_at(hit).diffuse;

@@ -59,7 +59,7 @@ impl World {
 
     /// The number of a triangle among those of its mesh.
     pub(super) fn index_in_mesh(&self, prim_id: u32) -> usize {
-        (prim_id - self.first_faces[self.faces[prim_id as usize].mesh as usize]) as usize
+        (prim_id - self.first_faces[self.triangle_records[prim_id as usize].mesh as usize]) as usize
     }
 
     fn verdict(&self, hit: &Hit) -> Verdict {
@@ -73,7 +73,7 @@ impl World {
     }
 
     fn is_cut_out(&self, hit: &Hit) -> bool {
-        let face = &self.faces[hit.prim_id as usize];
+        let face = &self.triangle_records[hit.prim_id as usize];
         let material = &self.materials[face.material as usize];
         material.cutout.is_some_and(|cutout| {
             let alpha = material.diffuse_map.as_ref().map_or(1.0, |map| {

@@ -1,7 +1,7 @@
 //! What a bake has found so far, so that one that was stopped can go on: values of blocks of texels, and irradiance records.
 //!
 //! Everything has a key and a value of 32-bit words, and does not depend on when it was found. A bake that goes on asks the
-//! journal before it traces a ray; as all else follows from the answers, it ends with the same bytes as one that was never
+//! checkpoint before it traces a ray; as all else follows from the answers, it ends with the same bytes as one that was never
 //! stopped.
 //!
 //! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key, number
@@ -43,9 +43,9 @@ pub(super) enum Stage {
 /// Values by stage and number.
 type Entries = BTreeMap<(u8, u64), Vec<u32>>;
 
-/// The journal of a bake.
+/// The checkpoint of a bake.
 #[derive(Debug)]
-pub struct Journal {
+pub struct Checkpoint {
     hash: u64,
     state: Mutex<State>,
     file: Option<(OutputFile, Duration)>,
@@ -59,19 +59,19 @@ struct State {
     failure: Option<OutputError>,
 }
 
-impl Journal {
-    /// An empty journal of what has this hash, which is kept in memory alone.
+impl Checkpoint {
+    /// An empty checkpoint of what has this hash, which is kept in memory alone.
     pub fn new(hash: u64) -> Self {
         let state = State { entries: BTreeMap::new(), saved: Instant::now(), failure: None };
         Self { hash, state: Mutex::new(state), file: None }
     }
 
-    /// Writes the journal to a file from now on, whenever `interval` has passed since the last time.
+    /// Writes the checkpoint to a file from now on, whenever `interval` has passed since the last time.
     pub fn keep(self, file: OutputFile, interval: Duration) -> Self {
         Self { file: Some((file, interval)), ..self }
     }
 
-    /// Reads a journal of what has this hash; `None` if there is no file.
+    /// Reads a checkpoint of what has this hash; `None` if there is no file.
     ///
     /// # Errors
     /// If the file cannot be read, is none of ours or damaged, or of something else.
@@ -89,9 +89,9 @@ impl Journal {
         if found != hash {
             return Err(error("is of another level, or of other options"));
         }
-        let journal = Self::new(hash);
-        journal.state().entries = entries;
-        Ok(Some(journal))
+        let checkpoint = Self::new(hash);
+        checkpoint.state().entries = entries;
+        Ok(Some(checkpoint))
     }
 
     /// Where the state of a bake to `output` is kept.
@@ -147,22 +147,22 @@ impl Journal {
     }
 }
 
-/// Irradiance records in a journal.
-pub(super) struct Notes<'a> {
-    pub(super) journal: &'a Journal,
+/// Irradiance records in a checkpoint.
+pub(super) struct CheckpointedRecords<'a> {
+    pub(super) checkpoint: &'a Checkpoint,
     /// Of which cache they are.
     pub(super) stage: Stage,
 }
 
-impl integrator::Journal for Notes<'_> {
-    fn known(&self, key: u64) -> Option<Record> {
-        self.journal
+impl integrator::RecordLog for CheckpointedRecords<'_> {
+    fn get(&self, key: u64) -> Option<Record> {
+        self.checkpoint
             .get(self.stage, key)
             .and_then(|words| Some(Record::from_words(key, words.as_slice().try_into().ok()?)))
     }
 
-    fn note(&self, record: &Record) {
-        self.journal.put(self.stage, record.key, record.words().to_vec());
+    fn put(&self, record: &Record) {
+        self.checkpoint.put(self.stage, record.key, record.words().to_vec());
     }
 }
 

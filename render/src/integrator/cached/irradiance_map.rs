@@ -10,19 +10,19 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
 use super::indirect;
-use crate::integrator::{CameraRays, Wavefront};
+use crate::integrator::{RayBatch, Wavefront};
 use crate::scene::Specular;
 use crate::world::World;
 
 /// Somebody who knows irradiance.
-pub(crate) trait Known: Sync {
+pub(crate) trait IrradianceMap: Sync {
     /// All irradiance at a hit on the front of a triangle, direct light included; `None` where it is not known.
     fn irradiance(&self, hit: &Hit) -> Option<Vec3>;
 }
 
 /// The rays that paths go on from.
 #[derive(Default)]
-pub(super) struct Unknown {
+pub(super) struct UnmappedHits {
     /// Their numbers.
     of: Vec<usize>,
     rays: Vec<Ray>,
@@ -34,29 +34,29 @@ pub(super) struct Unknown {
 /// Writes what surfaces reflect along each ray that hits one; gives the number of further rays.
 pub(super) fn radiance(
     world: &World,
-    known: &dyn Known,
-    camera: &CameraRays,
+    map: &dyn IrradianceMap,
+    batch: &RayBatch,
     wave: &mut Wavefront,
-    unknown: &mut Unknown,
+    unmapped: &mut UnmappedHits,
     radiance: &mut [Vec3],
 ) -> u64 {
-    unknown.clear();
-    for (i, (ray, hit)) in camera.rays.iter().zip(camera.hits).enumerate() {
+    unmapped.clear();
+    for (i, (ray, hit)) in batch.rays.iter().zip(batch.hits).enumerate() {
         radiance[i] = Vec3::ZERO;
         if !hit.is_hit() {
             continue;
         }
         let surface = world.surface_at(hit);
         let is_plain = surface.normal.dot(ray.direction) < 0.0 && surface.material.specular == Specular::None;
-        match is_plain.then(|| known.irradiance(hit)).flatten() {
+        match is_plain.then(|| map.irradiance(hit)).flatten() {
             Some(irradiance) => radiance[i] = surface.diffuse * irradiance * (1.0 / PI),
-            None => unknown.push(i, *ray, *hit, camera.samplers[i]),
+            None => unmapped.push(i, *ray, *hit, batch.samplers[i]),
         }
     }
-    unknown.follow(world, camera, wave, radiance)
+    unmapped.follow(world, batch, wave, radiance)
 }
 
-impl Unknown {
+impl UnmappedHits {
     fn clear(&mut self) {
         self.of.clear();
         self.rays.clear();
@@ -72,12 +72,12 @@ impl Unknown {
     }
 
     /// Writes what paths find; gives the number of rays.
-    fn follow(&mut self, world: &World, camera: &CameraRays, wave: &mut Wavefront, radiance: &mut [Vec3]) -> u64 {
+    fn follow(&mut self, world: &World, batch: &RayBatch, wave: &mut Wavefront, radiance: &mut [Vec3]) -> u64 {
         if self.of.is_empty() {
             return 0;
         }
         self.radiance.resize(self.of.len(), Vec3::ZERO);
-        let rays = CameraRays { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, ..*camera };
+        let rays = RayBatch { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, ..*batch };
         let traced = indirect(world, None, &rays, wave, &mut self.radiance);
         for (&number, found) in self.of.iter().zip(&self.radiance) {
             radiance[number] = *found;

@@ -1,7 +1,8 @@
-//! What is known of triangles, in rows of eight numbers: whoever shades many surfaces turns them into columns.
+//! Shading records: what is known of triangles, their materials and their lights, in eight words or a multiple. Whoever shades
+//! many surfaces turns records into columns.
 //!
-//! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own row and its material's,
-//! and, if it is a lamp, in that of its light.
+//! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own record and its
+//! material's, and, if it emits, in that of its light.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -13,7 +14,7 @@ use crate::scene::{Material, Specular};
 /// A triangle, with what most hits need to know of it in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(crate) struct Face {
+pub(crate) struct TriangleRecord {
     pub(crate) corners: Triangle,
     /// Unit normal by the winding.
     pub(crate) normal: Vec3,
@@ -28,7 +29,7 @@ pub(crate) struct Face {
 /// What a material says of plain triangles.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Finish {
+pub(crate) struct MaterialRecord {
     pub(crate) diffuse: Vec3,
     /// Whether it is neither a mirror nor glass: 1, else 0.
     pub(crate) is_matte: u32,
@@ -41,7 +42,7 @@ pub(crate) struct Finish {
 /// A light that is a plain triangle.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Emitter {
+pub(crate) struct EmitterRecord {
     pub(crate) corners: Triangle,
     /// Unit normal, on the side that emits if there is only one.
     pub(crate) normal: Vec3,
@@ -57,7 +58,7 @@ pub(crate) struct Emitter {
     unused: [u32; 5],
 }
 
-impl Finish {
+impl MaterialRecord {
     /// What `material` says.
     pub(super) fn of(material: &Material) -> Self {
         let Material { diffuse, emission, emits_both_sides, specular, .. } = *material;
@@ -66,7 +67,7 @@ impl Finish {
     }
 }
 
-impl Emitter {
+impl EmitterRecord {
     /// What stands for lights of other kinds.
     pub(super) const NONE: Self = Self {
         corners: [Vec3::ZERO; 3],
@@ -80,12 +81,12 @@ impl Emitter {
     };
 
     /// The light that a triangle of this material is; none if the triangle is not plain.
-    pub(super) fn of(face: &Face, material: &Material, area: f32) -> Self {
-        let Face { corners, normal, offset, is_plain, .. } = *face;
+    pub(super) fn of(face: &TriangleRecord, material: &Material, area: f32) -> Self {
+        let TriangleRecord { corners, normal, offset, is_plain, .. } = *face;
         if is_plain == 0 {
             return Self::NONE;
         }
-        let Finish { emission, emits_both_sides, .. } = Finish::of(material);
+        let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);
         Self { corners, normal, offset, emission, area, emits_both_sides, is_plain, ..Self::NONE }
     }
 }
@@ -93,7 +94,7 @@ impl Emitter {
 impl World {
     /// A plain triangle; `None` for others.
     #[inline(always)]
-    pub(crate) fn plain_face(&self, prim_id: u32) -> Option<&Face> {
-        Some(&self.faces[prim_id as usize]).filter(|face| face.is_plain != 0)
+    pub(crate) fn plain_triangle(&self, prim_id: u32) -> Option<&TriangleRecord> {
+        Some(&self.triangle_records[prim_id as usize]).filter(|face| face.is_plain != 0)
     }
 }
