@@ -4,7 +4,7 @@
 //! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
 //! which its corners run counter-clockwise.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::{Sky, Texture, TextureMap};
 
@@ -246,6 +246,12 @@ impl Scene {
     }
 }
 
+/// `vector` at unit length, or `None` if it has no direction: zero, infinite or not a number.
+pub(super) fn unit(vector: Vec3) -> Option<Vec3> {
+    // Double precision, because the squares of a small or large vector leave the range of single precision.
+    vector.as_dvec3().try_normalize().map(DVec3::as_vec3)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,5 +269,14 @@ mod tests {
         assert!(sky.has_light());
         dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
         assert!(dark.has_light());
+    }
+
+    #[test]
+    fn unit_vectors_of_any_magnitude() {
+        assert_eq!(unit(Vec3::new(0.0, -3e38, 0.0)), Some(Vec3::NEG_Y));
+        assert_eq!(unit(Vec3::new(1e-44, 0.0, 0.0)), Some(Vec3::X));
+        assert_eq!(unit(Vec3::ZERO), None);
+        assert_eq!(unit(Vec3::new(f32::NAN, 1.0, 0.0)), None);
+        assert_eq!(unit(Vec3::new(f32::INFINITY, 1.0, 0.0)), None);
     }
 }

@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::Document;
 use super::texture::Textures;
-use crate::scene::model::count;
+use crate::scene::count;
 use crate::scene::{Cutout, Material, SceneError, Specular, Texture};
 
 /// The file's materials in its order, and the textures that they use.

@@ -25,7 +25,7 @@ use std::path::Path;
 use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
 
-use super::model::count;
+use super::error::count;
 use super::{Disk, Files, Material, Place, Scene, SceneError};
 
 /// Reads glTF as JSON text.

@@ -12,7 +12,7 @@ use glam::{Affine2, Mat2, Vec2};
 use image::ImageFormat;
 
 use super::{Document, accessor, container};
-use crate::scene::model::count;
+use crate::scene::count;
 use crate::scene::{SceneError, Texture, TextureFilter, TextureMap, Wrap};
 
 /// The textures that materials use, each image once.
