@@ -23,7 +23,6 @@ pub mod scene;
 pub mod settings;
 #[cfg(feature = "cli")]
 pub mod validate;
-mod watch;
 pub mod world;
 
 pub use executor::RayonExecutor;

@@ -67,8 +67,9 @@ impl World {
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
+    pub fn build<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
+        scene.complete_tangents();
         let surroundings_hash = scene.surroundings_hash();
         let Scene { meshes, materials, textures, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::error::CliError;
+use super::CliError;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 

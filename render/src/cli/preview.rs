@@ -4,11 +4,10 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::messages::{Style, print_line};
-use super::progress::Progress;
+use super::progress::{Progress, Style, print_line};
+use crate::driver::Watch;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
-use crate::watch::Watch;
 
 /// Watches a render as `progress` does, and writes each level.
 pub(super) struct Preview<'a> {

@@ -4,9 +4,9 @@
 //! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
 //! which its corners run counter-clockwise.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
-use super::{Sky, Texture, TextureMap};
+use super::{LightUnits, Material, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,8 +19,14 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Delta lights.
     pub lights: Vec<PunctualLight>,
+    /// What the file's numbers of [`lights`](Self::lights) were taken for; `None` if it has none.
+    pub light_units: Option<LightUnits>,
+    /// Other materials that the file has for meshes (`KHR_materials_variants`).
+    pub variants: Vec<Variant>,
     /// Where the picture is taken from; `None` when the file has no camera.
     pub camera: Option<CameraPose>,
+    /// The width of the camera's picture by its height, if the file says.
+    pub camera_aspect: Option<f32>,
     /// What rays see that leave the scene.
     pub sky: Sky,
     /// What the loader skipped or changed: shown to the user, one line each.
@@ -36,10 +42,15 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// One unit normal per position, or empty for flat shading.
     pub normals: Vec<Vec3>,
-    /// One texture coordinate per position, or empty.
+    /// One texture coordinate per position, or empty. (0, 0) is a picture's upper left corner.
     pub texcoords: Vec<Vec2>,
     /// One coordinate per position in a lightmap that the model was made for, or empty. They may be anything.
     pub lightmap_texcoords: Vec<Vec2>,
+    /// One colour per position, linear with alpha, or empty.
+    pub colors: Vec<Vec4>,
+    /// For the corners of each triangle, a unit tangent and in `w` the sign of the bitangent, which is
+    /// `w × (normal × tangent)` and points up in pictures; or empty.
+    pub tangents: Vec<[Vec4; 3]>,
     /// Three valid indices into `positions` each.
     pub triangles: Vec<[u32; 3]>,
     /// A valid index into [`Scene::materials`].
@@ -61,74 +72,13 @@ pub struct Origin {
     pub mirrored: bool,
 }
 
-/// How a surface reflects and emits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// The file's own name for it, or empty.
+/// A set of materials in place of those that meshes have by themselves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Variant {
+    /// The file's own name for it.
     pub name: String,
-    /// Diffuse reflectance (albedo) in 0..=1 per channel, on both sides.
-    pub diffuse: Vec3,
-    /// What diffuse reflectance is multiplied by, if it is not the same everywhere.
-    pub diffuse_map: Option<TextureMap>,
-    /// Emitted radiance; zero for most surfaces.
-    pub emission: Vec3,
-    /// What emission is multiplied by, likewise.
-    pub emission_map: Option<TextureMap>,
-    /// Where the surface has holes, if it has any.
-    pub cutout: Option<Cutout>,
-    /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
-    pub emits_both_sides: bool,
-    /// What the surface reflects like a mirror, or lets through, on top of that.
-    pub specular: Specular,
-    /// What the file says of reflection, as it says it; integrators do not look at it.
-    pub gloss: Gloss,
-}
-
-/// Holes: where the alpha of [`Material::diffuse_map`] is low, there is no surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cutout {
-    /// What alpha is multiplied by.
-    pub alpha: f32,
-    /// Where the product is less than this, is a hole.
-    pub cutoff: f32,
-}
-
-/// Perfectly smooth reflection and refraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Specular {
-    /// None.
-    #[default]
-    None,
-    /// A mirror.
-    Mirror {
-        /// Reflectance per channel. With [`Material::diffuse`] it should add up to no more than 1.
-        reflectance: Vec3,
-    },
-    /// The border between air, in front, and glass, behind: reflects by Fresnel's equations and refracts the rest. It
-    /// leaves nothing for diffuse reflection: [`Material::diffuse`] should be black.
-    Glass {
-        /// Index of refraction, more than 0; about 1.5 for glass, 1.33 for water.
-        ior: f32,
-        /// What part of the refracted light gets through, in 0..=1 per channel; twice through a pane or a ball.
-        transmittance: Vec3,
-    },
-}
-
-/// Wavefront MTL's `Ks`, `Tf`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gloss {
-    /// Specular reflectance (`Ks`).
-    pub specular: Vec3,
-    /// Transmission filter (`Tf`).
-    pub transmittance: Vec3,
-    /// Phong exponent (`Ns`).
-    pub exponent: f32,
-    /// Index of refraction (`Ni`).
-    pub ior: f32,
-    /// Opacity, 1 for opaque (`d`).
-    pub opacity: f32,
-    /// Illumination model (`illum`).
-    pub model: u32,
+    /// Meshes by index, each with its material.
+    pub materials: Vec<(usize, usize)>,
 }
 
 /// A light that has no surface. Intensities are per linear sRGB channel.
@@ -176,52 +126,34 @@ pub struct CameraPose {
     pub vfov: f32,
 }
 
-impl Default for Material {
-    /// A matte grey, for faces that name no material.
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            diffuse: Vec3::splat(0.5),
-            diffuse_map: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-            cutout: None,
-            emits_both_sides: false,
-            specular: Specular::None,
-            gloss: Gloss::default(),
-        }
-    }
-}
-
-impl Default for Gloss {
-    fn default() -> Self {
-        Self { specular: Vec3::ZERO, transmittance: Vec3::ONE, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
-    }
-}
-
-impl Material {
-    /// The material with the mean of each texture in the texture's place.
-    pub(crate) fn without_maps(&self, textures: &[Texture]) -> Self {
-        let mean =
-            |map: &Option<TextureMap>| map.as_ref().map_or(Vec3::ONE, |map| textures[map.texture].mean().truncate());
-        Self {
-            diffuse: self.diffuse * mean(&self.diffuse_map),
-            emission: self.emission * mean(&self.emission_map),
-            diffuse_map: None,
-            emission_map: None,
-            ..self.clone()
-        }
-    }
-}
-
 impl Mesh {
     /// The corners of face `face`.
     pub fn corners(&self, face: usize) -> [Vec3; 3] {
         self.triangles[face].map(|index| self.positions[index as usize])
     }
+
+    /// The texture coordinates of a set: 0 for `texcoords`, 1 for `lightmap_texcoords`; `None` if there are none.
+    #[inline]
+    pub(crate) fn texcoord_set(&self, set: u32) -> Option<&[Vec2]> {
+        let texcoords = match set {
+            0 => &self.texcoords,
+            1 => &self.lightmap_texcoords,
+            _ => return None,
+        };
+        (!texcoords.is_empty()).then_some(texcoords)
+    }
 }
 
 impl Scene {
+    /// Gives meshes the materials of the variant called `name`; whether there is one.
+    pub fn choose_variant(&mut self, name: &str) -> bool {
+        let Some(variant) = self.variants.iter().find(|variant| variant.name == name) else { return false };
+        for &(mesh, material) in &variant.materials {
+            self.meshes[mesh].material = material;
+        }
+        true
+    }
+
     /// The number of triangles in all meshes.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
@@ -246,12 +178,6 @@ impl Scene {
     }
 }
 
-/// `vector` at unit length, or `None` if it has no direction: zero, infinite or not a number.
-pub(super) fn unit(vector: Vec3) -> Option<Vec3> {
-    // Double precision, because the squares of a small or large vector leave the range of single precision.
-    vector.as_dvec3().try_normalize().map(DVec3::as_vec3)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,14 +195,5 @@ mod tests {
         assert!(sky.has_light());
         dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
         assert!(dark.has_light());
-    }
-
-    #[test]
-    fn unit_vectors_of_any_magnitude() {
-        assert_eq!(unit(Vec3::new(0.0, -3e38, 0.0)), Some(Vec3::NEG_Y));
-        assert_eq!(unit(Vec3::new(1e-44, 0.0, 0.0)), Some(Vec3::X));
-        assert_eq!(unit(Vec3::ZERO), None);
-        assert_eq!(unit(Vec3::new(f32::NAN, 1.0, 0.0)), None);
-        assert_eq!(unit(Vec3::new(f32::INFINITY, 1.0, 0.0)), None);
     }
 }

@@ -2,7 +2,10 @@
 
 use glam::{Affine2, Vec2, Vec3};
 
-use super::{CameraPose, Cutout, Gloss, Material, Mesh, PunctualLight, Scene, Sky, SkyPicture, Specular, TextureMap};
+use super::{
+    BumpMap, CameraPose, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, Mesh, NormalMap, Opacity,
+    PunctualLight, Scene, Sky, SkyPicture, Specular, Target, TextureMap,
+};
 
 impl Scene {
     /// Scenes with equal hashes give equal pictures, chance collisions aside; names and warnings do not count. Scenes
@@ -15,10 +18,10 @@ impl Scene {
     /// The same without the camera.
     pub fn surroundings_hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let Self { meshes, materials, textures, lights, camera: _, sky: Sky { radiance, picture }, warnings: _ } = self;
+        let Self { meshes, materials, textures, lights, sky: Sky { radiance, picture }, .. } = self;
         hash.count(meshes.len());
         for mesh in meshes {
-            let Mesh { positions, normals, texcoords, triangles, material, .. } = mesh;
+            let Mesh { positions, normals, texcoords, triangles, material, colors, tangents, .. } = mesh;
             hash.count(positions.len());
             positions.iter().for_each(|&p| hash.vector(p));
             hash.count(normals.len());
@@ -28,31 +31,22 @@ impl Scene {
             hash.count(triangles.len());
             triangles.iter().flatten().for_each(|&index| hash.word(index));
             hash.count(*material);
+            hash.count(colors.len());
+            colors.iter().for_each(|color| hash.floats(&color.to_array()));
+            hash.count(tangents.len());
+            tangents.iter().flatten().for_each(|tangent| hash.floats(&tangent.to_array()));
             // Few materials use them.
-            let maps = materials.get(*material).into_iter().flat_map(|it| [&it.diffuse_map, &it.emission_map]);
-            if maps.flatten().any(|map| map.set == 1) {
+            if materials.get(*material).into_iter().flat_map(Material::texture_maps).any(|map| map.set == 1) {
                 mesh.lightmap_texcoords.iter().for_each(|&Vec2 { x, y }| hash.floats(&[x, y]));
             }
         }
         hash.count(materials.len());
-        for material in materials {
-            let Material { name: _, diffuse, diffuse_map, emission, emission_map, cutout, .. } = material;
-            let Material { emits_both_sides, specular, gloss, .. } = material;
-            let Gloss { specular: highlight, transmittance, exponent, ior, opacity, model } = gloss;
-            [*diffuse, *emission, *highlight, *transmittance].into_iter().for_each(|v| hash.vector(v));
-            hash.floats(&[*exponent, *ior, *opacity]);
-            hash.word(*model);
-            hash.word((*emits_both_sides).into());
-            hash.specular(specular);
-            [diffuse_map, emission_map].into_iter().for_each(|map| hash.map(map.as_ref()));
-            if let Some(Cutout { alpha, cutoff }) = cutout {
-                hash.floats(&[*alpha, *cutoff]);
-            }
-        }
+        materials.iter().for_each(|material| hash.material(material));
         hash.count(textures.len());
-        for (width, height, texels) in textures.iter().map(|texture| texture.parts()) {
-            [width, height].into_iter().for_each(|size| hash.word(size));
-            texels.iter().for_each(|texel| hash.word(u32::from_le_bytes(*texel)));
+        for texture in textures {
+            let (width, height) = texture.size();
+            [width, height, texture.channels() as u32, texture.bits() as u32].into_iter().for_each(|it| hash.word(it));
+            hash.bytes(texture.texel_bytes());
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
@@ -80,10 +74,14 @@ impl CameraPose {
 struct Fnv(u64);
 
 impl Fnv {
-    fn word(&mut self, word: u32) {
-        for byte in word.to_le_bytes() {
+    fn bytes(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
+    }
+
+    fn word(&mut self, word: u32) {
+        self.bytes(&word.to_le_bytes());
     }
 
     fn count(&mut self, count: usize) {
@@ -97,6 +95,55 @@ impl Fnv {
 
     fn vector(&mut self, v: Vec3) {
         self.floats(&v.to_array());
+    }
+
+    /// All but its name.
+    fn material(&mut self, material: &Material) {
+        let Material { name: _, inputs, maps, uses_vertex_colors, base_color_tints_transmission: tints, .. } = material;
+        let Material { tangent_rotation, anisotropy, normal_map, bump_map, opacity, unlit, dispersion, .. } = material;
+        let Material {
+            diffuse, diffuse_map, emission, emission_map, cutout, emits_both_sides, specular, gloss, ..
+        } = material;
+        Input::ALL.iter().for_each(|input| self.vector(input.get(inputs)));
+        self.vector(inputs.absorption);
+        [inputs.thin_walled, *uses_vertex_colors, *tints, *unlit].into_iter().for_each(|flag| self.word(flag.into()));
+        self.count(maps.len());
+        for InputMap { texture, targets } in maps {
+            self.map(Some(texture));
+            self.count(targets.len());
+            for &Target { input, channel, zero } in targets {
+                [input as u32, channel as u32, zero.to_bits()].into_iter().for_each(|word| self.word(word));
+            }
+        }
+        self.floats(&[*tangent_rotation, *dispersion]);
+        if let Some(GltfAnisotropy { strength, map }) = anisotropy {
+            self.floats(&[*strength]);
+            self.map(map.as_ref());
+        }
+        if let Some(NormalMap { texture, scale }) = normal_map {
+            self.map(Some(texture));
+            self.floats(&scale.to_array());
+        }
+        if let Some(BumpMap { texture, channel, height }) = bump_map {
+            self.map(Some(texture));
+            self.word(*channel as u32);
+            self.floats(&[*height]);
+        }
+        let Opacity { value, map, cutoff } = opacity;
+        self.floats(&[*value, cutoff.unwrap_or(-1.0)]);
+        self.map(map.as_ref().map(|(map, _)| map));
+        self.word(map.as_ref().map_or(0, |&(_, channel)| channel as u32));
+
+        let Gloss { specular: highlight, transmittance, exponent, ior, opacity, model } = gloss;
+        [*diffuse, *emission, *highlight, *transmittance].into_iter().for_each(|v| self.vector(v));
+        self.floats(&[*exponent, *ior, *opacity]);
+        self.word(*model);
+        self.word((*emits_both_sides).into());
+        self.specular(specular);
+        [diffuse_map, emission_map].into_iter().for_each(|map| self.map(map.as_ref()));
+        if let Some(Cutout { alpha, cutoff }) = cutout {
+            self.floats(&[*alpha, *cutoff]);
+        }
     }
 
     fn specular(&mut self, specular: &Specular) {
@@ -116,11 +163,14 @@ impl Fnv {
 
     fn map(&mut self, map: Option<&TextureMap>) {
         self.word(map.is_some().into());
-        if let Some(TextureMap { texture, set, transform: Affine2 { matrix2, translation }, wrap, filter }) = map {
+        if let Some(TextureMap { texture, set, transform: Affine2 { matrix2, translation }, wrap, filter, space }) = map
+        {
             self.count(*texture);
             self.floats(&matrix2.to_cols_array());
             self.floats(&translation.to_array());
-            [*set, wrap[0] as u32, wrap[1] as u32, *filter as u32].into_iter().for_each(|word| self.word(word));
+            [*set, wrap[0] as u32, wrap[1] as u32, *filter as u32, *space as u32]
+                .into_iter()
+                .for_each(|word| self.word(word));
         }
     }
 
@@ -163,6 +213,12 @@ mod tests {
         lit.sky.radiance.z = 1.0;
         let mut mirror = scene.clone();
         mirror.materials[0].specular = Specular::Mirror { reflectance: Vec3::ONE };
+        let mut rough = scene.clone();
+        rough.materials[0].inputs.specular_roughness = 0.9;
+        let mut bumpy = scene.clone();
+        bumpy.materials[0].normal_map = Some(NormalMap { texture: TextureMap::default(), scale: Vec2::ONE });
+        let mut faint = scene.clone();
+        faint.materials[0].opacity.value = 0.5;
         let mut holes = scene.clone();
         holes.materials[0].cutout = Some(Cutout { alpha: 1.0, cutoff: 0.5 });
         let mut textured = scene.clone();
@@ -171,9 +227,9 @@ mod tests {
         other.textures.push(Texture::new(1, 1, vec![[2; 4]]));
         let mut turned = scene.clone();
         turned.camera.as_mut().unwrap().vfov += 1.0;
-        let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other, &turned];
+        let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other, &turned, &rough, &bumpy, &faint];
         let hashes = all.map(|scene| scene.hash());
-        assert!((0..9).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
+        assert!((0..all.len()).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
         assert_eq!(scene.surroundings_hash(), turned.surroundings_hash());
     }
 }

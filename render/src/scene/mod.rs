@@ -9,6 +9,8 @@ mod files;
 mod framing;
 pub(crate) mod gltf;
 mod hash;
+mod light_units;
+mod material;
 mod model;
 mod mtl;
 mod nearest;
@@ -17,18 +19,24 @@ mod overrides;
 mod ply;
 mod sky;
 mod statement;
+mod tangents;
 mod texture;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
 pub use daylight::Daylight;
-pub use description::{CameraPose, Cutout, Gloss, Material, Mesh, Origin, PunctualLight, Scene, Specular};
-pub(crate) use error::count;
+pub use description::{CameraPose, Mesh, Origin, PunctualLight, Scene, Variant};
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use files::{Disk, Files};
 pub use framing::frame;
+pub use light_units::LightUnits;
+pub use material::{
+    BumpMap, Channel, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, MeshPoint, NormalMap, Opacity,
+    ShadingFrame, ShadingInputs, Specular, Target,
+};
+pub(crate) use model::count;
 pub use model::{load, load_from};
 pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};
 pub use sky::{Sky, SkyPicture};
-pub use texture::{Texture, TextureFilter, TextureMap, Wrap};
+pub use texture::{ColorSpace, Texture, TextureFilter, TextureMap, Wrap};

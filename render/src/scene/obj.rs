@@ -16,8 +16,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::description::unit;
-use super::error::count;
+use super::model::{count, unit};
 use super::statement::{Statement, shown, statements};
 use super::{Files, Material, Mesh, Scene, SceneError, mtl};
 
@@ -80,7 +79,8 @@ impl<'a> Reader<'a> {
                 // The second coordinate may be left out: it is 0 then.
                 let one = statement.words().count() == 1;
                 let texcoord = if one { [statement.numbers::<1>()?[0], 0.0] } else { statement.numbers()? };
-                self.texcoords.push(Vec2::from_array(texcoord));
+                // OBJ counts from a picture's lower edge.
+                self.texcoords.push(Vec2::new(texcoord[0], 1.0 - texcoord[1]));
             }
             b"f" => self.add_face(statement)?,
             b"o" | b"g" => self.begin_run(statement.name(), self.run.material),

@@ -15,8 +15,7 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::description::unit;
-use super::error::count;
+use super::model::{count, unit};
 use super::{Material, Mesh, Place, Scene, SceneError};
 
 const TEXCOORDS: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
@@ -53,7 +52,9 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
         }
     }
     if TEXCOORDS.iter().any(|names| has(names)) {
-        mesh.texcoords = vertices.iter().map(|vertex| vertex.texcoord).collect();
+        // PLY counts from a picture's lower edge.
+        let from_above = |texcoord: Vec2| Vec2::new(texcoord.x, 1.0 - texcoord.y);
+        mesh.texcoords = vertices.iter().map(|vertex| from_above(vertex.texcoord)).collect();
     }
     for (index, face) in faces.iter().enumerate() {
         let corners = file.corners(index, face, vertices.len())?;

@@ -2,10 +2,9 @@
 
 use std::cell::Cell;
 
-use crate::driver;
-use crate::settings::Filter;
+use crate::driver::{self, Watch};
+use crate::film::Filter;
 use crate::settings::Settings;
-use crate::watch::Watch;
 use crate::world::World;
 
 /// How much is measured.

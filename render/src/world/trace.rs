@@ -102,10 +102,10 @@ impl World {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Affine2, Vec2, Vec3};
+    use glam::{Vec2, Vec3};
 
     use super::*;
-    use crate::scene::{CameraPose, Cutout, Material, Scene, Texture, TextureFilter, Wrap};
+    use crate::scene::{CameraPose, Cutout, Material, Scene, Texture, TextureFilter};
 
     /// A square from 0 to 1 at each of these heights, of a material each.
     fn squares(materials: Vec<Material>, textures: Vec<Texture>) -> World {
@@ -124,8 +124,7 @@ mod tests {
     }
 
     fn map(set: u32) -> TextureMap {
-        let (wrap, filter) = ([Wrap::Repeat; 2], TextureFilter::Nearest);
-        TextureMap { texture: 0, set, transform: Affine2::IDENTITY, wrap, filter }
+        TextureMap { set, filter: TextureFilter::Nearest, ..TextureMap::default() }
     }
 
     /// Four texels: a hole, red, green and blue.

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::{CliError, invalid};
+use super::super::CliError;
+use super::super::bake::invalid;
 use crate::cubemap::{self, CubeMap, Face, Language, Level, unfold};
 use crate::output::{Map, OutputFile, Shape, Texture, ToneMapping, encode_exr, encode_hdr, encode_ktx2_texture, write};
 use crate::scene::count;

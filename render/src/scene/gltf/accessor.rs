@@ -32,7 +32,7 @@ pub(super) fn read<const N: usize>(
 ) -> Result<Vec<[Component; N]>, SceneError> {
     let accessor = document.object(index, "accessor", user)?;
     let place = format!("accessor {}", index.value());
-    let type_ = [Type::Scalar, Type::Vec2, Type::Vec3][N - 1];
+    let type_ = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][N - 1];
     let component = match accessor.component_type {
         Checked::Valid(GenericComponentType(component))
             if allowed.contains(&component) && accessor.type_ == Checked::Valid(type_) =>

@@ -1,4 +1,6 @@
 //! Perspective cameras: they look along their node's -Z axis, with +Y up.
+//!
+//! Deviation: orthographic cameras are skipped with a warning. glTF has no lens shift and no depth of field.
 
 use ::gltf::json::Camera;
 use glam::DVec3;
@@ -7,17 +9,21 @@ use super::Document;
 use super::hierarchy::Placed;
 use crate::scene::{CameraPose, SceneError};
 
-/// The camera with the number `index` at a node; `None`, and a warning, for an orthographic one. The target is one unit
-/// ahead. Neither aspect ratio nor clipping planes matter.
+/// The camera with the number `index` at a node, and its picture's width over its height if it says; `None`, and a warning,
+/// for an orthographic one. The target is one unit ahead. Clipping planes do not matter.
 pub(super) fn read(
     document: &Document,
     camera: &Camera,
     index: usize,
     placed: &Placed,
     warnings: &mut Vec<String>,
-) -> Result<Option<CameraPose>, SceneError> {
+) -> Result<Option<(CameraPose, Option<f32>)>, SceneError> {
     let Some(perspective) = &camera.perspective else {
-        warnings.push(format!("{}: camera {index} is not a perspective one and is skipped", document.path.display()));
+        warnings.push(format!(
+            "{}: camera {index} is orthographic, which cannot be rendered yet, so it is skipped; --eye, --target and --vfov \
+             make a perspective one",
+            document.path.display()
+        ));
         return Ok(None);
     };
     let vfov = perspective.yfov.to_degrees();
@@ -28,24 +34,17 @@ pub(super) fn read(
             "write an angle between 0 and pi",
         ));
     }
-    let linear = placed.linear();
     let eye = placed.to_world.w_axis.truncate();
-    let pose = |forward: DVec3, up: DVec3| CameraPose {
-        eye: eye.as_vec3(),
-        target: (eye + forward).as_vec3(),
-        up: up.as_vec3(),
-        vfov,
-    };
-    let pose = match ((linear * DVec3::NEG_Z).try_normalize(), (linear * DVec3::Y).try_normalize()) {
-        (Some(forward), Some(up)) if forward.cross(up).length_squared() > 1e-12 => Some(pose(forward, up)),
-        _ => None,
-    };
+    let (forward, up) = (placed.direction(DVec3::NEG_Z), placed.direction(DVec3::Y));
+    let pose = CameraPose { eye: eye.as_vec3(), target: (eye + forward).as_vec3(), up: up.as_vec3(), vfov };
     // Far from the origin, one unit ahead rounds to the eye itself.
-    pose.filter(|pose| pose.target != pose.eye).map(Some).ok_or_else(|| {
-        document.error(
+    if forward.cross(up).length_squared() <= 1e-12 || pose.target == pose.eye {
+        return Err(document.error(
             document.node(placed.node),
             "its camera has no direction",
-            "use a scale that is not 0, and stay within 1e7 units of the origin",
-        )
-    })
+            "use a scale without shear, and stay within 1e7 units of the origin",
+        ));
+    }
+    let aspect = perspective.aspect_ratio.filter(|aspect| aspect.is_finite() && (1e-2..=1e2).contains(aspect));
+    Ok(Some((pose, aspect)))
 }

@@ -14,12 +14,14 @@ pub(super) struct Placed {
     pub(super) node: usize,
     /// Takes its coordinates to the world; affine and finite.
     pub(super) to_world: DMat4,
+    /// The rotations alone, for directions that scale leaves nothing of.
+    rotation: DQuat,
 }
 
 /// The nodes of the default scene, or of all trees if there is none; parents before children, in the file's order.
 pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
     let parents = parents(document)?;
-    let mut stack: Vec<(usize, DMat4)> = match document.root.scene {
+    let roots: Vec<usize> = match document.root.scene {
         Some(index) => {
             let user = format!("scene {}", index.value());
             let roots = &document.object(index, "scene", "scene")?.nodes;
@@ -33,22 +35,21 @@ pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
                     return Err(two_parents(document, root, &user, &other));
                 }
             }
-            roots.into_iter().map(|root| (root, DMat4::IDENTITY)).collect()
+            roots
         }
-        None => {
-            (0..parents.len()).filter(|&node| parents[node].is_none()).map(|root| (root, DMat4::IDENTITY)).collect()
-        }
+        None => (0..parents.len()).filter(|&node| parents[node].is_none()).collect(),
     };
-    stack.reverse();
+    let mut stack: Vec<_> = roots.into_iter().rev().map(|root| (root, DMat4::IDENTITY, DQuat::IDENTITY)).collect();
     let mut walk = Vec::new();
-    while let Some((index, parent)) = stack.pop() {
+    while let Some((index, parent, turned)) = stack.pop() {
         let node = &document.root.nodes[index];
-        let to_world = parent * local(document, node, index)?;
+        let (local, rotation) = local(document, node, index)?;
+        let (to_world, rotation) = (parent * local, turned * rotation);
         if !to_world.is_finite() {
             return Err(document.error(document.node(index), "its transform is not finite", "use smaller numbers"));
         }
-        walk.push(Placed { node: index, to_world });
-        stack.extend(node.children.iter().flatten().rev().map(|child| (child.value(), to_world)));
+        walk.push(Placed { node: index, to_world, rotation });
+        stack.extend(node.children.iter().flatten().rev().map(|child| (child.value(), to_world, rotation)));
     }
     Ok(walk)
 }
@@ -88,15 +89,17 @@ fn two_parents(document: &Document, node: usize, one: &str, other: &str) -> Scen
     document.error(document.node(node), problem, "list each node in one place")
 }
 
-/// The node's own transform: its matrix, or translation, rotation and scale.
-fn local(document: &Document, node: &Node, index: usize) -> Result<DMat4, SceneError> {
+/// The node's own transform, its matrix, or translation, rotation and scale; and its rotation, of a matrix that of its
+/// columns if they have one.
+fn local(document: &Document, node: &Node, index: usize) -> Result<(DMat4, DQuat), SceneError> {
     if let Some(columns) = node.matrix {
         let matrix = DMat4::from_cols_array(&columns.map(f64::from));
         if matrix.row(3) != glam::DVec4::W {
             let problem = "its matrix is not affine";
             return Err(document.error(document.node(index), problem, "end each column with 0, and the last with 1"));
         }
-        return Ok(matrix);
+        let (_, rotation, _) = matrix.to_scale_rotation_translation();
+        return Ok((matrix, if rotation.is_normalized() { rotation } else { DQuat::IDENTITY }));
     }
     let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
     if rotation.length_squared() == 0.0 {
@@ -104,13 +107,19 @@ fn local(document: &Document, node: &Node, index: usize) -> Result<DMat4, SceneE
     }
     let vector = |vector: Option<[f32; 3]>, default| vector.map_or(default, |vector| Vec3::from(vector).as_dvec3());
     let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-    Ok(DMat4::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+    let rotation = rotation.normalize();
+    Ok((DMat4::from_scale_rotation_translation(scale, rotation, translation), rotation))
 }
 
 impl Placed {
     /// The node's origin.
     pub(super) fn origin(&self) -> Vec3 {
         self.to_world.w_axis.truncate().as_vec3()
+    }
+
+    /// The unit vector in the world of a direction at the node, whatever its scale.
+    pub(super) fn direction(&self, local: DVec3) -> DVec3 {
+        (self.linear() * local).try_normalize().unwrap_or_else(|| (self.rotation * local).normalize())
     }
 
     /// Directions, scale and shear.

@@ -30,26 +30,27 @@ pub(super) fn read(
     match light.type_ {
         Checked::Valid(Type::Point) => Ok(PunctualLight::Point { position, intensity: strength }),
         Checked::Valid(Type::Directional) => {
-            Ok(PunctualLight::Directional { direction: direction(document, placed)?, irradiance: strength })
+            Ok(PunctualLight::Directional { direction: placed.direction(DVec3::NEG_Z).as_vec3(), irradiance: strength })
         }
         Checked::Valid(Type::Spot) => {
             let Some(spot) = &light.spot else {
                 return Err(document.error(place, "it is a spot light without `spot`", "give it the object `spot`"));
             };
             let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2) {
+            // Equal angles are a hard edge: Blender writes a spot without blend so.
+            if !(0.0 <= inner && inner <= outer && outer <= FRAC_PI_2 + 1e-5) {
                 return Err(document.error(
                     place,
                     format!("its cone goes from {inner} to {outer}"),
-                    "write angles in radians: 0 <= innerConeAngle < outerConeAngle <= pi/2",
+                    "write angles in radians: 0 <= innerConeAngle <= outerConeAngle <= pi/2",
                 ));
             }
             let cos_inner = inner.cos();
-            // Cosines of narrow cones may round to the same number.
+            // Cosines of narrow cones may round to the same number, too.
             let cos_outer = outer.cos().max(0.0).min(cos_inner.next_down());
             Ok(PunctualLight::Spot {
                 position,
-                direction: direction(document, placed)?,
+                direction: placed.direction(DVec3::NEG_Z).as_vec3(),
                 intensity: strength,
                 cos_inner,
                 cos_outer,
@@ -57,15 +58,4 @@ pub(super) fn read(
         }
         Checked::Invalid => Err(document.error(place, "its type is unknown", "use directional, point or spot")),
     }
-}
-
-fn direction(document: &Document, placed: &Placed) -> Result<Vec3, SceneError> {
-    let direction = (placed.linear() * DVec3::NEG_Z).try_normalize();
-    direction.map(DVec3::as_vec3).ok_or_else(|| {
-        document.error(
-            document.node(placed.node),
-            "its scale leaves its light no direction",
-            "use a scale that is not 0",
-        )
-    })
 }

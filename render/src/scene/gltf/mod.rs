@@ -4,29 +4,35 @@
 //! malformed file may have: here every index is looked up and every range checked.
 //!
 //! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
-//! first two sets of texture coordinates, materials (`material.rs`) with textures of colour and emission (`texture.rs`),
-//! emission (`KHR_materials_emissive_strength`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named like its node.
+//! first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
+//! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named
+//! like its node.
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Other textures, skins, morph targets, lights' ranges,
-//! orthographic cameras, points and lines are left out with a warning, animations without one.
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Skins, morph targets, lights' ranges, orthographic
+//! cameras, points and lines are left out with a warning, animations without one.
 
 pub(crate) mod accessor;
 mod camera;
 pub(crate) mod container;
+mod extensions;
 mod hierarchy;
+mod legacy;
 mod light;
 mod material;
+mod notes;
 mod primitive;
 mod texture;
+mod variants;
 
 use std::path::Path;
 
 use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
 
-use super::error::count;
-use super::{Disk, Files, Material, Place, Scene, SceneError};
+use super::model::count;
+use super::{Disk, Files, LightUnits, Material, Place, Scene, SceneError};
+use notes::Notes;
 
 /// Reads glTF as JSON text.
 pub(crate) fn read_json(files: &dyn Files, path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
@@ -93,6 +99,11 @@ impl Document<'_> {
         })
     }
 
+    /// Whether Blender's exporter wrote the file.
+    pub(crate) fn is_from_blender(&self) -> bool {
+        self.root.asset.generator.as_deref().is_some_and(|generator| generator.contains("Blender"))
+    }
+
     /// For errors: "node 5" or "node 5 (\"lamp\")".
     pub(crate) fn node(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
@@ -132,11 +143,12 @@ fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place
 }
 
 fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
-    let mut warnings = check_extensions(path, &root)?;
+    check_required(path, &root)?;
+    let (mut warnings, mut notes) = (Vec::new(), Notes::default());
     let buffers = container::buffers(files, path, &root, binary)?;
     let document = Document { files, path, root, buffers };
-    let (materials, textures) = material::read(&document, &mut warnings)?;
-    let mut scene = Scene { materials, textures, ..Scene::default() };
+    let (materials, textures) = material::read(&document, &mut notes)?;
+    let mut scene = Scene { materials, textures, variants: variants::names(&document)?, ..Scene::default() };
     let mut skipped = Skipped::default();
     let mut cameras = Vec::new();
     for placed in hierarchy::walk(&document)? {
@@ -150,6 +162,7 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
             for (number, primitive) in mesh.primitives.iter().enumerate() {
                 let place = format!("mesh {}, primitive {number}", index.value());
                 if let Some(read) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
+                    variants::add(&document, primitive, &place, scene.meshes.len(), &mut scene.variants)?;
                     let origin = super::Origin { node: placed.node, mesh: index.value(), primitive: number, mirrored };
                     scene.meshes.push(super::Mesh { name: name.clone(), origin: Some(origin), ..read });
                 }
@@ -168,41 +181,96 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
             scene.lights.push(light::read(&document, light, index.value(), &placed)?);
         }
     }
-    if let Some((place, pose)) = cameras.first() {
-        scene.camera = Some(*pose);
+    if let Some((place, (pose, aspect))) = cameras.first() {
+        (scene.camera, scene.camera_aspect) = (Some(*pose), *aspect);
         if cameras.len() > 1 {
             warnings.push(format!("{}: of {} cameras, that of {place} is used", path.display(), cameras.len()));
+        }
+    }
+    if !scene.lights.is_empty() {
+        let units = LightUnits::guess(&scene.lights, document.is_from_blender());
+        scene.set_light_units(units);
+        if units == LightUnits::Photometric {
+            warnings.push(format!(
+                "{}: lights are taken as candela and lux, as Blender exports watts by default, and divided by 683 lm/W; if \
+                 they were exported as unitless, give --light-units radiometric",
+                path.display()
+            ));
+        }
+    }
+    if document.is_from_blender() {
+        for place in empty_nodes(&document) {
+            notes.add("empty nodes; Blender leaves one of each area light, which glTF does not have", place);
         }
     }
     if scene.meshes.iter().any(|mesh| mesh.material == scene.materials.len()) {
         scene.materials.push(Material::default());
     }
+    note_extensions(&document.root, &mut notes);
+    warnings.extend(notes.warnings(path));
     warnings.extend(skipped.warnings(path));
     Ok(Scene { warnings, ..scene })
 }
 
-/// Refuses extensions that the file requires and that would change what is read here. Those about textures and about
-/// surfaces beyond their colour are harmless, since both are left out anyway.
-fn check_extensions(path: &Path, root: &Root) -> Result<Vec<String>, SceneError> {
-    const KNOWN: [&str; 5] = [
-        "KHR_lights_punctual",
-        "KHR_materials_emissive_strength",
-        "KHR_materials_ior",
-        "KHR_materials_transmission",
-        "KHR_texture_transform",
-    ];
+/// What is read, or is here for programs that edit the file.
+const KNOWN: [&str; 20] = [
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+];
+
+/// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the notes.
+fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
     const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
-    let unknown: Vec<&str> =
-        root.extensions_required.iter().map(String::as_str).filter(|name| !KNOWN.contains(name)).collect();
-    let (harmless, refused): (Vec<&str>, Vec<&str>) =
-        unknown.into_iter().partition(|name| HARMLESS.iter().any(|prefix| name.starts_with(prefix)));
-    if !refused.is_empty() {
-        let (names, remedy) = (refused.join(", "), "export the model without compression or other required extensions");
-        let problem = format!("the file requires {names}, which cannot be read");
-        return Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy));
+    let is_known = |name: &&str| KNOWN.contains(name) || HARMLESS.iter().any(|prefix| name.starts_with(prefix));
+    let required = root.extensions_required.iter().map(String::as_str);
+    let refused: Vec<&str> = required.filter(|name| !is_known(name)).collect();
+    if refused.is_empty() {
+        return Ok(());
     }
-    let warning = format!("{}: extensions for surfaces are left out: {}", path.display(), harmless.join(", "));
-    Ok(if harmless.is_empty() { Vec::new() } else { vec![warning] })
+    let (names, remedy) = (refused.join(", "), "export the model without compression or other required extensions");
+    let problem = format!("the file requires {names}, which cannot be read");
+    Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy))
+}
+
+/// Notes the extensions that the file uses and that are not read.
+fn note_extensions(root: &Root, notes: &mut Notes) {
+    for name in root.extensions_used.iter().chain(&root.extensions_required) {
+        if !KNOWN.contains(&name.as_str()) {
+            notes.add_unless_told(&format!("{name} is not read"));
+        }
+    }
+}
+
+/// Nodes that show nothing, hold nothing and move nothing.
+fn empty_nodes(document: &Document) -> Vec<String> {
+    let nodes = &document.root.nodes;
+    let joints = document.root.skins.iter().flat_map(|skin| &skin.joints).map(|joint| joint.value());
+    let joints: std::collections::BTreeSet<usize> = joints.collect();
+    let is_empty = |&index: &usize| {
+        let node = &nodes[index];
+        let light = node.extensions.as_ref().is_some_and(|extensions| extensions.khr_lights_punctual.is_some());
+        let has_children = node.children.as_ref().is_some_and(|children| !children.is_empty());
+        node.mesh.is_none() && node.camera.is_none() && !light && !has_children && !joints.contains(&index)
+    };
+    (0..nodes.len()).filter(is_empty).map(|index| document.node(index)).collect()
 }
 
 impl Skipped {

@@ -4,14 +4,14 @@
 //! vectors the determinant's sign suffices: M⁻ᵀ n ∥ sign(det M) cof(M) n. So a node that flattens has normals, too.
 
 use ::gltf::json::accessor::ComponentType::{F32, U8, U16, U32};
+use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
-use glam::{DMat3, Vec2, Vec3};
+use glam::{DMat3, Vec2, Vec3, Vec4};
 
 use super::hierarchy::Placed;
 use super::{Document, Skipped, accessor};
-use crate::scene::count;
-use crate::scene::description::unit;
+use crate::scene::model::{count, unit};
 use crate::scene::{Mesh, SceneError};
 
 /// The triangles of `primitive`, which `place` names in errors; `None` for points and lines. The material is the number
@@ -54,6 +54,10 @@ pub(super) fn read(
     let (texcoords, lightmap_texcoords) = (coordinates(0)?, coordinates(1)?);
     check_counts(document, place, positions.len(), normals.as_ref().map(Vec::len), texcoords.as_ref().map(Vec::len))?;
     check_counts(document, place, positions.len(), None, lightmap_texcoords.as_ref().map(Vec::len))?;
+    let colors = attribute(Semantic::Colors(0)).map(|index| colors(document, index, place)).transpose()?;
+    check_count(document, place, positions.len(), "colour", "colours", colors.as_ref().map(Vec::len))?;
+    let tangents = attribute(Semantic::Tangents).map(|index| tangents(document, index, place)).transpose()?;
+    check_count(document, place, positions.len(), "tangent", "tangents", tangents.as_ref().map(Vec::len))?;
     let indices = match primitive.indices {
         Some(index) => {
             let indices = accessor::read::<1>(document, index, place, "indices", &[U8, U16, U32])?;
@@ -83,15 +87,21 @@ pub(super) fn read(
         }
         None => document.root.materials.len(),
     };
+    let triangles = triangles(mode, &indices);
+    let corners =
+        |corners: &[u32; 3]| corners.map(|index| tangents.as_ref().map_or(Vec4::ZERO, |it| it[index as usize]));
+    let tangents = if tangents.is_some() { triangles.iter().map(corners).collect() } else { Vec::new() };
     let mesh = Mesh {
         name: String::new(),
         positions,
         normals: normals.unwrap_or_default(),
         texcoords: texcoords.unwrap_or_default(),
         lightmap_texcoords: lightmap_texcoords.unwrap_or_default(),
-        triangles: triangles(mode, &indices),
+        colors: colors.unwrap_or_default(),
+        tangents,
+        triangles,
         material,
-        origin: None,
+        ..Mesh::default()
     };
     to_world(document, mesh, place, placed).map(Some)
 }
@@ -113,15 +123,51 @@ fn check_counts(
     normals: Option<usize>,
     texcoords: Option<usize>,
 ) -> Result<(), SceneError> {
-    for (one, many, found) in [("normal", "normals", normals), ("texture coordinate", "texture coordinates", texcoords)]
-    {
-        if let Some(found) = found.filter(|&found| found != positions) {
-            let positions = count(positions, "position", "positions");
-            let problem = format!("it has {positions} but {}", count(found, one, many));
-            return Err(document.error(place, problem, "give every vertex all attributes"));
-        }
-    }
-    Ok(())
+    check_count(document, place, positions, "normal", "normals", normals)?;
+    check_count(document, place, positions, "texture coordinate", "texture coordinates", texcoords)
+}
+
+fn check_count(
+    document: &Document,
+    place: &str,
+    positions: usize,
+    one: &str,
+    many: &str,
+    found: Option<usize>,
+) -> Result<(), SceneError> {
+    let Some(found) = found.filter(|&found| found != positions) else { return Ok(()) };
+    let positions = count(positions, "position", "positions");
+    let problem = format!("it has {positions} but {}", count(found, one, many));
+    Err(document.error(place, problem, "give every vertex all attributes"))
+}
+
+/// Colours of three or four numbers, linear; what is no number is white.
+fn colors(
+    document: &Document,
+    index: ::gltf::json::Index<::gltf::json::Accessor>,
+    place: &str,
+) -> Result<Vec<Vec4>, SceneError> {
+    let kinds = [F32, U8, U16];
+    let colors: Vec<Vec4> = if document.object(index, "accessor", place)?.type_ == Checked::Valid(Type::Vec4) {
+        let colors = accessor::read::<4>(document, index, place, "COLOR_0", &kinds)?;
+        colors.into_iter().map(|color| Vec4::from(color.map(accessor::Component::normalised))).collect()
+    } else {
+        let colors = accessor::read::<3>(document, index, place, "COLOR_0", &kinds)?;
+        colors.into_iter().map(|color| Vec3::from(color.map(accessor::Component::normalised)).extend(1.0)).collect()
+    };
+    let usable = |color: Vec4| if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::ONE };
+    Ok(colors.into_iter().map(usable).collect())
+}
+
+/// Tangents, of which those without a direction are zero.
+fn tangents(
+    document: &Document,
+    index: ::gltf::json::Index<::gltf::json::Accessor>,
+    place: &str,
+) -> Result<Vec<Vec4>, SceneError> {
+    let tangents = accessor::read::<4>(document, index, place, "TANGENT", &[F32])?;
+    let tangents = tangents.into_iter().map(|tangent| Vec4::from(tangent.map(accessor::Component::normalised)));
+    Ok(tangents.map(|it| unit(it.truncate()).map_or(Vec4::ZERO, |along| along.extend(it.w))).collect())
 }
 
 /// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
@@ -151,6 +197,16 @@ fn to_world(document: &Document, mut mesh: Mesh, place: &str, placed: &Placed) -
     }
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if mirrors { -1.0 } else { 1.0 };
+    let sign = if mirrors { -1.0 } else { 1.0 };
+    for corners in &mut mesh.tangents {
+        if mirrors {
+            corners.swap(1, 2);
+        }
+        for tangent in corners {
+            let along = (linear * tangent.truncate().as_dvec3()).normalize_or_zero().as_vec3();
+            *tangent = along.extend(tangent.w * sign);
+        }
+    }
     // Normals without a direction leave the mesh flat.
     let normals: Option<Vec<Vec3>> = mesh.normals.iter().map(|normal| direction(cofactors, *normal)).collect();
     mesh.normals = normals.unwrap_or_default();

@@ -1,19 +1,20 @@
-//! Textures: PNG and JPEG images from files, data URIs or buffers, with samplers and `KHR_texture_transform`.
+//! Textures: images from files, data URIs or buffers, with samplers and `KHR_texture_transform`.
 //!
-//! Images of 16 bits per channel are read as of 8. An image that is missing or damaged is an error. One of another kind
-//! (KTX2, WebP), for which the file need not hold a substitute, is left out with a warning.
+//! `EXT_texture_webp` and `KHR_texture_basisu` name an image instead of the texture's own `source`. An image that is missing
+//! or damaged is an error; one of a kind that is not read is left out with a warning, and the factor counts alone.
 
 use std::collections::BTreeMap;
 
+use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use ::gltf::json::validation::Checked;
-use ::gltf::json::{Image, Index};
+use ::gltf::json::{Image, Index, Value};
 use glam::{Affine2, Mat2, Vec2};
-use image::ImageFormat;
 
+use super::notes::Notes;
 use super::{Document, accessor, container};
-use crate::scene::count;
-use crate::scene::{SceneError, Texture, TextureFilter, TextureMap, Wrap};
+use crate::scene::texture::decode;
+use crate::scene::{ColorSpace, SceneError, Texture, TextureFilter, TextureMap, Wrap};
 
 /// The textures that materials use, each image once.
 #[derive(Default)]
@@ -21,39 +22,49 @@ pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
     /// The number in the list of each image that was asked for; `None` if it cannot be read.
     images: BTreeMap<usize, Option<usize>>,
-    /// Uses of textures that cannot be read.
-    unread: usize,
+}
+
+/// What a material says of a texture.
+pub(super) struct Reference<'a> {
+    index: Index<::gltf::json::Texture>,
+    set: u32,
+    transform: Option<&'a TextureTransform>,
+}
+
+impl<'a> From<&'a Info> for Reference<'a> {
+    fn from(info: &'a Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
+        Self { index: info.index, set: info.tex_coord, transform }
+    }
+}
+
+impl<'a> Reference<'a> {
+    /// A reference of a kind for which the crate `gltf` has no transform.
+    pub(super) fn new(index: Index<::gltf::json::Texture>, set: u32, transform: Option<&'a TextureTransform>) -> Self {
+        Self { index, set, transform }
+    }
 }
 
 impl Textures {
-    /// How the texture that `info` names lies on surfaces; `None` if it is of a kind that is not read. `user` is the
-    /// material.
-    pub(super) fn map(
+    /// How the texture that `reference` names lies on surfaces; `None` if it is of a kind that is not read. `user` is the
+    /// material and its slot.
+    pub(super) fn map<'r>(
         &mut self,
         document: &Document,
-        info: &Info,
+        reference: impl Into<Reference<'r>>,
+        space: ColorSpace,
         user: &str,
-        warnings: &mut Vec<String>,
+        notes: &mut Notes,
     ) -> Result<Option<TextureMap>, SceneError> {
-        let texture = document.object(info.index, "texture", user)?;
-        let place = format!("texture {}", info.index.value());
-        /// What the crate `gltf` has for a texture without an image.
-        const NO_IMAGE: usize = u32::MAX as usize;
-        let number = match texture.source.value() {
-            NO_IMAGE => None,
-            _ => self.image(document, texture.source, &place)?,
-        };
-        let Some(number) = number else {
-            self.unread += 1;
-            return Ok(None);
-        };
+        let Reference { index, set, transform } = reference.into();
+        let texture = document.object(index, "texture", user)?;
+        let place = format!("texture {}", index.value());
+        let Some(number) = self.source(document, texture, &place, user, notes)? else { return Ok(None) };
         let sampler = texture.sampler.map(|sampler| document.object(sampler, "sampler", &place)).transpose()?;
         let (wrap, filter) = sampler.map_or_else(Default::default, sampling);
-        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
-        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord);
+        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(set);
         if set > 1 {
-            let path = document.path.display();
-            warnings.push(format!("{path}: {user}: TEXCOORD_{set} is not read, so a texture's mean colour is used"));
+            notes.add(format!("TEXCOORD_{set} is not read, so a texture's mean is used"), user);
         }
         let transform = transform.map_or(Affine2::IDENTITY, |transform| {
             // Scale, then turn counter-clockwise as one sees it, with v downwards.
@@ -62,52 +73,86 @@ impl Textures {
             let turn = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
             Affine2::from_mat2_translation(turn * scale, Vec2::from(transform.offset.0))
         });
-        Ok(Some(TextureMap { texture: number, set, transform, wrap, filter }))
+        if !transform.is_finite() {
+            return Err(document.error(user, "its KHR_texture_transform is not finite", "use smaller numbers"));
+        }
+        Ok(Some(TextureMap { texture: number, set, transform, wrap, filter, space }))
     }
 
-    /// The number in the list of this image.
-    fn image(&mut self, document: &Document, index: Index<Image>, user: &str) -> Result<Option<usize>, SceneError> {
-        if let Some(known) = self.images.get(&index.value()) {
-            return Ok(*known);
+    /// The number in the list of the first image of a texture that can be read.
+    fn source(
+        &mut self,
+        document: &Document,
+        texture: &::gltf::json::Texture,
+        place: &str,
+        user: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<usize>, SceneError> {
+        /// What the crate `gltf` has for a texture without an image.
+        const NO_IMAGE: u32 = u32::MAX;
+        let objects = texture.extensions.as_ref().map(|extensions| &extensions.others);
+        let mut sources: Vec<u32> = Vec::new();
+        for (name, value) in objects.into_iter().flatten() {
+            match (name.as_str(), value.get("source").and_then(Value::as_u64)) {
+                ("EXT_texture_webp" | "KHR_texture_basisu", Some(source)) => {
+                    sources.push(u32::try_from(source).unwrap_or(NO_IMAGE));
+                }
+                _ => notes.add(format!("{name} is not read"), place),
+            }
         }
-        let texture = read(document, document.object(index, "image", user)?, index.value())?;
-        let number = texture.map(|texture| {
+        sources.push(texture.source.value() as u32);
+        let mut unread = None;
+        for source in sources.into_iter().filter(|&source| source != NO_IMAGE) {
+            match self.image(document, Index::new(source), place, user)? {
+                Ok(number) => return Ok(Some(number)),
+                Err(problem) => unread = unread.or(Some(problem)),
+            }
+        }
+        let problem = unread.unwrap_or_else(|| format!("{place} has no image"));
+        notes.add(format!("{problem}, so the material's factor is used alone"), user);
+        Ok(None)
+    }
+
+    /// The number in the list of this image; or in words why it is of a kind that is not read.
+    fn image(
+        &mut self,
+        document: &Document,
+        index: Index<Image>,
+        place: &str,
+        user: &str,
+    ) -> Result<Result<usize, String>, SceneError> {
+        let name = format!("image {}", index.value());
+        if let Some(known) = self.images.get(&index.value()) {
+            return Ok(known.ok_or_else(|| format!("{name} is of a kind that is not read")));
+        }
+        let image = document.object(index, "image", place)?;
+        let read = read(document, image, &name).map_err(|error| about(error, user))?;
+        let number = read.map(|texture| {
             self.list.push(texture);
             self.list.len() - 1
         });
-        self.images.insert(index.value(), number);
+        self.images.insert(index.value(), number.as_ref().ok().copied());
         Ok(number)
-    }
-
-    /// What was left out, for the warnings.
-    pub(super) fn warning(&self, document: &Document) -> Option<String> {
-        let unread = count(self.unread, "texture is", "textures are");
-        let path = document.path.display();
-        (self.unread > 0).then(|| format!("{path}: {unread} neither PNG nor JPEG; the material's factor is used alone"))
     }
 }
 
-/// The image's texels, if it is a PNG or a JPEG.
-fn read(document: &Document, image: &Image, index: usize) -> Result<Option<Texture>, SceneError> {
-    let place = format!("image {index}");
+/// Says who uses what is wrong.
+fn about(error: SceneError, user: &str) -> SceneError {
+    SceneError { remedy: format!("{}; it is used by {user}", error.remedy), ..error }
+}
+
+/// The image's texels; or in words why it is of a kind that is not read.
+fn read(document: &Document, image: &Image, place: &str) -> Result<Result<Texture, String>, SceneError> {
     let bytes = match (image.buffer_view, &image.uri) {
-        (Some(view), _) => accessor::view(document, view, &place)?.to_vec(),
-        (None, Some(uri)) => container::fetch(document.files, document.path, uri, &place)?,
+        (Some(view), _) => accessor::view(document, view, place)?.to_vec(),
+        (None, Some(uri)) => container::fetch(document.files, document.path, uri, place)?,
         (None, None) => return Err(document.error(place, "it has no data", "give it a `uri` or a `bufferView`")),
     };
-    let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = image::guess_format(&bytes).ok() else {
-        return Ok(None);
-    };
-    let image = image::load_from_memory_with_format(&bytes, format).map_err(|error| {
-        document.error(place.clone(), format!("it is damaged: {error}"), "export the model again, with its textures")
-    })?;
-    let image = image.into_rgba8();
-    if image.is_empty() {
-        return Err(document.error(place, "it has no texels", "export the model again, with its textures"));
+    match decode(&bytes, None) {
+        Ok(texture) => Ok(Ok(texture)),
+        Err(error) if error.is_unknown_kind => Ok(Err(format!("{place}: {}", error.problem))),
+        Err(error) => Err(document.error(place, error.problem, error.remedy)),
     }
-    let (width, height) = image.dimensions();
-    let texels = image.pixels().map(|pixel| pixel.0).collect();
-    Ok(Some(Texture::new(width, height, texels)))
 }
 
 fn sampling(sampler: &Sampler) -> ([Wrap; 2], TextureFilter) {

@@ -30,14 +30,14 @@ fn four_forms_of_corners() {
     assert_eq!((bare.positions, bare.triangles), (ABCD[..3].to_vec(), vec![[0, 1, 2]]));
     assert!(bare.normals.is_empty() && bare.texcoords.is_empty());
     let textured = mesh("f 1/1 2/2 4/3");
-    assert_eq!(textured.texcoords, [Vec2::ZERO, Vec2::X, Vec2::Y]);
+    assert_eq!(textured.texcoords, [Vec2::Y, Vec2::ONE, Vec2::ZERO], "v counts from above");
     assert_eq!(textured.positions, [ABCD[0], ABCD[1], ABCD[3]]);
     assert!(textured.normals.is_empty());
     let smooth = mesh("f 1//1 2//2 3//1");
     assert_eq!(smooth.normals, [Vec3::Z, Vec3::Y, Vec3::Z]);
     assert!(smooth.texcoords.is_empty());
     let both = mesh("f 1/3/2 2/2/1 3/1/1");
-    assert_eq!(both.texcoords, [Vec2::Y, Vec2::X, Vec2::ZERO]);
+    assert_eq!(both.texcoords, [Vec2::ZERO, Vec2::ONE, Vec2::Y]);
     assert_eq!(both.normals, [Vec3::Y, Vec3::Z, Vec3::Z]);
     // Some exporters leave trailing slashes.
     assert_eq!(mesh("f 1// 2/ 3").triangles, [[0, 1, 2]]);

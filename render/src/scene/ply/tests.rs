@@ -56,7 +56,7 @@ fn normals_texture_coordinates_and_other_properties() {
         let mesh = mesh(text);
         assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
         assert_eq!(mesh.normals, [Vec3::Z, Vec3::Y, Vec3::NEG_X]);
-        assert_eq!(mesh.texcoords, [Vec2::ZERO, Vec2::X, Vec2::Y]);
+        assert_eq!(mesh.texcoords, [Vec2::Y, Vec2::ONE, Vec2::ZERO], "v counts from above");
         assert_eq!(mesh.triangles, [[0, 1, 2]]);
     }
 }

@@ -18,12 +18,18 @@ fn skins_and_morph_targets_are_told() {
 fn required_extensions() {
     let required = |names: Value| with("/extensionsRequired", names);
     assert_eq!(
-        problem(required(json!(["KHR_draco_mesh_compression", "KHR_lights_punctual", "KHR_mesh_quantization"]))),
-        "extensionsRequired: the file requires KHR_draco_mesh_compression, KHR_mesh_quantization, which cannot be read"
+        problem(required(json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "MSFT_lod"]))),
+        "extensionsRequired: the file requires EXT_mesh_gpu_instancing, MSFT_lod, which cannot be read"
     );
     assert_eq!(
-        parse(required(json!(["KHR_texture_basisu", "KHR_materials_unlit"]))).unwrap().warnings,
-        ["model.gltf: extensions for surfaces are left out: KHR_texture_basisu, KHR_materials_unlit"]
+        parse(required(json!(["KHR_materials_unlit", "KHR_materials_subsurface"]))).unwrap().warnings,
+        ["model.gltf: KHR_materials_subsurface is not read"]
+    );
+    let mut used = with("/extensionsUsed", json!(["EXT_mesh_gpu_instancing", "KHR_materials_ior", "ACME_shine"]));
+    used["materials"] = json!([{"name": "wax", "extensions": {"ACME_shine": {}}}]);
+    assert_eq!(
+        parse(used).unwrap().warnings,
+        ["model.gltf: ACME_shine is not read: material 0 (\"wax\")", "model.gltf: EXT_mesh_gpu_instancing is not read"]
     );
 }
 

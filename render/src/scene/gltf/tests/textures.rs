@@ -100,7 +100,7 @@ fn coordinates_are_transformed_as_the_extension_says() {
         assert!(found.distance(Vec2::from(to)) < 1e-5, "{from} to {found}");
     }
     let scene = parse(textured(base(json!({"index": 0, "texCoord": 2})))).unwrap();
-    let expected = "model.gltf: material 0: TEXCOORD_2 is not read, so a texture's mean colour is used";
+    let expected = "model.gltf: TEXCOORD_2 is not read, so a texture's mean is used: material 0, baseColorTexture";
     assert_eq!(scene.warnings, [expected]);
 }
 
@@ -112,13 +112,16 @@ fn holes() {
         material["alphaMode"] = json!(mode);
         material["alphaCutoff"] = more;
         let scene = parse(textured(material)).unwrap();
-        (scene.materials[0].cutout, scene.warnings)
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let opacity = &scene.materials[0].opacity;
+        assert_eq!(opacity.map.is_some(), mode != "OPAQUE");
+        (scene.materials[0].cutout, opacity.value, opacity.cutoff)
     };
-    assert_eq!(material("OPAQUE", Value::Null), (None, vec![]));
-    assert_eq!(material("MASK", Value::Null), (Some(Cutout { alpha: 0.75, cutoff: 0.5 }), vec![]));
-    assert_eq!(material("MASK", json!(0.25)).0, Some(Cutout { alpha: 0.75, cutoff: 0.25 }));
-    let expected = "model.gltf: 1 material blends: shown as opaque from one half on, and as a hole below";
-    assert_eq!(material("BLEND", Value::Null).1, [expected]);
+    assert_eq!(material("OPAQUE", Value::Null), (None, 1.0, None));
+    let cutout = |cutoff| Some(Cutout { alpha: 0.75, cutoff });
+    assert_eq!(material("MASK", Value::Null), (cutout(0.5), 0.75, Some(0.5)));
+    assert_eq!(material("MASK", json!(0.25)), (cutout(0.25), 0.75, Some(0.25)));
+    assert_eq!(material("BLEND", Value::Null), (cutout(0.5), 0.75, None));
 }
 
 #[test]
@@ -139,20 +142,45 @@ fn what_cannot_be_read_is_told() {
     let told = problem(changed(document(), "/images/0/uri", json!(damaged)));
     assert!(told.starts_with("image 0: it is damaged: "), "{told}");
     let texture = changed(document(), "/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(1));
-    assert_eq!(problem(texture), "material 0: it refers to texture 1, which does not exist");
+    assert_eq!(problem(texture), "material 0, baseColorTexture: it refers to texture 1, which does not exist");
     assert_eq!(
         problem(changed(document(), "/textures/0/source", json!(1))),
         "texture 0: it refers to image 1, which does not exist"
     );
     assert_eq!(problem(changed(document(), "/images/0", json!({}))), "image 0: it has no data");
 
+    let error = parse(changed(document(), "/images/0/uri", json!(uri("image/png", b"")))).unwrap_err();
+    assert_eq!((error.problem.as_str(), error.remedy.as_str()), {
+        ("it is empty", "export it again; it is used by material 0, baseColorTexture")
+    });
+
     // Another kind, with no substitute or as the only one.
-    let webp = changed(document(), "/images/0/uri", json!(uri("image/webp", b"RIFF....WEBPVP8 ")));
-    let basis = changed(document(), "/textures/0", json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}));
-    for document in [webp, basis] {
+    let gif = changed(document(), "/images/0/uri", json!(uri("image/gif", b"GIF89a")));
+    let mut other = changed(document(), "/textures/0", json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}));
+    other["images"][0]["uri"] = json!(uri("image/gif", b"GIF89a"));
+    for document in [gif, other] {
         let scene = parse(document).unwrap();
         assert_eq!((scene.textures.len(), &scene.materials[0].diffuse_map), (0, &None));
-        let expected = "model.gltf: 1 texture is neither PNG nor JPEG; the material's factor is used alone";
+        let expected = "model.gltf: image 0: it is Gif, which is not read, so the material's factor is used alone: \
+                        material 0, baseColorTexture";
         assert_eq!(scene.warnings, [expected]);
     }
+}
+
+#[test]
+fn an_image_of_an_extension_goes_before_the_texture_s_own() {
+    let mut document = textured(base(json!({"index": 0})));
+    let mut webp = Cursor::new(Vec::new());
+    RgbaImage::from_vec(1, 1, vec![51, 51, 51, 255]).unwrap().write_to(&mut webp, ImageFormat::WebP).unwrap();
+    let webp = json!({"uri": uri("image/webp", &webp.into_inner())});
+    document["images"].as_array_mut().unwrap().push(webp);
+    document["textures"] = json!([{"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}}]);
+    document["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    let scene = parse(document.clone()).unwrap();
+    assert_eq!((scene.textures.len(), scene.textures[0].size()), (1, (1, 1)));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    // What cannot be read falls back.
+    document["images"][1] = json!({"uri": uri("image/gif", b"GIF89a")});
+    let scene = parse(document).unwrap();
+    assert_eq!((scene.textures.len(), scene.textures[0].size()), (1, (2, 1)));
 }
