@@ -23,6 +23,7 @@ pub mod scene;
 pub mod settings;
 #[cfg(feature = "cli")]
 pub mod validate;
+mod watch;
 pub mod world;
 
 pub use executor::RayonExecutor;

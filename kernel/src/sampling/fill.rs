@@ -28,6 +28,20 @@ pub fn fill4(isa: Isa, pattern: Pattern, seed: u64, set: u32, addresses: &[Addre
     apply_many(isa, Uniform4 { pattern, seed, set }, addresses, numbers);
 }
 
+impl Sampler {
+    /// Which sample of which pixel: what differs between the samplers of a picture.
+    #[inline]
+    pub fn address(&self) -> Address {
+        Address { pixel: self.pixel, sample: self.sample }
+    }
+
+    /// Writes [`uniform2`](Self::uniform2) of set `set` for the samplers of other addresses, as [`fill2`] does.
+    #[inline]
+    pub fn fill2(&self, isa: Isa, set: u32, addresses: &[Address], numbers: &mut [Vec2]) {
+        fill2(isa, self.pattern, self.seed, set, addresses, numbers);
+    }
+}
+
 struct Uniform2 {
     pattern: Pattern,
     seed: u64,

@@ -7,8 +7,7 @@
 use glam::Vec2;
 
 use super::rng::{Purpose, block};
-use super::{Address, Stream, fill2, nested_uniform_scramble, r2, sobol, unit_float};
-use crate::simd::Isa;
+use super::{Stream, nested_uniform_scramble, r2, sobol, unit_float};
 
 /// Where the numbers of a [`Sampler`] come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,10 +24,10 @@ pub enum Pattern {
 /// The numbers of one sample of one pixel, in sets addressed by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
-    pattern: Pattern,
-    seed: u64,
-    pixel: u32,
-    sample: u32,
+    pub(super) pattern: Pattern,
+    pub(super) seed: u64,
+    pub(super) pixel: u32,
+    pub(super) sample: u32,
 }
 
 impl Sampler {
@@ -36,18 +35,6 @@ impl Sampler {
     #[inline(always)]
     pub fn new(pattern: Pattern, seed: u64, pixel: u32, sample: u32) -> Self {
         Self { pattern, seed, pixel, sample }
-    }
-
-    /// Which sample of which pixel: what differs between the samplers of a picture.
-    #[inline]
-    pub fn address(&self) -> Address {
-        Address { pixel: self.pixel, sample: self.sample }
-    }
-
-    /// Writes [`uniform2`](Self::uniform2) of set `set` for the samplers of other addresses, as [`fill2`] does.
-    #[inline]
-    pub fn fill2(&self, isa: Isa, set: u32, addresses: &[Address], numbers: &mut [Vec2]) {
-        fill2(isa, self.pattern, self.seed, set, addresses, numbers);
     }
 
     /// The first number of set `set`, in [0, 1).

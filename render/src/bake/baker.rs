@@ -16,9 +16,10 @@ use super::options::{BakeOptions, Directional, Mode};
 use super::texels::{Surfaces, Texel};
 use super::values::Values;
 use crate::cache::Cache;
-use crate::driver::{CacheUse, Watch};
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
+use crate::integrator::CacheUse;
 use crate::integrator::{GatherSource, Uncached};
+use crate::watch::Watch;
 use crate::world::{Surface, World};
 
 /// Texels that a thread takes at once.

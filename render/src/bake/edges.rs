@@ -1,10 +1,11 @@
 //! Edges that two of the scene's triangles share, and whether light goes on smoothly over them.
 //!
 //! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. What is not shared so may be
-//! shared piece by piece: where corners lie in the middle of a side ([`junctions`](super::junctions)), it is cut there.
+//! shared piece by piece: where corners lie in the middle of a side ([`t_junctions`](super::t_junctions)), it is cut there.
 
 use glam::Vec3;
 
+use super::position::{Key, key};
 use super::t_junctions::corners_on;
 use crate::scene::{Mesh, Scene};
 
@@ -31,9 +32,6 @@ pub(crate) struct SharedEdge {
     /// Whether the surface goes on over it without a crease.
     pub(crate) is_smooth: bool,
 }
-
-/// A point's bits; both zeros are one.
-pub(super) type Key = [u32; 3];
 
 /// A piece of a side.
 #[derive(Clone, Copy)]
@@ -113,10 +111,6 @@ fn pairs(scene: &Scene, mut pieces: Vec<Piece>) -> (Vec<SharedEdge>, Vec<Side>) 
         }
     }
     (edges, alone)
-}
-
-pub(super) fn key(position: Vec3) -> Key {
-    position.to_array().map(|coordinate| (coordinate + 0.0).to_bits())
 }
 
 fn is_smooth(scene: &Scene, sides: [Side; 2], spans: [[f64; 2]; 2]) -> bool {

@@ -25,12 +25,14 @@ mod footprint;
 pub mod gltf;
 mod hashes;
 mod islands;
+mod layout;
 pub mod manifest;
 mod moments;
 mod noise;
 pub mod obj;
 mod options;
 mod picture;
+mod position;
 mod raster;
 pub mod report;
 mod seams;
@@ -44,9 +46,9 @@ mod warnings;
 use glam::{Vec2, Vec3};
 
 use crate::cache::Record;
-use crate::driver::Watch;
 use crate::scene::Scene;
 use crate::settings::Invalid;
+use crate::watch::Watch;
 use crate::world::World;
 
 use atlas::{Atlas, NO_CHART};

@@ -1,70 +1,16 @@
-//! The arguments.
+//! Arguments that commands share, and those of `render` and `info`.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
 
-use super::CORNELL;
-use super::bake::BakeArguments;
-use super::cache::CacheCommand;
-use super::cubemap::CubemapArguments;
-use super::help::{
-    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, PROBES_EXAMPLES, RENDER_EXAMPLES, VALIDATE_EXAMPLES,
-};
-use super::irradiance::IrradianceArguments;
-use super::probes::ProbesArguments;
-use super::progress::Mode;
-use super::tree::TreeArguments;
-use super::validate::ValidateArguments;
-use crate::driver::MAX_PREVIEW_SIDE;
+use super::messages::Mode;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
-
-/// Renders scenes with global illumination
-///
-/// Without a command, the built-in Cornell box is rendered with 32 samples per pixel, to cornell.exr and cornell.png in
-/// the current folder.
-#[derive(Parser, Debug)]
-#[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
-pub(super) struct Arguments {
-    /// What to do; without one, the built-in Cornell box is rendered.
-    #[command(subcommand)]
-    pub(super) command: Option<Command>,
-}
-
-#[derive(Subcommand, Debug)]
-pub(super) enum Command {
-    /// Render a scene to pictures
-    #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
-    Render(Box<RenderArguments>),
-    /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
-    #[command(after_help = EXIT_CODES)]
-    Info(InfoArguments),
-    /// Bake lightmaps or ambient occlusion for a level
-    #[command(after_help = format!("{BAKE_EXAMPLES}\n\n{EXIT_CODES}"))]
-    Bake(Box<BakeArguments>),
-    /// Find the irradiance at given points
-    #[command(after_help = EXIT_CODES)]
-    Irradiance(Box<IrradianceArguments>),
-    /// Build, inspect, merge and draw irradiance caches
-    #[command(subcommand, after_help = EXIT_CODES)]
-    Cache(CacheCommand),
-    /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
-    #[command(after_help = EXIT_CODES)]
-    Tree(TreeArguments),
-    /// Make a prefiltered cube map of an environment, or of what a point in a scene sees
-    #[command(after_help = format!("{CUBEMAP_EXAMPLES}\n\n{EXIT_CODES}"))]
-    Cubemap(Box<CubemapArguments>),
-    /// Find the light around points in a scene: spherical harmonics, and volumes of them for Bevy
-    #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
-    Probes(Box<ProbesArguments>),
-    /// Render scenes whose answer is known exactly, and compare
-    #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
-    Validate(ValidateArguments),
-}
+use crate::watch::MAX_PREVIEW_SIDE;
 
 /// What overrides the scene, with the picture's size in one word.
 #[derive(Args, Clone, Debug)]
@@ -149,15 +95,6 @@ pub(super) struct InfoArguments {
     pub(super) json: bool,
 }
 
-impl Command {
-    /// What the program does without arguments.
-    pub(super) fn cornell() -> Self {
-        // A few seconds on two cores.
-        let arguments = Arguments::parse_from(["halfdome", "render", CORNELL, "--spp", "32"]);
-        arguments.command.expect("`render` is a command")
-    }
-}
-
 impl RenderArguments {
     /// The pictures to write, each once.
     pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Invalid> {
@@ -219,6 +156,15 @@ fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {
 pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= 64.0);
     stops.ok_or_else(|| "expected stops from -64 to 64".to_owned())
+}
+
+/// One of the values of a type, by its name.
+pub(super) fn names<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name))
+        .map(move |given| all.into_iter().find(|&value| name(value) == given).unwrap_or(all[0]))
 }
 
 #[cfg(test)]

@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::args::CommonArguments;
+use super::args::{CommonArguments, names};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
 use super::light::LightArguments;
-use super::progress::{Progress, Style};
-use super::summary::print_warning;
-use super::{CORNELL, CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare, thread_pool};
+use super::messages::{Style, print_text, print_warning, warn};
+use super::prepare::{CORNELL, prepare, thread_pool};
+use super::progress::Progress;
+use super::{interrupt, memory};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Scene, SceneFile};
-use crate::settings::Invalid;
 use crate::world::World;
 use files::Files;
 
@@ -229,38 +229,7 @@ fn bake(
     Ok(EXIT_DONE)
 }
 
-/// Prints warnings, and takes them out.
-pub(super) fn warn(style: Style, warnings: &mut Vec<String>) {
-    warnings.drain(..).for_each(|warning| print_warning(style, &warning));
-}
-
-/// Tells what happens, in the form that progress has.
-pub(super) fn print_text(style: Style, text: &str) {
-    match style {
-        Style::Silent => {}
-        Style::Json => super::progress::print_line(&serde_json::json!({ "event": "note", "message": text })),
-        Style::Bar => {
-            use std::io::Write as _;
-            let _ = writeln!(std::io::stderr(), "{text}");
-        }
-    }
-}
-
-/// One of the values of a type, by its name.
-pub(super) fn names<T: Copy + Send + Sync + 'static, const N: usize>(
-    all: [T; N],
-    name: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(all.map(name))
-        .map(move |given| all.into_iter().find(|&value| name(value) == given).unwrap_or(all[0]))
-}
-
 fn positive(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a number more than 0".to_owned())
-}
-
-/// An error about the options.
-pub(super) fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
-    Invalid::new(problem, remedy).into()
 }

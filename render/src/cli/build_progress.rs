@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::progress::{Style, print_line};
+use super::messages::{Style, print_line};
 
 /// Trees of fewer triangles are built before anybody wonders.
 const LARGE: usize = 1_000_000;

@@ -1,14 +1,24 @@
 //! What ends a run before it is done, and the exit code that it has.
 
 use std::fmt::Display;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 
 use serde_json::json;
 
-use super::progress::{Mode, print_line};
-use super::{EXIT_INPUT, EXIT_SYSTEM};
+use super::messages::{Mode, painted, print_line};
 use crate::scene::SceneError;
 use crate::settings::Invalid;
+
+/// Done.
+pub(super) const EXIT_DONE: u8 = 0;
+/// Bad input or usage, found before the render.
+pub(super) const EXIT_INPUT: u8 = 1;
+/// The system failed, for example while a picture was written.
+pub(super) const EXIT_SYSTEM: u8 = 2;
+/// Interrupted, with a valid partial picture.
+pub(super) const EXIT_INTERRUPTED: u8 = 3;
+/// An experiment failed.
+pub(super) const EXIT_FAILED: u8 = 5;
 
 /// Why there is no result. The texts may have further lines with help.
 #[derive(Debug, thiserror::Error)]
@@ -60,8 +70,7 @@ impl From<SceneError> for CliError {
     }
 }
 
-/// `text` in the style of ECMA-48's `codes` if stderr is a terminal and `NO_COLOR` is unset or empty.
-pub(super) fn painted(text: &str, codes: &str) -> String {
-    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    if plain || !std::io::stderr().is_terminal() { text.to_owned() } else { format!("\x1b[{codes}m{text}\x1b[0m") }
+/// An error about the options.
+pub(super) fn invalid(problem: impl Into<String>, remedy: impl Into<String>) -> CliError {
+    Invalid::new(problem, remedy).into()
 }

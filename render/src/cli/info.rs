@@ -9,8 +9,10 @@ use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
 use super::args::InfoArguments;
-use super::cache::print;
-use super::{CliError, EXIT_DONE, memory, prepare, tree};
+use super::error::{CliError, EXIT_DONE};
+use super::prepare::prepare;
+use super::print::print;
+use super::{memory, tree};
 use crate::scene::{Overrides, PunctualLight, Scene};
 use crate::world::World;
 

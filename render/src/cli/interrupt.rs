@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::CliError;
+use super::error::CliError;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 

@@ -10,11 +10,14 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::args::CommonArguments;
-use super::cache::{cached_options, print, read_cache, with_cache};
+use super::cache::{cached_options, read_cache, with_cache};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::interrupt;
 use super::job::{Job, Outcome};
 use super::light::LightArguments;
+use super::prepare::prepare_world;
+use super::print::print;
 use super::progress::Progress;
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
 use crate::irradiance::{self, Part, Request, Sensor};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::bake::print_text;
-use super::progress::{Style, per_second, print_line};
+use super::messages::{Style, print_line, print_text};
+use super::progress::per_second;
 use crate::driver::CacheUse;
 
 /// Work that was announced.

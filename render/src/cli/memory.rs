@@ -1,6 +1,6 @@
 //! Refuses what the machine cannot hold, before hours are spent on it.
 
-use super::CliError;
+use super::error::CliError;
 use crate::settings::Settings;
 
 /// An error if the picture needs more than the machine's memory.

@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod build_progress;
 mod cache;
+mod command;
 mod cubemap;
 mod error;
 mod help;
@@ -13,7 +14,10 @@ mod irradiance;
 mod job;
 mod light;
 mod memory;
+mod messages;
+mod prepare;
 mod preview;
+mod print;
 mod probes;
 mod progress;
 mod render;
@@ -21,35 +25,15 @@ mod summary;
 mod tree;
 mod validate;
 
-use std::io::{ErrorKind, IsTerminal};
-use std::path::Path;
 use std::process::ExitCode;
 
 use halfdome_kernel::{Isa, Level};
 
 use clap::Parser;
 
-use args::{Arguments, Command, CommonArguments};
-use error::CliError;
-use progress::Mode;
-
-use crate::scene::{self, Overrides, Place, Scene, SceneError};
-use crate::settings::Settings;
-use crate::world::World;
-
-/// Done.
-const EXIT_DONE: u8 = 0;
-/// Bad input or usage, found before the render.
-const EXIT_INPUT: u8 = 1;
-/// The system failed, for example while a picture was written.
-const EXIT_SYSTEM: u8 = 2;
-/// Interrupted, with a valid partial picture.
-const EXIT_INTERRUPTED: u8 = 3;
-/// An experiment failed.
-const EXIT_FAILED: u8 = 5;
-
-/// The built-in scene's name in place of a path.
-const CORNELL: &str = "cornell";
+use command::{Arguments, Command};
+use error::{CliError, EXIT_DONE, EXIT_INPUT};
+use messages::Mode;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
@@ -94,50 +78,4 @@ fn check_isa() -> Result<(), CliError> {
         "HALFDOME_ISA is {wanted:?}, which this machine does not have\n  help: unset it, or choose one of {}",
         known.join(", ")
     )))
-}
-
-/// The scene called `name` with the options of its file, if it has one, below those of `arguments`.
-fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliError> {
-    let (mut scene, from_file) = open(name)?;
-    let settings = arguments.or(from_file.clone()).apply(&mut scene);
-    let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
-    Ok((scene, settings))
-}
-
-/// The world of the scene called `name` with its settings, and the threads to work with; warnings are printed.
-fn prepare_world(
-    name: &Path,
-    overrides: Overrides,
-    arguments: &CommonArguments,
-) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
-    let (mut scene, settings) = prepare(name, overrides)?;
-    let style = arguments.progress.style(std::io::stderr().is_terminal());
-    scene.warnings.iter().for_each(|warning| summary::print_warning(style, warning));
-    scene.warnings.clear();
-    let pool = thread_pool(arguments)?;
-    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
-    Ok((world, settings, pool))
-}
-
-/// As many threads as asked for.
-fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPool, CliError> {
-    let threads = arguments.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))
-}
-
-/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
-fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
-    if name == Path::new(CORNELL) {
-        return Ok((scene::cornell_box(), Overrides::default()));
-    }
-    match name.metadata() {
-        Ok(_) => scene::open(name),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            let remedy =
-                "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
-            Err(SceneError::new(name, Place::File, "no such file", remedy))
-        }
-        Err(error) => Err(SceneError::unreadable(name, &error)),
-    }
 }

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::progress::{Progress, Style, print_line};
-use crate::driver::Watch;
+use super::messages::{Style, print_line};
+use super::progress::Progress;
 use crate::film::Picture;
 use crate::output::{self, ToneMapping};
+use crate::watch::Watch;
 
 /// Watches a render as `progress` does, and writes each level.
 pub(super) struct Preview<'a> {

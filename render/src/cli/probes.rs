@@ -11,10 +11,12 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::args::CommonArguments;
-use super::bake::{invalid, print_text, warn};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
+use super::interrupt;
 use super::light::LightArguments;
-use super::progress::{Progress, Style, print_line};
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, prepare_world};
+use super::messages::{Style, print_line, print_text, warn};
+use super::prepare::prepare_world;
+use super::progress::Progress;
 use crate::irradiance;
 use crate::probes::{self, Options, ProbeGrid, Probes, State};
 use crate::scene::{count, value};

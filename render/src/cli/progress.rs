@@ -2,7 +2,6 @@
 //!
 //! The render's threads add to two counters and never wait; a thread of its own looks at them now and then.
 
-use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -13,41 +12,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::interrupt;
-use crate::driver::Watch;
-
-/// How progress is shown, as the user asks for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Mode {
-    /// A bar if stderr is a terminal, else lines of JSON
-    Auto,
-    /// A bar (drawn on a terminal only) and a summary
-    Bar,
-    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end; before the start of
-    /// a large model, build
-    Json,
-    /// Warnings and errors alone
-    None,
-}
-
-/// How progress is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Style {
-    Bar,
-    Json,
-    Silent,
-}
-
-impl Mode {
-    /// The style, on a terminal or elsewhere.
-    pub(super) fn style(self, terminal: bool) -> Style {
-        match self {
-            Self::Auto if terminal => Style::Bar,
-            Self::Auto | Self::Json => Style::Json,
-            Self::Bar => Style::Bar,
-            Self::None => Style::Silent,
-        }
-    }
-}
+use super::messages::{Style, print_line};
+use crate::watch::Watch;
 
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 const JSON_INTERVAL: Duration = Duration::from_millis(500);
@@ -234,11 +200,6 @@ pub(super) fn clock(seconds: f64) -> String {
     if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes:02}:{seconds:02}") }
 }
 
-/// Prints one line of JSON to stderr; if that is closed, nobody reads it.
-pub(super) fn print_line(event: &Value) {
-    let _ = writeln!(std::io::stderr(), "{event}");
-}
-
 fn bar(total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
     // Of an unknown number there are no parts.
@@ -297,15 +258,6 @@ mod tests {
         assert_eq!([&unknown["done"], &unknown["remaining"], &unknown["records"]], expected);
         assert_eq!(clock(3_725.4), "1:02:05");
         assert_eq!(clock(59.6), "01:00");
-    }
-
-    #[test]
-    fn auto_depends_on_the_terminal_alone() {
-        assert_eq!(Mode::Auto.style(true), Style::Bar);
-        assert_eq!(Mode::Auto.style(false), Style::Json);
-        assert_eq!(Mode::Bar.style(false), Style::Bar);
-        assert_eq!(Mode::Json.style(true), Style::Json);
-        assert_eq!(Mode::None.style(true), Style::Silent);
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::error::painted;
-use super::progress::{Style, per_second, print_line};
+use super::messages::{Style, print_line, print_warning};
+use super::progress::per_second;
 use crate::driver::{CacheUse, Render};
 use crate::scene::count;
 use crate::settings::Settings;
@@ -103,16 +103,6 @@ impl RenderReport<'_> {
             "files": files,
             "warnings": self.warnings,
         })
-    }
-}
-
-/// Warnings matter even to those who want to see no progress.
-pub(super) fn print_warning(style: Style, warning: &str) {
-    match style {
-        Style::Json => print_line(&json!({ "event": "warning", "message": warning })),
-        Style::Bar | Style::Silent => {
-            let _ = writeln!(std::io::stderr(), "{} {warning}", painted("warning:", "1;33"));
-        }
     }
 }
 

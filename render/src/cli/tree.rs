@@ -12,9 +12,11 @@ use serde_json::json;
 
 use super::args::CommonArguments;
 use super::build_progress::BuildProgress;
-use super::cache::print;
-use super::progress::{Style, print_line};
-use super::{CliError, EXIT_DONE, interrupt, memory, open, summary, thread_pool};
+use super::error::{CliError, EXIT_DONE};
+use super::messages::{Style, print_line, print_warning};
+use super::prepare::{open, thread_pool};
+use super::print::print;
+use super::{interrupt, memory};
 use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
 use crate::scene::{Place, SceneError, value};
@@ -50,7 +52,7 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
     }
     let (scene, from_file) = open(&arguments.scene)?;
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    scene.warnings.iter().for_each(|warning| summary::print_warning(style, warning));
+    scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let pool = thread_pool(&arguments.common)?;
     let triangles: Vec<Triangle> =
         scene.meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();

@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{CliError, EXIT_DONE, EXIT_FAILED, EXIT_INTERRUPTED, interrupt};
-use crate::driver::Watch;
+use super::error::{CliError, EXIT_DONE, EXIT_FAILED, EXIT_INTERRUPTED};
+use super::interrupt;
+use super::print::print;
 use crate::output::{OutputError, OutputFile};
 use crate::scene::count;
 use crate::validate::{self, Effort, Experiment, Figure, Row, Runner, csv, svg};
+use crate::watch::Watch;
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct ValidateArguments {
@@ -127,16 +128,6 @@ fn write(folder: &Path, figure: &Figure) -> Result<(), OutputError> {
         OutputFile::check(&folder.join(figure.name).with_extension(extension))?.write(text.as_bytes())?;
     }
     Ok(())
-}
-
-/// Prints to stdout. That nobody reads it is no error: they may have seen enough.
-fn print(text: &str) -> Result<(), CliError> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::System(format!("standard output cannot be written: {error}")))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Shows on a terminal which experiment is under way, and lets Ctrl-C stop it.

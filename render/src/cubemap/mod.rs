@@ -27,7 +27,7 @@ pub use lobe::{Filter, Lobe, Mapping};
 pub use manifest::manifest;
 pub use shader::{Language, lookup};
 
-use crate::driver::Watch;
+use crate::watch::Watch;
 use environment::Viewer;
 use filter::Pyramid;
 

@@ -6,9 +6,7 @@
 //! grid that the grid before has not.
 
 use crate::film::Picture;
-
-/// The greatest side of a square.
-pub const MAX_PREVIEW_SIDE: u32 = 256;
+use crate::watch::MAX_PREVIEW_SIDE;
 
 /// The sides of the squares from `coarsest` down to 1, halved each time.
 pub(super) fn sides(coarsest: u32) -> impl Iterator<Item = u32> {

@@ -116,9 +116,10 @@ fn radiance(tile: &Tile, square: u32) -> Vec<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::driver::{Watch, fill_cache, render};
+    use crate::driver::{fill_cache, render};
     use crate::film::Picture;
     use crate::scene::cornell_box;
+    use crate::watch::Watch;
 
     struct NeverStops;
 

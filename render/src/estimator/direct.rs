@@ -118,7 +118,7 @@ pub(crate) fn scattered_weight(
 pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
     match world.lights.sky_probability() {
         0.0 => 0.0,
-        probability => probability * world.sky.density(surface, direction),
+        probability => probability * world.sky.density(surface.shading_normal, direction),
     }
 }
 
@@ -204,7 +204,7 @@ fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -
 
 #[inline(never)]
 fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> {
-    let direction = world.sky.sample(surface, u);
+    let direction = world.sky.sample(surface.shading_normal, u);
     let density = sky_density(world, surface, direction);
     let shadow = Ray::new(surface.origin_towards(direction), direction);
     let inv_density = density.recip();

@@ -12,7 +12,7 @@
 //! centre to the border, off the curve by less than 10⁻⁴ of its peak. Polylines have an exact inverse, and an exact
 //! constant for a weight even where the filter crosses zero.
 
-use super::Filter;
+use crate::settings::Filter;
 
 /// Cells of equal width between the centre of a tabulated filter and its border.
 const CELLS: usize = 256;

@@ -21,8 +21,8 @@ use halfdome_kernel::sampling::Sampler;
 use halfdome_kernel::{Hit, Ray};
 
 use crate::cache::Cache;
-use crate::driver::Watch;
 use crate::settings::{Integrator, PathOptions, Settings};
+use crate::watch::Watch;
 use crate::world::World;
 
 pub use cached::CacheUse;

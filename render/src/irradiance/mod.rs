@@ -18,10 +18,11 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::driver::{CacheUse, Watch};
 use crate::estimator::{sample_direct_without_sky, scattered_weight};
+use crate::integrator::CacheUse;
 use crate::integrator::{FrozenCache, RayBatch, Wavefront, fill_for_surfaces, indirect, max_depth};
 use crate::settings::LightSampling;
+use crate::watch::Watch;
 use crate::world::{Surface, World};
 
 pub use points::{PointsError, Sensor, read_points, read_positions};

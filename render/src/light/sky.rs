@@ -14,12 +14,11 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
+use halfdome_kernel::sampling::{AliasEntry, AliasTable, Frame, ONE_MINUS_EPSILON};
 
 use self::sun::SunTexels;
 use super::brightness;
 use crate::scene::{Sky, SkyPicture};
-use crate::world::Surface;
 
 /// The sky, ready to be sampled.
 #[derive(Debug)]
@@ -80,19 +79,19 @@ impl SkyLight {
         Some(self.sun.as_ref()?.sample(&self.panorama.as_ref()?.picture, u))
     }
 
-    /// A direction in which to look for light from `surface`.
-    pub(crate) fn sample(&self, surface: &Surface, u: Vec2) -> Vec3 {
+    /// A direction in which to look for light from a surface with this shading normal.
+    pub(crate) fn sample(&self, normal: Vec3, u: Vec2) -> Vec3 {
         match &self.panorama {
             Some(panorama) => panorama.sample(u),
-            None => surface.frame().to_world(CosineHemisphere.map(u)),
+            None => Frame::from_normal(normal).to_world(CosineHemisphere.map(u)),
         }
     }
 
     /// The density per solid angle with which [`sample`](Self::sample) gives this unit vector.
-    pub(crate) fn density(&self, surface: &Surface, direction: Vec3) -> f32 {
+    pub(crate) fn density(&self, normal: Vec3, direction: Vec3) -> f32 {
         match &self.panorama {
             Some(panorama) => panorama.density(direction),
-            None => surface.shading_normal.dot(direction).max(0.0) * FRAC_1_PI,
+            None => normal.dot(direction).max(0.0) * FRAC_1_PI,
         }
     }
 }

@@ -16,8 +16,8 @@ pub use gather::ProbeLight;
 pub use grid::ProbeGrid;
 pub use volume::{Volume, volume};
 
-use crate::driver::Watch;
 use crate::settings::named;
+use crate::watch::Watch;
 use crate::world::World;
 use gather::ProbeGatherer;
 use quadrature::Quadrature;

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::gather::ProbeLight;
 use super::quadrature::Quadrature;
 use super::{Probe, ProbeGrid, State};
-use crate::driver::Watch;
+use crate::watch::Watch;
 use crate::world::World;
 
 /// A point is covered if it sees more backs than this part of all directions.

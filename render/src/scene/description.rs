@@ -4,9 +4,9 @@
 //! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
 //! which its corners run counter-clockwise.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{LightUnits, Material, Sky, Texture};
+use super::{Material, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,6 +70,15 @@ pub struct Origin {
     pub primitive: usize,
     /// Whether the node mirrors it: the second and third corner of each triangle have changed places.
     pub mirrored: bool,
+}
+
+/// What the numbers of a file's lights are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightUnits {
+    /// Candela and lux, which are divided by 683 lm/W.
+    Photometric,
+    /// W/sr and W/m², or whatever unit emission has: they are taken as they are.
+    Radiometric,
 }
 
 /// A set of materials in place of those that meshes have by themselves.
@@ -178,6 +187,12 @@ impl Scene {
     }
 }
 
+/// `vector` at unit length, or `None` if it has no direction: zero, infinite or not a number.
+pub(super) fn unit(vector: Vec3) -> Option<Vec3> {
+    // Double precision, because the squares of a small or large vector leave the range of single precision.
+    vector.as_dvec3().try_normalize().map(DVec3::as_vec3)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,5 +210,14 @@ mod tests {
         assert!(sky.has_light());
         dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
         assert!(dark.has_light());
+    }
+
+    #[test]
+    fn unit_vectors_of_any_magnitude() {
+        assert_eq!(unit(Vec3::new(0.0, -3e38, 0.0)), Some(Vec3::NEG_Y));
+        assert_eq!(unit(Vec3::new(1e-44, 0.0, 0.0)), Some(Vec3::X));
+        assert_eq!(unit(Vec3::ZERO), None);
+        assert_eq!(unit(Vec3::new(f32::NAN, 1.0, 0.0)), None);
+        assert_eq!(unit(Vec3::new(f32::INFINITY, 1.0, 0.0)), None);
     }
 }

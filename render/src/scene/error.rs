@@ -62,3 +62,8 @@ impl fmt::Display for SceneError {
         write!(f, "{}\n  help: {}", self.problem, self.remedy)
     }
 }
+
+/// "1 face", "2 faces".
+pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}

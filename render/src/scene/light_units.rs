@@ -7,16 +7,7 @@
 
 use glam::Vec3;
 
-use super::{PunctualLight, Scene};
-
-/// What the numbers of a file's lights are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightUnits {
-    /// Candela and lux, which are divided by 683 lm/W.
-    Photometric,
-    /// W/sr and W/m², or whatever unit emission has: they are taken as they are.
-    Radiometric,
-}
+use super::{LightUnits, PunctualLight, Scene};
 
 /// Luminous efficacy by which Blender's exporter multiplies.
 const LUMENS_PER_WATT: f32 = 683.0;

@@ -11,6 +11,7 @@ pub(crate) mod gltf;
 mod hash;
 mod light_units;
 mod material;
+mod mesh_point;
 mod model;
 mod mtl;
 mod nearest;
@@ -25,17 +26,16 @@ pub(crate) mod value;
 
 pub use builtin::cornell_box;
 pub use daylight::Daylight;
-pub use description::{CameraPose, Mesh, Origin, PunctualLight, Scene, Variant};
+pub use description::{CameraPose, LightUnits, Mesh, Origin, PunctualLight, Scene, Variant};
+pub(crate) use error::count;
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use files::{Disk, Files};
 pub use framing::frame;
-pub use light_units::LightUnits;
 pub use material::{
-    BumpMap, Channel, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, MeshPoint, NormalMap, Opacity,
-    ShadingFrame, ShadingInputs, Specular, Target,
+    BumpMap, Channel, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Specular, Target,
 };
-pub(crate) use model::count;
+pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};
 pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};
 pub use sky::{Sky, SkyPicture};

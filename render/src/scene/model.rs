@@ -4,7 +4,6 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
 use halfdome_kernel::MAX_COORDINATE;
 
 use super::{Disk, Files, Place, Scene, SceneError, gltf, obj, ply};
@@ -159,17 +158,6 @@ fn check_extent(path: &Path, scene: &Scene) -> Result<(), SceneError> {
         }
     }
     Ok(())
-}
-
-/// `vector` at unit length, or `None` if it has no direction: zero, infinite or not a number.
-pub(super) fn unit(vector: Vec3) -> Option<Vec3> {
-    // Double precision, because the squares of a small or large vector leave the range of single precision.
-    vector.as_dvec3().try_normalize().map(DVec3::as_vec3)
-}
-
-/// "1 face", "2 faces".
-pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 #[cfg(test)]

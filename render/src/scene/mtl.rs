@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::model::count;
+use super::error::count;
 use super::statement::{Statement, statements};
 use super::{Gloss, Material, SceneError, Specular};
 

@@ -16,7 +16,8 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::model::{count, unit};
+use super::description::unit;
+use super::error::count;
 use super::statement::{Statement, shown, statements};
 use super::{Files, Material, Mesh, Scene, SceneError, mtl};
 

@@ -17,7 +17,7 @@ use halfdome_kernel::{MAX_COORDINATE, Quality};
 use super::framing::frame;
 use super::value::{self, argument};
 use super::{CameraPose, Scene};
-use crate::film::Filter;
+use crate::settings::Filter;
 use crate::settings::{Invalid, Settings};
 
 pub use cached::CachedOverrides;

@@ -15,7 +15,8 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::model::{count, unit};
+use super::description::unit;
+use super::error::count;
 use super::{Material, Mesh, Place, Scene, SceneError};
 
 const TEXCOORDS: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];

@@ -10,7 +10,7 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::Daylight;
 use super::nearest::nearest;
-use crate::film::Filter;
+use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
 
 pub(super) use integrating::*;

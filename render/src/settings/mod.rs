@@ -1,15 +1,15 @@
 //! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
 
 mod cached;
+mod filter;
 mod integrator;
 
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
-use crate::film::Filter;
-
 pub(crate) use cached::named;
 pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
+pub use filter::{Filter, FilterError};
 pub use integrator::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
     PathOptions, Stop, Survival,

@@ -2,9 +2,10 @@
 
 use std::cell::Cell;
 
-use crate::driver::{self, Watch};
-use crate::film::Filter;
+use crate::driver;
+use crate::settings::Filter;
 use crate::settings::Settings;
+use crate::watch::Watch;
 use crate::world::World;
 
 /// How much is measured.

@@ -1,8 +1,8 @@
 //! What is compared: ways to make a picture of the scene, each on one thread.
 
 use halfdome::driver::{self, Watch};
-use halfdome::film::{Filter, Picture};
-use halfdome::settings::{Integrator, PathOptions, Settings, Stop, Survival};
+use halfdome::film::Picture;
+use halfdome::settings::{Filter, Integrator, PathOptions, Settings, Stop, Survival};
 use halfdome::world::World;
 use halfdome_kernel::sampling::Pattern;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};

@@ -3,6 +3,9 @@
 use clap::CommandFactory;
 use halfdome_kernel::sampling::Pattern;
 
+use clap::Parser;
+
+use super::super::command::{Arguments, Command};
 use super::*;
 use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, SkyOverrides};
 use crate::settings::{

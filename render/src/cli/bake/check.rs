@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::super::cache::print;
-use super::super::{CliError, EXIT_DONE, EXIT_FAILED};
+use super::super::error::{CliError, EXIT_DONE, EXIT_FAILED};
+use super::super::print::print;
 use crate::bake::atlas::{Atlas, Layout, mesh_name};
 use crate::bake::check::Check;
 use crate::bake::{BakeOptions, charts_picture};

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use glam::Vec2;
 use serde_json::json;
 
-use super::super::CliError;
-use super::super::progress::{Style, print_line};
+use super::super::error::CliError;
+use super::super::messages::{Style, print_line};
 use super::{invalid, print_text};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};

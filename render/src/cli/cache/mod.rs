@@ -3,23 +3,27 @@
 mod show;
 
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal, Write as _};
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::args::{CommonArguments, OverrideArguments};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
 use super::job::{Job, Outcome};
-use super::progress::{Mode, Progress};
-use super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
+use super::messages::Mode;
+use super::prepare::prepare_world;
+use super::print::print;
+use super::progress::Progress;
+use super::{interrupt, memory};
 use crate::cache::{Cache, named};
-use crate::driver::Watch;
 use crate::estimator::Gatherer;
 use crate::integrator::fill_for_camera;
 use crate::output::OutputFile;
 use crate::scene::Overrides;
 use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
+use crate::watch::Watch;
 use crate::world::World;
 
 /// What `halfdome cache` takes.
@@ -224,15 +228,4 @@ fn merge(arguments: &MergeArguments) -> Result<u8, CliError> {
         file.write(&merged.encode()).map_err(CliError::system)?;
     }
     Ok(EXIT_DONE)
-}
-
-/// Prints to standard output. Who closes the pipe has seen enough.
-pub(super) fn print(text: &str) -> Result<(), CliError> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::System(format!("standard output cannot be written: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

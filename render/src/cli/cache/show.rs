@@ -9,16 +9,19 @@ use clap::Args;
 use glam::{Vec2, Vec3};
 
 use super::super::args::{CommonArguments, OverrideArguments};
+use super::super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::super::prepare::prepare_world;
 use super::super::progress::Progress;
-use super::super::{CliError, EXIT_DONE, EXIT_INTERRUPTED, interrupt, memory, prepare_world};
+use super::super::{interrupt, memory};
 use super::{cached_options, read_cache, with_cache};
 use crate::cache::{Cache, Record};
 use crate::camera::Camera;
-use crate::driver::{self, Watch};
+use crate::driver;
 use crate::film::Picture;
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::overlay::visible_records;
 use crate::settings::Invalid;
+use crate::watch::Watch;
 use crate::world::World;
 
 /// A cache, and the picture over which its records are drawn.

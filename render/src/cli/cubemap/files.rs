@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::CliError;
-use super::super::bake::invalid;
+use super::super::error::{CliError, invalid};
 use crate::cubemap::{self, CubeMap, Face, Language, Level, unfold};
 use crate::output::{Map, OutputFile, Shape, Texture, ToneMapping, encode_exr, encode_hdr, encode_ktx2_texture, write};
 use crate::scene::count;

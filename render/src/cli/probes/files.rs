@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde::Serialize;
 
-use super::super::CliError;
-use super::super::bake::invalid;
+use super::super::error::{CliError, invalid};
 use crate::film::{Channel, Metadata, Picture};
 use crate::output::{OutputFile, Shape, Texture, encode_exr, encode_ktx2_texture};
 use crate::probes::{Options, Probe, ProbeGrid, Probes, harmonics, volume};

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::irradiance_map::{IrradianceMap, UnmappedHits};
 use super::{FrozenCache, Misses, indirect, irradiance_map, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
-use crate::driver::Watch;
 use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 use crate::integrator::{RayBatch, Wavefront};
 use crate::settings::CachedOptions;
+use crate::watch::Watch;
 use crate::world::World;
 
 /// Where light beyond the first surface comes from.

@@ -14,9 +14,9 @@ use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::{FrozenCache, GatherSource, Level, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::camera::Camera;
-use crate::driver::Watch;
 use crate::estimator::{GatherPoint, Gatherer};
 use crate::settings::{CachedOptions, Gradients, Metric, Settings};
+use crate::watch::Watch;
 use crate::world::{Surface, World};
 
 /// The fewest texels of a lightmap, over the error, ...

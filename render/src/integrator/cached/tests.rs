@@ -5,10 +5,10 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::*;
 use crate::camera::Camera;
-use crate::driver::Watch;
 use crate::integrator::FIRST_SET;
 use crate::scene::{CameraPose, Material, Mesh, Scene, cornell_box};
 use crate::settings::Settings;
+use crate::watch::Watch;
 
 /// The inside of a tetrahedron about the origin that emits 1 and reflects half.
 fn furnace() -> World {

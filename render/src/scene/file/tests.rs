@@ -3,8 +3,8 @@ use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::*;
-use crate::film::Filter;
 use crate::scene::{CachedOverrides, CameraPose, Daylight, SkyOverrides};
+use crate::settings::Filter;
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
     Survival,

@@ -30,7 +30,7 @@ use std::path::Path;
 use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
 
-use super::model::count;
+use super::error::count;
 use super::{Disk, Files, LightUnits, Material, Place, Scene, SceneError};
 use notes::Notes;
 

@@ -11,7 +11,8 @@ use glam::{DMat3, Vec2, Vec3, Vec4};
 
 use super::hierarchy::Placed;
 use super::{Document, Skipped, accessor};
-use crate::scene::model::{count, unit};
+use crate::scene::count;
+use crate::scene::description::unit;
 use crate::scene::{Mesh, SceneError};
 
 /// The triangles of `primitive`, which `place` names in errors; `None` for points and lines. The material is the number

@@ -2,13 +2,11 @@
 
 mod input;
 mod maps;
-mod point;
 
 use glam::{Vec3, Vec4};
 
 pub use input::Input;
 pub use maps::{BumpMap, Channel, GltfAnisotropy, InputMap, NormalMap, Opacity, Target};
-pub use point::{MeshPoint, ShadingFrame, ShadingInputs};
 
 use super::{Texture, TextureMap};
 use crate::material::Inputs;
@@ -180,7 +178,7 @@ impl Material {
 
     /// The inputs, with texels as `lookup` finds them, and `base_color` multiplied by the colour of the vertices.
     #[inline]
-    fn inputs_by(&self, lookup: impl Fn(&TextureMap) -> Vec4, vertex_color: Vec3) -> Inputs {
+    pub(super) fn inputs_by(&self, lookup: impl Fn(&TextureMap) -> Vec4, vertex_color: Vec3) -> Inputs {
         let mut inputs = self.inputs;
         for map in &self.maps {
             map.apply(lookup(&map.texture), &mut inputs);

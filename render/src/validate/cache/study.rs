@@ -10,10 +10,10 @@ use halfdome_kernel::sampling::Stream;
 
 use crate::cache::{Cache, Reading};
 use crate::camera::Camera;
-use crate::driver::Watch;
 use crate::integrator::{fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
 use crate::settings::{CachedOptions, Settings};
+use crate::watch::Watch;
 use crate::world::World;
 
 /// Irradiance that is known well.

@@ -4,12 +4,12 @@ use glam::Vec3;
 
 use super::Reference;
 use crate::cache::Cache;
-use crate::driver::Watch;
 use crate::irradiance::{Irradiance, Part, Request, Sensor, by_cache};
 use crate::scene::{Mesh, cornell_box};
 use crate::settings::CachedOptions;
 use crate::validate::scenes::world as prepared;
 use crate::validate::{Interrupted, Outcome, Runner, worst};
+use crate::watch::Watch;
 use crate::world::World;
 
 /// The sensors, wall by wall, and what some of them read by path tracing.

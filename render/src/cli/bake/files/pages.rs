@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::super::super::CliError;
+use super::super::super::error::CliError;
 use super::{Files, Ready};
 use crate::bake::atlas::{NO_CHART, Part};
 use crate::bake::manifest::{DirectionalEntry, PageEntry, SurfaceEntry};

@@ -142,7 +142,7 @@ impl Filter {
     }
 
     /// The profile along one axis: even, zero from `|t| = 1` on, with integral one over [-1, 1].
-    pub(super) fn profile(&self, t: f64) -> f64 {
+    pub(crate) fn profile(&self, t: f64) -> f64 {
         let t = t.abs();
         if t >= 1.0 {
             return 0.0;

@@ -1,0 +1,68 @@
+//! The commands.
+
+use clap::{Parser, Subcommand};
+
+use super::args::{InfoArguments, RenderArguments};
+use super::bake::BakeArguments;
+use super::cache::CacheCommand;
+use super::cubemap::CubemapArguments;
+use super::help::{
+    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, PROBES_EXAMPLES, RENDER_EXAMPLES, VALIDATE_EXAMPLES,
+};
+use super::irradiance::IrradianceArguments;
+use super::prepare::CORNELL;
+use super::probes::ProbesArguments;
+use super::tree::TreeArguments;
+use super::validate::ValidateArguments;
+
+/// Renders scenes with global illumination
+///
+/// Without a command, the built-in Cornell box is rendered with 32 samples per pixel, to cornell.exr and cornell.png in
+/// the current folder.
+#[derive(Parser, Debug)]
+#[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+pub(super) struct Arguments {
+    /// What to do; without one, the built-in Cornell box is rendered.
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+}
+
+#[derive(Subcommand, Debug)]
+pub(super) enum Command {
+    /// Render a scene to pictures
+    #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Render(Box<RenderArguments>),
+    /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
+    #[command(after_help = EXIT_CODES)]
+    Info(InfoArguments),
+    /// Bake lightmaps or ambient occlusion for a level
+    #[command(after_help = format!("{BAKE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Bake(Box<BakeArguments>),
+    /// Find the irradiance at given points
+    #[command(after_help = EXIT_CODES)]
+    Irradiance(Box<IrradianceArguments>),
+    /// Build, inspect, merge and draw irradiance caches
+    #[command(subcommand, after_help = EXIT_CODES)]
+    Cache(CacheCommand),
+    /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
+    #[command(after_help = EXIT_CODES)]
+    Tree(TreeArguments),
+    /// Make a prefiltered cube map of an environment, or of what a point in a scene sees
+    #[command(after_help = format!("{CUBEMAP_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Cubemap(Box<CubemapArguments>),
+    /// Find the light around points in a scene: spherical harmonics, and volumes of them for Bevy
+    #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Probes(Box<ProbesArguments>),
+    /// Render scenes whose answer is known exactly, and compare
+    #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Validate(ValidateArguments),
+}
+
+impl Command {
+    /// What the program does without arguments.
+    pub(super) fn cornell() -> Self {
+        // A few seconds on two cores.
+        let arguments = Arguments::parse_from(["halfdome", "render", CORNELL, "--spp", "32"]);
+        arguments.command.expect("`render` is a command")
+    }
+}

@@ -1,0 +1,90 @@
+//! Messages on stderr, as text or as lines of JSON.
+
+use std::io::{IsTerminal, Write};
+
+use serde_json::{Value, json};
+
+/// How progress is shown, as the user asks for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Mode {
+    /// A bar if stderr is a terminal, else lines of JSON
+    Auto,
+    /// A bar (drawn on a terminal only) and a summary
+    Bar,
+    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end; before the start of
+    /// a large model, build
+    Json,
+    /// Warnings and errors alone
+    None,
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Style {
+    Bar,
+    Json,
+    Silent,
+}
+
+impl Mode {
+    /// The style, on a terminal or elsewhere.
+    pub(super) fn style(self, terminal: bool) -> Style {
+        match self {
+            Self::Auto if terminal => Style::Bar,
+            Self::Auto | Self::Json => Style::Json,
+            Self::Bar => Style::Bar,
+            Self::None => Style::Silent,
+        }
+    }
+}
+
+/// Prints one line of JSON to stderr; if that is closed, nobody reads it.
+pub(super) fn print_line(event: &Value) {
+    let _ = writeln!(std::io::stderr(), "{event}");
+}
+
+/// Warnings matter even to those who want to see no progress.
+pub(super) fn print_warning(style: Style, warning: &str) {
+    match style {
+        Style::Json => print_line(&json!({ "event": "warning", "message": warning })),
+        Style::Bar | Style::Silent => {
+            let _ = writeln!(std::io::stderr(), "{} {warning}", painted("warning:", "1;33"));
+        }
+    }
+}
+
+/// Prints warnings, and takes them out.
+pub(super) fn warn(style: Style, warnings: &mut Vec<String>) {
+    warnings.drain(..).for_each(|warning| print_warning(style, &warning));
+}
+
+/// Tells what happens, in the form that progress has.
+pub(super) fn print_text(style: Style, text: &str) {
+    match style {
+        Style::Silent => {}
+        Style::Json => print_line(&json!({ "event": "note", "message": text })),
+        Style::Bar => {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+}
+
+/// `text` in the style of ECMA-48's `codes` if stderr is a terminal and `NO_COLOR` is unset or empty.
+pub(super) fn painted(text: &str, codes: &str) -> String {
+    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    if plain || !std::io::stderr().is_terminal() { text.to_owned() } else { format!("\x1b[{codes}m{text}\x1b[0m") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_depends_on_the_terminal_alone() {
+        assert_eq!(Mode::Auto.style(true), Style::Bar);
+        assert_eq!(Mode::Auto.style(false), Style::Json);
+        assert_eq!(Mode::Bar.style(false), Style::Bar);
+        assert_eq!(Mode::Json.style(true), Style::Json);
+        assert_eq!(Mode::None.style(true), Style::Silent);
+    }
+}

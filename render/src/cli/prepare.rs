@@ -1,0 +1,60 @@
+//! From the arguments to a scene, its settings, a world and threads.
+
+use std::io::{ErrorKind, IsTerminal};
+use std::path::Path;
+
+use super::args::CommonArguments;
+use super::error::CliError;
+use super::messages::print_warning;
+use crate::scene::{self, Overrides, Place, Scene, SceneError};
+use crate::settings::Settings;
+use crate::world::World;
+
+/// The built-in scene's name in place of a path.
+pub(super) const CORNELL: &str = "cornell";
+
+/// The scene called `name` with the options of its file, if it has one, below those of `arguments`.
+pub(super) fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliError> {
+    let (mut scene, from_file) = open(name)?;
+    let settings = arguments.or(from_file.clone()).apply(&mut scene);
+    let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
+    Ok((scene, settings))
+}
+
+/// The world of the scene called `name` with its settings, and the threads to work with; warnings are printed.
+pub(super) fn prepare_world(
+    name: &Path,
+    overrides: Overrides,
+    arguments: &CommonArguments,
+) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
+    let (mut scene, settings) = prepare(name, overrides)?;
+    let style = arguments.progress.style(std::io::stderr().is_terminal());
+    scene.warnings.iter().for_each(|warning| print_warning(style, warning));
+    scene.warnings.clear();
+    let pool = thread_pool(arguments)?;
+    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    Ok((world, settings, pool))
+}
+
+/// As many threads as asked for.
+pub(super) fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPool, CliError> {
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))
+}
+
+/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
+pub(super) fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
+    if name == Path::new(CORNELL) {
+        return Ok((scene::cornell_box(), Overrides::default()));
+    }
+    match name.metadata() {
+        Ok(_) => scene::open(name),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let remedy =
+                "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+            Err(SceneError::new(name, Place::File, "no such file", remedy))
+        }
+        Err(error) => Err(SceneError::unreadable(name, &error)),
+    }
+}

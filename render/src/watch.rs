@@ -1,0 +1,30 @@
+//! Who watches long work: hears how far it is, sees early pictures, and may stop it.
+
+use crate::film::Picture;
+
+/// The greatest side of the squares of a preview, in pixels.
+pub const MAX_PREVIEW_SIDE: u32 = 256;
+
+/// Watches a render and may stop it. Called from all threads.
+pub trait Watch: Sync {
+    /// `samples` camera samples and `rays` rays more are done.
+    fn advance(&self, samples: u64, rays: u64);
+    /// Whether to stop; asked often. The samples so far still make a picture.
+    fn stop(&self) -> bool;
+
+    /// `records` more were added to an irradiance cache.
+    fn gathered(&self, _records: u64) {}
+
+    /// An irradiance cache that is being filled serves so many of its points.
+    fn covered(&self, _points: u64) {}
+
+    /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1 for single
+    /// pixels. The picture that [`render`](crate::driver::render()) gives does not depend on it.
+    fn coarsest(&self) -> u32 {
+        1
+    }
+
+    /// Sees the picture of each level from [`coarsest`](Self::coarsest) on down to 1, if it is more than 1: one sample for
+    /// each square of `side` pixels. Called from the thread that renders, which waits.
+    fn level(&self, _side: u32, _picture: &Picture) {}
+}
