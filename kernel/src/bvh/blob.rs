@@ -80,7 +80,7 @@ impl<'a> BvhView<'a> {
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
     /// - [`Error::Misaligned`]: it does not lie where it can be traced; with `alloc`, `Bvh::from_bytes` copies it.
     /// - [`Error::Damaged`]: the checksum is another.
-    /// - [`Error::BadHeader`], [`Error::InvalidTree`]: somebody wrote it who should not.
+    /// - [`Error::BadHeader`], [`Error::InvalidTree`]: the bytes were not written by halfdome.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, Error> {
         let header = Header::read(bytes)?;
         let offset = bytes.as_ptr().align_offset(BLOB_ALIGNMENT);
