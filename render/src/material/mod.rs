@@ -41,9 +41,23 @@
 
 use glam::{Vec2, Vec3};
 
+mod closure;
+mod energy;
+mod eon;
+pub mod fresnel;
+pub mod ggx;
+mod glass;
+mod glossy;
+mod lobes;
 mod matte;
+mod shading;
+mod transmissive;
 
+pub use closure::Closure;
+pub use glossy::Glossy;
 pub use matte::Matte;
+pub use shading::{Shading, bent_normal};
+pub use transmissive::Transmissive;
 
 /// A microfacet lobe whose α are both below this is a delta function.
 pub const DELTA_ALPHA: f32 = 1e-4;
@@ -118,36 +132,40 @@ pub struct Inputs {
     pub thin_film_ior: f32,
 }
 
-/// Diffuse reflection of a half, and nothing else; whatever is given a weight has the default of OpenPBR.
+impl Inputs {
+    /// Diffuse reflection of a half, and nothing else; whatever is given a weight then has the default of OpenPBR.
+    pub const DEFAULT: Self = Self {
+        base_color: Vec3::splat(0.5),
+        base_diffuse_roughness: 0.0,
+        base_metalness: 0.0,
+        metal_edge_color: Vec3::ONE,
+        specular_weight: 0.0,
+        specular_color: Vec3::ONE,
+        specular_roughness: 0.3,
+        specular_anisotropy: 0.0,
+        specular_ior: 1.5,
+        transmission_weight: 0.0,
+        transmission_color: Vec3::ONE,
+        thin_walled: false,
+        absorption: Vec3::ZERO,
+        diffuse_transmission_weight: 0.0,
+        diffuse_transmission_color: Vec3::ONE,
+        coat_weight: 0.0,
+        coat_color: Vec3::ONE,
+        coat_roughness: 0.0,
+        coat_ior: 1.6,
+        fuzz_weight: 0.0,
+        fuzz_color: Vec3::ONE,
+        fuzz_roughness: 0.5,
+        thin_film_weight: 0.0,
+        thin_film_thickness: 500.0,
+        thin_film_ior: 1.4,
+    };
+}
+
 impl Default for Inputs {
     fn default() -> Self {
-        Self {
-            base_color: Vec3::splat(0.5),
-            base_diffuse_roughness: 0.0,
-            base_metalness: 0.0,
-            metal_edge_color: Vec3::ONE,
-            specular_weight: 0.0,
-            specular_color: Vec3::ONE,
-            specular_roughness: 0.3,
-            specular_anisotropy: 0.0,
-            specular_ior: 1.5,
-            transmission_weight: 0.0,
-            transmission_color: Vec3::ONE,
-            thin_walled: false,
-            absorption: Vec3::ZERO,
-            diffuse_transmission_weight: 0.0,
-            diffuse_transmission_color: Vec3::ONE,
-            coat_weight: 0.0,
-            coat_color: Vec3::ONE,
-            coat_roughness: 0.0,
-            coat_ior: 1.6,
-            fuzz_weight: 0.0,
-            fuzz_color: Vec3::ONE,
-            fuzz_roughness: 0.5,
-            thin_film_weight: 0.0,
-            thin_film_thickness: 500.0,
-            thin_film_ior: 1.4,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -258,3 +276,6 @@ pub trait Bsdf {
     /// Whether light from behind the surface is scattered to `wo`, delta functions left aside.
     fn transmits(&self) -> bool;
 }
+
+#[cfg(test)]
+mod tests;

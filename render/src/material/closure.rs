@@ -1,0 +1,71 @@
+//! The closure that inputs need, whichever it is.
+
+use glam::{Vec2, Vec3};
+
+use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Matte, Sample, Transmissive};
+
+/// A closure of any [`Kind`]. A loop over points of one kind is quicker with the closure of that kind.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "closures live on the stack for one bounce")]
+pub enum Closure {
+    /// See [`Kind::Matte`].
+    Matte(Matte),
+    /// See [`Kind::Glossy`].
+    Glossy(Glossy),
+    /// See [`Kind::Transmissive`].
+    Transmissive(Transmissive),
+}
+
+macro_rules! each {
+    ($closure:expr, $inner:ident => $value:expr) => {
+        match $closure {
+            Closure::Matte($inner) => $value,
+            Closure::Glossy($inner) => $value,
+            Closure::Transmissive($inner) => $value,
+        }
+    };
+}
+
+impl Closure {
+    /// The closure of a kind, for inputs of that kind or a lesser one.
+    #[inline]
+    pub fn of_kind(kind: Kind, inputs: &Inputs, is_inside: bool) -> Self {
+        match kind {
+            Kind::Matte => Self::Matte(Bsdf::new(inputs, is_inside)),
+            Kind::Glossy => Self::Glossy(Bsdf::new(inputs, is_inside)),
+            Kind::Transmissive | Kind::Layered => Self::Transmissive(Bsdf::new(inputs, is_inside)),
+        }
+    }
+}
+
+impl Bsdf for Closure {
+    #[inline]
+    fn new(inputs: &Inputs, is_inside: bool) -> Self {
+        Self::of_kind(Kind::of(inputs), inputs, is_inside)
+    }
+
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Evaluation {
+        each!(self, inner => inner.eval(wo, wi))
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample> {
+        each!(self, inner => inner.sample(wo, u))
+    }
+
+    #[inline]
+    fn albedo(&self, wo: Vec3) -> Vec3 {
+        each!(self, inner => Bsdf::albedo(inner, wo))
+    }
+
+    #[inline]
+    fn diffuse_albedo(&self, wo: Vec3) -> Vec3 {
+        each!(self, inner => Bsdf::diffuse_albedo(inner, wo))
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        each!(self, inner => Bsdf::transmits(inner))
+    }
+}

@@ -1,0 +1,223 @@
+//! Directional albedos of microfacet lobes, and from them what layers leave for those below, and what is lost to light
+//! that a second microfacet meets.
+//!
+//! The albedo of a lobe depends on the cosine `μ` of `wo`, on roughness and on the refractive index. Tables hold it for
+//! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices, of which each is computed once, over
+//! visible normals, when a closure first asks for it. A closure blends a [`Column`] of cosines out of it when it
+//! is made. As functions between nodes are linear, their integrals over all directions are exact sums.
+
+use std::array;
+use std::sync::{LazyLock, OnceLock};
+
+use glam::{Vec2, Vec3};
+
+use super::fresnel;
+use halfdome_kernel::sampling::r2;
+
+use super::ggx::{Ggx, reflect};
+
+/// Cosines of a column: `μ = (k/31)²`.
+pub(super) const NODES: usize = 32;
+const LAST: f32 = (NODES - 1) as f32;
+
+/// A function of the cosine of a direction, linear in its square root between nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Column([f32; NODES]);
+
+/// `∫ 2μ hat_k(μ) dμ` of the hat function about each node.
+const WEIGHTS: [f32; NODES] = weights();
+
+const fn weights() -> [f32; NODES] {
+    // With μ = x²: ∫ 4x³ hat(x) dx; a piece from a to b = a + 1/31 has ∫ 4x³ (b - x) dx / (b - a) for its left node.
+    let mut weights = [0.0f64; NODES];
+    let mut k = 0;
+    while k + 1 < NODES {
+        let (a, b) = (k as f64 / LAST as f64, (k + 1) as f64 / LAST as f64);
+        let fourth = b * b * b * b - a * a * a * a;
+        let fifth = 0.8 * (b * b * b * b * b - a * a * a * a * a);
+        weights[k] += (b * fourth - fifth) * LAST as f64;
+        weights[k + 1] += (fifth - a * fourth) * LAST as f64;
+        k += 1;
+    }
+    let mut rounded = [0.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        rounded[k] = weights[k] as f32;
+        k += 1;
+    }
+    rounded
+}
+
+impl Column {
+    /// 0 everywhere.
+    pub(super) const ZERO: Self = Self([0.0; NODES]);
+    /// 1 everywhere.
+    pub(super) const ONE: Self = Self([1.0; NODES]);
+
+    /// The function of each node's cosine.
+    pub(super) fn from_fn(mut f: impl FnMut(f32) -> f32) -> Self {
+        Self(array::from_fn(|k| {
+            let root = k as f32 / LAST;
+            f(root * root)
+        }))
+    }
+
+    /// Its value at a cosine, 0 to 1.
+    #[inline]
+    pub(super) fn at(&self, cos: f32) -> f32 {
+        let x = cos.sqrt() * LAST;
+        // The comparison is false for a NaN too.
+        let k = if x < LAST { x as usize } else { NODES - 2 };
+        let fraction = x - k as f32;
+        self.0[k] + fraction * (self.0[k + 1] - self.0[k])
+    }
+
+    /// Its mean over uniform light, `2 ∫ f(μ) μ dμ`.
+    #[inline]
+    pub(super) fn mean(&self) -> f32 {
+        let mut sums = [0.0; 8];
+        for (values, weights) in self.0.chunks_exact(8).zip(WEIGHTS.chunks_exact(8)) {
+            for k in 0..8 {
+                sums[k] += values[k] * weights[k];
+            }
+        }
+        sums.iter().sum()
+    }
+
+    /// Another function of the same values.
+    #[inline]
+    pub(super) fn map(&self, mut f: impl FnMut(f32) -> f32) -> Self {
+        Self(array::from_fn(|k| f(self.0[k])))
+    }
+
+    /// A function of two columns' values.
+    #[inline]
+    pub(super) fn zip(&self, other: &Self, mut f: impl FnMut(f32, f32) -> f32) -> Self {
+        Self(array::from_fn(|k| f(self.0[k], other.0[k])))
+    }
+
+    #[inline]
+    pub(super) fn lerp(&self, other: &Self, fraction: f32) -> Self {
+        self.zip(other, |a, b| a + fraction * (b - a))
+    }
+}
+
+/// Roughnesses of a table, evenly from 0 to 1.
+pub(super) const ROUGHNESSES: usize = 33;
+/// Refractive indices of a table: the root of the reflectance at normal incidence, below 1, is `(j/16)²`.
+pub(super) const INDICES: usize = 16;
+
+/// Columns by roughness.
+type Rows = [Column; ROUGHNESSES];
+
+/// Rows by refractive index, each made when it is first asked for.
+type Table = [OnceLock<Rows>; INDICES];
+
+/// The reflection lobe's albedo where all is reflected, of a roughness.
+#[inline]
+pub(super) fn full(roughness: f32) -> Column {
+    static ROWS: LazyLock<Rows> = LazyLock::new(|| rows(|ggx, wo, h, _| reflected(ggx, wo, h)));
+    at_roughness(&ROWS, roughness)
+}
+
+/// The reflection lobe's albedo where `(1 - cos)⁵` is reflected, and where `cos (1 - cos)⁶` is: see [`fresnel::Metal`].
+pub(super) fn metal(roughness: f32) -> (Column, Column) {
+    static SCHLICK: LazyLock<Rows> =
+        LazyLock::new(|| rows(|ggx, wo, h, cos| fresnel::schlick(cos) * reflected(ggx, wo, h)));
+    static DIP: LazyLock<Rows> =
+        LazyLock::new(|| rows(|ggx, wo, h, cos| cos * (1.0 - cos) * fresnel::schlick(cos) * reflected(ggx, wo, h)));
+    (at_roughness(&SCHLICK, roughness), at_roughness(&DIP, roughness))
+}
+
+/// The reflection lobe's albedo with Fresnel's reflectance, seen from outside or inside.
+#[inline]
+pub(super) fn reflection(roughness: f32, ior: f32, is_inside: bool) -> Column {
+    static TABLES: [Table; 2] = [const { [const { OnceLock::new() }; INDICES] }; 2];
+    at(&TABLES[usize::from(is_inside)], roughness, ior, |ior| {
+        let eta = if is_inside { 1.0 / ior } else { ior };
+        rows(|ggx, wo, h, cos| fresnel::dielectric(cos, eta).0 * reflected(ggx, wo, h))
+    })
+}
+
+/// The albedo of reflection and refraction together, seen from outside or inside.
+#[inline]
+pub(super) fn glass(roughness: f32, ior: f32, is_inside: bool) -> Column {
+    static TABLES: [Table; 2] = [const { [const { OnceLock::new() }; INDICES] }; 2];
+    at(&TABLES[usize::from(is_inside)], roughness, ior, |ior| {
+        let eta = if is_inside { 1.0 / ior } else { ior };
+        rows(|ggx, wo, h, cos| interface(ggx, wo, h, cos, eta))
+    })
+}
+
+/// The mean of a weight of visible normals, for each roughness and cosine.
+fn rows(weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Rows {
+    array::from_fn(|r| {
+        let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
+        let ggx = Ggx { alpha: Vec2::splat(roughness * roughness) };
+        Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos)))
+    })
+}
+
+#[inline]
+fn at(table: &Table, roughness: f32, ior: f32, make: impl Fn(f32) -> Rows) -> Column {
+    let (j, fraction) = place(((ior - 1.0) / (ior + 1.0)).sqrt() * INDICES as f32, INDICES);
+    let row = |j: usize| {
+        let rows = table[j].get_or_init(|| {
+            let root = j as f32 / INDICES as f32;
+            // At an index of 1 refraction has no half vector.
+            make(((1.0 + root * root) / (1.0 - root * root)).max(1.001))
+        });
+        at_roughness(rows, roughness)
+    };
+    row(j).lerp(&row(j + 1), fraction)
+}
+
+#[inline]
+fn at_roughness(rows: &Rows, roughness: f32) -> Column {
+    let (r, fraction) = place(roughness * (ROUGHNESSES - 1) as f32, ROUGHNESSES);
+    rows[r].lerp(&rows[r + 1], fraction)
+}
+
+/// The node below, one that has a node above, and the way to that; beyond the last node its own value.
+#[inline]
+fn place(x: f32, nodes: usize) -> (usize, f32) {
+    let k = if x < (nodes - 1) as f32 { x as usize } else { nodes - 2 };
+    (k, (x - k as f32).clamp(0.0, 1.0))
+}
+
+/// The weight of a reflection by a visible normal, `G₂/G₁`, where all is reflected.
+fn reflected(ggx: &Ggx, wo: Vec3, h: Vec3) -> f32 {
+    let wi = reflect(wo, h);
+    if wi.z > 0.0 { ggx.g2(wo, wi) / ggx.g1(wo) } else { 0.0 }
+}
+
+/// That of reflection and refraction.
+fn interface(ggx: &Ggx, wo: Vec3, h: Vec3, cos: f32, eta: f32) -> f32 {
+    let (reflectance, cos_beyond) = fresnel::dielectric(cos, eta);
+    let refracted = if reflectance < 1.0 {
+        let wi = (cos / eta - cos_beyond) * h - wo / eta;
+        if wi.z < 0.0 { ggx.g2(wo, wi) / ggx.g1(wo) } else { 0.0 }
+    } else {
+        0.0
+    };
+    reflectance * reflected(ggx, wo, h) + (1.0 - reflectance) * refracted
+}
+
+/// The mean of a weight over the normals that are visible from a direction with this cosine. They are symmetric about
+/// its plane: half of them do. There are more points where normals are steep: few are, but they reflect below the horizon.
+fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f32 {
+    const POINTS: u32 = 1024;
+    let cos = cos.max(1e-4);
+    let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
+    if ggx.alpha.x == 0.0 {
+        return weight(wo, Vec3::Z, cos);
+    }
+    let (mut sum, mut points) = (0.0, 0.0);
+    for point in 0..POINTS {
+        let [x, y] = r2(point, [1 << 31; 2]).map(|word| (word >> 8) as f32 * (1.0 / 16_777_216.0));
+        let h = ggx.sample_normal(wo, Vec2::new(0.5 * x, 1.0 - y * y));
+        sum += y * weight(wo, h, wo.dot(h).clamp(0.0, 1.0));
+        points += y;
+    }
+    sum / points
+}

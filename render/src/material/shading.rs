@@ -1,0 +1,98 @@
+//! Shading normals: a closure at a point whose shading normal is not the surface's own.
+//!
+//! A shading normal that `wo` sees from behind is bent towards it. A direction that a closure samples on its side of the
+//! shading normal but on the other side of the surface is mirrored at the surface; so a closure that loses no energy about
+//! its own normal loses none about any. Two directions may then lead to one, and [`Shading::eval`] adds both.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::Frame;
+
+use super::{Bsdf, Evaluation, Sample};
+
+/// The least cosine between `wo` and a bent normal.
+const LEAST_COSINE: f32 = 0.01;
+
+/// The shading normal on the side of `wo`, bent towards it where it faces away. `geometric` and `wo` are on the same
+/// side; all are unit vectors.
+#[inline]
+pub fn bent_normal(geometric: Vec3, shading: Vec3, wo: Vec3) -> Vec3 {
+    let shading = if shading.dot(geometric) < 0.0 { -shading } else { shading };
+    let cosine = shading.dot(wo);
+    if cosine >= LEAST_COSINE {
+        return shading;
+    }
+    // Within the plane of both, to that cosine.
+    let across = (shading - cosine * wo).normalize_or(Frame::from_normal(wo).tangent);
+    (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() * across + LEAST_COSINE * wo
+}
+
+/// Two normals and a tangent, on the side of `wo`.
+#[derive(Clone, Copy, Debug)]
+pub struct Shading {
+    frame: Frame,
+    geometric: Vec3,
+}
+
+impl Shading {
+    /// For unit vectors with `geometric` on the side of `wo`. The tangent need not be perpendicular to the normal; where it
+    /// is along the normal, or 0, any other is taken.
+    #[inline]
+    pub fn new(geometric: Vec3, shading: Vec3, tangent: Vec3, wo: Vec3) -> Self {
+        let normal = bent_normal(geometric, shading, wo);
+        let across = tangent - normal * normal.dot(tangent);
+        let frame = if across.length_squared() > 1e-8 * tangent.length_squared() {
+            let tangent = across.normalize();
+            Frame { tangent, bitangent: normal.cross(tangent), normal }
+        } else {
+            Frame::from_normal(normal)
+        };
+        Self { frame, geometric }
+    }
+
+    /// The frame of closures.
+    #[inline]
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    #[inline]
+    fn mirrored(&self, w: Vec3) -> Vec3 {
+        w - 2.0 * self.geometric.dot(w) * self.geometric
+    }
+
+    /// [`Bsdf::eval`] of world directions.
+    #[inline]
+    pub fn eval(&self, closure: &impl Bsdf, wo: Vec3, wi: Vec3) -> Evaluation {
+        let wo = self.frame.to_local(wo);
+        let is_before = self.geometric.dot(wi) > 0.0;
+        let mut sum = Evaluation::default();
+        // The direction itself, and the one that is mirrored to it, each if its shading side is the side of `wi`.
+        for w in [wi, self.mirrored(wi)] {
+            let local = self.frame.to_local(w);
+            if (local.z > 0.0) == is_before {
+                let Evaluation { f_cos, density, reverse_density } = closure.eval(wo, local);
+                sum.f_cos += f_cos;
+                sum.density += density;
+                sum.reverse_density += reverse_density;
+            }
+        }
+        sum
+    }
+
+    /// [`Bsdf::sample`] of world directions. Where a direction was mirrored, or another could have been mirrored to it, the
+    /// density and the weight are those of both.
+    #[inline]
+    pub fn sample(&self, closure: &impl Bsdf, wo: Vec3, u: Vec2) -> Option<Sample> {
+        let sample = closure.sample(self.frame.to_local(wo), u)?;
+        let mut wi = self.frame.to_world(sample.wi);
+        let is_before = sample.wi.z > 0.0;
+        if (self.geometric.dot(wi) > 0.0) != is_before {
+            wi = self.mirrored(wi);
+        }
+        if sample.density.is_infinite() || (self.frame.to_local(self.mirrored(wi)).z > 0.0) != is_before {
+            return Some(Sample { wi, ..sample });
+        }
+        let Evaluation { f_cos, density, .. } = self.eval(closure, wo, wi);
+        (density > 0.0).then(|| Sample { wi, weight: f_cos / density, density, event: sample.event })
+    }
+}

@@ -1,0 +1,72 @@
+//! Shading normals lose no energy.
+
+use super::*;
+use crate::material::{Inputs, Shading, bent_normal};
+
+/// Normals that lean away from the surface's, which is z, and directions to look from.
+fn leaning() -> impl Iterator<Item = (Vec3, Vec3)> {
+    [0.2f32, 0.5, 0.9].into_iter().flat_map(|cos| {
+        [(0.05, 0.0), (0.1, 3.0), (0.5, 2.0), (0.9, 1.0)]
+            .map(|(z, azimuth)| (direction(cos, 0.3), direction(z, azimuth)))
+    })
+}
+
+#[test]
+fn bent_normals_face_the_viewer() {
+    for (shading, wo) in leaning() {
+        for shading in [shading, -shading] {
+            let normal = bent_normal(Vec3::Z, shading, wo);
+            assert!((normal.length() - 1.0).abs() < 1e-5 && normal.dot(wo) > 0.009, "{shading} {wo}: {normal}");
+            if shading.z > 0.0 && shading.dot(wo) > 0.1 {
+                assert_eq!(normal, shading);
+            }
+        }
+    }
+    let wo = direction(0.05, std::f32::consts::PI);
+    let behind = bent_normal(Vec3::Z, direction(0.1, 0.0), wo);
+    assert!((behind.dot(wo) - 0.01).abs() < 1e-5, "bent no further than needed: {behind}");
+}
+
+#[test]
+fn no_light_is_lost_under_shading_normals() {
+    let white = Inputs { base_color: Vec3::ONE, specular_weight: 1.0, specular_roughness: 0.5, ..Inputs::default() };
+    let leaf = Inputs { diffuse_transmission_weight: 0.5, ..white };
+    let glass = Inputs { transmission_weight: 1.0, ..white };
+    let mirror = Inputs { base_metalness: 1.0, specular_roughness: 0.0, ..white };
+    for (name, inputs) in [("plastic", white), ("leaf", leaf), ("glass", glass), ("mirror", mirror)] {
+        let closure = Closure::new(&inputs, false);
+        for (normal, wo) in leaning() {
+            let shading = Shading::new(Vec3::Z, normal, Vec3::X, wo);
+            let count = 16_384;
+            let mut sum = 0.0;
+            for sample in points(count).filter_map(|u| shading.sample(&closure, wo, u)) {
+                sum += f64::from(sample.weight.x);
+                if sample.density.is_finite() {
+                    let evaluation = shading.eval(&closure, wo, sample.wi);
+                    let error = sample.weight.x * sample.density - evaluation.f_cos.x;
+                    assert!(error.abs() <= 1e-3 * evaluation.f_cos.x, "{name}: {sample:?} {evaluation:?}");
+                    assert!((sample.density / evaluation.density - 1.0).abs() < 1e-3, "{name}: {sample:?}");
+                }
+                let is_before = sample.event.contains(crate::material::Event::REFLECTION);
+                assert_eq!(sample.wi.z > 0.0, is_before, "{name}: {sample:?}");
+            }
+            let albedo = sum / f64::from(count);
+            assert!((albedo - 1.0).abs() < 0.02, "{name}, normal {normal}, wo {wo}: {albedo}");
+        }
+    }
+}
+
+#[test]
+fn densities_under_shading_normals_integrate_to_one() {
+    let closure = Closure::new(&Inputs { diffuse_transmission_weight: 0.5, ..Inputs::default() }, false);
+    for (normal, wo) in leaning() {
+        let shading = Shading::new(Vec3::Z, normal, Vec3::X, wo);
+        let count = 40_000;
+        let sum: f64 = points(count)
+            .map(|u| direction(1.0 - 2.0 * u.x, std::f32::consts::TAU * u.y))
+            .map(|wi| f64::from(shading.eval(&closure, wo, wi).density))
+            .sum();
+        let integral = sum / f64::from(count) * 4.0 * std::f64::consts::PI;
+        assert!((integral - 1.0).abs() < 0.01, "normal {normal}, wo {wo}: {integral}");
+    }
+}

@@ -1,0 +1,61 @@
+//! Glass, mixed with what else a surface is made of: see [`Glass`] and [`Glossy`].
+
+use glam::{Vec2, Vec3};
+
+use super::glass::Glass;
+use super::lobes::{Choice, Lobes, Parts, choose};
+use super::{Glossy, Inputs};
+
+/// See [`Kind::Transmissive`](super::Kind::Transmissive).
+#[derive(Clone, Copy, Debug)]
+pub struct Transmissive {
+    /// The part of the surface that is glass.
+    share: f32,
+    glass: Option<Glass>,
+    rest: Option<Glossy>,
+}
+
+impl Lobes for Transmissive {
+    #[inline]
+    fn new(inputs: &Inputs, is_inside: bool) -> Self {
+        let share = (1.0 - inputs.base_metalness) * inputs.transmission_weight;
+        let rest = || Glossy::with_metalness(inputs, inputs.base_metalness / (1.0 - share));
+        Self { share, glass: (share > 0.0).then(|| Lobes::new(inputs, is_inside)), rest: (share < 1.0).then(rest) }
+    }
+
+    #[inline]
+    fn parts(&self, wo: Vec3, wi: Vec3) -> Parts {
+        let mut parts = Parts::default();
+        if let Some(glass) = &self.glass {
+            parts.add(self.share, &glass.parts(wo, wi));
+        }
+        if let Some(rest) = &self.rest {
+            parts.add(1.0 - self.share, &rest.parts(wo, wi));
+        }
+        parts
+    }
+
+    #[inline]
+    fn choose(&self, wo: Vec3, mut u: Vec2) -> Option<Choice> {
+        // Both are chosen as often as there is of them, which is what the weight of a delta function is divided by too.
+        if choose(&mut u.x, self.share) {
+            self.glass.as_ref()?.choose(wo, u)
+        } else {
+            self.rest.as_ref()?.choose(wo, u)
+        }
+    }
+
+    fn albedo(&self, wo: Vec3) -> Vec3 {
+        let glass = self.glass.as_ref().map_or(Vec3::ZERO, |glass| self.share * glass.albedo(wo));
+        glass + self.rest.as_ref().map_or(Vec3::ZERO, |rest| (1.0 - self.share) * Lobes::albedo(rest, wo))
+    }
+
+    fn diffuse_albedo(&self, wo: Vec3) -> Vec3 {
+        self.rest.as_ref().map_or(Vec3::ZERO, |rest| (1.0 - self.share) * Lobes::diffuse_albedo(rest, wo))
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.glass.as_ref().is_some_and(Lobes::transmits) || self.rest.as_ref().is_some_and(Lobes::transmits)
+    }
+}
