@@ -95,6 +95,12 @@ pub(super) struct InfoArguments {
     pub(super) json: bool,
 }
 
+#[derive(Args, Clone, Debug)]
+pub(super) struct MaterialsArguments {
+    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    pub(super) scene: PathBuf,
+}
+
 impl RenderArguments {
     /// The pictures to write, each once.
     pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Invalid> {

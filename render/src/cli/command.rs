@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use super::args::{InfoArguments, RenderArguments};
+use super::args::{InfoArguments, MaterialsArguments, RenderArguments};
 use super::bake::BakeArguments;
 use super::cache::CacheCommand;
 use super::cubemap::CubemapArguments;
@@ -35,6 +35,9 @@ pub(super) enum Command {
     /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
+    /// Print what was understood of a scene's materials, as [[material]] tables for a scene file
+    #[command(after_help = EXIT_CODES)]
+    Materials(MaterialsArguments),
     /// Bake lightmaps or ambient occlusion for a level
     #[command(after_help = format!("{BAKE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Bake(Box<BakeArguments>),

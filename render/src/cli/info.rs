@@ -13,7 +13,7 @@ use super::error::{CliError, EXIT_DONE};
 use super::prepare::prepare;
 use super::print::print;
 use super::{memory, tree};
-use crate::scene::{Overrides, PunctualLight, Scene};
+use crate::scene::{LightUnits, Overrides, PunctualLight, Scene};
 use crate::world::World;
 
 /// All that is told of a scene; lengths in the model's units.
@@ -42,6 +42,12 @@ struct Lights {
     point: usize,
     spot: usize,
     directional: usize,
+    /// What the file's numbers of these were taken for.
+    units: Option<&'static str>,
+    /// Radiant intensities of points and spots together, W/sr.
+    intensity: [f32; 3],
+    /// Irradiance of directional lights together, W/m².
+    irradiance: [f32; 3],
     sky_radiance: [f32; 3],
 }
 
@@ -125,6 +131,11 @@ impl Info {
             "other lights",
             format!("{} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
         );
+        if let Some(units) = lights.units {
+            row("light units", format!("{units} in the file"));
+            row("point, spot lights", format!("{} W/sr together", spaced(lights.intensity.map(f64::from))));
+            row("directional lights", format!("{} W/m² together", spaced(lights.irradiance.map(f64::from))));
+        }
         row("sky radiance", format!("{} W/(m² sr)", spaced(lights.sky_radiance.map(f64::from))));
         row("camera eye", coordinates(camera.eye));
         row("camera target", coordinates(camera.target));
@@ -188,13 +199,25 @@ impl Lights {
             power += PI * sides * area * material.emission.as_dvec3();
         }
         lights.emissive_power = power.to_array();
+        lights.units = scene.light_units.map(LightUnits::name);
+        let (mut intensities, mut irradiances) = (Vec3::ZERO, Vec3::ZERO);
         for light in &scene.lights {
             match light {
-                PunctualLight::Point { .. } => lights.point += 1,
-                PunctualLight::Spot { .. } => lights.spot += 1,
-                PunctualLight::Directional { .. } => lights.directional += 1,
+                PunctualLight::Point { intensity, .. } => {
+                    lights.point += 1;
+                    intensities += intensity;
+                }
+                PunctualLight::Spot { intensity, .. } => {
+                    lights.spot += 1;
+                    intensities += intensity;
+                }
+                PunctualLight::Directional { irradiance, .. } => {
+                    lights.directional += 1;
+                    irradiances += irradiance;
+                }
             }
         }
+        (lights.intensity, lights.irradiance) = (intensities.to_array(), irradiances.to_array());
         lights
     }
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use glam::Vec3;
 
-use crate::scene::{Overrides, SkyOverrides, value};
+use crate::scene::{LightUnits, Overrides, SkyOverrides, value};
 
 /// What lights a scene, besides what is in it, and by which random numbers its light is found.
 #[derive(Args, Clone, Debug)]
@@ -21,6 +21,15 @@ pub(super) struct LightArguments {
     #[arg(value_parser = value::argument(value::emission))]
     emits_both_sides: Option<bool>,
 
+    /// What the model's light sources are given in: photometric (candela, lux; divided by 683 lm/W) or radiometric (W/sr,
+    /// W/m²) [default: photometric for strong lights in files that Blender wrote, else radiometric]
+    #[arg(long, value_name = "UNITS", help_heading = "Light", value_parser = value::argument(value::light_units))]
+    light_units: Option<LightUnits>,
+
+    /// Which of the model's material variants to show (glTF's KHR_materials_variants)
+    #[arg(long, value_name = "NAME", help_heading = "Model")]
+    variant: Option<String>,
+
     /// Selects the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) seed: Option<u64>,
@@ -33,6 +42,8 @@ impl LightArguments {
             sky: self.sky,
             sky_light: self.sky_light.clone(),
             emits_both_sides: self.emits_both_sides,
+            light_units: self.light_units,
+            variant: self.variant.clone(),
             seed: self.seed,
             eye: Some(Vec3::ZERO),
             target: Some(Vec3::NEG_Z),

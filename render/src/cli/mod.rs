@@ -13,6 +13,7 @@ mod interrupt;
 mod irradiance;
 mod job;
 mod light;
+mod materials;
 mod memory;
 mod messages;
 mod prepare;
@@ -52,6 +53,7 @@ pub fn main() -> ExitCode {
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
         Command::Render(arguments) => (render::run(&arguments), arguments.common.progress),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
+        Command::Materials(arguments) => (materials::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),
         Command::Cache(command) => (cache::run(&command), command.progress()),
         Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),

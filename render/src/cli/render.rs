@@ -30,7 +30,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     memory::check(&settings)?;
     let lit = scene.has_light();
     if settings.integrator.needs_light() && !lit {
-        scene.warnings.push("the scene has no light, so the picture is black; give it a --sky, for example".to_owned());
+        let from_gltf = scene.meshes.iter().any(|mesh| mesh.origin.is_some());
+        let export = if from_gltf {
+            ", or export the lights: Blender leaves them out unless Include > Punctual Lights is on"
+        } else {
+            ""
+        };
+        scene.warnings.push(format!("the scene has no light, so the picture is black; give it a --sky{export}"));
     }
 
     let pool = thread_pool(&arguments.common)?;

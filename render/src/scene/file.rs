@@ -4,6 +4,8 @@
 //! [scene]
 //! file = "hall.glb"      # relative to the folder of this file
 //! emission = "both"      # which sides of emitters emit: "front" or "both"
+//! lights = "photometric" # the units of its light sources: "photometric" or "radiometric"
+//! variant = "oak"        # of its materials
 //!
 //! [camera]
 //! eye = [1.0, 1.7, 4.0]
@@ -36,16 +38,17 @@
 //! # or, without a picture: daylight = [40, 120, 3], the sun's elevation and azimuth, and turbidity
 //! ```
 //!
-//! All but `scene.file` may be left out. Each value is checked here; what only several options together can get wrong
+//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. Each value is checked here; what only several options together can get wrong
 //! is left to [`Overrides::apply`], since the command line may still change it.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
 use super::load;
+use super::material_table::{self, MaterialTable};
 use super::nearest::suggestion;
+use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
 use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError};
 
@@ -56,11 +59,13 @@ pub struct SceneFile {
     pub model: PathBuf,
     /// The options that the file sets.
     pub overrides: Overrides,
+    /// The materials that it changes or adds.
+    pub materials: Vec<MaterialTable>,
 }
 
 /// The sections of a scene file with their keys.
 const SECTIONS: [(&str, &[&str]); 5] = [
-    ("scene", &["file", "emission"]),
+    ("scene", &["file", "emission", "lights", "variant"]),
     ("camera", &["eye", "target", "up", "vfov"]),
     ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
     (
@@ -99,7 +104,9 @@ pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if is_toml {
         let file = SceneFile::read(path)?;
-        Ok((load(&file.model)?, file.overrides))
+        let mut scene = load(&file.model)?;
+        material_table::apply(&file.materials, path, &mut scene)?;
+        Ok((scene, file.overrides))
     } else {
         Ok((load(path)?, Overrides::default()))
     }
@@ -123,22 +130,9 @@ impl SceneFile {
     }
 }
 
-/// The line, from 1, of the byte at `offset`.
-fn line_of(text: &[u8], offset: usize) -> usize {
-    1 + text.iter().take(offset).filter(|&&byte| byte == b'\n').count()
-}
-
 struct Parser<'a> {
     path: &'a Path,
     text: &'a str,
-}
-
-/// A key or section with its value, and where both stand in the text.
-struct Entry<'a> {
-    name: &'a str,
-    at: Range<usize>,
-    value: &'a DeValue<'a>,
-    value_at: Range<usize>,
 }
 
 impl Parser<'_> {
@@ -149,8 +143,13 @@ impl Parser<'_> {
         })?;
         let mut model = None;
         let mut overrides = Overrides::default();
+        let mut materials = Vec::new();
         for section in entries(document.get_ref()) {
-            let sections = SECTIONS.map(|(name, _)| name);
+            if section.name == "material" {
+                materials = material_table::read(self.path, self.text, section.value, section.at.start)?;
+                continue;
+            }
+            let sections: Vec<&str> = SECTIONS.iter().map(|&(name, _)| name).chain(["material"]).collect();
             let Some((_, keys)) = SECTIONS.iter().find(|(name, _)| *name == section.name) else {
                 let problem = format!("unknown section {:?}", section.name);
                 return Err(self.error(section.at.start, problem, suggestion(section.name, &sections)));
@@ -172,12 +171,14 @@ impl Parser<'_> {
         }
         let remedy = "name one: [scene] on a line, then file = \"model.glb\"";
         let model = model.ok_or_else(|| SceneError::new(self.path, Place::File, "no model is named", remedy))?;
-        Ok(SceneFile { model, overrides })
+        Ok(SceneFile { model, overrides, materials })
     }
 
     /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
         match entry.name {
+            "lights" if section == "scene" => to.light_units = Some(self.read(value::light_units, section, entry)?),
+            "variant" => to.variant = Some(self.read(value::text, section, entry)?),
             "emission" => to.emits_both_sides = Some(self.read(value::emission, section, entry)?),
             "eye" => to.eye = Some(self.read(value::point, section, entry)?),
             "target" => to.target = Some(self.read(value::point, section, entry)?),
@@ -260,37 +261,6 @@ impl Parser<'_> {
     fn error(&self, offset: usize, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
         SceneError::new(self.path, Place::Line(line_of(self.text.as_bytes(), offset)), problem, remedy)
     }
-}
-
-/// The entries of a table in the order of the text.
-fn entries<'a>(table: &'a DeTable<'a>) -> Vec<Entry<'a>> {
-    let entry = |(key, value): (&'a toml::Spanned<_>, &'a toml::Spanned<_>)| {
-        let name: &std::borrow::Cow<'_, str> = key.get_ref();
-        Entry { name, at: key.span(), value: value.get_ref(), value_at: value.span() }
-    };
-    let mut entries: Vec<_> = table.iter().map(entry).collect();
-    entries.sort_by_key(|entry| entry.at.start);
-    entries
-}
-
-fn value_of(value: &DeValue<'_>) -> Value {
-    match value {
-        DeValue::String(text) => Value::Text(text.clone().into_owned()),
-        DeValue::Integer(integer) => {
-            i128::from_str_radix(integer.as_str(), integer.radix()).map_or(Value::Other, Value::Integer)
-        }
-        DeValue::Float(float) => float.as_str().parse().map_or(Value::Other, Value::Number),
-        DeValue::Array(values) => Value::List(values.iter().map(|value| value_of(value.get_ref())).collect()),
-        DeValue::Boolean(flag) => Value::Boolean(*flag),
-        DeValue::Datetime(_) | DeValue::Table(_) => Value::Other,
-    }
-}
-
-/// The first line of `text`, at most 40 characters of it.
-fn shortened(text: &str) -> String {
-    let line = text.lines().next().unwrap_or_default();
-    let short: String = line.chars().take(40).collect();
-    if short.len() < text.len() { format!("{short}...") } else { short }
 }
 
 #[cfg(test)]

@@ -1,12 +1,18 @@
 //! A camera for a scene that brings none.
 //!
+//! In a closed room it stands inside, where it sees farthest towards the middle: a camera outside would see walls. A room is
+//! closed if from places all over it nearly all rays meet the front of a surface; from inside of a statue they meet backs. Anything else is seen from outside:
+//!
 //! It looks at the middle of the bounds from 30° to the right of the front and 20° above, from the distance at which
 //! the sphere around the bounds just fits into the narrower field of view: `distance = radius / sin(angle / 2)`. The
 //! front is the side of +z, as glTF has it, or of -y if z is up.
 
 use glam::{DVec3, Vec3};
 
-use super::CameraPose;
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::{Bvh, Quality, Ray, Triangle, triangle_normal};
+
+use super::{CameraPose, Scene};
 
 const AZIMUTH_DEGREES: f64 = 30.0;
 const ELEVATION_DEGREES: f64 = 20.0;
@@ -35,6 +41,75 @@ fn towards_viewer(up: DVec3) -> DVec3 {
     let right = up.cross(front);
     let (azimuth, elevation) = (AZIMUTH_DEGREES.to_radians(), ELEVATION_DEGREES.to_radians());
     elevation.cos() * (azimuth.cos() * front + azimuth.sin() * right) + elevation.sin() * up
+}
+
+/// The part of the rays from inside that must meet fronts, on the whole and at the camera. Windows are open, and some
+/// places are within furniture.
+const MIN_FRONTS: f32 = 0.85;
+
+/// Vertical field of view inside of rooms, in degrees.
+const INSIDE_VFOV: f32 = 60.0;
+
+/// Places along each horizontal axis of the bounds, and their height, as parts of its extents.
+const PLACES: [f32; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+const EYE_HEIGHT: f32 = 0.55;
+
+/// The pose inside of a closed room, looking at its middle; `None` if the scene is none. `vfov` as in [`frame`].
+pub(super) fn frame_inside(scene: &Scene, up: Vec3, vfov: Option<f32>) -> Option<CameraPose> {
+    let (lower, upper) = scene.bounds()?;
+    let triangles: Vec<Triangle> =
+        scene.meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
+    let (tree, _) = Bvh::build(&triangles, &Quality::Fast.into()).ok()?;
+    let tree = tree.view();
+    let up = up.as_dvec3().normalize().as_vec3();
+    let axes = Frame::from_normal(up);
+    let extent = upper - lower;
+    let at = |x: f32, y: f32, height: f32| {
+        let across = |axis: Vec3, part: f32| axis * (part - 0.5) * extent.dot(axis.abs());
+        0.5 * (lower + upper) + across(axes.tangent, x) + across(axes.bitangent, y) + across(up, height)
+    };
+    let free = |from: Vec3, direction: Vec3| tree.intersect(&Ray::new(from, direction));
+    let fronts = |from: Vec3| {
+        let meets_front = |&direction: &Vec3| {
+            free(from, direction)
+                .is_some_and(|hit| triangle_normal(&triangles[hit.prim_id as usize]).dot(direction) < 0.0)
+        };
+        directions().filter(meets_front).count() as f32 / directions().count() as f32
+    };
+    let places: Vec<(f32, Vec3)> = PLACES
+        .into_iter()
+        .flat_map(|x| PLACES.map(|y| at(x, y, EYE_HEIGHT)))
+        .map(|place| (fronts(place), place))
+        .collect();
+    let mean = places.iter().map(|(fronts, _)| fronts).sum::<f32>() / places.len() as f32;
+    if mean < MIN_FRONTS {
+        return None;
+    }
+    let target = at(0.5, 0.5, 0.5 * EYE_HEIGHT + 0.15);
+    let view = |&eye: &Vec3| {
+        let way = (target - eye).try_normalize()?;
+        let far = free(eye, way).map_or(f32::INFINITY, |hit| hit.t).min((target - eye).length());
+        let clearance = directions().filter_map(|direction| free(eye, direction)).map(|hit| hit.t).fold(far, f32::min);
+        (clearance > 0.02 * extent.length()).then_some((far, eye))
+    };
+    let enclosed = places.iter().filter(|(fronts, _)| *fronts >= MIN_FRONTS).filter_map(|(_, eye)| view(eye));
+    let (_, eye) = enclosed.fold(None, |best: Option<(f32, Vec3)>, next| match best {
+        Some(best) if best.0 >= next.0 => Some(best),
+        _ => Some(next),
+    })?;
+    (eye.distance(target) > 0.0).then(|| CameraPose { eye, target, up, vfov: vfov.unwrap_or(INSIDE_VFOV) })
+}
+
+/// Unit vectors all around: 64 of Fibonacci's spiral.
+fn directions() -> impl Iterator<Item = Vec3> {
+    const COUNT: usize = 64;
+    let golden = core::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..COUNT).map(move |index| {
+        let z = 1.0 - (2 * index + 1) as f64 / COUNT as f64;
+        let (sin, cos) = (golden * index as f64).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        DVec3::new(radius * cos, radius * sin, z).as_vec3()
+    })
 }
 
 #[cfg(test)]
@@ -99,5 +174,57 @@ mod tests {
         assert!(point.eye.is_finite() && point.eye != point.target);
         let huge = frame((Vec3::splat(-1e37), Vec3::splat(1e37)), Vec3::Y, 40.0, 1.0);
         assert!(huge.eye.is_finite());
+    }
+
+    /// A box of walls of some thickness around the origin, without the walls in `missing`, whose fronts are outside.
+    fn room(half: Vec3, missing: &[usize]) -> Scene {
+        let wall = |side: usize| {
+            let (axis, sign) = (side / 2, [-1.0, 1.0][side % 2]);
+            let (mut centre, mut size) = (Vec3::ZERO, half + 0.1);
+            centre[axis] = sign * (half[axis] + 0.1);
+            size[axis] = 0.1;
+            solid(centre, size)
+        };
+        let meshes = (0..6).filter(|side| !missing.contains(side)).map(wall).collect();
+        Scene { meshes, materials: vec![super::super::Material::default()], ..Scene::default() }
+    }
+
+    /// A box whose fronts are outside.
+    fn solid(centre: Vec3, half: Vec3) -> super::super::Mesh {
+        let corner = |i: u32| {
+            centre
+                + half
+                    * Vec3::new(
+                        [-1.0, 1.0][i as usize & 1],
+                        [-1.0, 1.0][i as usize >> 1 & 1],
+                        [-1.0, 1.0][i as usize >> 2],
+                    )
+        };
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        super::super::Mesh { positions: (0..8).map(corner).collect(), triangles, ..Default::default() }
+    }
+
+    #[test]
+    fn in_a_closed_room_the_camera_stands_inside_with_a_free_view() {
+        let half = Vec3::new(3.0, 1.25, 2.0);
+        for up in [Vec3::Y, Vec3::Z] {
+            let mut scene = room(half, &[]);
+            scene.meshes.push(solid(Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.5, 0.25, 0.5)));
+            let pose = frame_inside(&scene, up, None).expect("a room");
+            assert!(pose.eye.abs().cmplt(half).all(), "{pose:?}");
+            assert!(pose.eye.distance(pose.target) > 1.5, "{pose:?}");
+        }
+        assert_eq!(frame_inside(&room(half, &[]), Vec3::Y, Some(30.0)).unwrap().vfov, 30.0);
+    }
+
+    #[test]
+    fn open_rooms_and_solids_are_seen_from_outside() {
+        let half = Vec3::new(3.0, 1.25, 2.0);
+        assert_eq!(frame_inside(&room(half, &[3, 4]), Vec3::Y, None), None);
+        assert_eq!(frame_inside(&super::super::cornell_box(), Vec3::Y, None), None);
+        let statue = Scene { meshes: vec![solid(Vec3::ZERO, half)], ..room(half, &[]) };
+        assert_eq!(frame_inside(&statue, Vec3::Y, None), None);
+        assert_eq!(frame_inside(&Scene::default(), Vec3::Y, None), None);
     }
 }

@@ -11,6 +11,8 @@ pub(crate) mod gltf;
 mod hash;
 mod light_units;
 mod material;
+mod material_table;
+mod material_text;
 mod mesh_point;
 mod model;
 mod mtl;
@@ -22,6 +24,7 @@ mod sky;
 mod statement;
 mod tangents;
 mod texture;
+mod toml_text;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
@@ -35,6 +38,7 @@ pub use framing::frame;
 pub use material::{
     BumpMap, Channel, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Specular, Target,
 };
+pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};
 pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};

@@ -35,6 +35,26 @@ const SIGNATURES: [(&[u8], &str); 16] = [
     (b"solid ", "an STL model"),
 ];
 
+/// Extensions of what programs write that make models, and is not read.
+const OTHERS: [(&str, &str); 16] = [
+    ("3ds", "a 3D Studio model"),
+    ("abc", "an Alembic scene"),
+    ("blend", "a Blender project"),
+    ("c4d", "a Cinema 4D project"),
+    ("dae", "a COLLADA model"),
+    ("fbx", "an FBX model"),
+    ("ma", "a Maya project"),
+    ("max", "a 3ds Max project"),
+    ("mb", "a Maya project"),
+    ("pbrt", "a pbrt scene"),
+    ("skp", "a SketchUp model"),
+    ("stl", "an STL model"),
+    ("usd", "a USD scene"),
+    ("usda", "a USD scene"),
+    ("usdc", "a USD scene"),
+    ("usdz", "a USD scene"),
+];
+
 /// A model format that [`load`] reads.
 #[derive(Clone, Copy)]
 enum Format {
@@ -109,11 +129,17 @@ impl Format {
             Some("gltf") => Ok(Self::Gltf),
             Some("glb") => Ok(Self::Glb),
             other => {
-                let problem = match other {
-                    Some(other) => format!("`.{other}` is not a model format that can be read"),
-                    None => "the name has no extension that would tell the format".to_owned(),
+                let known = other.and_then(|other| OTHERS.iter().find(|(extension, _)| *extension == other));
+                let problem = match (other, known) {
+                    (Some(other), Some((_, what))) => format!("this is {what} (`.{other}`), which cannot be read"),
+                    (Some(other), None) => format!("`.{other}` is not a model format that can be read"),
+                    (None, _) => "the name has no extension that would tell the format".to_owned(),
                 };
-                Err(SceneError::new(path, Place::File, problem, "name a .obj, .ply, .gltf or .glb file"))
+                let remedy = match known {
+                    Some(_) => "export it as glTF (.glb), which keeps most, or name a .gltf, .obj or .ply file",
+                    None => "name a .glb, .gltf, .obj or .ply file",
+                };
+                Err(SceneError::new(path, Place::File, problem, remedy))
             }
         }
     }

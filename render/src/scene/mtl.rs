@@ -1,119 +1,135 @@
-//! Wavefront MTL: `newmtl`, `Kd`, `Ke`, `Ks`, `Tf`, `Ns`, `Ni`, `d`, `Tr` (1 - `d`) and `illum`.
+//! Wavefront MTL (Ramey, Rose and Tyerman 1995) with the keys that Clara.io added for physically based materials.
 //!
-//! The illumination models 3 and 5 are mirrors with the reflectance `Ks`, unless that is black; 4, 6 and 7 are glass with
-//! the index `Ni` (1.5 if it is left out) and the transmittance `Tf` (white if it is left out). All others are matte.
+//! | MTL | input |
+//! | --- | --- |
+//! | `Kd`, `map_Kd` | `base_color` |
+//! | `Ks`, `map_Ks` | reflectance at normal incidence: `specular_color` by the index of refraction |
+//! | `Ns`, `map_Ns` | `specular_roughness`, by α = √(2 / (Ns + 2)) |
+//! | `illum` 3, 5 | a mirror with the reflectance `Ks`, unless that is black |
+//! | `illum` 4, 6, 7 | glass with the index `Ni` (1.5 if it is left out) and the transmittance `Tf` (white if left out) at each surface |
+//! | `d`, `Tr` (1 - `d`), `map_d` | opacity, unless it is glass |
+//! | `Ke`, `map_Ke` | emission |
+//! | `Pr`, `Pm`, `map_Pr`, `map_Pm` | `specular_roughness`, `base_metalness`; with these, `Ni` gives the reflectance and `Ks` none |
+//! | `Ps`, `Pc`, `Pcr`, `aniso`, `anisor` | `fuzz_weight`, `coat_weight`, `coat_roughness`, anisotropy and its turn (1 for all around) |
+//! | `norm`; `bump`, `map_Bump` with `-bm` | normal map; bump map, in the model's unit of length, or a normal map if it looks like one |
 //!
-//! Deviations: texture maps are ignored, with a warning that counts them; so are all other statements, without one.
-//! Reflectances and opacities outside 0..=1 are clamped with a warning. Colours as spectra or in CIE XYZ are refused.
+//! Files that Blender wrote, as their first line says, are taken as Blender means them: its `Ns` is `1000 (1 - roughness)²`, its
+//! `Ks` of 0.5 is a reflectance of 4%, its `illum` 3 a metal with the metalness `Ka`, its bump maps are normal maps.
+//!
+//! Deviations: `Ka` is ignored otherwise. Of a map's options `-s`, `-o`, `-bm`, `-clamp` and `-imfchan` count. Maps of other
+//! kinds are left out with a warning, all other statements without one. Reflectances and opacities outside 0..=1 are clamped with
+//! a warning. Colours as spectra or in CIE XYZ are refused.
+
+mod finish;
+mod map;
 
 use std::path::Path;
 
 use glam::Vec3;
 
-use super::error::count;
 use super::statement::{Statement, statements};
-use super::{Gloss, Material, SceneError, Specular};
+use super::texture::TextureStore;
+use super::{Gloss, Material, SceneError};
+use map::Map;
 
-/// Appends the materials in `bytes` to `materials`, and what was skipped or changed to `warnings`.
+/// What the statements of a material say; `None` for what they leave out.
+#[derive(Default)]
+struct Statements {
+    name: String,
+    gloss: Gloss,
+    ambient: Option<Vec3>,
+    diffuse: Option<Vec3>,
+    emission: Option<Vec3>,
+    has_ior: bool,
+    /// `Tf`, if it is there.
+    filter: Option<Vec3>,
+    roughness: Option<f32>,
+    metalness: Option<f32>,
+    sheen: f32,
+    coat: f32,
+    coat_roughness: f32,
+    anisotropy: f32,
+    rotation: f32,
+    maps: Vec<Map>,
+}
+
+/// Appends the materials in `bytes` to `materials`, their textures to `textures`, and what was skipped or changed to
+/// `warnings`.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     materials: &mut Vec<Material>,
+    textures: &mut TextureStore,
     warnings: &mut Vec<String>,
 ) -> Result<(), SceneError> {
-    let known = materials.len();
-    let mut maps = 0;
-    let (mut has_diffuse, mut has_ior) = (false, false);
+    let is_blender = bytes.trim_ascii_start().starts_with(b"# Blender");
+    let mut current: Option<Statements> = None;
     for statement in statements(path, bytes, "an MTL file") {
         let statement = statement?;
-        let keyword = statement.keyword();
-        if keyword == b"newmtl" {
-            if let Some(finished) = materials[known..].last_mut() {
-                make_specular(path, finished, has_ior, warnings);
+        if statement.keyword() == b"newmtl" {
+            let next = Statements { name: statement.name(), ..Statements::default() };
+            if let Some(finished) = current.replace(next) {
+                materials.push(finished.finish(path, is_blender, textures, warnings));
             }
-            // What a material leaves out is ours to choose: matte grey, but black for one that emits.
-            materials.push(Material { name: statement.name(), ..Material::default() });
-            (has_diffuse, has_ior) = (false, false);
             continue;
         }
-        if is_map(keyword) {
-            maps += 1;
+        let keyword = String::from_utf8_lossy(statement.keyword()).into_owned();
+        let is_map = map::is_map(&keyword);
+        if !is_map && !KEYWORDS.contains(&keyword.as_str()) {
             continue;
         }
-        if !matches!(keyword, b"Kd" | b"Ke" | b"Ks" | b"Tf" | b"Ns" | b"Ni" | b"d" | b"Tr" | b"illum") {
-            continue;
-        }
-        let Some(material) = materials[known..].last_mut() else {
-            let keyword = String::from_utf8_lossy(keyword);
+        let Some(material) = &mut current else {
             return Err(statement.error(
                 format!("`{keyword}` stands before the first `newmtl`"),
                 "begin each material with `newmtl` and its name",
             ));
         };
-        let gloss = &mut material.gloss;
-        match keyword {
-            b"Kd" => {
-                material.diffuse = reflectance(&statement, warnings)?;
-                has_diffuse = true;
-            }
-            b"Ks" => gloss.specular = reflectance(&statement, warnings)?,
-            b"Tf" => gloss.transmittance = reflectance(&statement, warnings)?,
-            b"Ke" => {
-                material.emission = emission(&statement)?;
-                if !has_diffuse && material.emission != Vec3::ZERO {
-                    material.diffuse = Vec3::ZERO;
-                }
-            }
-            b"Ns" => [gloss.exponent] = statement.numbers()?,
-            b"Ni" => {
-                [gloss.ior] = statement.numbers()?;
-                has_ior = true;
-            }
-            b"d" => gloss.opacity = opacity(&statement, warnings)?,
-            b"Tr" => gloss.opacity = 1.0 - opacity(&statement, warnings)?,
-            _ => gloss.model = illumination_model(&statement)?,
+        if is_map {
+            material.maps.push(Map::read(&keyword, &statement)?);
+        } else {
+            material.take(&keyword, &statement, warnings)?;
         }
     }
-    if let Some(last) = materials[known..].last_mut() {
-        make_specular(path, last, has_ior, warnings);
-    }
-    if maps > 0 {
-        let maps = count(maps, "texture map is", "texture maps are");
-        warnings.push(format!("{}: {maps} ignored", path.display()));
+    if let Some(last) = current {
+        materials.push(last.finish(path, is_blender, textures, warnings));
     }
     Ok(())
 }
 
-/// Makes a material the mirror or glass that its illumination model stands for, now that all of it is read.
-fn make_specular(path: &Path, material: &mut Material, has_ior: bool, warnings: &mut Vec<String>) {
-    let Gloss { specular, transmittance, mut ior, model, .. } = material.gloss;
-    let mut warn = |what: &str| warnings.push(format!("{}: material {:?}: {what}", path.display(), material.name));
-    match model {
-        3 | 5 if specular != Vec3::ZERO => {
-            let rest = material.diffuse.min(Vec3::ONE - specular);
-            if rest != material.diffuse {
-                warn("`Kd` and `Ks` add up to more than 1; `Kd` is reduced");
+/// Statements that are read, besides maps.
+const KEYWORDS: [&str; 17] =
+    ["Ka", "Kd", "Ke", "Ks", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor"];
+
+impl Statements {
+    fn take(&mut self, keyword: &str, statement: &Statement, warnings: &mut Vec<String>) -> Result<(), SceneError> {
+        let gloss = &mut self.gloss;
+        match keyword {
+            "Ka" => self.ambient = colour(statement).ok(),
+            "Kd" => self.diffuse = Some(reflectance(statement, warnings)?),
+            "Ks" => gloss.specular = reflectance(statement, warnings)?,
+            "Tf" => {
+                gloss.transmittance = reflectance(statement, warnings)?;
+                self.filter = Some(gloss.transmittance);
             }
-            (material.specular, material.diffuse) = (Specular::Mirror { reflectance: specular }, rest);
+            "Ke" => self.emission = Some(emission(statement)?),
+            "Ns" => [gloss.exponent] = statement.numbers()?,
+            "Ni" => {
+                [gloss.ior] = statement.numbers()?;
+                self.has_ior = true;
+            }
+            "d" => gloss.opacity = part(statement, warnings)?,
+            "Tr" => gloss.opacity = 1.0 - part(statement, warnings)?,
+            "Pr" => self.roughness = Some(part(statement, warnings)?),
+            "Pm" => self.metalness = Some(part(statement, warnings)?),
+            "Ps" => self.sheen = part(statement, warnings)?,
+            "Pc" => self.coat = part(statement, warnings)?,
+            "Pcr" => self.coat_roughness = part(statement, warnings)?,
+            "aniso" => self.anisotropy = part(statement, warnings)?,
+            "anisor" => [self.rotation] = statement.numbers()?,
+            _ => gloss.model = illumination_model(statement)?,
         }
-        4 | 6 | 7 => {
-            if has_ior && ior <= 0.0 {
-                warn(&format!("an index of refraction of {ior} is no glass's; {GLASS_IOR} is used"));
-            }
-            if !has_ior || ior <= 0.0 {
-                ior = GLASS_IOR;
-            }
-            (material.specular, material.diffuse) = (Specular::Glass { ior, transmittance }, Vec3::ZERO);
-        }
-        _ => {}
+        Ok(())
     }
-}
-
-/// The index of refraction of glass that does not say.
-const GLASS_IOR: f32 = 1.5;
-
-fn is_map(keyword: &[u8]) -> bool {
-    keyword.starts_with(b"map_") || matches!(keyword, b"bump" | b"disp" | b"decal" | b"refl" | b"norm")
 }
 
 /// Three numbers, or one that stands for all three.
@@ -141,17 +157,18 @@ fn reflectance(statement: &Statement, warnings: &mut Vec<String>) -> Result<Vec3
     Ok(clamped)
 }
 
-fn opacity(statement: &Statement, warnings: &mut Vec<String>) -> Result<f32, SceneError> {
+/// A number from 0 to 1.
+fn part(statement: &Statement, warnings: &mut Vec<String>) -> Result<f32, SceneError> {
     // `d -halo 0.5` makes the opacity depend on the angle; its number is the opacity at the centre.
     let word = statement.words().find(|&word| word != b"-halo");
-    let opacity = match word {
+    let part = match word {
         Some(word) => statement.number(word)?,
         None => statement.numbers::<1>()?[0],
     };
-    if !(0.0..=1.0).contains(&opacity) {
+    if !(0.0..=1.0).contains(&part) {
         warnings.push(clamp_warning(statement));
     }
-    Ok(opacity.clamp(0.0, 1.0))
+    Ok(part.clamp(0.0, 1.0))
 }
 
 fn clamp_warning(statement: &Statement) -> String {
@@ -176,3 +193,6 @@ fn illumination_model(statement: &Statement) -> Result<u32, SceneError> {
     }
     Ok(number as u32)
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,6 +19,7 @@ use glam::{Vec2, Vec3};
 use super::description::unit;
 use super::error::count;
 use super::statement::{Statement, shown, statements};
+use super::texture::TextureStore;
 use super::{Files, Material, Mesh, Scene, SceneError, mtl};
 
 /// Stands for an index that a corner leaves out. The file is too short for it to be a real one.
@@ -50,6 +51,7 @@ struct Reader<'a> {
     run: Run,
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
+    textures: TextureStore<'a>,
     warnings: Vec<String>,
     lines_and_points: usize,
 }
@@ -67,6 +69,7 @@ impl<'a> Reader<'a> {
             run: Run::default(),
             meshes: Vec::new(),
             materials: Vec::new(),
+            textures: TextureStore::new(files, Vec::new()),
             warnings: Vec::new(),
             lines_and_points: 0,
         }
@@ -186,7 +189,7 @@ impl<'a> Reader<'a> {
         for name in library_names(self.files, folder, &statement.name()) {
             let file = folder.join(&name);
             match self.files.read(&file) {
-                Ok(bytes) => mtl::read(&file, &bytes, &mut self.materials, &mut self.warnings)?,
+                Ok(bytes) => mtl::read(&file, &bytes, &mut self.materials, &mut self.textures, &mut self.warnings)?,
                 Err(error) => {
                     let problem = SceneError::unreadable(&file, &error).problem;
                     self.warnings.push(statement.warning(format_args!("material library {name:?}: {problem}")));
@@ -222,7 +225,13 @@ impl<'a> Reader<'a> {
         for (name, _) in self.material_names.iter().zip(&defined).filter(|(_, defined)| defined.is_none()) {
             self.warnings.push(format!("{}: material {name:?} is not defined; grey instead", self.path.display()));
         }
-        Scene { meshes: self.meshes, materials: self.materials, warnings: self.warnings, ..Scene::default() }
+        Scene {
+            meshes: self.meshes,
+            materials: self.materials,
+            textures: self.textures.list,
+            warnings: self.warnings,
+            ..Scene::default()
+        }
     }
 }
 

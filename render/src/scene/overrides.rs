@@ -14,11 +14,12 @@ use glam::Vec3;
 use halfdome_kernel::sampling::Pattern;
 use halfdome_kernel::{MAX_COORDINATE, Quality};
 
-use super::framing::frame;
+use super::framing::{frame, frame_inside};
+use super::nearest::suggestion;
 use super::value::{self, argument};
-use super::{CameraPose, Scene};
+use super::{CameraPose, LightUnits, Scene};
 use crate::settings::Filter;
-use crate::settings::{Invalid, Settings};
+use crate::settings::{Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
 pub use integrator::IntegratorOverrides;
@@ -44,11 +45,11 @@ pub struct Overrides {
     #[arg(value_parser = argument(value::vfov))]
     pub vfov: Option<f32>,
 
-    /// Pixels across [default: 512]
+    /// Pixels across [default: 512, or as the model's camera has width to height]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub width: Option<u32>,
-    /// Pixels down [default: 512]
+    /// Pixels down [default: 512, or as the model's camera has height to width]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
@@ -100,6 +101,13 @@ pub struct Overrides {
     /// wrong way, try both.
     #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
     pub emits_both_sides: Option<bool>,
+    /// What the model's light sources are given in: photometric (candela, lux; divided by 683 lm/W) or radiometric (W/sr,
+    /// W/m²) [default: photometric for strong lights in files that Blender wrote, else radiometric]
+    #[arg(long, value_name = "UNITS", help_heading = "Light", value_parser = argument(value::light_units))]
+    pub light_units: Option<LightUnits>,
+    /// Which of the model's material variants to show (glTF's KHR_materials_variants)
+    #[arg(long, value_name = "NAME", help_heading = "Model")]
+    pub variant: Option<String>,
 }
 
 impl Overrides {
@@ -128,6 +136,8 @@ impl Overrides {
             sky: self.sky.or(fallback.sky),
             sky_light: self.sky_light.or(fallback.sky_light),
             emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
+            light_units: self.light_units.or(fallback.light_units),
+            variant: self.variant.or(fallback.variant),
         }
     }
 
@@ -137,7 +147,13 @@ impl Overrides {
     /// # Errors
     /// If options do not go together, or with the scene.
     pub fn apply(&self, scene: &mut Scene) -> Result<Settings, Conflict> {
-        let settings = self.settings()?;
+        let settings = self.settings(scene)?;
+        if let Some(name) = &self.variant {
+            choose_variant(scene, name).map_err(|error| Conflict::new(Group::Variant, error))?;
+        }
+        if let Some(units) = self.light_units {
+            scene.set_light_units(units);
+        }
         let aspect = f64::from(settings.width) / f64::from(settings.height);
         scene.camera = Some(self.camera(scene, aspect).map_err(|error| Conflict::new(Group::Camera, error))?);
         if let Some(radiance) = self.sky {
@@ -152,11 +168,25 @@ impl Overrides {
         Ok(settings)
     }
 
-    fn settings(&self) -> Result<Settings, Conflict> {
+    /// Pixels across and down: what is not set follows from the aspect of the camera that is used, if it has one.
+    fn size(&self, scene: &Scene, default: &Settings) -> (u32, u32) {
+        let is_new = self.eye.is_some() && self.target.is_some();
+        let aspect = scene.camera_aspect.filter(|_| !is_new && scene.camera.is_some()).map(f64::from);
+        let scaled = |side: u32, by: f64| ((f64::from(side) * by).round() as u32).clamp(1, MAX_SIDE);
+        match (self.width, self.height, aspect) {
+            (None, None, Some(aspect)) => (scaled(default.height, aspect), default.height),
+            (None, Some(height), Some(aspect)) => (scaled(height, aspect), height),
+            (Some(width), None, Some(aspect)) => (width, scaled(width, aspect.recip())),
+            (width, height, _) => (width.unwrap_or(default.width), height.unwrap_or(default.height)),
+        }
+    }
+
+    fn settings(&self, scene: &Scene) -> Result<Settings, Conflict> {
         let default = Settings::default();
+        let (width, height) = self.size(scene, &default);
         let settings = Settings {
-            width: self.width.unwrap_or(default.width),
-            height: self.height.unwrap_or(default.height),
+            width,
+            height,
             filter: self.film_filter().map_err(|error| Conflict::new(Group::Filter, error))?,
             integrator: self.integrator.integrator().map_err(|error| Conflict::new(Group::Integrator, error))?,
             spp: self.spp.unwrap_or(default.spp),
@@ -177,6 +207,7 @@ impl Overrides {
             Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
             Group::Integrator => self.integrator.sets_any(),
             Group::Sky => self.sky_light.sets_any(),
+            Group::Variant => self.variant.is_some(),
         }
     }
 
@@ -194,13 +225,19 @@ impl Overrides {
         let base = match scene.camera.filter(|_| !new) {
             Some(pose) => pose,
             None => {
+                let up = self.up.unwrap_or(Vec3::Y);
+                let inside = if new { None } else { frame_inside(scene, up, self.vfov) };
                 if !new {
-                    scene.warnings.push(
-                        "the model has no camera; one that shows all of it is used (set --eye and --target)".to_owned(),
-                    );
+                    let what = if inside.is_some() { "that stands in its closed room" } else { "that shows all of it" };
+                    let how = if scene.meshes.iter().any(|mesh| mesh.origin.is_some()) {
+                        "set --eye and --target, or export one: Blender leaves cameras out unless Include > Cameras is on"
+                    } else {
+                        "set --eye and --target"
+                    };
+                    scene.warnings.push(format!("the model has no camera; one {what} is used ({how})"));
                 }
                 let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
-                frame(bounds, self.up.unwrap_or(Vec3::Y), self.vfov.unwrap_or(DEFAULT_VFOV), aspect)
+                inside.unwrap_or_else(|| frame(bounds, up, self.vfov.unwrap_or(DEFAULT_VFOV), aspect))
             }
         };
         let pose = CameraPose {
@@ -213,6 +250,17 @@ impl Overrides {
         // A very long or short vector would not survive the squares of 32-bit arithmetic.
         Ok(CameraPose { up: pose.up.as_dvec3().normalize().as_vec3(), ..pose })
     }
+}
+
+/// Shows a variant of the model's materials.
+fn choose_variant(scene: &mut Scene, name: &str) -> Result<(), Invalid> {
+    if scene.choose_variant(name) {
+        return Ok(());
+    }
+    let names: Vec<&str> = scene.variants.iter().map(|variant| variant.name.as_str()).collect();
+    let remedy =
+        if names.is_empty() { "the model has none: leave the option out".to_owned() } else { suggestion(name, &names) };
+    Err(Invalid::new(format!("the model has no variant {name:?}"), remedy))
 }
 
 fn replace<T: Copy>(value: &mut T, with: Option<T>) {
@@ -237,6 +285,7 @@ enum Group {
     Filter,
     Integrator,
     Sky,
+    Variant,
 }
 
 impl Conflict {

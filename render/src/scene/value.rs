@@ -8,8 +8,8 @@ use glam::Vec3;
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
-use super::Daylight;
 use super::nearest::nearest;
+use super::{Daylight, LightUnits};
 use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
 
@@ -48,7 +48,7 @@ impl Value {
     }
 
     /// The number, unless it is NaN or out of a 32-bit float's range.
-    fn finite(&self) -> Option<f32> {
+    pub(super) fn finite(&self) -> Option<f32> {
         let number = match self {
             Self::Integer(value) => *value as f32,
             Self::Number(value) => *value as f32,
@@ -57,7 +57,7 @@ impl Value {
         number.is_finite().then_some(number)
     }
 
-    fn three(&self) -> Option<Vec3> {
+    pub(super) fn three(&self) -> Option<Vec3> {
         let Self::List(values) = self else { return None };
         let [x, y, z] = values.as_slice() else { return None };
         Some(Vec3::new(x.finite()?, y.finite()?, z.finite()?))
@@ -243,6 +243,11 @@ pub(crate) fn quality(value: &Value) -> Reading<Quality> {
 /// Which sides emit: whether both do.
 pub(crate) fn emission(value: &Value) -> Reading<bool> {
     value.one_of(&[("front", false), ("both", true)])
+}
+
+/// The units of a model's light sources.
+pub(crate) fn light_units(value: &Value) -> Reading<LightUnits> {
+    value.one_of(&[LightUnits::Photometric, LightUnits::Radiometric].map(|units| (units.name(), units)))
 }
 
 #[cfg(test)]

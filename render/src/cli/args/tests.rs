@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::super::command::{Arguments, Command};
 use super::*;
-use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, SkyOverrides};
+use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, LightUnits, SkyOverrides};
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
 };
@@ -35,7 +35,7 @@ fn every_override_can_be_given() {
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
-                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --variant oak \
                      --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
     let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
     let expected = Overrides {
@@ -84,6 +84,8 @@ fn every_override_can_be_given() {
             daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
         },
         emits_both_sides: Some(true),
+        light_units: Some(LightUnits::Radiometric),
+        variant: Some("oak".into()),
     };
     assert_eq!(arguments.overriding.overrides(), expected);
     assert_eq!(arguments.tone_mapping().exposure, -1.5);

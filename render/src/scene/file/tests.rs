@@ -3,7 +3,7 @@ use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::*;
-use crate::scene::{CachedOverrides, CameraPose, Daylight, SkyOverrides};
+use crate::scene::{CachedOverrides, CameraPose, Daylight, LightUnits, SkyOverrides};
 use crate::settings::Filter;
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
@@ -38,6 +38,8 @@ fn every_key_sets_its_option() {
         [scene]
         file = "models/room.obj"
         emission = "both"
+        lights = "photometric"
+        variant = "oak"
         [camera]
         eye = [0, 1, 2.5]
         target = [0.0, -1.0, 0.0]
@@ -129,6 +131,8 @@ fn every_key_sets_its_option() {
             daylight: Some(Daylight { elevation: 30.0, azimuth: -90.5, turbidity: 3.0 }),
         },
         emits_both_sides: Some(true),
+        light_units: Some(LightUnits::Photometric),
+        variant: Some("oak".into()),
     };
     assert_eq!(file.overrides, expected);
 }
@@ -148,7 +152,7 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     let (line, problem, remedy) = error("[cammera]\nvfov = 100\n");
     assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
     assert_eq!(remedy, "did you mean `camera`?");
-    assert_eq!(error("[light]\n").2, "known are scene, camera, film, render, sky");
+    assert_eq!(error("[light]\n").2, "known are scene, camera, film, render, sky, material");
     assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance, picture, rotation, scale, daylight");
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");

@@ -15,6 +15,8 @@ const MAX_ZEROS: usize = 1 << 22;
 /// One number of an accessor, in the type that it is stored in.
 #[derive(Clone, Copy)]
 pub(super) enum Component {
+    I8(i8),
+    I16(i16),
     U8(u8),
     U16(u16),
     U32(u32),
@@ -113,6 +115,9 @@ pub(crate) fn elements(
 /// The bytes of a buffer view; `place` is what refers to it.
 pub(super) fn view<'a>(document: &'a Document<'a>, view: Index<View>, place: &str) -> Result<&'a [u8], SceneError> {
     let user = format!("bufferView {}", view.value());
+    if let Some(decoded) = document.decompressed.get(&view.value()) {
+        return Ok(decoded);
+    }
     let view = document.object(view, "bufferView", place)?;
     document.object(view.buffer, "buffer", &user)?;
     let buffer = &document.buffers[view.buffer.value()];
@@ -158,13 +163,15 @@ fn range(bytes: &[u8], start: u64, length: u64) -> Option<&[u8]> {
     bytes.get(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
 }
 
-/// The number that `bytes` begin with. The types that no use here allows read as bytes.
+/// The number that `bytes` begin with.
 fn number(bytes: &[u8], component: ComponentType) -> Component {
     match component {
         ComponentType::F32 => Component::F32(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
         ComponentType::U32 => Component::U32(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
         ComponentType::U16 => Component::U16(u16::from_le_bytes([bytes[0], bytes[1]])),
-        ComponentType::U8 | ComponentType::I8 | ComponentType::I16 => Component::U8(bytes[0]),
+        ComponentType::I16 => Component::I16(i16::from_le_bytes([bytes[0], bytes[1]])),
+        ComponentType::U8 => Component::U8(bytes[0]),
+        ComponentType::I8 => Component::I8(bytes[0] as i8),
     }
 }
 
@@ -183,9 +190,23 @@ impl Component {
     /// As a number; integers are normalised, so that their greatest is 1.
     pub(super) fn normalised(self) -> f32 {
         match self {
+            Self::I8(number) => (f32::from(number) / 127.0).max(-1.0),
+            Self::I16(number) => (f32::from(number) / 32767.0).max(-1.0),
             Self::U8(number) => f32::from(number) / 255.0,
             Self::U16(number) => f32::from(number) / 65535.0,
             Self::U32(number) => (f64::from(number) / f64::from(u32::MAX)) as f32,
+            Self::F32(number) => number,
+        }
+    }
+
+    /// As the number that it is.
+    pub(super) fn raw(self) -> f32 {
+        match self {
+            Self::I8(number) => number.into(),
+            Self::I16(number) => number.into(),
+            Self::U8(number) => number.into(),
+            Self::U16(number) => number.into(),
+            Self::U32(number) => number as f32,
             Self::F32(number) => number,
         }
     }
@@ -196,7 +217,7 @@ impl Component {
             Self::U8(number) => number.into(),
             Self::U16(number) => number.into(),
             Self::U32(number) => number,
-            Self::F32(number) => number as u32,
+            Self::I8(_) | Self::I16(_) | Self::F32(_) => self.raw() as u32,
         }
     }
 }

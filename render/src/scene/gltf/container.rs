@@ -8,6 +8,7 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
+use super::meshopt;
 use crate::scene::{Files, Place, SceneError};
 
 /// Many exporters leave out base64's padding.
@@ -81,6 +82,7 @@ fn load(
     let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.clone()), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
         (None, Some(binary)) => binary.to_vec(),
+        (None, None) if meshopt::is_fallback(buffer) => return Ok(Vec::new()),
         (None, None) => return Err(error("it has no data", "give it a `uri`, or use a GLB file with a binary chunk")),
         (Some(uri), _) => fetch(files, path, uri, &place)?,
     };

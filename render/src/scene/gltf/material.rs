@@ -25,10 +25,10 @@ use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
 use glam::{Vec2, Vec3};
 
+use super::Document;
 use super::extensions::{self, Extensions};
 use super::notes::Notes;
 use super::texture::{Reference, Textures};
-use super::{Document, legacy};
 use crate::material::Inputs;
 use crate::scene::{
     Channel, ColorSpace, GltfAnisotropy, Input, Material, NormalMap, Opacity, SceneError, Texture, TextureMap,
@@ -48,7 +48,7 @@ pub(super) fn read(document: &Document, notes: &mut Notes) -> Result<(Vec<Materi
         let mut reader = Reader { document, place: &place, textures: &mut textures, notes, material };
         reader.read(source)?;
         let mut material = reader.material;
-        legacy::complete(source, &mut material, &textures.list);
+        material.complete_matte(&textures.list);
         materials.push(material);
     }
     Ok((materials, textures.list))

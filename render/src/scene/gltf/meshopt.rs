@@ -4,27 +4,33 @@
 //! A decoder of our own, since those on crates.io bind a C++ library or read an older stream only. Each part of the output is
 //! made as its input is read, so a short file cannot ask for much memory.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::gltf::json::{Buffer, Root};
 use serde::Deserialize;
+
+use crate::scene::{Place, SceneError};
 
 /// What the extension says of a buffer view.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Compression {
-    pub(super) buffer: usize,
+struct Compression {
+    buffer: usize,
     #[serde(default)]
-    pub(super) byte_offset: u64,
-    pub(super) byte_length: u64,
-    pub(super) byte_stride: usize,
-    pub(super) count: usize,
-    pub(super) mode: Mode,
+    byte_offset: u64,
+    byte_length: u64,
+    byte_stride: usize,
+    count: usize,
+    mode: Mode,
     #[serde(default)]
-    pub(super) filter: Filter,
+    filter: Filter,
 }
 
 /// The kinds of streams.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
-pub(super) enum Mode {
+enum Mode {
     Attributes,
     Triangles,
     Indices,
@@ -33,7 +39,7 @@ pub(super) enum Mode {
 /// What is done to attributes afterwards.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
-pub(super) enum Filter {
+enum Filter {
     #[default]
     None,
     Octahedral,
@@ -41,8 +47,43 @@ pub(super) enum Filter {
     Exponential,
 }
 
+const NAME: &str = "EXT_meshopt_compression";
+
+/// The bytes of all buffer views that are compressed, by their numbers.
+pub(super) fn decompress(
+    path: &Path,
+    root: &Root,
+    buffers: &[Vec<u8>],
+) -> Result<BTreeMap<usize, Vec<u8>>, SceneError> {
+    let mut decompressed = BTreeMap::new();
+    for (number, view) in root.buffer_views.iter().enumerate() {
+        let objects = view.extensions.as_ref().map(|extensions| &extensions.others);
+        let Some(value) = objects.and_then(|objects| objects.get(NAME)) else { continue };
+        let error = |problem: String| {
+            let place = Place::Part(format!("bufferView {number}"));
+            SceneError::new(path, place, problem, "export the model again, without meshopt compression")
+        };
+        let it = Compression::deserialize(value).map_err(|cause| error(format!("its {NAME} is wrong: {cause}")))?;
+        let buffer = buffers
+            .get(it.buffer)
+            .ok_or_else(|| error(format!("it refers to buffer {}, which does not exist", it.buffer)))?;
+        let start = usize::try_from(it.byte_offset).unwrap_or(usize::MAX);
+        let end = start.saturating_add(usize::try_from(it.byte_length).unwrap_or(usize::MAX));
+        let data =
+            buffer.get(start..end).ok_or_else(|| error(format!("its stream goes beyond buffer {}", it.buffer)))?;
+        decompressed.insert(number, decode(&it, data).map_err(error)?);
+    }
+    Ok(decompressed)
+}
+
+/// Whether a buffer is only a place for what compressed views hold.
+pub(super) fn is_fallback(buffer: &Buffer) -> bool {
+    let objects = buffer.extensions.as_ref().map(|extensions| &extensions.others);
+    objects.and_then(|objects| objects.get(NAME)).is_some_and(|it| it["fallback"] == true)
+}
+
 /// The bytes of a buffer view; or what is wrong with it.
-pub(super) fn decode(compression: &Compression, data: &[u8]) -> Result<Vec<u8>, String> {
+fn decode(compression: &Compression, data: &[u8]) -> Result<Vec<u8>, String> {
     let &Compression { byte_stride: stride, count, mode, filter, .. } = compression;
     match mode {
         Mode::Attributes => {
@@ -190,9 +231,10 @@ fn triangles(data: &[u8], count: usize) -> Result<Vec<u32>, String> {
     let (rest, table) = reader.rest.split_last_chunk::<16>().ok_or(CUT)?;
     reader.rest = rest;
     let (mut edges, mut vertices) = (Lately::<[u32; 2]>::new(), Lately::<u32>::new());
+    // The number of vertices so far, and the last that was written out.
     let (mut new, mut last) = (0_u32, 0_u32);
-    let mut next_new = |reset: bool| {
-        new = if reset { 0 } else { new.wrapping_add(1) };
+    let next_new = |new: &mut u32| {
+        *new = new.wrapping_add(1);
         new.wrapping_sub(1)
     };
     let mut corners = Vec::with_capacity(3 * count);
@@ -201,7 +243,7 @@ fn triangles(data: &[u8], count: usize) -> Result<Vec<u32>, String> {
         if high < 15 {
             let [a, b] = edges.back(1 + high);
             let c = match low {
-                0 => next_new(false),
+                0 => next_new(&mut new),
                 1..=12 => vertices.back(1 + low),
                 13 => last.wrapping_sub(1),
                 14 => last.wrapping_add(1),
@@ -223,12 +265,12 @@ fn triangles(data: &[u8], count: usize) -> Result<Vec<u32>, String> {
             low => (0, table[low]),
         };
         if low >= 14 && others == 0 {
-            next_new(true);
+            new = 0;
         }
         let kinds = [first, usize::from(others >> 4), usize::from(others & 15)];
         // All that is new is counted before what is written out is read, and the ring stays as it is meanwhile.
         let mut triangle = kinds.map(|kind| match kind {
-            0 => next_new(false),
+            0 => next_new(&mut new),
             15 => 0,
             back => vertices.back(back),
         });

@@ -13,18 +13,21 @@
 //! cameras, points and lines are left out with a warning, animations without one.
 
 pub(crate) mod accessor;
+mod attributes;
 mod camera;
 pub(crate) mod container;
+mod draco;
 mod extensions;
 mod hierarchy;
-mod legacy;
 mod light;
 mod material;
+mod meshopt;
 mod notes;
 mod primitive;
 mod texture;
 mod variants;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ::gltf::json::{Index, Root, deserialize, root::Get};
@@ -55,6 +58,8 @@ pub(crate) struct Document<'a> {
     path: &'a Path,
     pub(crate) root: Root,
     buffers: Vec<Vec<u8>>,
+    /// What compressed buffer views hold, by their numbers.
+    decompressed: BTreeMap<usize, Vec<u8>>,
 }
 
 /// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
@@ -64,8 +69,14 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
         false => container::Chunks { json: bytes, binary: None, others: Vec::new() },
     };
     let root = parse(path, chunks.json, |error| Place::Line(error.line()))?;
+    let used = root.extensions_used.iter().find(|name| COMPRESSED.contains(&name.as_str()));
+    if let Some(name) = used {
+        let problem = format!("the file uses {name}, and cannot be changed");
+        let place = Place::Part("extensionsUsed".to_owned());
+        return Err(SceneError::new(path, place, problem, "export the model without compression"));
+    }
     let buffers = container::buffers(&Disk, path, &root, chunks.binary)?;
-    Ok((Document { files: &Disk, path, root, buffers }, chunks))
+    Ok((Document { files: &Disk, path, root, buffers, decompressed: BTreeMap::new() }, chunks))
 }
 
 /// What was left out, for the warnings.
@@ -97,6 +108,11 @@ impl Document<'_> {
             let problem = format!("it refers to {kind} {}, which does not exist", index.value());
             self.error(user, problem, "refer to one that the file has, counted from 0")
         })
+    }
+
+    /// Whether the file says that it uses an extension.
+    fn uses(&self, name: &str) -> bool {
+        self.root.extensions_used.iter().chain(&self.root.extensions_required).any(|used| used == name)
     }
 
     /// Whether Blender's exporter wrote the file.
@@ -146,7 +162,8 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
     check_required(path, &root)?;
     let (mut warnings, mut notes) = (Vec::new(), Notes::default());
     let buffers = container::buffers(files, path, &root, binary)?;
-    let document = Document { files, path, root, buffers };
+    let decompressed = meshopt::decompress(path, &root, &buffers)?;
+    let document = Document { files, path, root, buffers, decompressed };
     let (materials, textures) = material::read(&document, &mut notes)?;
     let mut scene = Scene { materials, textures, variants: variants::names(&document)?, ..Scene::default() };
     let mut skipped = Skipped::default();
@@ -213,8 +230,10 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
 }
 
 /// What is read, or is here for programs that edit the file.
-const KNOWN: [&str; 20] = [
+const KNOWN: [&str; 23] = [
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -230,11 +249,15 @@ const KNOWN: [&str; 20] = [
     "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_materials_volume",
+    "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
 ];
+
+/// Those whose geometry is not where accessors say: files with them are read, but not edited.
+const COMPRESSED: [&str; 2] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression"];
 
 /// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the notes.
 fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
@@ -245,7 +268,7 @@ fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
     if refused.is_empty() {
         return Ok(());
     }
-    let (names, remedy) = (refused.join(", "), "export the model without compression or other required extensions");
+    let (names, remedy) = (refused.join(", "), "export the model without these extensions");
     let problem = format!("the file requires {names}, which cannot be read");
     Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy))
 }

@@ -1,6 +1,7 @@
 //! Materials as files describe them: constants, the maps that vary them, and what belongs to no closure.
 
 mod input;
+mod legacy;
 mod maps;
 
 use glam::{Vec3, Vec4};

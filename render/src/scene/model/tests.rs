@@ -40,8 +40,14 @@ fn the_extension_chooses_the_format_in_any_case() {
         assert_eq!(scene.meshes[0].material, 0);
     }
     let error = load(&folder.write("a.stl", TRIANGLE)).unwrap_err();
-    assert_eq!(error.problem, "`.stl` is not a model format that can be read");
-    assert_eq!(error.remedy, "name a .obj, .ply, .gltf or .glb file");
+    assert_eq!(error.problem, "this is an STL model (`.stl`), which cannot be read");
+    assert_eq!(error.remedy, "export it as glTF (.glb), which keeps most, or name a .gltf, .obj or .ply file");
+    for (name, what) in [("a.blend", "a Blender project"), ("a.FBX", "an FBX model"), ("a.usd", "a USD scene")] {
+        assert!(folder.problem(name, TRIANGLE).starts_with(&format!("this is {what}")), "{name}");
+    }
+    let error = load(&folder.write("a.txt", TRIANGLE)).unwrap_err();
+    assert_eq!(error.problem, "`.txt` is not a model format that can be read");
+    assert_eq!(error.remedy, "name a .glb, .gltf, .obj or .ply file");
     assert_eq!(folder.problem("model", TRIANGLE), "the name has no extension that would tell the format");
 }
 

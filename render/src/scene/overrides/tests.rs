@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::Mesh;
+use crate::scene::{Mesh, PunctualLight, Variant};
 
 /// A scene of one triangle with `camera` after `overrides` are applied, and the settings.
 fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Conflict> {
@@ -92,4 +92,45 @@ fn sky_and_emission_reach_the_scene() {
     assert!(scene.materials[0].emits_both_sides);
     let (scene, _) = applied(&Overrides::default(), None).unwrap();
     assert!(!scene.materials[0].emits_both_sides);
+}
+
+#[test]
+fn the_model_s_aspect_shapes_the_picture_unless_the_user_does() {
+    let model = CameraPose { eye: Vec3::ONE, target: Vec3::ZERO, up: Vec3::Y, vfov: 70.0 };
+    let size = |overrides: Overrides, camera| {
+        let mut scene = Scene { camera, camera_aspect: Some(1.6), ..Scene::default() };
+        let settings = overrides.apply(&mut scene).unwrap();
+        (settings.width, settings.height)
+    };
+    let (width, height) = (Some(320), Some(100));
+    assert_eq!(size(Overrides::default(), Some(model)), (819, 512));
+    assert_eq!(size(Overrides { width, ..Default::default() }, Some(model)), (320, 200));
+    assert_eq!(size(Overrides { height, ..Default::default() }, Some(model)), (160, 100));
+    assert_eq!(size(Overrides { width, height, ..Default::default() }, Some(model)), (320, 100));
+    // Another camera has another picture.
+    let (eye, target) = (Some(Vec3::ONE), Some(Vec3::ZERO));
+    assert_eq!(size(Overrides { eye, target, ..Default::default() }, Some(model)), (512, 512));
+}
+
+#[test]
+fn variants_and_light_units_change_the_scene() {
+    let scene = || {
+        let light = PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::splat(683.0) };
+        let variants = ["oak", "steel"].map(|name| Variant { name: name.to_owned(), materials: vec![(0, 1)] }).to_vec();
+        let mesh = Mesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Default::default() };
+        Scene {
+            meshes: vec![mesh],
+            materials: vec![Default::default(); 2],
+            lights: vec![light],
+            variants,
+            ..Scene::default()
+        }
+    };
+    let mut changed = scene();
+    let light_units = Some(LightUnits::Photometric);
+    Overrides { light_units, variant: Some("oak".into()), ..Default::default() }.apply(&mut changed).unwrap();
+    assert_eq!(changed.meshes[0].material, 1);
+    assert_eq!(changed.lights[0], PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
+    let error = Overrides { variant: Some("steal".into()), ..Default::default() }.apply(&mut scene()).unwrap_err();
+    assert_eq!(error.to_string(), "the model has no variant \"steal\"\n  help: did you mean `steel`?");
 }

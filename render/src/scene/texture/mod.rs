@@ -9,6 +9,7 @@
 
 mod decode;
 mod map;
+mod store;
 
 use std::sync::LazyLock;
 
@@ -16,6 +17,7 @@ use glam::{DVec4, IVec2, Vec2, Vec4};
 
 pub(crate) use decode::decode;
 pub use map::{ColorSpace, TextureFilter, TextureMap, Wrap};
+pub(crate) use store::{Problem, TextureStore};
 
 /// A picture.
 #[derive(Clone, Debug, PartialEq)]

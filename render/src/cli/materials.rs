@@ -1,0 +1,19 @@
+//! `halfdome materials`: what was understood of a scene's materials, as tables for a scene file.
+
+use std::io::IsTerminal;
+
+use super::args::MaterialsArguments;
+use super::error::{CliError, EXIT_DONE};
+use super::messages::{Mode, print_warning};
+use super::prepare::open;
+use super::print::print;
+
+/// Prints a `[[material]]` table for each material to stdout, and warnings to stderr.
+pub(super) fn run(arguments: &MaterialsArguments) -> Result<u8, CliError> {
+    let (scene, _) = open(&arguments.scene).map_err(CliError::input)?;
+    let style = Mode::Auto.style(std::io::stderr().is_terminal());
+    scene.warnings.iter().for_each(|warning| print_warning(style, warning));
+    let tables: Vec<String> = scene.materials.iter().map(|material| material.to_toml(&scene.textures)).collect();
+    print(&tables.join("\n"))?;
+    Ok(EXIT_DONE)
+}
