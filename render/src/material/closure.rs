@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Matte, Sample, Transmissive};
+use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Layered, Matte, Sample, Transmissive};
 
 /// A closure of any [`Kind`]. A loop over points of one kind is quicker with the closure of that kind.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,8 @@ pub enum Closure {
     Glossy(Glossy),
     /// See [`Kind::Transmissive`].
     Transmissive(Transmissive),
+    /// See [`Kind::Layered`].
+    Layered(Layered),
 }
 
 macro_rules! each {
@@ -22,6 +24,7 @@ macro_rules! each {
             Closure::Matte($inner) => $value,
             Closure::Glossy($inner) => $value,
             Closure::Transmissive($inner) => $value,
+            Closure::Layered($inner) => $value,
         }
     };
 }
@@ -33,7 +36,8 @@ impl Closure {
         match kind {
             Kind::Matte => Self::Matte(Bsdf::new(inputs, is_inside)),
             Kind::Glossy => Self::Glossy(Bsdf::new(inputs, is_inside)),
-            Kind::Transmissive | Kind::Layered => Self::Transmissive(Bsdf::new(inputs, is_inside)),
+            Kind::Transmissive => Self::Transmissive(Bsdf::new(inputs, is_inside)),
+            Kind::Layered => Self::Layered(Bsdf::new(inputs, is_inside)),
         }
     }
 }

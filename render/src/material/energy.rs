@@ -129,6 +129,37 @@ pub(super) fn metal(roughness: f32) -> (Column, Column) {
     (at_roughness(&SCHLICK, roughness), at_roughness(&DIP, roughness))
 }
 
+/// What a lobe of this roughness loses under a smooth coat of index 1.5 whose `t(μ) = 1 - F(μ)` dims it by the lesser of
+/// `t(μ_o)` and `t(μ_i)`: `∫ max(0, t(μ_o) - t(μ_i)) f cos`. Other coats lose in proportion.
+#[inline]
+fn dimmed(roughness: f32) -> Column {
+    static ROWS: LazyLock<Rows> = LazyLock::new(|| {
+        rows(|ggx, wo, h, _| {
+            let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
+            (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0) * reflected(ggx, wo, h)
+        })
+    });
+    at_roughness(&ROWS, roughness)
+}
+
+/// What wide light loses likewise, under a cover whose `t` grows with the cosine: `∫ max(0, t(μ) - t(ν)) 2ν dν`.
+fn dimmed_wide(transmittance: &Column) -> Column {
+    let (mut weight, mut moment) = (0.0, 0.0);
+    Column(array::from_fn(|k| {
+        weight += WEIGHTS[k];
+        moment += WEIGHTS[k] * transmittance.0[k];
+        (transmittance.0[k] * weight - moment).max(0.0)
+    }))
+}
+
+/// What a lobe of this roughness loses under a cover that leaves `transmittance`: [`dimmed`] in proportion to what wide
+/// light loses.
+pub(super) fn dimmed_under(transmittance: &Column, roughness: f32) -> Column {
+    static SMOOTH: LazyLock<Column> = LazyLock::new(|| dimmed_wide(&reflection(0.0, 1.5, false).map(|f| 1.0 - f)));
+    let ratio = dimmed_wide(transmittance).zip(&SMOOTH, |cover, smooth| (cover / smooth.max(1e-5)).min(2.0));
+    dimmed(roughness).zip(&ratio, |lost, ratio| lost * ratio)
+}
+
 /// The reflection lobe's albedo with Fresnel's reflectance, seen from outside or inside.
 #[inline]
 pub(super) fn reflection(roughness: f32, ior: f32, is_inside: bool) -> Column {

@@ -89,6 +89,12 @@ impl Metal {
         (self.normal + (1.0 - self.normal) * schlick - self.dip * (cos * (1.0 - cos) * schlick)).max(Vec3::ZERO)
     }
 
+    /// Reflectance at normal incidence.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
     /// Mean reflectance of uniform light, `2 ∫ F(c) c dc`.
     #[inline]
     pub fn mean(&self) -> Vec3 {

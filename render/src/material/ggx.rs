@@ -127,3 +127,11 @@ impl Ggx {
 pub fn reflect(w: Vec3, h: Vec3) -> Vec3 {
     2.0 * w.dot(h) * h - w
 }
+
+/// The normal that reflects one direction to the other, and its cosine with both: the same if they change places.
+#[inline]
+pub fn half(wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+    let sum = wo + wi;
+    let length = sum.length();
+    (sum / length.max(f32::MIN_POSITIVE), (0.5 * length).min(1.0))
+}

@@ -22,8 +22,9 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::energy::{self, Column};
+use super::film::Film;
 use super::fresnel::{self, Dielectric};
-use super::ggx::{Ggx, reflect};
+use super::ggx::{Ggx, half, reflect};
 use super::lobes::{Choice, Lobes, Parts, choose, mean};
 use super::{Event, Inputs};
 
@@ -33,6 +34,7 @@ pub(super) struct Glass {
     ggx: Ggx,
     is_thin: bool,
     fresnel: Dielectric,
+    film: Option<Film>,
     tint: Vec3,
     here: Side,
     beyond: Side,
@@ -98,16 +100,32 @@ fn turned(w: Vec3) -> Vec3 {
 }
 
 impl Glass {
+    /// Roughly how much is scattered.
+    #[inline]
+    pub(super) fn energy(&self) -> f32 {
+        0.1 + 0.9 * mean(self.tint)
+    }
+
     /// Reflected and transmitted light, and the cosine of the refracted direction.
     #[inline]
     fn split(&self, cos: f32) -> (Vec3, Vec3, f32) {
-        let (mut reflected, cos_beyond) = self.fresnel.at(cos);
-        if self.is_thin {
-            reflected = 2.0 * reflected / (1.0 + reflected);
-        } else if cos_beyond == 0.0 {
+        let (reflected, cos_beyond) = self.fresnel.at(cos);
+        if cos_beyond == 0.0 && !self.is_thin {
             return (Vec3::ONE, Vec3::ZERO, 0.0);
         }
+        let reflected = self.covered(reflected, if self.here.index > 1.0 { cos_beyond } else { cos });
         (reflected, self.transmitted(reflected), cos_beyond)
+    }
+
+    /// Reflection with the film, which light from inside meets at the angle outside, and by both faces of a thin wall.
+    #[inline]
+    fn covered(&self, mut reflected: Vec3, cos_outside: f32) -> Vec3 {
+        if let Some(film) = &self.film {
+            let ior = self.here.index.max(self.beyond.index).max(self.fresnel.eta);
+            let covered = self.fresnel.grazing * film.over_dielectric(cos_outside, ior);
+            reflected = reflected.lerp(covered, film.weight);
+        }
+        if self.is_thin { 2.0 * reflected / (1.0 + reflected) } else { reflected }
     }
 
     #[inline]
@@ -120,8 +138,8 @@ impl Glass {
     #[inline]
     fn through_wall(&self, wo: Vec3, wi: Vec3, parts: &mut Parts, forth: f32, back: f32) {
         let wi = turned(wi);
-        let h = (wo + wi).normalize_or(Vec3::Z);
-        let (_, transmitted, _) = self.split(wo.dot(h).clamp(0.0, 1.0));
+        let (h, cos) = half(wo, wi);
+        let (_, transmitted, _) = self.split(cos);
         let d = 0.25 * self.ggx.d(h);
         parts.glossy = transmitted * (d * self.ggx.g2(wo, wi) / wo.z);
         parts.density += forth * d * self.ggx.g1(wo) / wo.z;
@@ -140,7 +158,8 @@ impl Glass {
         }
         // From both cosines, as one from the other is too rough beside total reflection.
         let reflectance = fresnel::of_refraction(cos_o, cos_i, self.fresnel.eta);
-        let transmitted = self.transmitted(self.fresnel.stretch(reflectance));
+        let cos_outside = if self.here.index > 1.0 { cos_i } else { cos_o };
+        let transmitted = self.transmitted(self.covered(self.fresnel.stretch(reflectance), cos_outside.min(1.0)));
         let (here, beyond) = (self.here.index * self.here.index, self.beyond.index * self.beyond.index);
         let jacobian = self.ggx.d(h) * cos_o * cos_i / d2;
         parts.glossy = transmitted * (jacobian * beyond * self.ggx.g2(wo, wi) / wo.z);
@@ -178,6 +197,7 @@ impl Lobes for Glass {
             ggx,
             is_thin,
             fresnel: Dielectric::new(ior, is_inside && !is_thin, inputs.specular_weight, inputs.specular_color),
+            film: Film::of(inputs),
             tint: inputs.transmission_color,
             here,
             beyond,
@@ -194,8 +214,8 @@ impl Lobes for Glass {
         let (lost_o, reflected_o) = self.here.probabilities(wo.z);
         if wi.z > 0.0 {
             let (lost_i, reflected_i) = self.here.probabilities(wi.z);
-            let h = (wo + wi).normalize_or(Vec3::Z);
-            let (reflected, _, _) = self.split(wo.dot(h).clamp(0.0, 1.0));
+            let (h, cos) = half(wo, wi);
+            let (reflected, _, _) = self.split(cos);
             let d = 0.25 * self.ggx.d(h);
             let wide = (1.0 - self.here.through) * FRAC_1_PI;
             let density = |lost: f32, reflected: f32, w: Vec3, cos: f32| {

@@ -18,8 +18,9 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::energy::{self, Column};
 use super::eon::Eon;
+use super::film::Film;
 use super::fresnel::{Dielectric, Metal};
-use super::ggx::{Ggx, reflect};
+use super::ggx::{Ggx, half, reflect};
 use super::lobes::{Choice, Lobes, Parts, choose, mean};
 use super::{Event, Inputs};
 
@@ -31,6 +32,7 @@ pub struct Glossy {
     metalness: f32,
     metal: Metal,
     dielectric: Dielectric,
+    film: Option<Film>,
     /// `t(μ)`.
     below: Column,
     diffuse: Eon,
@@ -46,6 +48,12 @@ pub struct Glossy {
     lost: Column,
     multiple: Vec3,
     multiple_energy: f32,
+}
+
+/// A cosine between a direction and the microfacets that it sees, which stands for all of them where films are tabled.
+#[inline]
+fn typical_cos(cos: f32, alpha: f32) -> f32 {
+    (cos + alpha) / (1.0 + alpha)
 }
 
 /// What depends on one direction.
@@ -72,6 +80,16 @@ impl Glossy {
         } else {
             Column::ONE
         };
+        let film = Film::of(inputs);
+        let below = if let Some(film) = &film {
+            let reflectances = Column::from_fn(|cos| {
+                dielectric.grazing * film.over_dielectric(typical_cos(cos, ggx.alpha.x), dielectric.eta).max_element()
+            });
+            let covered = reflectances.zip(&full, |reflectance, full| 1.0 - reflectance * full);
+            below.lerp(&covered, film.weight)
+        } else {
+            below
+        };
         let below_mean = below.mean();
         let through = inputs.diffuse_transmission_weight;
         let color = inputs.base_color * (1.0 - through);
@@ -86,6 +104,7 @@ impl Glossy {
             metalness,
             metal,
             dielectric,
+            film,
             below,
             diffuse: Eon::new(color, inputs.base_diffuse_roughness),
             transmitted,
@@ -99,6 +118,26 @@ impl Glossy {
         }
     }
 
+    /// Roughly how much is scattered about one direction, by angle, its tint, and how much in all.
+    #[inline]
+    pub(super) fn energy(&self) -> (Column, Vec3, f32) {
+        let metal = self.metalness * self.metal.mean();
+        let most = metal.max_element();
+        let dielectric = 1.0 - self.metalness;
+        let glossy = self.below.map(|below| most + dielectric * (1.0 - below));
+        let white = dielectric * (1.0 - self.below_mean);
+        let tint = (metal + white) / (most + white).max(f32::MIN_POSITIVE);
+        (glossy, tint, mean(metal) + white + self.diffuse_energy * self.below_mean)
+    }
+
+    /// How much wide lobes scatter by angle, in any unit but 0.
+    #[inline]
+    pub(super) fn wide(&self) -> Column {
+        self.below.zip(&self.lost, |below, lost| {
+            self.diffuse_energy * below + self.multiple_energy * lost + f32::MIN_POSITIVE
+        })
+    }
+
     #[inline]
     fn reflectance(&self, cos: f32) -> Vec3 {
         let mut reflectance = Vec3::ZERO;
@@ -107,6 +146,11 @@ impl Glossy {
         }
         if self.metalness < 1.0 {
             reflectance += (1.0 - self.metalness) * self.dielectric.at(cos).0;
+        }
+        if let Some(film) = &self.film {
+            let metal = film.over_metal(cos, self.metal.normal());
+            let dielectric = self.dielectric.grazing * film.over_dielectric(cos, self.dielectric.eta);
+            reflectance = reflectance.lerp(dielectric.lerp(metal, self.metalness), film.weight);
         }
         reflectance
     }
@@ -148,9 +192,9 @@ impl Lobes for Glossy {
         }
         parts.wide = (diffuse * wi.z) * self.diffuse.f(wo, wi) + (o.lost * i.lost * FRAC_1_PI * wi.z) * self.multiple;
         if !self.ggx.is_delta() {
-            let h = (wo + wi).normalize_or(Vec3::Z);
+            let (h, cos) = half(wo, wi);
             let lobe = self.ggx.d(h) * self.ggx.g2(wo, wi) / (4.0 * wo.z);
-            parts.glossy = lobe * self.reflectance(wo.dot(h).clamp(0.0, 1.0));
+            parts.glossy = lobe * self.reflectance(cos);
             parts.density += o.glossy * self.ggx.reflection_density(wo, h);
             parts.reverse_density += i.glossy * self.ggx.reflection_density(wi, h);
         }
@@ -176,6 +220,9 @@ impl Lobes for Glossy {
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let full = 1.0 - self.lost.at(wo.z);
         let mut albedo = self.diffuse_albedo(wo) + self.multiple * ((1.0 - full) * self.lost.mean());
+        if self.film.is_some() {
+            return albedo + full * self.reflectance(typical_cos(wo.z, self.ggx.alpha.x));
+        }
         if self.metalness > 0.0 {
             let (schlick, dip) = energy::metal(self.roughness);
             albedo += self.metalness * self.metal.albedo(full, schlick.at(wo.z), dip.at(wo.z));

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::energy::Column;
 use super::glass::Glass;
 use super::lobes::{Choice, Lobes, Parts, choose};
 use super::{Glossy, Inputs};
@@ -13,6 +14,37 @@ pub struct Transmissive {
     share: f32,
     glass: Option<Glass>,
     rest: Option<Glossy>,
+}
+
+/// Roughly how much is scattered.
+#[derive(Clone, Copy)]
+pub(super) struct Energy {
+    /// In all.
+    pub(super) all: f32,
+    /// About one direction, by angle, and its tint, of what is not glass.
+    pub(super) glossy: Column,
+    pub(super) tint: Vec3,
+    /// By wide lobes, by angle, in any unit but 0.
+    pub(super) wide: Column,
+}
+
+impl Transmissive {
+    #[inline]
+    pub(super) fn energy(&self) -> Energy {
+        let mut energy = Energy { all: 0.0, glossy: Column::ZERO, tint: Vec3::ONE, wide: Column::ONE };
+        if let Some(glass) = &self.glass {
+            energy.all += self.share * glass.energy();
+        }
+        if let Some(rest) = &self.rest {
+            let share = 1.0 - self.share;
+            let (glossy, tint, all) = rest.energy();
+            energy.all += share * all;
+            energy.glossy = glossy.map(|glossy| share * glossy);
+            energy.tint = tint;
+            energy.wide = rest.wide();
+        }
+        energy
+    }
 }
 
 impl Lobes for Transmissive {

@@ -10,7 +10,7 @@ pub(super) type Case = (String, Inputs);
 pub(super) const COSINES: [f32; 5] = [0.05, 0.2, 0.5, 0.8, 1.0];
 pub(super) const ROUGHNESSES: [f32; 7] = [0.0, 0.1, 0.25, 0.4, 0.6, 0.8, 1.0];
 /// For quadrature over directions.
-const ROUGH: [f32; 3] = [0.5, 0.7, 1.0];
+const ROUGH: [f32; 2] = [0.5, 0.9];
 
 const WHITE: Inputs = Inputs { base_color: Vec3::ONE, ..GREY };
 const GREY: Inputs = Inputs::DEFAULT;
@@ -44,6 +44,14 @@ pub(super) fn white() -> Vec<Case> {
             let mixed = Inputs { transmission_weight: 0.6, base_metalness: 0.3, ..glass };
             cases.push((format!("some glass of roughness {r}, ior {ior}"), mixed));
         }
+        for (below, inputs) in [("matte", WHITE), ("metal", metal), ("half a metal", mixed)] {
+            for c in [0.0, 0.5] {
+                let coated = Inputs { coat_weight: 1.0, coat_roughness: c, coat_ior: 1.5, ..inputs };
+                cases.push((format!("coat of roughness {c} over {below} of roughness {r}"), coated));
+            }
+        }
+        let fuzzy = Inputs { fuzz_weight: 1.0, fuzz_roughness: r, ..WHITE };
+        cases.push((format!("fuzz of roughness {r}"), fuzzy));
     }
     cases
 }
@@ -74,6 +82,17 @@ pub(super) fn coloured() -> Vec<Case> {
             cases.push((format!("thin wall of roughness {r}, anisotropy {a}"), wall));
             let mixed = Inputs { transmission_weight: 0.6, base_metalness: 0.3, ..glass };
             cases.push((format!("some glass of roughness {r}, anisotropy {a}"), mixed));
+            for (below, inputs) in
+                [("plastic", glossy), ("metal", metal), ("leaf", leaf), ("glass", glass), ("wall", wall)]
+            {
+                let name = format!("{below} of roughness {r}, anisotropy {a}");
+                let coated = Inputs { coat_weight: 0.7, coat_color: teal, coat_roughness: 0.5, ..inputs };
+                cases.push((format!("coated {name}"), coated));
+                let fuzzy = Inputs { fuzz_weight: 0.8, fuzz_color: orange, fuzz_roughness: r, ..coated };
+                cases.push((format!("fuzzy coated {name}"), fuzzy));
+                let film = Inputs { thin_film_weight: 0.8, thin_film_thickness: 400.0, thin_film_ior: 1.3, ..inputs };
+                cases.push((format!("{name} with a film"), film));
+            }
         }
     }
     cases

@@ -3,6 +3,7 @@
 mod cases;
 mod chi_square;
 mod laws;
+mod parts;
 mod shading;
 
 use glam::{DVec3, Vec2, Vec3};
