@@ -1,5 +1,6 @@
 //! The world: a scene made ready for tracing.
 
+mod light_shares;
 mod shading_records;
 mod surface;
 mod trace;
@@ -11,7 +12,7 @@ use halfdome_kernel::{
 };
 
 use crate::executor::RayonExecutor;
-use crate::light::{Light, LightSampler, SkyLight};
+use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
@@ -28,7 +29,7 @@ pub struct World {
     triangle_records: Vec<TriangleRecord>,
     /// What each material says of plain surfaces.
     material_records: Vec<MaterialRecord>,
-    /// What is known of each light that is a plain triangle, by the number of its source.
+    /// What is known of each light that is a triangle, by its index.
     emitter_records: Vec<EmitterRecord>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
@@ -37,7 +38,6 @@ pub struct World {
     report: BuildReport,
     /// All that emits and can be aimed at.
     pub(crate) lights: LightSampler,
-    pub(crate) sky: SkyLight,
     pub(crate) camera: CameraPose,
     surroundings_hash: u64,
 }
@@ -92,13 +92,14 @@ impl World {
         let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
         let material = |prim: usize| &even[triangle_records[prim].material as usize];
-        let sky = SkyLight::new(sky);
-        let lights = LightSampler::new(&triangles, material, lights, &sky, bvh.view().bounds());
+        let front = |prim: usize| front(&triangle_records[prim], &meshes, &first_faces, prim);
+        let lights = LightSampler::new(&triangles, material, front, lights, SkyLight::new(sky), bvh.view().bounds());
         let material_records = materials.iter().map(MaterialRecord::of).collect();
         let emitter = |light: &Light| match *light {
             Light::Triangle(prim_id) => {
                 let face = &triangle_records[prim_id as usize];
-                EmitterRecord::of(face, &materials[face.material as usize], lights.area_density(prim_id).recip())
+                let material = &materials[face.material as usize];
+                EmitterRecord::of(face, front(prim_id as usize), material, area(&face.corners))
             }
             _ => EmitterRecord::NONE,
         };
@@ -117,7 +118,6 @@ impl World {
             bvh,
             report,
             lights,
-            sky,
             camera,
             surroundings_hash,
         })
@@ -176,16 +176,10 @@ impl World {
         &self.material_records
     }
 
-    /// What is known of each light that is a plain triangle, by the number of its source.
+    /// What is known of each light that is a triangle, by its index.
     #[inline(always)]
     pub(crate) fn emitter_records(&self) -> &[EmitterRecord] {
         &self.emitter_records
-    }
-
-    /// The unit normal of a triangle, on the side to which `direction` points.
-    pub(crate) fn normal_towards(&self, prim_id: u32, direction: Vec3) -> Vec3 {
-        let normal = self.triangle_records[prim_id as usize].normal;
-        if normal.dot(direction) < 0.0 { -normal } else { normal }
     }
 
     /// Length of the diagonal of the scene's bounds; 1 if it is empty or a point.
@@ -193,5 +187,23 @@ impl World {
         let bounds = self.tree().bounds();
         let diagonal = (bounds.max - bounds.min).length();
         if !bounds.is_empty() && diagonal > 0.0 { diagonal } else { 1.0 }
+    }
+}
+
+/// The unit normal of the side of a triangle that is its front, which its mesh's own normals say, whatever the winding;
+/// `None` if they do not agree.
+fn front(face: &TriangleRecord, meshes: &[Mesh], first_faces: &[u32], prim: usize) -> Option<Vec3> {
+    let mesh = &meshes[face.mesh as usize];
+    if mesh.normals.is_empty() {
+        return Some(face.normal);
+    }
+    let corners = mesh.triangles[prim - first_faces[face.mesh as usize] as usize];
+    let heights = corners.map(|corner| face.normal.dot(mesh.normals[corner as usize]));
+    if heights.iter().all(|&height| height > 0.0) {
+        Some(face.normal)
+    } else if heights.iter().all(|&height| height < 0.0) {
+        Some(-face.normal)
+    } else {
+        None
     }
 }

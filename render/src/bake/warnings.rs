@@ -11,7 +11,7 @@ pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], stati
     let mut warnings = Vec::new();
     let texels = |number: u64| count(number as usize, "texel", "texels");
     if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
-        warnings.push(match (options.mode, world.sky.mean() != Vec3::ZERO) {
+        warnings.push(match (options.mode, world.lights.sky.mean() != Vec3::ZERO) {
             (Mode::Direct, true) => {
                 "all maps are black: the sky is the only light, and without a sun in its picture it counts as indirect; \
                  give --mode full"

@@ -1,17 +1,21 @@
 //! Direct light by sampling one light (next-event estimation).
 //!
-//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` and then, on a
-//! triangle, by a point `y` of density `p` per area: `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle,
-//! which multiple importance sampling compares with that of the bounce, is `P p |y - x|² / cos θ_y`. A plain triangle is
-//! sampled where it is bright from the surface (see [`light_warp`]), one with textures evenly. A sky that is as bright
-//! everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that is not by its brightness.
+//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` for this point (see
+//! [`light`](crate::light)) and then, on a triangle, by a point `y` of density `p` per area:
+//! `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle, which multiple importance sampling compares with that
+//! of the bounce, is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see
+//! [`light_warp`]). A sky that is as bright everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that
+//! is not by its brightness.
+//!
+//! [`sample_light`] and the two densities, [`emitted_density`] and [`sky_density`], are all that integrators, sensors,
+//! bakes and probes have of it. Which part of the sky is for light samples, the caller knows ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
-use crate::light::{Light, SampledLight};
+use crate::light::{Light, PointLight, Receiver, SampledLight, SkyPart, ramp};
 use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
@@ -41,10 +45,12 @@ pub(crate) struct LightSample {
 pub(crate) fn sample_direct(
     world: &World,
     surface: &Surface,
-    lights: LightSampling,
+    (lights, part): (LightSampling, SkyPart),
     (choice, v): (f64, f32),
 ) -> Option<ShadowRay> {
-    sample_direct_from(world, surface, lights, &world.lights.choose(choice)?, v)
+    let receiver = surface.receiver();
+    let weights = world.lights.weigh(&receiver, part);
+    sample_direct_from(world, surface, (lights, part), &world.lights.choose(&receiver, &weights, choice)?, v)
 }
 
 /// The same for a light that is chosen.
@@ -52,90 +58,76 @@ pub(crate) fn sample_direct(
 pub(crate) fn sample_direct_from(
     world: &World,
     surface: &Surface,
-    lights: LightSampling,
+    (lights, part): (LightSampling, SkyPart),
     choice: &SampledLight,
     v: f32,
 ) -> Option<ShadowRay> {
-    let light = sample_light(world, surface, lights, choice, v)?;
+    let light = sample_light(world, surface, (lights, part), choice, v)?;
     let (reflected, bounce_density) = surface.evaluate(light.direction);
     let radiance = reflected * light.radiance * lights.light_weight(light.inv_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
 }
 
-/// Samples an area light, a delta light or the sky's sun: the direct light that gathers leave out. With
-/// [`LightSampling::Direct`] samples of area lights count in full, as bounces find none of them.
-pub(crate) fn sample_direct_without_sky(
+/// The density per solid angle with which a light sample at `receiver`, among bounces and with this part of the sky, gives
+/// the point of `emitter` that is hit by a ray of a unit vector.
+pub(crate) fn emitted_density(
     world: &World,
-    surface: &Surface,
-    lights: LightSampling,
-    (choice, v): (f64, f32),
-) -> Option<ShadowRay> {
-    let (choice, rarer) = world.lights.choose_without_sky(choice)?;
-    let light = match choice.light {
-        Light::Sky => sample_sun(world, surface, &choice, v)?,
-        _ => sample_light(world, surface, lights, &choice, v)?,
-    };
-    let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * rarer * lights.light_weight(light.inv_density * rarer, bounce_density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
-}
-
-/// The density per solid angle with which [`sample_direct`], among bounces, gives the point of `emitter` that is hit by a ray of
-/// a unit vector, from a surface with the unit normal `normal` on the side of the ray. Without one, that of points that are
-/// all alike.
-pub(crate) fn emitted_density(world: &World, normal: Option<Vec3>, emitter: &Surface, ray: &Ray, hit: &Hit) -> f32 {
-    let area_density = world.lights.area_density(emitter.prim_id);
-    if area_density == 0.0 {
+    receiver: &Receiver,
+    part: SkyPart,
+    emitter: &Surface,
+    ray: &Ray,
+    hit: &Hit,
+) -> f32 {
+    let probability = world.lights.probability(emitter.prim_id, receiver, part);
+    if probability == 0.0 {
         return 0.0;
     }
-    let density = area_density * hit.t * hit.t / emitter.normal.dot(ray.direction).abs();
-    match (normal, world.plain_triangle(hit.prim_id)) {
-        (Some(normal), Some(face)) => {
-            let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-            density * light_warp(ray.origin, normal, &face.corners, LightSampling::Mis).density(place)
-        }
-        _ => density,
-    }
+    let light = world.emitter(emitter.prim_id);
+    let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
+    let on_light = light_warp(receiver, &light.corners, LightSampling::Mis).density(place);
+    probability * on_light * hit.t * hit.t / (light.area * emitter.normal.dot(ray.direction).abs())
 }
 
-/// The part of an emitter's light that counts along a ray which a surface scattered, as [`sample_direct_without_sky`] finds it too. The
-/// ray has a unit vector, chosen with the given density per solid angle, and the unit normal is on its side.
+/// The part of an emitter's light that counts along a ray which a surface scattered, if light samples without the sky find it
+/// too. The ray has a unit vector, chosen with the given density per solid angle.
 pub(crate) fn scattered_weight(
     world: &World,
-    normal: Vec3,
+    receiver: &Receiver,
     density: f32,
     emitter: &Surface,
     ray: &Ray,
     hit: &Hit,
 ) -> f32 {
-    // `sample_direct_without_sky` chooses among fewer lights than `sample_direct`.
-    let by_lights = emitted_density(world, Some(normal), emitter, ray, hit) / world.lights.share_without_sky();
+    let by_lights = emitted_density(world, receiver, SkyPart::Sun, emitter, ray, hit);
     LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The density per solid angle with which [`sample_direct`] looks from `surface` to the sky in the unit vector `direction`.
+/// The density per solid angle with which light samples at `surface` look to this part of the sky in the unit vector
+/// `direction`.
 #[inline(always)]
-pub(crate) fn sky_density(world: &World, surface: &Surface, direction: Vec3) -> f32 {
-    match world.lights.sky_probability() {
-        0.0 => 0.0,
-        probability => probability * world.sky.density(surface.shading_normal, direction),
+pub(crate) fn sky_density(world: &World, surface: &Surface, part: SkyPart, direction: Vec3) -> f32 {
+    if !world.lights.sky.has(part) {
+        return 0.0;
     }
+    let receiver = surface.receiver();
+    let probability = world.lights.weigh(&receiver, part).sky_probability();
+    probability * world.lights.sky.density(&receiver, part, direction)
 }
 
 /// Light from what was chosen; which point or direction, `v` says with what the choice left.
 #[inline(always)]
-fn sample_light(
+pub(crate) fn sample_light(
     world: &World,
     surface: &Surface,
-    lights: LightSampling,
+    (lights, part): (LightSampling, SkyPart),
     choice: &SampledLight,
     v: f32,
 ) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
-    let rarer = match choice.light {
-        Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, *prim_id, u),
+    let rarer = match &world.lights.lights()[choice.index as usize] {
+        Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, (*prim_id, choice.probability), u),
         Light::Punctual(light) => sample_punctual(surface, light, choice.probability),
-        Light::Sky => sample_sky(world, surface, u)?,
+        Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.
     let LightSample { shadow, direction, radiance, inv_density } = rarer;
@@ -147,18 +139,15 @@ fn sample_triangle(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    prim_id: u32,
+    (prim_id, probability): (u32, f32),
     u: Vec2,
 ) -> Option<LightSample> {
-    let mut area = world.lights.area_density(prim_id).recip();
-    let mut place = u;
-    if let Some(face) = world.plain_triangle(prim_id) {
-        let warp = light_warp(surface.position, surface.normal, &face.corners, lights);
-        place = warp.map(u);
-        area *= warp.per_density(place);
-    }
+    let (emitter, receiver) = (world.emitter(prim_id), surface.receiver());
+    let warp = light_warp(&receiver, &emitter.corners, lights);
+    let place = warp.map(u);
+    let area = emitter.area / probability * warp.per_density(place);
     let light = point_on_emitter(world, surface.position, prim_id, place)?;
-    let (sample, arrives) = area_light_sample(surface, &light, area);
+    let (sample, arrives) = area_light_sample(surface, receiver.behind > 0.0, &light, area);
     arrives.then_some(sample)
 }
 
@@ -175,9 +164,14 @@ fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2)
 }
 
 /// The light from a point of an emitter, whose front emits and which is chosen with a density per area whose reciprocal is
-/// `area`; and whether any of it can arrive. Without a branch, so that loops over it become lanes.
+/// `area`; and whether any of it can arrive, from behind too or not. Without a branch, so that loops over it become lanes.
 #[inline(always)]
-pub(crate) fn area_light_sample(surface: &Surface, light: &Surface, area: f32) -> (LightSample, bool) {
+pub(crate) fn area_light_sample(
+    surface: &Surface,
+    from_behind: bool,
+    light: &Surface,
+    area: f32,
+) -> (LightSample, bool) {
     let to_light = light.position - surface.position;
     let (cosine, cosine_at_light) = (surface.normal.dot(to_light), -light.normal.dot(to_light));
     let inv_distance = to_light.length_squared().sqrt().recip();
@@ -186,7 +180,7 @@ pub(crate) fn area_light_sample(surface: &Surface, light: &Surface, area: f32) -
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
     let sample = LightSample { shadow, direction, radiance: light.emission * inv_density, inv_density };
-    (sample, (cosine > 0.0) & (cosine_at_light > 0.0))
+    (sample, ((cosine > 0.0) | from_behind) & (cosine_at_light > 0.0))
 }
 
 #[inline(never)]
@@ -203,20 +197,14 @@ fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -
 }
 
 #[inline(never)]
-fn sample_sky(world: &World, surface: &Surface, u: Vec2) -> Option<LightSample> {
-    let direction = world.sky.sample(surface.shading_normal, u);
-    let density = sky_density(world, surface, direction);
-    let shadow = Ray::new(surface.origin_towards(direction), direction);
-    let inv_density = density.recip();
-    let radiance = world.sky.radiance(direction) * inv_density;
-    (density > 0.0).then_some(LightSample { shadow, direction, radiance, inv_density })
-}
-
-#[inline(never)]
-fn sample_sun(world: &World, surface: &Surface, choice: &SampledLight, v: f32) -> Option<LightSample> {
-    let (direction, radiance) = world.sky.sample_sun(Vec2::new(choice.rest, v))?;
-    let shadow = Ray::new(surface.origin_towards(direction), direction);
-    Some(LightSample { shadow, direction, radiance: radiance / choice.probability, inv_density: 0.0 })
+fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32, u: Vec2) -> Option<LightSample> {
+    let sample = world.lights.sky.sample(&surface.receiver(), part, u);
+    let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
+    let inv_density = (probability * sample.density).recip();
+    let radiance = sample.radiance * inv_density;
+    // No bounce sees the sun where that is what is asked for.
+    let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
+    (sample.density > 0.0).then_some(LightSample { shadow, direction: sample.direction, radiance, inv_density })
 }
 
 /// The way from a point to a delta light, and the irradiance there on a surface that faces it.
@@ -229,9 +217,8 @@ fn incident_irradiance(light: &PunctualLight, point: Vec3) -> (Vec3, Vec3) {
         PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
             let to_light = position - point;
             let cosine = -to_light.normalize_or_zero().dot(direction);
-            // The square of a linear ramp, as KHR_lights_punctual recommends.
-            let ramp = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1e-6)).clamp(0.0, 1.0);
-            (to_light, intensity * (ramp * ramp / to_light.length_squared()))
+            let part = PointLight::part(cosine, cos_outer, ramp(cos_inner, cos_outer));
+            (to_light, intensity * (part / to_light.length_squared()))
         }
         PunctualLight::Directional { direction, irradiance } => (-direction, irradiance),
     }

@@ -162,7 +162,7 @@ impl GatherScratch {
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
-                *radiance = if ray.t_max > 0.0 { world.sky.ambient(ray.direction) } else { Vec3::ZERO };
+                *radiance = if ray.t_max > 0.0 { world.lights.sky.ambient(ray.direction) } else { Vec3::ZERO };
             }
             self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
         }

@@ -9,7 +9,8 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::direct::{sample_direct_without_sky, scattered_weight};
+use super::direct::{sample_direct, scattered_weight};
+use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -38,8 +39,8 @@ pub(crate) struct IncidentSampler {
     values: Vec<Vec3>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    /// Of their directions, and the normals of the surfaces that they leave.
-    scattered: Vec<(f32, Vec3)>,
+    /// Of their directions, and the surfaces that they leave.
+    scattered: Vec<(f32, Receiver)>,
 }
 
 impl IncidentSampler {
@@ -74,7 +75,7 @@ impl IncidentSampler {
     fn push_sample(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
         let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
         let numbers = (unit_double(Vec2::new(x, finer)), y);
-        if let Some(light) = sample_direct_without_sky(world, surface, LightSampling::Mis, numbers) {
+        if let Some(light) = sample_direct(world, surface, (LightSampling::Mis, SkyPart::Sun), numbers) {
             self.shadows.push(light.ray);
             self.values.push(light.radiance * PI);
         }
@@ -82,7 +83,7 @@ impl IncidentSampler {
             let direction = surface.frame().to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
             if surface.normal.dot(direction) > 0.0 {
                 self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
-                self.scattered.push((surface.shading_normal.dot(direction) / PI, surface.normal));
+                self.scattered.push((surface.shading_normal.dot(direction) / PI, surface.receiver()));
             }
         }
     }
@@ -98,12 +99,12 @@ impl IncidentSampler {
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
         world.intersect_many(&self.rays, &mut self.hits);
-        for ((ray, hit), &(density, normal)) in self.rays.iter().zip(&self.hits).zip(&self.scattered) {
+        for ((ray, hit), (density, receiver)) in self.rays.iter().zip(&self.hits).zip(&self.scattered) {
             if hit.is_hit() {
                 let emitter = world.surface_at(hit);
                 let emitted = emitter.emitted(ray.direction);
                 if emitted != Vec3::ZERO {
-                    let weight = scattered_weight(world, normal, density, &emitter, ray, hit);
+                    let weight = scattered_weight(world, receiver, *density, &emitter, ray, hit);
                     // Cosine over density is π.
                     sink.add_light(ray.direction, share * PI * weight * emitted);
                 }

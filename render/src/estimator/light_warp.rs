@@ -12,6 +12,7 @@ use glam::Vec3;
 use halfdome_kernel::Triangle;
 use halfdome_kernel::sampling::warp::Bilinear;
 
+use crate::light::Receiver;
 use crate::settings::LightSampling;
 
 /// The part of the sum of all weights that every corner has at least, where bounces find the light too …
@@ -23,19 +24,18 @@ const FLOOR_ALONE: f32 = 0.25;
 const MIN_COSINE: f32 = 0.1;
 
 /// The weights of the square that [`Triangle`](halfdome_kernel::sampling::warp::Triangle) maps to a light with these
-/// corners, for a surface at `position` with the unit normal `normal`, if light is found by `lights`. Without a branch,
+/// corners, for a receiver, if light is found by `lights`. Without a branch,
 /// so that loops over it become lanes.
 #[inline(always)]
-pub(crate) fn light_warp(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle, lights: LightSampling) -> Bilinear {
+pub(crate) fn light_warp(receiver: &Receiver, &[a, b, c]: &Triangle, lights: LightSampling) -> Bilinear {
     let is_alone = lights != LightSampling::Mis;
-    let is_grazing =
-        is_grazing(position, normal, a) | is_grazing(position, normal, b) | is_grazing(position, normal, c);
+    let is_grazing = is_grazing(receiver, a) | is_grazing(receiver, b) | is_grazing(receiver, c);
     let m = 0.5 * (b + c);
     let [a, b, c, m] = [
-        corner_weight(position, normal, a),
-        corner_weight(position, normal, b),
-        corner_weight(position, normal, c),
-        corner_weight(position, normal, m),
+        corner_weight(receiver, a),
+        corner_weight(receiver, b),
+        corner_weight(receiver, c),
+        corner_weight(receiver, m),
     ];
     let sum = a + b + c + m;
     // Nothing is seen, or the square of what is does not fit into numbers.
@@ -53,16 +53,16 @@ pub(crate) fn light_warp(position: Vec3, normal: Vec3, &[a, b, c]: &Triangle, li
 
 /// `cos θ / |y - x|³` of a corner `y`.
 #[inline(always)]
-fn corner_weight(position: Vec3, normal: Vec3, corner: Vec3) -> f32 {
-    let way = corner - position;
+fn corner_weight(receiver: &Receiver, corner: Vec3) -> f32 {
+    let way = corner - receiver.position;
     let squared = way.length_squared();
-    normal.dot(way).max(0.0) / (squared * squared)
+    receiver.height(way) / (squared * squared)
 }
 
 #[inline(always)]
-fn is_grazing(position: Vec3, normal: Vec3, corner: Vec3) -> bool {
-    let way = corner - position;
-    let height = normal.dot(way).max(0.0);
+fn is_grazing(receiver: &Receiver, corner: Vec3) -> bool {
+    let way = corner - receiver.position;
+    let height = receiver.height(way);
     height * height < MIN_COSINE * MIN_COSINE * way.length_squared()
 }
 
@@ -108,7 +108,7 @@ mod tests {
     fn form_factors_are_exact_and_less_noisy() {
         let even = Bilinear { weights: [1.0; 4] };
         for normal in [Vec3::Z, Vec3::new(0.4, 0.3, 0.9).normalize(), Vec3::new(0.05, 0.02, 1.0).normalize()] {
-            let weighted = light_warp(Vec3::ZERO, normal, &LIGHT, LightSampling::Mis);
+            let weighted = light_warp(&Receiver::new(Vec3::ZERO, normal, false), &LIGHT, LightSampling::Mis);
             let ((mean, variance), (_, evenly)) = (form_factor(normal, &weighted), form_factor(normal, &even));
             let standard_error = (variance / 200_000.0).sqrt();
             assert!((mean - lambert(normal)).abs() < 4.0 * standard_error, "{mean}, not {}", lambert(normal));
@@ -123,7 +123,7 @@ mod tests {
             let [x, height] = [k as f32 / 200.0, 2f32.powi(-(k as i32 % 20))];
             let position = LIGHT[0] + Vec3::new(x, 0.0, -height);
             for normal in [Vec3::Y, Vec3::new(0.0, 0.99, 0.1).normalize(), Vec3::Z] {
-                let warp = light_warp(position, normal, &LIGHT, LightSampling::Direct);
+                let warp = light_warp(&Receiver::new(position, normal, false), &LIGHT, LightSampling::Direct);
                 for corner in [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE] {
                     let density = warp.density(corner);
                     assert!(density > 0.499, "{density} from {position}, {normal}");
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_weighted_is_even() {
-        let warp = |position, normal| light_warp(position, normal, &LIGHT, LightSampling::Mis);
+        let warp = |position, normal| light_warp(&Receiver::new(position, normal, false), &LIGHT, LightSampling::Mis);
         let below = warp(Vec3::ZERO, Vec3::NEG_Z);
         let on_a_corner = warp(LIGHT[1], Vec3::X);
         let far = warp(Vec3::splat(1e15), Vec3::NEG_Z);

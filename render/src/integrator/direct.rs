@@ -13,6 +13,7 @@ use super::state::Path;
 use super::wavefront::{PathVertex, ScalarSteps, VertexStep};
 use super::{RayBatch, Wavefront};
 use crate::estimator::sample_direct;
+use crate::light::SkyPart;
 use crate::settings::{DirectOptions, LightSampling};
 use crate::world::World;
 
@@ -53,10 +54,10 @@ impl VertexStep for Direct<'_> {
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, LIGHTS, &path, &surface, ray, hit);
+        *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
-        if let Some(shadow_ray) = sample_direct(world, &surface, LIGHTS, numbers.light()) {
+        if let Some(shadow_ray) = sample_direct(world, &surface, (LIGHTS, SkyPart::All), numbers.light()) {
             shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         path.through(&surface, vertex)

@@ -5,19 +5,21 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::state::Path;
 use crate::estimator::emitted_density;
+use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
-    world.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
+    world.lights.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
 }
 
-/// What the surface emits along the path, weighted against the light sample that might have found it.
+/// What the surface emits along the path, weighted against the light sample that might have found it: one with this
+/// part of the sky.
 #[inline(always)]
 pub(super) fn emission(
     world: &World,
-    lights: LightSampling,
+    (lights, part): (LightSampling, SkyPart),
     path: &Path,
     surface: &Surface,
     ray: &Ray,
@@ -27,7 +29,9 @@ pub(super) fn emission(
     if surface.emission == Vec3::ZERO || !surface.emits_towards(ray.direction) {
         return Vec3::ZERO;
     }
-    let normal = (path.from != Hit::NO_PRIM).then(|| world.normal_towards(path.from, ray.direction));
-    let density = emitted_density(world, normal, surface, ray, hit);
+    if path.density == f32::INFINITY {
+        return surface.emission;
+    }
+    let density = emitted_density(world, &path.receiver(ray.origin), part, surface, ray, hit);
     surface.emission * lights.bounce_weight(path.density, density)
 }

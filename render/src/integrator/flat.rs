@@ -13,7 +13,7 @@ pub(super) fn colors(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> 
         world,
         batch,
         radiance,
-        |direction| world.sky.radiance(direction),
+        |direction| world.lights.sky.radiance(direction),
         |surface, direction| {
             let material = surface.material;
             let specular = match material.specular {

@@ -18,6 +18,7 @@ use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
 use crate::estimator::{Hemisphere, sample_direct, sky_density};
+use crate::light::SkyPart;
 use crate::settings::{LightSampling, MonteCarloOptions};
 use crate::world::{Surface, World};
 
@@ -131,14 +132,14 @@ impl Gather<'_> {
             return;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, LIGHTS, path, &surface, ray, hit);
+        *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let set = node.first_set();
         let [finer, chance] = sampler.uniform2(set).to_array();
         let u_light = sampler.uniform2(set.wrapping_add(1));
         let choice = unit_double(Vec2::new(u_light.x, finer));
-        if let Some(shadow_ray) = sample_direct(world, &surface, LIGHTS, (choice, u_light.y)) {
+        if let Some(shadow_ray) = sample_direct(world, &surface, (LIGHTS, SkyPart::All), (choice, u_light.y)) {
             children.shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         if node.bounces > 0 {
@@ -156,8 +157,9 @@ impl Gather<'_> {
             }
             throughput /= survival;
         }
-        let sky_density = sky_density(world, &surface, bounce.direction);
-        let path = Path { throughput, density: bounce.density, sky_density, ..*path };
+        let sky_density = sky_density(world, &surface, SkyPart::All, bounce.direction);
+        let normal = surface.receiver().packed();
+        let path = Path { throughput, density: bounce.density, sky_density, normal, ..*path };
         children.push(Node { path, ..child }, leave(&surface, bounce.direction));
     }
 
@@ -167,16 +169,16 @@ impl Gather<'_> {
         if throughput == Vec3::ZERO {
             return;
         }
-        let frame = surface.frame();
+        let (frame, normal) = (surface.frame(), surface.receiver().packed());
         for number in 0..self.hemisphere.rays() {
             let child = node.child(self.options.rays, number);
             let (local, weight) = self.hemisphere.direction(number, child.direction_numbers(sampler));
             let direction = frame.to_world(local);
             // A shading normal may send light through the surface: none comes from there.
             if surface.normal.dot(direction) > 0.0 {
-                let sky_density = sky_density(self.world, surface, direction);
+                let sky_density = sky_density(self.world, surface, SkyPart::All, direction);
                 // Any finite density will do, for all that light samples can find is left to them.
-                let path = Path { throughput: throughput * weight, density: 0.0, sky_density, ..node.path };
+                let path = Path { throughput: throughput * weight, density: 0.0, sky_density, normal, ..node.path };
                 children.push(Node { path, bounces: node.bounces - 1, ..child }, leave(surface, direction));
             }
         }

@@ -25,9 +25,13 @@ use super::state::Path;
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::bsdf::Bounce;
-use crate::estimator::{sample_direct_from, sky_density};
+use crate::estimator::sample_direct_from;
+use crate::light::{SampledLight, SkyPart};
 use crate::settings::{PathOptions, Stop};
 use crate::world::{Surface, WHITE, World};
+
+/// What of the sky light samples find: paths go on by the cosine, and find the rest.
+const SKY: SkyPart = SkyPart::Bright;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 ///
@@ -131,7 +135,7 @@ impl<'a> Advance<'a> {
     /// Lets those of some paths see the sky that hit nothing.
     #[inline(always)]
     fn miss(&mut self, range: Range<usize>) {
-        if self.world.sky.mean() == Vec3::ZERO {
+        if self.world.lights.sky.mean() == Vec3::ZERO {
             return;
         }
         for i in range.filter(|&i| !self.wave.hits[i].is_hit()) {
@@ -158,7 +162,7 @@ impl<'a> Advance<'a> {
         let (world, source) = (self.world, block.source[i] as usize);
         let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
         let surface = world.surface_at(hit);
-        let light = path.throughput * emission(world, self.options.lights, path, &surface, ray, hit);
+        let light = path.throughput * emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
         self.radiance[path.index as usize] += light;
         block.set(i, &surface.facing(ray.direction));
     }
@@ -207,13 +211,13 @@ impl<'a> Advance<'a> {
     /// Samples a light for each path of the block.
     #[inline(always)]
     fn sample_lights(&mut self, block: &mut PathBlock, shadows: &mut ShadowRays) {
-        if !block.choose_lights(self.world) {
+        if !block.choose_lights(self.world, SKY) {
             return;
         }
         if block.has_other_lights() {
             for i in 0..block.len {
                 if let Some(light) = block.other_light(i) {
-                    self.sample_other_light(block, i, light);
+                    self.sample_other_light(block, i, &light);
                 }
             }
         }
@@ -221,15 +225,12 @@ impl<'a> Advance<'a> {
         self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
 
-    /// Samples the light of this number, of which the block knows too little, for path `i`; `rest` is left of the number by
-    /// which it was chosen.
+    /// Samples a light of which the block knows too little, for path `i`.
     #[inline(never)]
-    fn sample_other_light(&mut self, block: &PathBlock, i: usize, (light, rest): (usize, f64)) {
+    fn sample_other_light(&mut self, block: &PathBlock, i: usize, light: &SampledLight) {
         let (surface, throughput) = self.surface_of(block, i);
-        let Some(choice) = self.world.lights.choice(light, rest) else { return };
-        if let Some(shadow_ray) =
-            sample_direct_from(self.world, &surface, self.options.lights, &choice, block.u_light[i].y)
-        {
+        let how = (self.options.lights, SKY);
+        if let Some(shadow_ray) = sample_direct_from(self.world, &surface, how, light, block.u_light[i].y) {
             self.wave.shadow_queue.push(block.index(i) as u32, throughput, shadow_ray);
         }
     }
@@ -248,10 +249,9 @@ impl<'a> Advance<'a> {
     fn continue_paths(&mut self, block: &PathBlock, bounces: &mut Bounces, kept: usize) -> usize {
         let world = self.world;
         block.bounce(&WHITE, bounces);
-        if world.lights.sky_probability() > 0.0 {
+        if world.lights.sky.has(SKY) {
             for i in 0..block.len {
-                let density = sky_density(world, &block.surface(i, &WHITE), bounces.direction(i));
-                bounces.paths.sky_density[i] = density;
+                bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
             }
         }
         if block.has_specular() {
@@ -276,7 +276,7 @@ impl<'a> Advance<'a> {
         let Some(Bounce { direction, weight, density }) = bounce else { return };
         let ray = Ray::new(surface.origin_towards(direction), direction);
         let throughput = throughput * block.survival(i).recip() * weight;
-        let sky_density = sky_density(self.world, &surface, direction);
+        let sky_density = block.sky_density(self.world, SKY, i, direction);
         bounces.set(i, &ray, &Path { throughput, density, sky_density, ..self.wave.paths[source] });
     }
 }

@@ -49,6 +49,8 @@ pub(super) struct PathBlock {
     position: Vectors,
     normal: Vectors,
     shading_normal: Vectors,
+    /// The shading normals as receivers have them.
+    packed: Integers,
     /// The part of all light that is reflected or let through, at most.
     reflectance: Vectors,
     /// The probability of scattering light, other than as a mirror or glass does.

@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Hit;
 use halfdome_kernel::sampling::unit_double;
 
+use crate::light::Receiver;
 use crate::settings::Survival;
 
 /// A path that is under way, in eight words.
@@ -19,9 +19,8 @@ pub(super) struct Path {
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
-    /// The triangle of its last bounce, if light was sampled there by [`light_warp`](crate::estimator::light_warp); else
-    /// [`Hit::NO_PRIM`].
-    pub from: u32,
+    /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there?
+    pub normal: u32,
     /// Fills the record up to eight words.
     pub unused: u32,
 }
@@ -29,7 +28,13 @@ pub(super) struct Path {
 impl Path {
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, from: Hit::NO_PRIM, unused: 0 }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: 0, unused: 0 }
+    }
+
+    /// The surface that it comes from along a ray with this origin.
+    #[inline(always)]
+    pub(super) fn receiver(&self, origin: Vec3) -> Receiver {
+        Receiver::unpack(origin, self.normal)
     }
 }
 

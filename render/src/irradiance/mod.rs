@@ -18,9 +18,10 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::estimator::{sample_direct_without_sky, scattered_weight};
+use crate::estimator::{sample_direct, scattered_weight};
 use crate::integrator::CacheUse;
 use crate::integrator::{FrozenCache, RayBatch, Wavefront, fill_for_surfaces, indirect, max_depth};
+use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -203,7 +204,7 @@ impl SensorScratch {
         for sampler in &self.samplers {
             let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
             let numbers = (unit_double(Vec2::new(x, finer)), y);
-            if let Some(light) = sample_direct_without_sky(world, surface, lights, numbers) {
+            if let Some(light) = sample_direct(world, surface, (lights, SkyPart::Sun), numbers) {
                 self.shadows.push(light.ray);
                 self.values.push(light.radiance * PI);
             }
@@ -235,7 +236,7 @@ impl SensorScratch {
             let emitted = emitter.emitted(ray.direction);
             if emitted != Vec3::ZERO {
                 let density = surface.normal.dot(ray.direction) / PI;
-                let weight = scattered_weight(world, surface.normal, density, &emitter, ray, hit);
+                let weight = scattered_weight(world, &surface.receiver(), density, &emitter, ray, hit);
                 *sum += (PI * weight * emitted).as_dvec3();
             }
         }

@@ -1,39 +1,53 @@
-//! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen in proportion to
-//! power.
+//! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen by what each can
+//! send to a point.
+//!
+//! Triangles are in one light tree, points and spots in another (see [`tree`]). What shines from infinitely far away has no
+//! place in a tree: of directional lights the irradiance at the receiver is known, of the sky there is an estimate by its
+//! normal (see [`distant`]). All these weights are irradiances, and a light's probability is its part of their sum.
 
 mod ambient;
+mod distant;
+mod receiver;
 mod sky;
+mod tree;
 
-use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome_kernel::sampling::{AliasEntry, AliasTable, ONE_MINUS_EPSILON};
-use halfdome_kernel::{Aabb, Isa, Triangle};
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
+use halfdome_kernel::{Aabb, Triangle};
 
-pub(crate) use self::sky::SkyLight;
+use self::distant::Patches;
+pub(crate) use self::receiver::Receiver;
+pub(crate) use self::sky::{SkyLight, SkyPart};
+use self::tree::cluster::Lane;
+pub(crate) use self::tree::leaf::PointLight;
+use self::tree::leaf::{Points, TriangleLight, Triangles};
+use self::tree::{Pick, RootWeights, Tree};
 use crate::scene::{Material, PunctualLight};
 use crate::settings::LightSampling;
 
 /// The lights of a world.
 #[derive(Debug)]
 pub(crate) struct LightSampler {
+    /// Triangles, then points and spots, then directional lights, then the sky.
     lights: Vec<Light>,
-    /// `None` if nothing emits: what else could be wrong with weights is excluded.
-    table: Option<AliasTable<Vec<AliasEntry>>>,
-    /// The same with nothing of the sky but its sun, if there is a sky.
-    table_without_sky: Option<AliasTable<Vec<AliasEntry>>>,
-    /// The part of all power that all but the sky have, and its sun.
-    share_without_sky: f32,
-    /// For each `prim_id` the probability density per area with which [`choose`](Self::choose) gives a point of it.
-    area_density: Vec<f32>,
-    /// The probability with which it gives the sky.
-    sky_probability: f32,
+    triangles: Option<Tree<Triangles>>,
+    points: Option<Tree<Points>>,
+    directional: Patches,
+    /// The numbers of punctual lights in the scene, in the order of `lights`.
+    punctual_numbers: Vec<u32>,
+    pub(crate) sky: SkyLight,
+    /// For each `prim_id` the number of its light, or [`NO_LIGHT`]; empty if no triangle emits.
+    index_of: Vec<u32>,
     /// What is near an emissive triangle lies in this box.
     surroundings: Aabb,
     /// An estimate of the mean radiance that surfaces receive and send.
     mean_radiance: Vec3,
 }
+
+/// What stands for a triangle that does not emit.
+const NO_LIGHT: u32 = u32::MAX;
 
 /// One light.
 #[derive(Clone, Debug)]
@@ -47,13 +61,39 @@ pub(crate) enum Light {
 }
 
 /// A light that was chosen.
-pub(crate) struct SampledLight<'l> {
-    pub light: &'l Light,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampledLight {
+    /// The number of its light.
+    pub index: u32,
     /// The probability of choosing it.
     pub probability: f32,
     /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
-    /// light are, and points that they place on an area light of several triangles are so over all of it.
+    /// light are.
     pub rest: f32,
+}
+
+/// What each kind of light may send to a receiver.
+pub(crate) struct Weights {
+    triangles: RootWeights,
+    points: RootWeights,
+    triangles_sum: f32,
+    points_sum: f32,
+    directional: f32,
+    sky: f32,
+}
+
+impl Weights {
+    /// The sum: an estimate of irradiance, as luminance.
+    #[inline(always)]
+    pub(crate) fn total(&self) -> f32 {
+        (self.triangles_sum + self.points_sum) + (self.directional + self.sky)
+    }
+
+    /// The probability with which the sky is chosen.
+    #[inline(always)]
+    pub(crate) fn sky_probability(&self) -> f32 {
+        if self.sky > 0.0 { self.sky / self.total() } else { 0.0 }
+    }
 }
 
 /// Linear sRGB to luminance (Rec. 709).
@@ -63,102 +103,139 @@ fn luminance(rgb: Vec3) -> f64 {
 
 impl LightSampler {
     /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
+    /// Of a triangle `front` gives the unit normal of its front, `None` if that is not the same side everywhere.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
+        front: impl Fn(usize) -> Option<Vec3>,
         punctual: Vec<PunctualLight>,
-        sky: &SkyLight,
+        sky: SkyLight,
         bounds: Aabb,
     ) -> Self {
-        let (sky, sun) = (sky.mean(), sky.mean_sun());
-        let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky, bounds);
-        let mut lights = Vec::new();
-        let mut powers = Vec::new();
-        let mut areas = Vec::new();
-        let mut emitting = Aabb::EMPTY;
+        let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky.mean(), bounds);
+        let (mut lights, mut emitting, mut areas) = (Vec::new(), Vec::new(), 0.0);
+        let (mut box_of_lights, mut index_of) = (Aabb::EMPTY, Vec::new());
         for (prim_id, triangle) in triangles.iter().enumerate() {
             let material = material(prim_id);
             let area = area(triangle);
             if material.emission != Vec3::ZERO && area > 0.0 {
-                let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
-                powers.push(PI * f64::from(area) * sides * brightness(material.emission));
+                index_of.resize(triangles.len(), NO_LIGHT);
+                index_of[prim_id] = lights.len() as u32;
                 lights.push(Light::Triangle(prim_id as u32));
-                areas.push(area);
-                emitting = emitting.union(&Aabb::around(triangle));
+                let front = front(prim_id);
+                emitting.push(TriangleLight {
+                    corners: *triangle,
+                    normal: front.unwrap_or_else(|| halfdome_kernel::triangle_normal(triangle)),
+                    radiance: luminance_weight(material.emission),
+                    area,
+                    both_sides: material.emits_both_sides || front.is_none(),
+                });
+                areas += area;
+                box_of_lights = box_of_lights.union(&Aabb::around(triangle));
             }
         }
-        for light in punctual {
-            powers.push(power(&light, bounds));
+        let (mut points, mut directional) = (Vec::new(), Patches::default());
+        let (distant, near): (Vec<_>, Vec<_>) =
+            (0..).zip(punctual).partition(|(_, light)| matches!(light, PunctualLight::Directional { .. }));
+        let mut punctual_numbers = Vec::new();
+        for (number, light) in near.into_iter().chain(distant) {
+            punctual_numbers.push(number);
+            match light {
+                PunctualLight::Directional { direction, irradiance } => {
+                    directional.push(-direction, 0.0, luminance_weight(irradiance));
+                }
+                PunctualLight::Point { position, intensity } => {
+                    let intensity = luminance_weight(intensity);
+                    points.push(PointLight { position, axis: Vec3::Z, intensity, cos_outer: -2.0, slope: 1.0 });
+                }
+                PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+                    let (intensity, slope) = (luminance_weight(intensity), ramp(cos_inner, cos_outer));
+                    points.push(PointLight { position, axis: direction, intensity, cos_outer, slope });
+                }
+            }
             lights.push(Light::Punctual(light));
         }
-        if sky != Vec3::ZERO {
-            powers.push(sky_power(sky, bounds));
-            lights.push(Light::Sky);
-        }
+        lights.push(Light::Sky);
         // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of light.
-        let reach = Vec3::splat((areas.iter().sum::<f32>() * FRAC_1_PI).sqrt());
-        let surroundings = Aabb { min: emitting.min - reach, max: emitting.max + reach };
-        // Relative to the greatest, so that none overflows.
-        let greatest = powers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let weights: Vec<f32> = powers.iter().map(|power| (power / greatest) as f32).collect();
-        let table = AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok();
-        let sun_power = sky_power(sun, bounds);
-        let table_without_sky = match lights.split_last() {
-            Some((Light::Sky, table_without_sky)) => {
-                let mut weights = weights[..table_without_sky.len()].to_vec();
-                if sun != Vec3::ZERO {
-                    weights.push((sun_power / greatest) as f32);
-                }
-                AliasTable::build(&weights, vec![AliasEntry::default(); weights.len()]).ok()
-            }
-            _ => None,
-        };
-        let mut area_density = Vec::new();
-        if let Some(table) = &table
-            && !areas.is_empty()
-        {
-            area_density = vec![0.0; triangles.len()];
-            for (index, (light, area)) in lights.iter().zip(areas).enumerate() {
-                if let Light::Triangle(prim_id) = light {
-                    area_density[*prim_id as usize] = table.mass(index) / area;
-                }
-            }
-        }
-        let sky_probability = match (&table, lights.last()) {
-            (Some(table), Some(Light::Sky)) => table.mass(lights.len() - 1),
-            _ => 0.0,
-        };
-        let dim = if sun == Vec3::ZERO { 1.0 } else { 1.0 - sun_power / sky_power(sky, bounds) };
-        let share_without_sky = 1.0 - sky_probability * dim as f32;
+        let reach = Vec3::splat((areas * std::f32::consts::FRAC_1_PI).sqrt());
+        let surroundings = Aabb { min: box_of_lights.min - reach, max: box_of_lights.max + reach };
         Self {
+            triangles: Tree::build(&emitting),
+            points: Tree::build(&points),
             lights,
-            table,
-            table_without_sky,
-            share_without_sky,
-            area_density,
-            sky_probability,
+            directional,
+            punctual_numbers,
+            sky,
+            index_of,
             surroundings,
             mean_radiance,
         }
     }
 
-    /// Chooses a light by a number in [0, 1), of double precision as there may be millions.
-    #[inline]
-    pub(crate) fn choose(&self, u: f64) -> Option<SampledLight<'_>> {
-        let (index, probability, rest) = self.table.as_ref()?.sample(u);
-        Some(SampledLight { light: &self.lights[index], probability, rest: rest_as_f32(rest) })
+    /// What lights may send to a receiver, of the sky this part.
+    #[inline(always)]
+    pub(crate) fn weigh(&self, receiver: &Receiver, part: SkyPart) -> Weights {
+        let (mut triangles, mut points) = (RootWeights::default(), RootWeights::default());
+        let (mut triangles_sum, mut points_sum) = (0.0, 0.0);
+        if let Some(tree) = &self.triangles {
+            triangles = tree.root_weights(receiver);
+            triangles_sum = tree::total(&triangles);
+        }
+        if let Some(tree) = &self.points {
+            points = tree.root_weights(receiver);
+            points_sum = tree::total(&points);
+        }
+        let directional = self.directional.rows(receiver).map(|row| tree::sum(&row)).sum();
+        let sky = self.sky.weight(receiver, part);
+        Weights { triangles, points, triangles_sum, points_sum, directional, sky }
     }
 
-    /// Writes the index of the light that [`choose`](Self::choose) chooses by each of the numbers `u`, and what is left
-    /// of `u`; whether there is any light.
-    pub(crate) fn choose_many(&self, isa: Isa, u: &[f64], lights: &mut [u32], rests: &mut [f64]) -> bool {
-        self.table.as_ref().map(|table| table.sample_many(isa, u, lights, rests)).is_some()
+    /// Chooses a light for a receiver with these weights, by a number in [0, 1), of double precision as there may be
+    /// millions. `None` if no light reaches it.
+    #[inline(always)]
+    pub(crate) fn choose(&self, receiver: &Receiver, weights: &Weights, u: f64) -> Option<SampledLight> {
+        let total = weights.total();
+        if total <= 0.0 {
+            return None;
+        }
+        let mut place = u * f64::from(total);
+        let kinds = [weights.triangles_sum, weights.points_sum, weights.directional, weights.sky];
+        // The last of those that have any, if rounding led behind all of them.
+        let (mut kind, mut start, mut end) = (0, 0.0, 0.0);
+        for (i, &weight) in kinds.iter().enumerate() {
+            if place >= end && weight > 0.0 {
+                (kind, start) = (i, end);
+            }
+            end += f64::from(weight);
+        }
+        place = (place - start).max(0.0);
+        let part = kinds[kind] / total;
+        let rest = (place / f64::from(kinds[kind])).min(1.0 - f64::EPSILON / 2.0);
+        let near = self.triangles.as_ref().map_or(0, Tree::len) as u32;
+        let distant = near + self.points.as_ref().map_or(0, Tree::len) as u32;
+        let (pick, first) = match kind {
+            0 => (self.triangles.as_ref()?.choose(receiver, &weights.triangles, rest), 0),
+            1 => (self.points.as_ref()?.choose(receiver, &weights.points, rest), near),
+            2 => (self.choose_directional(receiver, weights.directional, place), distant),
+            _ => (Pick { index: 0, probability: 1.0, rest }, self.lights.len() as u32 - 1),
+        };
+        let rest = (pick.rest as f32).min(ONE_MINUS_EPSILON);
+        Some(SampledLight { index: first + pick.index, probability: part * pick.probability, rest })
     }
 
-    /// The choice of the light of this index, with what is left of the number by which it was chosen.
-    pub(crate) fn choice(&self, light: usize, rest: f64) -> Option<SampledLight<'_>> {
-        let probability = self.table.as_ref()?.mass(light);
-        Some(SampledLight { light: self.lights.get(light)?, probability, rest: rest_as_f32(rest) })
+    /// The directional light that lies at this place if all lie side by side.
+    fn choose_directional(&self, receiver: &Receiver, sum: f32, mut place: f64) -> Pick {
+        let mut chosen: Option<(usize, Lane, f64)> = None;
+        for (number, weights) in self.directional.rows(receiver).enumerate() {
+            let width = tree::sum(&weights);
+            if width > 0.0 && (chosen.is_none() || place >= 0.0) {
+                chosen = Some((number, weights, place));
+            }
+            place -= f64::from(width);
+        }
+        let (row, weights, place) = chosen.unwrap_or((0, [1.0; tree::WIDTH], 0.0));
+        let (lane, rest) = tree::pick(&weights, place);
+        Pick { index: (row * tree::WIDTH + lane) as u32, probability: weights[lane] / sum, rest }
     }
 
     /// All lights, by their numbers.
@@ -166,25 +243,46 @@ impl LightSampler {
         &self.lights
     }
 
-    /// Chooses a light other than the sky, or the sky for its sun, by a number in [0, 1); and by how much less often
-    /// [`choose`](Self::choose) gives it, with the probability that is in the choice.
-    #[inline]
-    pub(crate) fn choose_without_sky(&self, u: f64) -> Option<(SampledLight<'_>, f32)> {
-        if self.sky_probability == 0.0 {
-            return self.choose(u).map(|choice| (choice, 1.0));
-        }
-        let (index, mass_without_sky, rest) = self.table_without_sky.as_ref()?.sample(u);
-        let probability = self.table.as_ref()?.mass(index);
-        let rest = rest_as_f32(rest);
-        Some((SampledLight { light: &self.lights[index], probability, rest }, probability / mass_without_sky))
+    /// The number of the light that triangle `prim_id` is, which must emit.
+    #[inline(always)]
+    pub(crate) fn light_of(&self, prim_id: u32) -> u32 {
+        self.index_of[prim_id as usize]
+    }
+
+    /// The number in the scene of the punctual light that is light `index`.
+    pub(crate) fn punctual_number(&self, index: u32) -> usize {
+        let triangles = self.triangles.as_ref().map_or(0, Tree::len);
+        self.punctual_numbers[index as usize - triangles] as usize
+    }
+
+    /// Bytes of the light trees.
+    pub(crate) fn tree_bytes(&self) -> usize {
+        self.triangles.as_ref().map_or(0, Tree::bytes) + self.points.as_ref().map_or(0, Tree::bytes)
     }
 
     /// Whether a surface emits.
     pub(crate) fn has_emitters(&self) -> bool {
-        !self.area_density.is_empty()
+        self.triangles.is_some()
     }
 
-    /// How area lights are found from a point whose indirect light is known. An emissive triangle may be so near to it that
+    /// Whether light samples may find anything, of the sky this part.
+    pub(crate) fn has_any(&self, part: SkyPart) -> bool {
+        self.lights.len() > 1 || self.sky.has(part)
+    }
+
+    /// The probability with which triangle `prim_id` is chosen for a receiver, among all lights and this part of the sky.
+    #[inline(always)]
+    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver, part: SkyPart) -> f32 {
+        match (&self.triangles, self.index_of.get(prim_id as usize)) {
+            (Some(tree), Some(&index)) if index != NO_LIGHT => {
+                let weight = tree.weight(index, receiver);
+                if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it that
     /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined with
     /// scattered rays; elsewhere such rays would find nothing.
     #[inline]
@@ -193,36 +291,24 @@ impl LightSampler {
         if are_near { LightSampling::Mis } else { LightSampling::Direct }
     }
 
-    /// The density per area with which points of triangle `prim_id` are chosen.
-    #[inline]
-    pub(crate) fn area_density(&self, prim_id: u32) -> f32 {
-        self.area_density.get(prim_id as usize).copied().unwrap_or(0.0)
-    }
-
-    /// The probability with which the sky is chosen.
-    pub(crate) fn sky_probability(&self) -> f32 {
-        self.sky_probability
-    }
-
-    /// By how much [`choose`](Self::choose) gives a light other than the sky less often than [`choose_without_sky`](Self::choose_without_sky).
-    pub(crate) fn share_without_sky(&self) -> f32 {
-        self.share_without_sky
-    }
-
     /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.
     pub(crate) fn mean_radiance(&self) -> Vec3 {
         self.mean_radiance
     }
 }
 
-/// What is left of a number, in [0, 1) as a single too.
-#[inline(always)]
-pub(crate) fn rest_as_f32(rest: f64) -> f32 {
-    (rest as f32).min(ONE_MINUS_EPSILON)
+/// 1 over the length of a spot's ramp between the cosines of its cones.
+pub(crate) fn ramp(cos_inner: f32, cos_outer: f32) -> f32 {
+    (cos_inner - cos_outer).max(1e-6).recip()
+}
+
+/// What weights are made of: luminance, but never zero for what is not black.
+pub(crate) fn luminance_weight(rgb: Vec3) -> f32 {
+    brightness(rgb) as f32
 }
 
 /// Area of a triangle.
-fn area(triangle: &Triangle) -> f32 {
+pub(crate) fn area(triangle: &Triangle) -> f32 {
     let [a, b, c] = triangle.map(|p| p.as_dvec3());
     (0.5 * (b - a).cross(c - a).length()) as f32
 }
@@ -230,17 +316,6 @@ fn area(triangle: &Triangle) -> f32 {
 /// Luminance, but never zero for what is not black: each light must have a chance.
 fn brightness(rgb: Vec3) -> f64 {
     luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
-}
-
-/// The luminous power of a delta light; of a directional one, what it sends through the scene's sphere.
-fn power(light: &PunctualLight, bounds: Aabb) -> f64 {
-    let (color, extent) = flux(light, bounds);
-    brightness(color) * extent
-}
-
-/// The same of the sky.
-fn sky_power(sky: Vec3, bounds: Aabb) -> f64 {
-    PI * brightness(sky) * 4.0 * PI * radius(bounds).powi(2)
 }
 
 /// A light's colour, and what it is multiplied by to give the light's power.
@@ -259,3 +334,6 @@ fn radius(bounds: Aabb) -> f64 {
     let diagonal = (bounds.max - bounds.min).as_dvec3().length();
     if bounds.is_empty() { 1.0 } else { 0.5 * diagonal }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 //! many surfaces turns records into columns.
 //!
 //! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own record and its
-//! material's, and, if it emits, in that of its light.
+//! material's. A light has a record besides; vertex normals do not matter to it if they agree which side is the front.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -39,7 +39,7 @@ pub(crate) struct MaterialRecord {
     pub(crate) emits_both_sides: u32,
 }
 
-/// A light that is a plain triangle.
+/// A triangle that emits.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct EmitterRecord {
@@ -49,11 +49,10 @@ pub(crate) struct EmitterRecord {
     /// How far from its plane rays start.
     pub(crate) offset: f32,
     pub(crate) emission: Vec3,
-    /// The reciprocal of the density per area with which its points are chosen, if they are all alike.
     pub(crate) area: f32,
     /// Whether both sides emit: 1, else 0.
     pub(crate) emits_both_sides: u32,
-    /// Whether there is such a light: 1, else 0.
+    /// Whether it emits evenly, so that all there is to know is here: 1, else 0.
     pub(crate) is_plain: u32,
     unused: [u32; 5],
 }
@@ -80,21 +79,21 @@ impl EmitterRecord {
         unused: [0; 5],
     };
 
-    /// The light that a triangle of this material is; none if the triangle is not plain.
-    pub(super) fn of(face: &TriangleRecord, material: &Material, area: f32) -> Self {
-        let TriangleRecord { corners, normal, offset, is_plain, .. } = *face;
-        if is_plain == 0 {
-            return Self::NONE;
-        }
+    /// The light that a triangle of this material is, with the unit normal of its front if that is the same side
+    /// everywhere.
+    pub(super) fn of(face: &TriangleRecord, front: Option<Vec3>, material: &Material, area: f32) -> Self {
+        let TriangleRecord { corners, normal, offset, .. } = *face;
+        let is_plain = front.is_some() && material.emission_map.is_none() && material.cutout.is_none();
         let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);
-        Self { corners, normal, offset, emission, area, emits_both_sides, is_plain, ..Self::NONE }
+        let normal = front.unwrap_or(normal);
+        Self { corners, normal, offset, emission, area, emits_both_sides, is_plain: is_plain.into(), ..Self::NONE }
     }
 }
 
 impl World {
-    /// A plain triangle; `None` for others.
+    /// The light that triangle `prim_id` is, which must emit.
     #[inline(always)]
-    pub(crate) fn plain_triangle(&self, prim_id: u32) -> Option<&TriangleRecord> {
-        Some(&self.triangle_records[prim_id as usize]).filter(|face| face.is_plain != 0)
+    pub(crate) fn emitter(&self, prim_id: u32) -> &EmitterRecord {
+        &self.emitter_records[self.lights.light_of(prim_id) as usize]
     }
 }

@@ -13,6 +13,7 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{Hit, offset_distance, offset_point};
 
 use super::{TriangleRecord, World};
+use crate::light::Receiver;
 use crate::scene::{Material, Specular, TextureMap};
 
 /// The material of whatever measures light, or just scatters it.
@@ -177,6 +178,12 @@ impl Surface<'_> {
             is_back: self.is_back != is_behind,
             ..self
         }
+    }
+
+    /// What lights are chosen by.
+    #[inline(always)]
+    pub(crate) fn receiver(&self) -> Receiver {
+        Receiver::new(self.position, self.shading_normal, false)
     }
 
     /// The frame about the shading normal.

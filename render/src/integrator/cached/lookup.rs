@@ -15,7 +15,8 @@ use super::super::state::Path;
 use super::super::wavefront::{PathVertex, SETS_PER_SURFACE, ScalarSteps, VertexStep};
 use super::super::{RayBatch, Wavefront};
 use super::{FrozenCache, indirect};
-use crate::estimator::{sample_direct_without_sky, scattered_weight};
+use crate::estimator::{sample_direct, scattered_weight};
+use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -69,7 +70,7 @@ impl VertexStep for Lookup<'_> {
         if !hit.is_hit() {
             // The sky that a gather sees is its own affair.
             if path.density == f32::INFINITY {
-                *radiance += throughput * world.sky.radiance(ray.direction);
+                *radiance += throughput * world.lights.sky.radiance(ray.direction);
             }
             return None;
         }
@@ -78,13 +79,13 @@ impl VertexStep for Lookup<'_> {
             *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit);
             return None;
         }
-        *radiance += throughput * emission(world, LightSampling::Direct, &path, &surface, ray, hit);
+        *radiance += throughput * emission(world, (LightSampling::Direct, SkyPart::Sun), &path, &surface, ray, hit);
 
         let surface = surface.facing(ray.direction);
         let albedo = surface.diffuse;
         let lights = world.lights.techniques_at(surface.position);
         if albedo != Vec3::ZERO {
-            if let Some(shadow_ray) = sample_direct_without_sky(world, &surface, lights, numbers.light()) {
+            if let Some(shadow_ray) = sample_direct(world, &surface, (lights, SkyPart::Sun), numbers.light()) {
                 shadow_queue.push(index, throughput, shadow_ray);
             }
             match self.frozen.irradiance(&surface) {
@@ -102,7 +103,8 @@ impl VertexStep for Lookup<'_> {
         if bounce.density < f32::INFINITY && lights == LightSampling::Direct {
             return None;
         }
-        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, from: hit.prim_id, ..path };
+        let normal = surface.receiver().packed();
+        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, normal, ..path };
         Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
     }
 }
@@ -111,8 +113,8 @@ impl Lookup<'_> {
     /// What a surface emits along a ray that was scattered near area lights.
     #[inline(always)]
     fn scattered_emission(&self, path: &Path, surface: &Surface, ray: &Ray, hit: &Hit) -> Vec3 {
-        let normal = self.world.normal_towards(path.from, ray.direction);
-        surface.emitted(ray.direction) * scattered_weight(self.world, normal, path.density, surface, ray, hit)
+        let receiver = path.receiver(ray.origin);
+        surface.emitted(ray.direction) * scattered_weight(self.world, &receiver, path.density, surface, ray, hit)
     }
 }
 

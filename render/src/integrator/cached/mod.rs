@@ -98,7 +98,7 @@ pub(crate) fn indirect(
     let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| ());
     for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
         if !hit.is_hit() {
-            *radiance = world.sky.ambient(ray.direction);
+            *radiance = world.lights.sky.ambient(ray.direction);
         }
     }
     traced

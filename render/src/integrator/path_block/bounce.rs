@@ -24,7 +24,7 @@ impl PathBlock {
     #[inline(always)]
     pub(in crate::integrator) fn bounce(&self, matte: &Material, bounces: &mut Bounces) {
         bounces.paths.index = self.paths.index;
-        bounces.paths.from = self.prims;
+        bounces.paths.normal = self.packed;
         for i in 0..LANES {
             let surface = self.surface(i, matte);
             let (bounce, reflects) = surface.scatter(self.cosine[i], surface.diffuse, 1.0);

@@ -41,7 +41,7 @@ pub(in crate::integrator) struct Paths {
     pub throughput: Vectors,
     pub density: Column,
     pub sky_density: Column,
-    pub from: Integers,
+    pub normal: Integers,
     unused: Integers,
 }
 

@@ -9,7 +9,7 @@ use super::PathBlock;
 use super::columns::{Column, EmitterColumns, Integers, LANES, Rays, Vectors, gather, keep, triangle};
 use crate::estimator::{area_light_sample, light_warp};
 use crate::integrator::state::u_light_choice;
-use crate::light::rest_as_f32;
+use crate::light::{Receiver, SampledLight, SkyPart};
 use crate::scene::Material;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World, interpolate};
@@ -18,12 +18,12 @@ use crate::world::{Surface, World, interpolate};
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct LightSamples {
-    choices: [f64; LANES],
-    rests: [f64; LANES],
     /// Indices of lights.
-    sources: Integers,
-    /// Whether the light is a triangle, and all that there is to know of it is in its columns.
-    is_plain: Integers,
+    lights: Integers,
+    /// The probability of choosing each; 0 where no light arrives.
+    probability: Column,
+    /// That of choosing the sky.
+    sky_probability: Column,
     emitters: EmitterColumns,
     uv: [Column; 2],
 }
@@ -47,30 +47,18 @@ struct PendingLights {
 }
 
 impl LightSamples {
-    /// Chooses a light for each of the first `len` paths by the numbers drawn; whether there is any.
-    #[inline(always)]
-    fn choose(&mut self, world: &World, len: usize, u_light: &[Vec2; LANES], u_direction: &[Vec2; LANES]) -> bool {
-        let isa = world.isa();
-        for ((choice, &u_light), &u_direction) in self.choices.iter_mut().zip(u_light).zip(u_direction) {
-            *choice = u_light_choice(u_light, u_direction);
-        }
-        let (sources, rests) = (&mut self.sources[..len], &mut self.rests[..len]);
-        if !world.lights.choose_many(isa, &self.choices[..len], sources, rests) {
-            return false;
-        }
-        gather::<3, _, _>(isa, world.emitter_records(), sources, &mut self.emitters);
-        let [across, up] = &mut self.uv;
-        across.iter_mut().zip(&self.rests).for_each(|(across, &rest)| *across = rest_as_f32(rest));
-        up.iter_mut().zip(u_light).for_each(|(up, u_light)| *up = u_light.y);
-        true
-    }
-
     /// The point of light `i` that is sampled from `surface`, and the reciprocal of its density per area.
     #[inline(always)]
-    fn point<'w>(&self, i: usize, surface: &Surface<'w>, lights: LightSampling) -> (Surface<'w>, f32) {
+    fn point<'w>(
+        &self,
+        i: usize,
+        surface: &Surface<'w>,
+        receiver: &Receiver,
+        lights: LightSampling,
+    ) -> (Surface<'w>, f32) {
         let emitters = &self.emitters;
         let corners = triangle(&emitters.corners, i);
-        let warp = light_warp(surface.position, surface.normal, &corners, lights);
+        let warp = light_warp(receiver, &corners, lights);
         let u = warp.map(Vec2::new(self.uv[0][i], self.uv[1][i]));
         let point = TriangleWarp.map(u);
         let front = emitters.normal.get(i);
@@ -87,15 +75,43 @@ impl LightSamples {
             is_back: false,
             material: surface.material,
         };
-        (light, emitters.area[i] * warp.per_density(u))
+        (light, emitters.area[i] / self.probability[i] * warp.per_density(u))
     }
 }
 
 impl PathBlock {
-    /// Chooses a light for each path by the numbers drawn; whether there is any.
+    /// Where path `i` receives light.
     #[inline(always)]
-    pub(in crate::integrator) fn choose_lights(&mut self, world: &World) -> bool {
-        self.light_samples.choose(world, self.len, &self.u_light, &self.u_direction)
+    pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {
+        Receiver::unpack(self.position.get(i), self.packed[i])
+    }
+
+    /// Chooses a light for each path by the numbers drawn, among all lights and this part of the sky; whether there is any.
+    #[inline(always)]
+    pub(in crate::integrator) fn choose_lights(&mut self, world: &World, part: SkyPart) -> bool {
+        for i in 0..LANES {
+            let surface = Receiver::new(self.position.get(i), self.shading_normal.get(i), false);
+            self.packed[i] = surface.packed();
+        }
+        if !world.lights.has_any(part) {
+            return false;
+        }
+        let none = world.lights.lights().len() as u32 - 1;
+        for i in 0..self.len {
+            let receiver = self.receiver(i);
+            let weights = world.lights.weigh(&receiver, part);
+            let u = u_light_choice(self.u_light[i], self.u_direction[i]);
+            let light = world.lights.choose(&receiver, &weights, u);
+            let light = light.unwrap_or(SampledLight { index: none, probability: 0.0, rest: 0.0 });
+            let samples = &mut self.light_samples;
+            (samples.lights[i], samples.probability[i]) = (light.index, light.probability);
+            samples.uv[0][i] = light.rest;
+            samples.sky_probability[i] = weights.sky_probability();
+        }
+        let LightSamples { lights, emitters, uv, .. } = &mut self.light_samples;
+        gather::<3, _, _>(world.isa(), world.emitter_records(), &lights[..self.len], emitters);
+        uv[1].iter_mut().zip(&self.u_light).for_each(|(up, u_light)| *up = u_light.y);
+        true
     }
 
     /// Whether there may be a light that [`sample_lights`](Self::sample_lights) does not know.
@@ -104,12 +120,18 @@ impl PathBlock {
         self.light_samples.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
     }
 
-    /// The number of the light of path `i` and what is left of the number that chose it, if it is none that
-    /// [`sample_lights`](Self::sample_lights) knows.
+    /// The light of path `i`, if it is none that [`sample_lights`](Self::sample_lights) knows.
     #[inline(always)]
-    pub(in crate::integrator) fn other_light(&self, i: usize) -> Option<(usize, f64)> {
-        let is_other = self.light_samples.emitters.is_plain[i] == 0 && self.goes_on[i] != 0;
-        is_other.then(|| (self.light_samples.sources[i] as usize, self.light_samples.rests[i]))
+    pub(in crate::integrator) fn other_light(&self, i: usize) -> Option<SampledLight> {
+        let LightSamples { emitters, lights, probability, uv, .. } = &self.light_samples;
+        let is_other = emitters.is_plain[i] == 0 && self.goes_on[i] != 0 && probability[i] > 0.0;
+        is_other.then(|| SampledLight { index: lights[i], probability: probability[i], rest: uv[0][i] })
+    }
+
+    /// The density with which light samples of path `i` look to this part of the sky in a direction.
+    #[inline(always)]
+    pub(in crate::integrator) fn sky_density(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> f32 {
+        self.light_samples.sky_probability[i] * world.lights.sky.density(&self.receiver(i), part, direction)
     }
 
     /// Samples of the chosen lights.
@@ -132,8 +154,8 @@ impl PathBlock {
     fn sample_lights_by(&self, lights: LightSampling, matte: &Material, shadows: &mut ShadowRays) {
         for i in 0..LANES {
             let surface = self.surface(i, matte);
-            let (light, area) = self.light_samples.point(i, &surface, lights);
-            let (light, arrives) = area_light_sample(&surface, &light, area);
+            let (light, area) = self.light_samples.point(i, &surface, &self.receiver(i), lights);
+            let (light, arrives) = area_light_sample(&surface, false, &light, area);
             let lambert = surface.lambert(light.direction);
             let weight = lights.light_weight(light.inv_density, self.scatters[i] * lambert);
             let radiance = (surface.diffuse * lambert) * light.radiance * weight;
@@ -141,7 +163,8 @@ impl PathBlock {
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
             shadows.waiting.light.set(i, self.paths.throughput.get(i) * radiance);
-            let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i];
+            let is_chosen = u32::from(self.light_samples.probability[i] > 0.0);
+            let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
             shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;
         }
     }

@@ -5,7 +5,9 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp
 use halfdome_kernel::{Isa, Level, Task};
 
 use super::*;
-use crate::estimator::{area_light_sample, light_warp};
+use crate::estimator::{ShadowRay, sample_direct};
+use crate::integrator::state::u_light_choice;
+use crate::light::SkyPart;
 use crate::scene::{CameraPose, Mesh, Scene};
 use crate::settings::LightSampling;
 
@@ -29,7 +31,7 @@ impl Task for Step<'_> {
         let Self { world, paths, rays, lights, matte, block, shadows, bounces } = self;
         block.arrive(world, paths, rays);
         block.roulette(Survival::Throughput { max: 0.9 });
-        assert!(block.choose_lights(world) && !block.has_specular());
+        assert!(block.choose_lights(world, SkyPart::Bright) && !block.has_specular());
         block.sample_lights(lights, matte, shadows);
         block.bounce(matte, bounces);
     }
@@ -74,7 +76,7 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
     let numbers: Vec<_> = (0..count).map(|i| path(i as u32)).collect();
     // Not in the order of the lanes.
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().rev().map(|(path, ray, _)| (*path, *ray)).unzip();
-    let mut lit = 0;
+    let (mut lit, mut unlit) = (0, 0);
     for isa in Level::ALL.into_iter().filter_map(Isa::new) {
         for lights in [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis] {
             let (mut block, mut shadows, mut bounces) = (PathBlock::new(), ShadowRays::new(), Bounces::new());
@@ -98,35 +100,23 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                 bounces: bounces_,
             });
             let (mut found_shadows, mut found_lights) = (vec![Ray::zeroed(); count], vec![[0.0; 4]; count]);
-            let count = shadows.keep(isa, count, &mut found_shadows, &mut found_lights);
+            let connections = shadows.keep(isa, count, &mut found_shadows, &mut found_lights);
             let (mut next_rays, mut next_paths) = (vec![Ray::zeroed(); count], paths.clone());
             let kept = bounces.keep(isa, count, &mut next_rays, &mut next_paths);
-            let mut connected = found_shadows[..count].iter().zip(&found_lights);
+            let mut connected = found_shadows[..connections].iter().zip(&found_lights);
             let mut gone_on = next_rays[..kept].iter().zip(&next_paths);
             for (i, (path, ray, hit)) in numbers.iter().enumerate() {
                 let seen = world.surface_at(hit);
                 assert_eq!(block.is_general(i), seen.emitted(ray.direction) != Vec3::ZERO, "{isa:?}, {i}");
                 let surface = seen.facing(ray.direction);
                 // A light, as one path would sample it.
-                let choice =
-                    world.lights.choose(super::super::state::u_light_choice(block.u_light[i], block.u_direction[i]));
-                let choice = choice.unwrap();
-                let crate::light::Light::Triangle(prim_id) = *choice.light else { panic!("there are no others") };
-                let face = world.plain_triangle(prim_id).unwrap();
-                let warp = light_warp(surface.position, surface.normal, &face.corners, lights);
-                let place = warp.map(Vec2::new(choice.rest, block.u_light[i].y));
-                let Vec2 { x, y } = TriangleWarp.map(place);
-                let emitter = world.surface(prim_id, x, y);
-                let both = emitter.material.emits_both_sides;
-                let emitter = if both { emitter.facing(face.corners[0] - surface.position) } else { emitter };
-                let area = world.lights.area_density(prim_id).recip() * warp.per_density(place);
-                let (light, arrives) = area_light_sample(&surface, &emitter, area);
-                let (reflected, density) = surface.evaluate(light.direction);
-                let radiance = reflected * light.radiance * lights.light_weight(light.inv_density, density);
-                if lights != LightSampling::Naive && arrives && radiance.max_element() > 0.0 {
+                let u = u_light_choice(block.u_light[i], block.u_direction[i]);
+                let sample = sample_direct(&world, &surface, (lights, SkyPart::Bright), (u, block.u_light[i].y));
+                unlit += usize::from(sample.is_none());
+                if let Some(ShadowRay { ray, radiance }) = sample {
                     let (shadow, found) = connected.next().unwrap();
                     let light_found = Vec3::new(found[1], found[2], found[3]);
-                    assert_eq!((*shadow, found[0].to_bits()), (light.shadow, path.index), "{isa:?}, {lights:?}, {i}");
+                    assert_eq!((*shadow, found[0].to_bits()), (ray, path.index), "{isa:?}, {lights:?}, {i}");
                     assert_eq!(light_found, path.throughput * radiance, "{isa:?}, {lights:?}, {i}");
                     lit += 1;
                 }
@@ -137,14 +127,15 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                     let (next_ray, next) = gone_on.next().unwrap();
                     let origin = surface.origin_towards(bounce.direction);
                     assert_eq!(*next_ray, Ray::new(origin, bounce.direction), "{isa:?}, {i}");
-                    assert_eq!((next.index, next.from, next.density), (path.index, hit.prim_id, bounce.density));
+                    let normal = surface.receiver().packed();
+                    assert_eq!((next.index, next.normal, next.density), (path.index, normal, bounce.density));
                     assert_eq!(next.throughput, path.throughput * survival.recip() * bounce.weight, "{isa:?}, {i}");
                 }
             }
             assert!(connected.next().is_none() && gone_on.next().is_none());
         }
     }
-    assert!(lit > 50, "{lit}");
+    assert!(lit > 50 && unlit > 5, "{lit}, {unlit}");
 }
 
 #[test]

@@ -1,0 +1,142 @@
+//! The parts of a picture of the sky that are brighter than a limit, as what directions are sampled by.
+//!
+//! A row is chosen by the excess of all of it, then a texel of the row, each by inverting the sums of those before it, so
+//! that numbers which are spread evenly make directions that are; and a direction in the texel evenly by solid angle. So
+//! the density of a direction is its texel's excess over all of it, exactly.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::direction_in;
+use crate::light::brightness;
+use crate::light::distant::Patches;
+use crate::scene::SkyPicture;
+
+/// What of a picture is brighter than a limit.
+#[derive(Debug)]
+pub(super) struct Peaks {
+    limit: f64,
+    /// Sums of the excess over solid angle up to each row; one more than there are rows.
+    sums: Vec<f64>,
+    /// Where the texels of each row begin in the lists below; one more than there are rows.
+    first: Vec<u32>,
+    columns: Vec<u32>,
+    /// The part of its row's excess that a texel and those before it have.
+    parts: Vec<f32>,
+}
+
+/// Patches in a picture, from top to bottom and around.
+const PATCHES: [u32; 2] = [6, 12];
+
+impl Peaks {
+    /// `None` if nothing is brighter than the limit.
+    pub(super) fn of(picture: &SkyPicture, limit: f64) -> Option<Self> {
+        let mut peaks = Self { limit, sums: vec![0.0], first: vec![0], columns: Vec::new(), parts: Vec::new() };
+        let mut sum = 0.0;
+        for (row, texels) in (0..).zip(picture.texels.chunks_exact(picture.width as usize)) {
+            let (start, mut along) = (peaks.parts.len(), 0.0);
+            let mut ends = Vec::new();
+            for (column, texel) in (0..).zip(texels) {
+                let excess = peaks.excess(*texel);
+                if excess > 0.0 {
+                    along += excess;
+                    peaks.columns.push(column);
+                    ends.push(along);
+                }
+            }
+            peaks.parts.extend(ends.into_iter().map(|end| (end / along) as f32));
+            // Where little is left of a row, all of it counts.
+            if let Some(last) = peaks.parts[start..].last_mut() {
+                *last = 1.0;
+            }
+            sum += along * picture.solid_angle(row);
+            peaks.sums.push(sum);
+            peaks.first.push(peaks.parts.len() as u32);
+        }
+        (sum > 0.0).then_some(peaks)
+    }
+
+    fn excess(&self, radiance: Vec3) -> f64 {
+        (brightness(radiance) - self.limit).max(0.0)
+    }
+
+    /// The excess of all directions, times solid angle.
+    pub(super) fn total(&self) -> f64 {
+        self.sums[self.sums.len() - 1]
+    }
+
+    /// A direction.
+    pub(super) fn sample(&self, picture: &SkyPicture, u: Vec2) -> Vec3 {
+        let place = f64::from(u.y) * self.total();
+        // The last row whose sum before it is no more, among those that have any.
+        let row = self.sums.partition_point(|&sum| sum <= place).clamp(1, self.sums.len() - 1) - 1;
+        let [start, end] = [self.first[row] as usize, self.first[row + 1] as usize];
+        let parts = &self.parts[start..end];
+        let Some(last) = parts.len().checked_sub(1) else { return Vec3::Y };
+        let index = parts.partition_point(|&part| part <= u.x).min(last);
+        let before = if index == 0 { 0.0 } else { parts[index - 1] };
+        let across = (u.x - before) / (parts[index] - before);
+        let down = (place - self.sums[row]) / (self.sums[row + 1] - self.sums[row]);
+        direction_in(picture, (self.columns[start + index] as usize, row), (across, down as f32))
+    }
+
+    /// The density per solid angle of directions to a texel of this radiance.
+    pub(super) fn density(&self, radiance: Vec3) -> f32 {
+        (self.excess(radiance) / self.total()) as f32
+    }
+
+    /// What is within the limit, and what is beyond.
+    pub(super) fn split(&self, radiance: Vec3) -> (Vec3, Vec3) {
+        let brightness = brightness(radiance);
+        if brightness <= self.limit {
+            return (radiance, Vec3::ZERO);
+        }
+        let dim = radiance * (self.limit / brightness) as f32;
+        (dim, radiance - dim)
+    }
+
+    /// Calls `see` with row, column and colour of each texel that is brighter than the limit.
+    pub(super) fn each(&self, picture: &SkyPicture, mut see: impl FnMut(u32, u32, Vec3)) {
+        for row in 0..picture.height {
+            let [start, end] = [self.first[row as usize] as usize, self.first[row as usize + 1] as usize];
+            for &column in &self.columns[start..end] {
+                see(row, column, picture.texels[(row * picture.width + column) as usize]);
+            }
+        }
+    }
+
+    /// The same in patches.
+    pub(super) fn patches(&self, picture: &SkyPicture) -> Patches {
+        let patch_of = |row: u32, column: u32| {
+            let place = |i: u32, size: u32, count: u32| u64::from(i) * u64::from(count) / u64::from(size);
+            (place(row, picture.height, PATCHES[0]) * u64::from(PATCHES[1]) + place(column, picture.width, PATCHES[1]))
+                as usize
+        };
+        let count = (PATCHES[0] * PATCHES[1]) as usize;
+        let mut fluxes = vec![(0.0, DVec3::ZERO); count];
+        let direction = |row: u32, column: u32, across: f32, down: f32| {
+            direction_in(picture, (column as usize, row as usize), (across, down))
+        };
+        self.each(picture, |row, column, texel| {
+            let flux = self.excess(texel) * picture.solid_angle(row);
+            let (sum, vector) = &mut fluxes[patch_of(row, column)];
+            *sum += flux;
+            *vector += flux * direction(row, column, 0.5, 0.5).as_dvec3();
+        });
+        let means: Vec<Vec3> = fluxes.iter().map(|(sum, vector)| (*vector / sum).as_vec3()).collect();
+        let mut radii = vec![0.0_f32; count];
+        self.each(picture, |row, column, _| {
+            let patch = patch_of(row, column);
+            for (across, down) in [0.0, 0.5, 1.0].into_iter().flat_map(|x| [0.0, 0.5, 1.0].map(|y| (x, y))) {
+                radii[patch] = radii[patch].max(direction(row, column, across, down).distance(means[patch]));
+            }
+        });
+        let mut patches = Patches::default();
+        for ((mean, radius), (flux, _)) in means.into_iter().zip(radii).zip(fluxes) {
+            if flux > 0.0 {
+                // A little more, as borders between those points bend outwards.
+                patches.push(mean, 1.02 * radius + 1e-6, flux as f32);
+            }
+        }
+        patches
+    }
+}

@@ -1,0 +1,216 @@
+//! A light tree (Conty and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018): a light is
+//! chosen by what it can send to a point, in a time that grows with the logarithm of their number.
+//!
+//! Nodes have eight children, which are weighed side by side, and so do leaves have up to eight lights. A child is chosen
+//! in proportion to its weight by one number, whose rest chooses among the child's children; the probability of a light is
+//! the product of the parts that it and its ancestors have. So [`Tree::probability`] needs no search: it goes up from
+//! the light's leaf. Where all children weigh nothing, as a cluster may seem to shine whose lights do not, their mean
+//! intensities count instead: probabilities always add up to 1.
+//!
+//! Deviations: weights of clusters are estimates instead of bounds (see [`cluster`]), and a tree of few lights has leaves
+//! alone, which are weighed together.
+
+mod build;
+pub(crate) mod cluster;
+pub(crate) mod leaf;
+
+use super::Receiver;
+use cluster::{Clusters, Lane};
+use leaf::LeafLights;
+
+/// Children of a node, and lights of a leaf, at most.
+pub(crate) const WIDTH: usize = 8;
+
+/// A tree of lights of one kind.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree<L> {
+    /// One node or leaf, or a few leaves.
+    roots: Vec<Child>,
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf<L>>,
+    /// Of each light its leaf, times eight, plus its place there.
+    places: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    clusters: Clusters,
+    children: [Child; WIDTH],
+    /// The parent's number, times eight, plus the place there; for roots see [`Tree::root_slot`].
+    parent: u32,
+}
+
+#[derive(Clone, Debug)]
+struct Leaf<L> {
+    lights: L,
+    indices: [u32; WIDTH],
+    parent: u32,
+}
+
+/// A node, or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const NONE: Self = Self(u32::MAX);
+
+    fn node(number: usize) -> Self {
+        Self(number as u32)
+    }
+
+    fn leaf(number: usize) -> Self {
+        Self(number as u32 | Self::LEAF)
+    }
+}
+
+/// The most roots.
+pub(crate) const ROOTS: usize = 3;
+/// Parents from this number on are none: what follows it is a root.
+const NO_PARENT: u32 = u32::MAX - 8;
+
+/// What the children of all roots weigh for a receiver.
+pub(crate) type RootWeights = [Lane; ROOTS];
+
+/// A light that was chosen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pick {
+    pub index: u32,
+    pub probability: f32,
+    /// What is left of the number that chose it, in [0, 1).
+    pub rest: f64,
+}
+
+impl<L: LeafLights> Tree<L> {
+    fn root_slot(root: usize) -> u32 {
+        NO_PARENT + root as u32
+    }
+
+    /// The number of lights.
+    pub(crate) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Bytes of memory.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..]) + size_of_val(&self.places[..])
+    }
+
+    #[inline(always)]
+    fn weights(&self, child: Child, receiver: &Receiver) -> Lane {
+        let number = (child.0 & !Child::LEAF) as usize;
+        if child.0 & Child::LEAF == 0 {
+            self.nodes[number].clusters.weights(receiver)
+        } else {
+            self.leaves[number].lights.weights(receiver)
+        }
+    }
+
+    /// What all lights may send to a receiver, by the children of the roots; their sum is an estimate of the irradiance.
+    #[inline(always)]
+    pub(crate) fn root_weights(&self, receiver: &Receiver) -> RootWeights {
+        let mut weights = [[0.0; WIDTH]; ROOTS];
+        for (weights, &root) in weights.iter_mut().zip(&self.roots) {
+            *weights = self.weights(root, receiver);
+        }
+        weights
+    }
+
+    /// Chooses a light for a receiver for which roots have these weights, whose sum is not 0, by a number in [0, 1).
+    #[inline(always)]
+    pub(crate) fn choose(&self, receiver: &Receiver, roots: &RootWeights, u: f64) -> Pick {
+        let total = total(roots);
+        let (mut root, mut below) = (0, 0.0);
+        while root + 1 < self.roots.len() && u * f64::from(total) >= below + f64::from(sum(&roots[root])) {
+            below += f64::from(sum(&roots[root]));
+            root += 1;
+        }
+        // Rounding may have led to a root of no weight.
+        while sum(&roots[root]) == 0.0 && root > 0 {
+            root -= 1;
+            below -= f64::from(sum(&roots[root]));
+        }
+        let (mut lane, mut rest) = pick(&roots[root], u * f64::from(total) - below);
+        let mut probability = roots[root][lane] / total;
+        let mut child = self.roots[root];
+        while child.0 & Child::LEAF == 0 {
+            let node = &self.nodes[child.0 as usize];
+            child = node.children[lane];
+            let weights = self.sound_weights(child, receiver);
+            let sum = sum(&weights);
+            (lane, rest) = pick(&weights, rest * f64::from(sum));
+            probability *= weights[lane] / sum;
+        }
+        let leaf = &self.leaves[(child.0 & !Child::LEAF) as usize];
+        Pick { index: leaf.indices[lane], probability, rest }
+    }
+
+    /// The probability with which [`choose`](Self::choose) gives a light, times the sum of the roots' weights.
+    #[inline(always)]
+    pub(crate) fn weight(&self, index: u32, receiver: &Receiver) -> f32 {
+        let place = self.places[index as usize];
+        let (mut number, mut lane) = ((place / WIDTH as u32) as usize, place as usize % WIDTH);
+        let mut child = Child::leaf(number);
+        let mut parent = self.leaves[number].parent;
+        let mut probability = 1.0;
+        while parent < NO_PARENT {
+            let weights = self.sound_weights(child, receiver);
+            probability *= weights[lane] / sum(&weights);
+            (number, lane) = ((parent / WIDTH as u32) as usize, parent as usize % WIDTH);
+            child = Child::node(number);
+            parent = self.nodes[number].parent;
+        }
+        probability * self.weights(child, receiver)[lane]
+    }
+
+    /// The weights of a child that was chosen: not all are 0.
+    #[inline(always)]
+    fn sound_weights(&self, child: Child, receiver: &Receiver) -> Lane {
+        let weights = self.weights(child, receiver);
+        if sum(&weights) > 0.0 { weights } else { self.sizes(child) }
+    }
+
+    /// What a child's children are worth if they seem to send nothing.
+    #[cold]
+    fn sizes(&self, child: Child) -> Lane {
+        let number = (child.0 & !Child::LEAF) as usize;
+        if child.0 & Child::LEAF == 0 {
+            return self.nodes[number].clusters.mean;
+        }
+        let mut sizes = [0.0; WIDTH];
+        let leaf = (number * WIDTH) as u32;
+        let is_used = |lane: usize| self.places.get(self.leaves[number].indices[lane] as usize);
+        for (lane, size) in sizes.iter_mut().enumerate() {
+            *size = f32::from(is_used(lane) == Some(&(leaf + lane as u32)));
+        }
+        sizes
+    }
+}
+
+/// The sum of all weights of roots.
+#[inline(always)]
+pub(crate) fn total(roots: &RootWeights) -> f32 {
+    sum(&roots[0]) + sum(&roots[1]) + sum(&roots[2])
+}
+
+/// The sum, always in the same order.
+#[inline(always)]
+pub(crate) fn sum(&[a, b, c, d, e, f, g, h]: &Lane) -> f32 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// The lane in which a place lies if the weights lie side by side from 0 on, and how far into it, in [0, 1). One weight at
+/// least is not 0.
+#[inline(always)]
+pub(crate) fn pick(weights: &Lane, place: f64) -> (usize, f64) {
+    let place = place.max(0.0);
+    let (mut lane, mut end, mut start) = (0, 0.0, 0.0);
+    for (i, &weight) in weights.iter().enumerate() {
+        // The last that is not 0, if rounding led behind all of them.
+        let is_next = (place >= end) & (weight > 0.0);
+        (lane, start) = if is_next { (i, end) } else { (lane, start) };
+        end += f64::from(weight);
+    }
+    let rest = (place - start) / f64::from(weights[lane]);
+    (lane, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0))
+}
