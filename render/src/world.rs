@@ -1,5 +1,6 @@
 //! The world: a scene made ready for tracing.
 
+mod inputs;
 mod light_shares;
 mod shading_records;
 mod surface;
@@ -13,6 +14,7 @@ use halfdome_kernel::{
 
 use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
+use crate::material::Kind;
 use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
@@ -25,6 +27,9 @@ pub struct World {
     textures: Vec<Texture>,
     /// Whether any surface has holes.
     has_holes: bool,
+    /// What kind of closure each material needs, and whether that of any mesh is not matte.
+    kinds: Vec<Kind>,
+    has_closures: bool,
     /// What is behind each `prim_id`.
     triangle_records: Vec<TriangleRecord>,
     /// What each material says of plain surfaces.
@@ -74,10 +79,7 @@ impl World {
         let Scene { meshes, materials, textures, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
-        let is_plain = |mesh: &Mesh| {
-            let Material { diffuse_map, emission_map, cutout, .. } = &materials[mesh.material];
-            mesh.normals.is_empty() && diffuse_map.is_none() && emission_map.is_none() && cutout.is_none()
-        };
+        let is_plain = |mesh: &Mesh| mesh.normals.is_empty() && materials[mesh.material].is_uniform();
         let (mut triangle_records, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
         for (number, mesh) in (0..).zip(&meshes) {
             first_faces.push(triangle_records.len() as u32);
@@ -104,12 +106,16 @@ impl World {
             _ => EmitterRecord::NONE,
         };
         let emitter_records = lights.lights().iter().map(emitter).collect();
-        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].cutout.is_some());
+        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes());
+        let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
+        let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
             meshes,
             materials,
             textures,
             has_holes,
+            kinds,
+            has_closures,
             triangle_records,
             material_records,
             emitter_records,

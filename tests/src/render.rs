@@ -80,7 +80,7 @@ pub fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
 
 /// A material of this reflectance and emission.
 pub fn material(diffuse: Vec3, emission: Vec3) -> Material {
-    Material { diffuse, emission, ..Material::default() }
+    Material { emission, ..Material::matte(diffuse) }
 }
 
 /// Unit direction through the film's point `(x, y)`, in pixels from the top left corner, of a pinhole camera.

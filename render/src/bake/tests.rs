@@ -53,7 +53,7 @@ fn scene(meshes: Vec<Mesh>, materials: Vec<Material>) -> Scene {
 }
 
 fn glowing(emission: f32, diffuse: f32) -> Material {
-    Material { emission: Vec3::splat(emission), diffuse: Vec3::splat(diffuse), ..Material::default() }
+    Material { emission: Vec3::splat(emission), ..Material::matte(Vec3::splat(diffuse)) }
 }
 
 fn baked(scene: &Scene, options: &BakeOptions) -> Bake {

@@ -1,43 +1,14 @@
-//! What surfaces do with light: diffuse reflection, mirrors, glass.
+//! What a surface of the world does with light: its closure in world space.
 //!
-//! An integrator asks two questions only. [`Surface::sample`]: where does a path go on, with what weight, and how
-//! densely are such directions sampled? [`Surface::evaluate`]: how much light from a given direction is reflected, and
-//! how densely would `sample` have gone there?
-//!
-//! # Mirrors without a special case
-//!
-//! Shirley, who wrote his path tracer on the blackboard in 1998, found one line in it "amazingly ugly": emission counts
-//! at depth 0 only, as later surfaces get it by sampling the lights, unless the ray comes from a mirror. "Pete hopes
-//! there's a clean way to do this. A mirror is direct lighting with a delta function involved". There is one, and it is
-//! just that sentence taken at its word. A delta function's density *is* infinite where it is not zero:
-//!
-//! - `sample` gives a mirror's direction with the density `∞`;
-//! - `evaluate` gives what the delta function is anywhere else: no light, density 0;
-//! - whoever can find light in two ways weights each by its density (`LightSampling`), and `∞` beats every light.
-//!
-//! So light that a mirror shows counts in full, and light that was sampled at the mirror not at all, by the same
-//! arithmetic as for any other surface; and depth 0 is no exception either, for the camera's ray came from a pinhole,
-//! which is one more delta function. No integrator here asks whether a surface is a mirror.
-//!
-//! # Deviations
-//!
-//! What paths carry is basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which
-//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are the same in
-//! air, so the scale need not be lost to rounding and found again; a camera inside of glass shows `L/n²`.
-//!
-//! Where a shading normal would send a mirror's light through the surface, or glass's back, the triangle's own normal
-//! is used instead: no light is lost.
+//! A closure ([`material`](crate::material)) knows the shading frame alone, and [`Shading`] what becomes of light that a
+//! shading normal sends through the surface. [`Scattering`] puts both into the world.
 
-mod dielectric;
-
-use std::f32::consts::FRAC_1_PI;
+mod lambert;
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
-use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use crate::scene::Specular;
-use crate::world::Surface;
+use crate::material::{Bsdf, Closure, Inputs, Kind, Matte, Shading};
+use crate::world::{Surface, World};
 
 /// How a path goes on.
 #[derive(Clone, Copy, Debug)]
@@ -46,130 +17,87 @@ pub(crate) struct Bounce {
     pub direction: Vec3,
     /// What the path's throughput is multiplied by: `f cos θ / density`.
     pub weight: Vec3,
-    /// Density per solid angle of this direction; infinite for mirrors and glass.
+    /// Density per solid angle of this direction; infinite for mirrors and clear glass.
     pub density: f32,
 }
 
-impl Specular {
-    /// The part of all light that is reflected or let through, at most, by a surface that also reflects `diffuse`.
-    pub(crate) fn reflectance(&self, diffuse: Vec3) -> Vec3 {
-        match self {
-            Self::None => diffuse,
-            Self::Mirror { reflectance } => diffuse + reflectance,
-            Self::Glass { .. } => Vec3::ONE,
-        }
-    }
-
-    /// The probability with which a path takes the mirror's or the glass's way.
-    fn probability(&self, diffuse: Vec3) -> f32 {
-        let specular = match self {
-            Self::None => return 0.0,
-            Self::Mirror { reflectance } => reflectance.max_element(),
-            Self::Glass { .. } => 1.0,
-        };
-        specular / (specular + diffuse.max_element()).max(f32::MIN_POSITIVE)
-    }
+impl Bounce {
+    /// What stands for no bounce.
+    pub(crate) const NONE: Self = Self { direction: Vec3::Z, weight: Vec3::ZERO, density: 0.0 };
 }
 
-/// Of a surface whose normals face the side that light is reflected to.
-impl Surface<'_> {
-    /// The part of all light that is reflected or let through, at most.
+/// The closure at a surface, in world space, for light that leaves towards the surface's `wo`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scattering<B> {
+    closure: B,
+    shading: Shading,
+    wo: Vec3,
+}
+
+impl<B: Bsdf> Scattering<B> {
+    /// Of a surface whose normals face `wo`, with the closure that is made when one knows whether `wo` is inside.
     #[inline]
-    pub(crate) fn reflectance(&self) -> Vec3 {
-        self.material.specular.reflectance(self.diffuse)
+    pub(crate) fn with(surface: &Surface, closure: impl FnOnce(bool) -> B) -> Self {
+        let Surface { normal, shading_normal, tangent, wo, .. } = *surface;
+        Self { closure: closure(surface.is_back), shading: Shading::new(normal, shading_normal, tangent, wo), wo }
     }
 
-    /// The probability with which a path takes the mirror's or the glass's way.
-    #[inline(always)]
-    pub(crate) fn specular_probability(&self) -> f32 {
-        self.material.specular.probability(self.diffuse)
+    /// `f cos θ` for light from the unit vector `direction`, and the density per solid angle with which
+    /// [`sample`](Self::sample) gives it: nothing and zero for mirrors and clear glass.
+    #[inline]
+    pub(crate) fn eval(&self, direction: Vec3) -> (Vec3, f32) {
+        let evaluation = self.shading.eval(&self.closure, self.wo, direction);
+        (evaluation.f_cos, evaluation.density)
     }
 
-    /// Where a path along the unit vector `incoming` goes on; `None` if it is absorbed.
-    pub(crate) fn sample(&self, incoming: Vec3, u: Vec2) -> Option<Bounce> {
-        self.sample_with(incoming, u, CosineHemisphere.map(u))
+    /// Where a path goes on; `None` if it is absorbed.
+    #[inline]
+    pub(crate) fn sample(&self, u: Vec2) -> Option<Bounce> {
+        let sample = self.shading.sample(&self.closure, self.wo, u)?;
+        Some(Bounce { direction: sample.wi, weight: sample.weight, density: sample.density })
     }
 
-    /// The same for whoever knows the direction that [`CosineHemisphere`] gives for `u`: batches of them are quick.
-    #[inline(always)]
-    pub(crate) fn sample_with(&self, incoming: Vec3, mut u: Vec2, cosine: Vec3) -> Option<Bounce> {
-        let specular = self.specular_probability();
-        if specular == 0.0 {
-            let (bounce, reflects) = self.scatter(cosine, self.diffuse, 1.0);
-            return reflects.then_some(bounce);
-        }
-        if u.x < specular {
-            u.x = (u.x / specular).min(ONE_MINUS_EPSILON);
-            let (direction, weight) = match self.material.specular {
-                Specular::None => return None,
-                Specular::Mirror { reflectance } => (self.mirrored(incoming), reflectance),
-                Specular::Glass { ior, transmittance } => self.refracted(incoming, ior, transmittance, u.x),
-            };
-            return Some(Bounce { direction, weight: weight / specular, density: f32::INFINITY });
-        }
-        let probability = 1.0 - specular;
-        u.x = ((u.x - specular) / probability).min(ONE_MINUS_EPSILON);
-        let (bounce, reflects) = self.scatter(CosineHemisphere.map(u), self.diffuse / probability, probability);
-        reflects.then_some(bounce)
+    /// The part of uniform light around the surface that reaches `wo`.
+    #[inline]
+    pub(crate) fn albedo(&self) -> Vec3 {
+        self.closure.albedo(self.shading.frame().to_local(self.wo))
     }
 
-    /// Diffuse reflection in a direction about the normal, which was chosen with this probability; and whether there is
-    /// any. Without a branch, so that loops over it become lanes.
-    #[inline(always)]
-    pub(crate) fn scatter(&self, local: Vec3, weight: Vec3, probability: f32) -> (Bounce, bool) {
-        let direction = self.frame().to_world(local);
-        // A shading normal may send light through the surface: none comes from there.
-        let reflects = (self.normal.dot(direction) > 0.0) & (weight.max_element() > 0.0);
-        (Bounce { direction, weight, density: probability * local.z * FRAC_1_PI }, reflects)
+    /// That of diffuse reflection alone.
+    #[inline]
+    pub(crate) fn diffuse_albedo(&self) -> Vec3 {
+        self.closure.diffuse_albedo(self.shading.frame().to_local(self.wo))
     }
 
-    /// `f cos θ` for light from the unit vector `direction`, and the density with which [`sample`](Self::sample) gives
-    /// it: nothing and zero for mirrors and glass.
-    #[inline(always)]
-    pub(crate) fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
-        let lambert = self.lambert(direction);
-        (self.diffuse * lambert, (1.0 - self.specular_probability()) * lambert)
-    }
-
-    /// `cos θ / π` of the unit vector `direction`, or 0 from behind.
-    #[inline(always)]
-    pub(crate) fn lambert(&self, direction: Vec3) -> f32 {
-        let cosine = self.shading_normal.dot(direction);
-        let is_before = (cosine > 0.0) & (self.normal.dot(direction) > 0.0);
-        if is_before { cosine * FRAC_1_PI } else { 0.0 }
-    }
-
-    /// The mirror's direction.
-    fn mirrored(&self, incoming: Vec3) -> Vec3 {
-        let direction = reflect(incoming, self.shading_normal);
-        if self.normal.dot(direction) > 0.0 { direction } else { reflect(incoming, self.normal) }
-    }
-
-    /// Glass's reflection, chosen with the probability of what is reflected, or refraction.
-    fn refracted(&self, incoming: Vec3, ior: f32, transmittance: Vec3, choice: f32) -> (Vec3, Vec3) {
-        // Of the medium that light comes from to the one beyond.
-        let ratio = if self.is_back { ior } else { 1.0 / ior };
-        let way = |normal: Vec3| {
-            let cosine = -normal.dot(incoming);
-            let (reflected, cosine_beyond) = dielectric::fresnel(cosine, ratio);
-            if choice < reflected {
-                (reflect(incoming, normal), Vec3::ONE, self.normal)
-            } else {
-                let direction = ratio * incoming + (ratio * cosine - cosine_beyond) * normal;
-                (direction.normalize(), transmittance, -self.normal)
-            }
-        };
-        let (direction, weight, side) = way(self.shading_normal);
-        if side.dot(direction) > 0.0 && self.shading_normal.dot(incoming) < 0.0 {
-            return (direction, weight);
-        }
-        let (direction, weight, _) = way(self.normal);
-        (direction, weight)
+    /// Whether light from behind is scattered, mirrors and clear glass left aside.
+    #[inline]
+    pub(crate) fn transmits(&self) -> bool {
+        self.closure.transmits()
     }
 }
 
-fn reflect(incoming: Vec3, normal: Vec3) -> Vec3 {
-    incoming - 2.0 * incoming.dot(normal) * normal
+impl World {
+    /// The closure of a surface whose normals face the viewer; tells the surface what it must know of it.
+    pub(crate) fn scattering(&self, surface: &mut Surface) -> Scattering<Closure> {
+        let kind = self.kind(surface.prim_id);
+        if kind == Kind::Matte {
+            let inputs = Inputs { base_color: surface.diffuse, ..Inputs::default() };
+            return Scattering::with(surface, |is_inside| Closure::of_kind(kind, &inputs, is_inside));
+        }
+        let inputs = self.inputs(surface);
+        let scattering = Scattering::with(surface, |is_inside| Closure::of_kind(kind, &inputs, is_inside));
+        surface.transmits = scattering.transmits();
+        surface.diffuse = scattering.diffuse_albedo();
+        scattering
+    }
+}
+
+impl Surface<'_> {
+    /// The closure of a white diffuse surface here: what it reflects is what it receives, by π.
+    pub(crate) fn white(&self) -> Scattering<Matte> {
+        let inputs = Inputs { base_color: Vec3::ONE, ..Inputs::default() };
+        Scattering::with(self, |is_inside| Matte::new(&inputs, is_inside))
+    }
 }
 
 #[cfg(test)]

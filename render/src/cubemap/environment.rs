@@ -21,7 +21,7 @@ const MAX_POINTS: u32 = 256;
 pub struct Environment<'a>(Kind<'a>);
 
 enum Kind<'a> {
-    Sky { light: SkyLight, width: u32 },
+    Sky { light: Box<SkyLight>, width: u32 },
     Point { world: &'a World, position: Vec3, spp: u32, seed: u64 },
 }
 
@@ -40,7 +40,7 @@ impl<'a> Environment<'a> {
     /// The sky. Its sun, which daylight has besides, is a delta light and is not seen.
     pub fn sky(sky: Sky) -> Environment<'static> {
         let width = sky.picture.as_ref().map_or(0, |picture| picture.width);
-        Environment(Kind::Sky { light: SkyLight::new(sky), width })
+        Environment(Kind::Sky { light: Box::new(SkyLight::new(sky)), width })
     }
 
     /// A point in a scene, with `spp` paths for each texel, at least 1.

@@ -59,7 +59,7 @@ fn colored_room() -> World {
             material: wall,
             ..Mesh::default()
         });
-        let material = Material { diffuse: Vec3::ZERO, emission, emits_both_sides: true, ..Material::default() };
+        let material = Material { emission, emits_both_sides: true, ..Material::matte(Vec3::ZERO) };
         scene.materials.push(material);
     }
     World::new(scene).unwrap()

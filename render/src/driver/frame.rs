@@ -85,7 +85,7 @@ impl FrameRender {
         for (i, (number, filter)) in places.iter().enumerate() {
             tile.add(*number, filter, radiance[i]);
             if self.settings.aov {
-                tile.add_features(*number, filter, radiance[i], &features(world, &hits[i]));
+                tile.add_features(*number, filter, radiance[i], &features(world, &rays[i], &hits[i]));
             }
         }
         rays.len() as u64 + traced
@@ -93,13 +93,13 @@ impl FrameRender {
 }
 
 /// What the first surface is.
-fn features(world: &World, hit: &Hit) -> Features {
+fn features(world: &World, ray: &Ray, hit: &Hit) -> Features {
     if !hit.is_hit() {
         return Features::default();
     }
     let surface = world.surface_at(hit);
     Features {
-        albedo: surface.diffuse,
+        albedo: world.scattering(&mut surface.facing(ray.direction)).albedo(),
         position: surface.position,
         normal: surface.normal,
         shading_normal: surface.shading_normal,

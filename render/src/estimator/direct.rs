@@ -15,7 +15,9 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
+use crate::bsdf::Scattering;
 use crate::light::{Light, PointLight, Receiver, SampledLight, SkyPart, ramp};
+use crate::material::Bsdf;
 use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
@@ -39,32 +41,22 @@ pub(crate) struct LightSample {
     pub inv_density: f32,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is reflected. The
+/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is scattered. The
 /// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction.
 #[inline(always)]
 pub(crate) fn sample_direct(
     world: &World,
     surface: &Surface,
+    scattering: &Scattering<impl Bsdf>,
     (lights, part): (LightSampling, SkyPart),
     (choice, v): (f64, f32),
 ) -> Option<ShadowRay> {
     let receiver = surface.receiver();
     let weights = world.lights.weigh(&receiver, part);
-    sample_direct_from(world, surface, (lights, part), &world.lights.choose(&receiver, &weights, choice)?, v)
-}
-
-/// The same for a light that is chosen.
-#[inline(always)]
-pub(crate) fn sample_direct_from(
-    world: &World,
-    surface: &Surface,
-    (lights, part): (LightSampling, SkyPart),
-    choice: &SampledLight,
-    v: f32,
-) -> Option<ShadowRay> {
-    let light = sample_light(world, surface, (lights, part), choice, v)?;
-    let (reflected, bounce_density) = surface.evaluate(light.direction);
-    let radiance = reflected * light.radiance * lights.light_weight(light.inv_density, bounce_density);
+    let choice = world.lights.choose(&receiver, &weights, choice)?;
+    let light = sample_light(world, surface, (lights, part), &choice, v)?;
+    let (scattered, bounce_density) = scattering.eval(light.direction);
+    let radiance = scattered * light.radiance * lights.light_weight(light.inv_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
 }
 
@@ -156,10 +148,12 @@ fn sample_triangle(
 #[inline(always)]
 fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
     let point = TriangleWarp.map(u);
-    if world.is_hole(&Hit { prim_id, u: point.x, v: point.y, ..Hit::MISS }) {
+    let opacity = world.opacity(prim_id, point.to_array());
+    if opacity == 0.0 {
         return None;
     }
-    let light = world.surface(prim_id, point.x, point.y);
+    let mut light = world.surface(prim_id, point.x, point.y);
+    light.emission *= opacity;
     Some(if light.material.emits_both_sides { light.facing(light.position - receiver) } else { light })
 }
 

@@ -9,7 +9,7 @@ mod occluders;
 mod weight;
 
 pub(crate) use direct::{
-    ShadowRay, area_light_sample, emitted_density, sample_direct, sample_direct_from, scattered_weight, sky_density,
+    ShadowRay, area_light_sample, emitted_density, sample_direct, sample_light, scattered_weight, sky_density,
 };
 pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;

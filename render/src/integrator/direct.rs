@@ -56,10 +56,11 @@ impl VertexStep for Direct<'_> {
         let surface = world.surface_at(hit);
         *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), &path, &surface, ray, hit);
 
-        let surface = surface.facing(ray.direction);
-        if let Some(shadow_ray) = sample_direct(world, &surface, (LIGHTS, SkyPart::All), numbers.light()) {
+        let mut surface = surface.facing(ray.direction);
+        let scattering = world.scattering(&mut surface);
+        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, (LIGHTS, SkyPart::All), numbers.light()) {
             shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
-        path.through(&surface, vertex)
+        path.through(&surface, &scattering, vertex)
     }
 }

@@ -1,9 +1,8 @@
-//! Pictures for looking at what is there, without light: colours, shading normals, diffuse reflectance.
+//! Pictures for looking at what is there, without light: colours, shading normals, albedo.
 
 use glam::Vec3;
 
 use super::RayBatch;
-use crate::scene::Specular;
 use crate::world::{Surface, World};
 
 /// "A really simple single-threaded ray tracer that just displayed the color of the surface it hit" (Driscoll, less one
@@ -15,13 +14,8 @@ pub(super) fn colors(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> 
         radiance,
         |direction| world.lights.sky.radiance(direction),
         |surface, direction| {
-            let material = surface.material;
-            let specular = match material.specular {
-                Specular::None => Vec3::ZERO,
-                Specular::Mirror { reflectance } => reflectance,
-                Specular::Glass { transmittance, .. } => transmittance,
-            };
-            surface.diffuse + specular + surface.emitted(direction)
+            let emitted = surface.emitted(direction);
+            world.scattering(&mut surface.facing(direction)).albedo() + emitted
         },
     )
 }
@@ -37,9 +31,10 @@ pub(super) fn normals(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) ->
     )
 }
 
-/// Diffuse reflectance; black elsewhere.
+/// The part of uniform light that surfaces scatter; black elsewhere.
 pub(super) fn albedo(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> u64 {
-    show(world, batch, radiance, |_| Vec3::ZERO, |surface, _| surface.diffuse)
+    let albedo = |surface: Surface, direction| world.scattering(&mut surface.facing(direction)).albedo();
+    show(world, batch, radiance, |_| Vec3::ZERO, albedo)
 }
 
 /// Writes what `color` says of the surface that each ray of its direction hits, or `elsewhere` where there is none.

@@ -17,8 +17,10 @@ use super::emission::{emission, sky};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
+use crate::bsdf::Scattering;
 use crate::estimator::{Hemisphere, sample_direct, sky_density};
 use crate::light::SkyPart;
+use crate::material::{Closure, Kind};
 use crate::settings::{LightSampling, MonteCarloOptions};
 use crate::world::{Surface, World};
 
@@ -134,19 +136,22 @@ impl Gather<'_> {
         let surface = world.surface_at(hit);
         *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), path, &surface, ray, hit);
 
-        let surface = surface.facing(ray.direction);
+        let mut surface = surface.facing(ray.direction);
+        let scattering = world.scattering(&mut surface);
         let set = node.first_set();
         let [finer, chance] = sampler.uniform2(set).to_array();
         let u_light = sampler.uniform2(set.wrapping_add(1));
         let choice = unit_double(Vec2::new(u_light.x, finer));
-        if let Some(shadow_ray) = sample_direct(world, &surface, (LIGHTS, SkyPart::All), (choice, u_light.y)) {
+        if let Some(shadow_ray) =
+            sample_direct(world, &surface, &scattering, (LIGHTS, SkyPart::All), (choice, u_light.y))
+        {
             children.shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         if node.bounces > 0 {
-            self.gather(node, &surface, sampler, children);
+            self.gather(node, &surface, &scattering, sampler, children);
         }
         let child = node.child(self.options.rays, 0);
-        let Some(bounce) = surface.sample(ray.direction, child.direction_numbers(sampler)) else { return };
+        let Some(bounce) = scattering.sample(child.direction_numbers(sampler)) else { return };
         let mut throughput = path.throughput * bounce.weight;
         if bounce.density < f32::INFINITY {
             // It would be one of the rays that gather, if there are any; else it begins or continues the tail.
@@ -163,19 +168,36 @@ impl Gather<'_> {
         children.push(Node { path, ..child }, leave(&surface, bounce.direction));
     }
 
-    /// Sends rays over the hemisphere for what the surface reflects diffusely.
-    fn gather(&self, node: &Node, surface: &Surface, sampler: &Sampler, children: &mut Generation) {
-        let throughput = node.path.throughput * surface.diffuse / self.hemisphere.rays() as f32;
-        if throughput == Vec3::ZERO {
+    /// Sends rays out for what the surface scatters, but for mirrors and clear glass: over strata of the hemisphere if that is
+    /// diffuse light alone, else where the closure scatters to.
+    fn gather(
+        &self,
+        node: &Node,
+        surface: &Surface,
+        scattering: &Scattering<Closure>,
+        sampler: &Sampler,
+        children: &mut Generation,
+    ) {
+        let is_matte = self.world.kind(surface.prim_id) == Kind::Matte;
+        let throughput = node.path.throughput / self.hemisphere.rays() as f32;
+        if throughput == Vec3::ZERO || (is_matte && surface.diffuse == Vec3::ZERO) {
             return;
         }
         let (frame, normal) = (surface.frame(), surface.receiver().packed());
         for number in 0..self.hemisphere.rays() {
             let child = node.child(self.options.rays, number);
-            let (local, weight) = self.hemisphere.direction(number, child.direction_numbers(sampler));
-            let direction = frame.to_world(local);
+            let u = child.direction_numbers(sampler);
+            let (direction, weight) = if is_matte {
+                let (local, weight) = self.hemisphere.direction(number, u);
+                (frame.to_world(local), weight * surface.diffuse)
+            } else {
+                match scattering.sample(u) {
+                    Some(bounce) if bounce.density < f32::INFINITY => (bounce.direction, bounce.weight),
+                    _ => continue,
+                }
+            };
             // A shading normal may send light through the surface: none comes from there.
-            if surface.normal.dot(direction) > 0.0 {
+            if !is_matte || surface.normal.dot(direction) > 0.0 {
                 let sky_density = sky_density(self.world, surface, SkyPart::All, direction);
                 // Any finite density will do, for all that light samples can find is left to them.
                 let path = Path { throughput: throughput * weight, density: 0.0, sky_density, normal, ..node.path };

@@ -16,19 +16,18 @@
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Task;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::{Ray, Task};
 
 use super::emission::{emission, sky};
-use super::path_block::{Bounces, LANES, PathBlock, ShadowRays};
-use super::state::Path;
+use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays};
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
-use crate::bsdf::Bounce;
-use crate::estimator::sample_direct_from;
+use crate::estimator::{ShadowRay, sample_light};
 use crate::light::{SampledLight, SkyPart};
+use crate::material::{Glossy, Kind, Layered, Transmissive};
 use crate::settings::{PathOptions, Stop};
-use crate::world::{Surface, WHITE, World};
+use crate::world::{WHITE, World};
 
 /// What of the sky light samples find: paths go on by the cosine, and find the rest.
 const SKY: SkyPart = SkyPart::Bright;
@@ -44,17 +43,32 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
 ) -> u64 {
-    let (block, shadows, bounces) = (PathBlock::new(), ShadowRays::new(), Bounces::new());
-    wave.follow(world, batch, &mut PathTracer { world, options, watch, block, shadows, bounces }, radiance)
+    let scratch = Scratch {
+        block: PathBlock::new(),
+        shadows: ShadowRays::new(),
+        bounces: Bounces::new(),
+        glossy: Closures::default(),
+        transmissive: Closures::default(),
+        layered: Closures::default(),
+    };
+    wave.follow(world, batch, &mut PathTracer { world, options, watch, scratch }, radiance)
 }
 
 struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
     watch: &'a mut dyn FnMut(&Wavefront),
+    scratch: Scratch,
+}
+
+/// Memory for a block of paths.
+struct Scratch {
     block: PathBlock,
     shadows: ShadowRays,
     bounces: Bounces,
+    glossy: Closures<Glossy>,
+    transmissive: Closures<Transmissive>,
+    layered: Closures<Layered>,
 }
 
 impl WavefrontStep for PathTracer<'_> {
@@ -63,9 +77,9 @@ impl WavefrontStep for PathTracer<'_> {
     }
 
     fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
-        let Self { world, options, block, shadows, bounces, .. } = self;
-        let step = Advance { world, options, wave, batch, depth, radiance };
-        world.isa().run(Steps { step, block, shadows, bounces });
+        let Self { world, options, scratch, .. } = self;
+        let step = Advance { world, options, wave, batch, depth, radiance, kept: 0 };
+        world.isa().run(Steps { step, scratch });
     }
 
     fn watch(&mut self, wave: &Wavefront) {
@@ -81,14 +95,14 @@ struct Advance<'a> {
     batch: &'a RayBatch<'a>,
     depth: u32,
     radiance: &'a mut [Vec3],
+    /// How many paths go on.
+    kept: usize,
 }
 
 /// The same block by block, as a task that is compiled for each instruction set.
 struct Steps<'a> {
     step: Advance<'a>,
-    block: &'a mut PathBlock,
-    shadows: &'a mut ShadowRays,
-    bounces: &'a mut Bounces,
+    scratch: &'a mut Scratch,
 }
 
 impl Task for Steps<'_> {
@@ -96,50 +110,63 @@ impl Task for Steps<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { mut step, block, shadows, bounces } = self;
-        let (mut next, mut kept) = (0, 0);
-        while next < step.wave.paths.len() {
-            let first = next;
-            next = step.fill(first, block);
-            step.miss(first..next);
-            step.arrive(block);
-            if step.depth < step.options.max_depth {
-                step.stop(block);
-                step.draw(block);
-                step.sample_lights(block, shadows);
-                kept = step.continue_paths(block, bounces, kept);
-            }
+        let Self { mut step, scratch } = self;
+        let Scratch { block, shadows, bounces, glossy, transmissive, layered } = scratch;
+        let ends = step.wave.sort_by_kind(step.world);
+        step.miss(ends[Kind::COUNT - 1]);
+        step.advance(0..ends[0], &mut Lambert, block, shadows, bounces);
+        if step.world.has_closures() {
+            step.advance(ends[0]..ends[1], glossy, block, shadows, bounces);
+            step.advance(ends[1]..ends[2], transmissive, block, shadows, bounces);
+            step.advance(ends[2]..ends[3], layered, block, shadows, bounces);
         }
-        step.wave.keep(kept);
+        step.wave.keep_next(step.kept);
     }
 }
 
 impl<'a> Advance<'a> {
-    /// Takes paths that have hit something, from number `next` on, into the block; gives the number of the next.
+    /// The step of those paths, by their places in the order by kind, whose surfaces have closures of one type.
     #[inline(always)]
-    fn fill(&mut self, mut next: usize, block: &mut PathBlock) -> usize {
-        let mut len = 0;
-        for hit in &self.wave.hits[next..] {
-            // Put there in any case, and the place is taken if it has hit something: nobody can foresee whether.
-            block.put(len, next, hit);
-            len += usize::from(hit.is_hit());
-            next += 1;
-            if len == LANES {
-                break;
+    fn advance<C: BlockClosures>(
+        &mut self,
+        range: Range<usize>,
+        closures: &mut C,
+        block: &mut PathBlock,
+        shadows: &mut ShadowRays,
+        bounces: &mut Bounces,
+    ) {
+        let mut next = range.start;
+        while next < range.end {
+            let first = next;
+            next = range.end.min(first + LANES);
+            self.fill(first..next, block);
+            self.arrive(closures, block);
+            if self.depth < self.options.max_depth {
+                self.stop(block);
+                self.draw(block);
+                self.sample_lights(closures, block, shadows);
+                self.continue_paths(closures, block, bounces);
             }
         }
-        block.len = len;
-        next
     }
 
-    /// Lets those of some paths see the sky that hit nothing.
+    /// Takes paths that have hit something into the block.
     #[inline(always)]
-    fn miss(&mut self, range: Range<usize>) {
+    fn fill(&mut self, range: Range<usize>, block: &mut PathBlock) {
+        block.len = range.len();
+        for (i, &source) in self.wave.order[range].iter().enumerate() {
+            block.put(i, source as usize, &self.wave.hits[source as usize]);
+        }
+    }
+
+    /// Lets the paths from this place in the order on, which hit nothing, see the sky.
+    #[inline(always)]
+    fn miss(&mut self, first: usize) {
         if self.world.lights.sky.mean() == Vec3::ZERO {
             return;
         }
-        for i in range.filter(|&i| !self.wave.hits[i].is_hit()) {
-            let (path, ray) = (&self.wave.paths[i], &self.wave.rays[i]);
+        for &source in &self.wave.order[first..] {
+            let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
             let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
             self.radiance[path.index as usize] += light;
         }
@@ -147,24 +174,28 @@ impl<'a> Advance<'a> {
 
     /// Looks up where the block's paths have arrived, and collects light there.
     #[inline(always)]
-    fn arrive(&mut self, block: &mut PathBlock) {
+    fn arrive<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock) {
         block.arrive(self.world, &self.wave.paths, &self.wave.rays);
+        closures.clear();
         for i in 0..block.len {
-            if block.is_general(i) {
-                self.shade_general(block, i);
+            if !C::IN_LANES || block.is_general(i) {
+                self.shade(closures, block, i);
             }
         }
     }
 
     /// Collects the light that a surface emits, and tells the block what is not in its columns.
     #[inline(never)]
-    fn shade_general(&mut self, block: &mut PathBlock, i: usize) {
+    fn shade<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock, i: usize) {
         let (world, source) = (self.world, block.source[i] as usize);
         let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
         let surface = world.surface_at(hit);
-        let light = path.throughput * emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
-        self.radiance[path.index as usize] += light;
-        block.set(i, &surface.facing(ray.direction));
+        let mut facing = surface.facing(ray.direction);
+        // Directions of paths are unit vectors.
+        let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
+        block.set(i, &facing, albedo, transmittance);
+        let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
+        self.radiance[path.index as usize] += block.throughput(i) * light;
     }
 
     /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
@@ -210,73 +241,51 @@ impl<'a> Advance<'a> {
 
     /// Samples a light for each path of the block.
     #[inline(always)]
-    fn sample_lights(&mut self, block: &mut PathBlock, shadows: &mut ShadowRays) {
+    fn sample_lights<C: BlockClosures>(&mut self, closures: &C, block: &mut PathBlock, shadows: &mut ShadowRays) {
         if !block.choose_lights(self.world, SKY) {
             return;
         }
         if block.has_other_lights() {
             for i in 0..block.len {
                 if let Some(light) = block.other_light(i) {
-                    self.sample_other_light(block, i, &light);
+                    self.sample_other_light(closures, block, i, &light);
                 }
             }
         }
-        block.sample_lights(self.options.lights, &WHITE, shadows);
+        block.sample_lights(closures, self.options.lights, &WHITE, shadows);
         self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
 
     /// Samples a light of which the block knows too little, for path `i`.
     #[inline(never)]
-    fn sample_other_light(&mut self, block: &PathBlock, i: usize, light: &SampledLight) {
-        let (surface, throughput) = self.surface_of(block, i);
-        let how = (self.options.lights, SKY);
-        if let Some(shadow_ray) = sample_direct_from(self.world, &surface, how, light, block.u_light[i].y) {
-            self.wave.shadow_queue.push(block.index(i) as u32, throughput, shadow_ray);
+    fn sample_other_light<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        light: &SampledLight,
+    ) {
+        let (surface, how) = (block.surface(i, &WHITE), (self.options.lights, SKY));
+        let Some(sample) = sample_light(self.world, &surface, how, light, block.u_light[i].y) else { return };
+        let (scattered, density) = closures.eval(i, &surface, sample.direction);
+        let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
+        if radiance.cmpgt(Vec3::ZERO).any() {
+            let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
+            self.wave.shadow_queue.push(block.index(i) as u32, block.throughput(i), shadow_ray);
         }
     }
 
-    /// The surface of path `i` of the block, and its throughput.
-    #[inline(never)]
-    fn surface_of(&self, block: &PathBlock, i: usize) -> (Surface<'a>, Vec3) {
-        let (source, world) = (block.source[i] as usize, self.world);
-        let Wavefront { paths, rays, hits, .. } = &*self.wave;
-        (world.surface_at(&hits[source]).facing(rays[source].direction), paths[source].throughput)
-    }
-
-    /// Puts the paths of the block that go on behind the others, of which there are `kept`, in the places of those that are
-    /// done with; gives their number then.
+    /// Puts the paths of the block that go on behind the others that do.
     #[inline(always)]
-    fn continue_paths(&mut self, block: &PathBlock, bounces: &mut Bounces, kept: usize) -> usize {
+    fn continue_paths<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &mut Bounces) {
         let world = self.world;
-        block.bounce(&WHITE, bounces);
+        block.bounce(closures, &WHITE, bounces);
         if world.lights.sky.has(SKY) {
             for i in 0..block.len {
                 bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
             }
         }
-        if block.has_specular() {
-            for i in 0..block.len {
-                if block.is_specular(i) {
-                    self.reflect(block, bounces, i);
-                }
-            }
-        }
-        let Wavefront { paths, rays, .. } = &mut *self.wave;
-        kept + bounces.keep(world.isa(), block.len, &mut rays[kept..], &mut paths[kept..])
-    }
-
-    /// Lets path `i` of the block go on from a surface that may mirror or refract.
-    #[inline(never)]
-    fn reflect(&mut self, block: &PathBlock, bounces: &mut Bounces, i: usize) {
-        let (surface, throughput) = self.surface_of(block, i);
-        let source = block.source[i] as usize;
-        let incoming = self.wave.rays[source].direction;
-        let bounce = surface.sample_with(incoming, block.u_direction[i], block.cosine[i]);
-        bounces.goes_on[i] = (block.survives(i) && bounce.is_some()).into();
-        let Some(Bounce { direction, weight, density }) = bounce else { return };
-        let ray = Ray::new(surface.origin_towards(direction), direction);
-        let throughput = throughput * block.survival(i).recip() * weight;
-        let sky_density = block.sky_density(self.world, SKY, i, direction);
-        bounces.set(i, &ray, &Path { throughput, density, sky_density, ..self.wave.paths[source] });
+        let (rays, paths) = self.wave.next_places(self.kept, LANES);
+        self.kept += bounces.keep(world.isa(), block.len, rays, paths);
     }
 }

@@ -11,6 +11,7 @@
 //! integrator shades these one by one (the slow path), and tells the block.
 
 mod bounce;
+mod closures;
 mod columns;
 mod light;
 
@@ -25,6 +26,7 @@ use crate::settings::Survival;
 use crate::world::{Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
+pub(super) use closures::{BlockClosures, Closures, Lambert};
 pub(super) use columns::LANES;
 use columns::{Column, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle};
 use light::LightSamples;
@@ -53,8 +55,8 @@ pub(super) struct PathBlock {
     packed: Integers,
     /// The part of all light that is reflected or let through, at most.
     reflectance: Vectors,
-    /// The probability of scattering light, other than as a mirror or glass does.
-    scatters: Column,
+    /// Whether light from behind counts too.
+    transmits: Integers,
     /// Whether there is more to a surface than the columns say.
     is_general: Integers,
     /// The probability with which chance lets a path go on.
@@ -85,7 +87,7 @@ impl PathBlock {
         (self.u[i], self.v[i], self.prims[i]) = (hit.u, hit.v, hit.prim_id);
     }
 
-    /// Looks up the paths and where they have arrived.
+    /// Looks up the paths and where they have arrived, as far as surfaces are plain and matte.
     #[inline(always)]
     pub(super) fn arrive(&mut self, world: &World, paths: &[Path], rays: &[Ray]) {
         let (isa, len) = (world.isa(), self.len);
@@ -93,7 +95,7 @@ impl PathBlock {
         gather::<1, _, _>(isa, rays, &self.source[..len], &mut self.rays);
         gather::<2, _, _>(isa, world.triangle_records(), &self.prims[..len], &mut self.triangles);
         gather::<1, _, _>(isa, world.material_records(), &self.triangles.material[..len], &mut self.materials);
-        self.scatters = [1.0; LANES];
+        self.transmits = [0; LANES];
         self.survival = [1.0; LANES];
         self.goes_on = [1; LANES];
         self.reflectance = self.materials.diffuse;
@@ -107,25 +109,25 @@ impl PathBlock {
             self.shading_normal.set(i, normal);
             let emits = self.materials.emission.get(i).abs().max_element() > 0.0;
             let is_seen = (self.materials.emits_both_sides[i] != 0) | (cosine < 0.0);
-            let is_simple = self.triangles.is_plain[i] & self.materials.is_matte[i];
-            self.is_general[i] = u32::from((emits & is_seen) | (is_simple == 0));
+            self.is_general[i] = u32::from((emits & is_seen) | (self.triangles.is_plain[i] == 0));
         }
     }
 
-    /// Whether there is more to the surface of path `i` than the columns say: it emits, reflects as a mirror, or varies.
+    /// Whether there is more to the surface of path `i`, if it is matte, than the columns say: it emits, or varies.
     #[inline(always)]
     pub(super) fn is_general(&self, i: usize) -> bool {
         self.is_general[i] != 0
     }
 
-    /// Lets path `i` stand at a surface that is not plain, or not matte.
-    pub(super) fn set(&mut self, i: usize, surface: &Surface) {
+    /// Lets path `i` stand at a surface that scatters this part of all light, and has lost some on the way there.
+    pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3, transmittance: Vec3) {
         self.position.set(i, surface.position);
         self.normal.set(i, surface.normal);
         self.shading_normal.set(i, surface.shading_normal);
         self.materials.diffuse.set(i, surface.diffuse);
-        self.reflectance.set(i, surface.reflectance());
-        self.scatters[i] = 1.0 - surface.specular_probability();
+        self.reflectance.set(i, albedo);
+        self.transmits[i] = surface.transmits.into();
+        self.paths.throughput.set(i, self.paths.throughput.get(i) * transmittance);
     }
 
     /// The surface of path `i`, as far as light is scattered by it.
@@ -139,7 +141,11 @@ impl PathBlock {
             emission: Vec3::ZERO,
             offset: self.triangles.offset[i],
             prim_id: 0,
+            tangent: Vec3::ZERO,
+            wo: Vec3::ZERO,
+            barycentric: [0.0; 2],
             is_back: false,
+            transmits: self.transmits[i] != 0,
             material: matte,
         }
     }
@@ -174,28 +180,10 @@ impl PathBlock {
         self.paths.index[i] as usize
     }
 
-    /// Whether path `i` is at a mirror or glass.
+    /// What path `i` multiplies the light that it finds by.
     #[inline(always)]
-    pub(super) fn is_specular(&self, i: usize) -> bool {
-        self.scatters[i] < 1.0
-    }
-
-    /// Whether any path is.
-    #[inline(always)]
-    pub(super) fn has_specular(&self) -> bool {
-        self.scatters.iter().fold(1.0, |least: f32, &scatters| least.min(scatters)) < 1.0
-    }
-
-    /// Whether path `i` survives.
-    #[inline(always)]
-    pub(super) fn survives(&self, i: usize) -> bool {
-        self.goes_on[i] != 0 && self.u_roulette[i] < self.survival[i]
-    }
-
-    /// The probability with which chance lets path `i` go on.
-    #[inline(always)]
-    pub(super) fn survival(&self, i: usize) -> f32 {
-        self.survival[i]
+    pub(super) fn throughput(&self, i: usize) -> Vec3 {
+        self.paths.throughput.get(i)
     }
 }
 

@@ -1,5 +1,6 @@
 //! All paths of a batch, side by side: rays → hits → a step of each path → shadow rays and next rays.
 
+use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Address, Sampler};
@@ -8,6 +9,8 @@ use halfdome_kernel::{Hit, Ray, Task};
 use super::RayBatch;
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
+use crate::bsdf::Scattering;
+use crate::material::{Closure, Kind};
 use crate::world::{Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
@@ -79,6 +82,11 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
+    /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
+    pub(super) order: Vec<u32>,
+    /// The paths that go on, while the others are still needed, and their rays.
+    next_paths: Vec<Path>,
+    next_rays: Vec<Ray>,
     /// Of all camera rays, by their numbers.
     pub(super) addresses: Vec<Address>,
     /// Of the paths, where numbers are drawn for all at once.
@@ -100,8 +108,13 @@ pub(super) fn first_set(batch: &RayBatch, depth: u32) -> u32 {
 impl Path {
     /// Goes on from a surface that mirrors or refracts; ends where it scatters, or absorbs.
     #[inline]
-    pub(super) fn through(self, surface: &Surface, vertex: &PathVertex) -> Option<(Self, Ray)> {
-        let bounce = surface.sample(vertex.ray.direction, vertex.numbers.u_direction)?;
+    pub(super) fn through(
+        self,
+        surface: &Surface,
+        scattering: &Scattering<Closure>,
+        vertex: &PathVertex,
+    ) -> Option<(Self, Ray)> {
+        let bounce = scattering.sample(vertex.numbers.u_direction)?;
         if bounce.density != f32::INFINITY {
             return None;
         }
@@ -189,6 +202,48 @@ impl Wavefront {
             }
         }
         self.keep(kept);
+    }
+
+    /// Sorts the paths by the kind of closure that they have hit, and otherwise leaves them in their order. Gives where each
+    /// kind ends in [`order`](Self::order); behind the last one are the paths that hit nothing.
+    pub(super) fn sort_by_kind(&mut self, world: &World) -> [usize; Kind::COUNT] {
+        let kind = |hit: &Hit| match hit.is_hit() {
+            true if world.has_closures() => world.kind(hit.prim_id) as usize,
+            true => 0,
+            false => Kind::COUNT,
+        };
+        let mut counts = [0; Kind::COUNT + 1];
+        for hit in &self.hits {
+            counts[kind(hit)] += 1;
+        }
+        let mut places = [0; Kind::COUNT + 1];
+        for i in 1..places.len() {
+            places[i] = places[i - 1] + counts[i - 1];
+        }
+        self.order.resize(self.hits.len(), 0);
+        for (number, hit) in (0..).zip(&self.hits) {
+            let place = &mut places[kind(hit)];
+            self.order[*place] = number;
+            *place += 1;
+        }
+        std::array::from_fn(|i| places[i])
+    }
+
+    /// Room for `count` more paths that go on behind the first `kept`.
+    #[inline(always)]
+    pub(super) fn next_places(&mut self, kept: usize, count: usize) -> (&mut [Ray], &mut [Path]) {
+        if self.next_rays.len() < kept + count {
+            self.next_rays.resize(kept + count, Ray::zeroed());
+            self.next_paths.resize(kept + count, Path::zeroed());
+        }
+        (&mut self.next_rays[kept..], &mut self.next_paths[kept..])
+    }
+
+    /// Lets the first paths of those that go on take the places of all.
+    pub(super) fn keep_next(&mut self, count: usize) {
+        std::mem::swap(&mut self.rays, &mut self.next_rays);
+        std::mem::swap(&mut self.paths, &mut self.next_paths);
+        self.keep(count);
     }
 
     /// Keeps the first paths, those that go on.

@@ -28,7 +28,7 @@ pub(super) fn mean_radiance<'m>(
     for (prim_id, triangle) in triangles.iter().enumerate() {
         let (material, area) = (material(prim_id), f64::from(area(triangle)));
         total_area += area;
-        reflecting += area * material.specular.reflectance(material.diffuse).as_dvec3();
+        reflecting += area * material.mean_albedo().as_dvec3();
         power += PI * area * material.emission.as_dvec3();
     }
     for light in punctual {
@@ -54,7 +54,7 @@ mod tests {
     const WALL: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
     fn surface(diffuse: f32, emission: f32) -> Material {
-        Material { diffuse: Vec3::splat(diffuse), emission: Vec3::splat(emission), ..Material::default() }
+        Material { emission: Vec3::splat(emission), ..Material::matte(Vec3::splat(diffuse)) }
     }
 
     #[test]

@@ -187,6 +187,9 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// How many there are.
+    pub const COUNT: usize = 4;
+
     /// The kind that these inputs need. Of a material with textures: the kind of the greatest values that its inputs can
     /// take; a closure of that kind is right for all lesser ones.
     pub fn of(inputs: &Inputs) -> Self {

@@ -100,7 +100,7 @@ fn a_quadratic_sky_has_its_own_coefficients() {
 /// Radiance in a closed room that emits `E` and reflects `ρ` is `E/(1 - ρ)`, from everywhere.
 #[test]
 fn a_glowing_room_has_the_radiance_of_its_series() {
-    let material = Material { diffuse: Vec3::splat(0.5), emission: Vec3::new(1.0, 0.5, 0.25), ..Material::default() };
+    let material = Material { emission: Vec3::new(1.0, 0.5, 0.25), ..Material::matte(Vec3::splat(0.5)) };
     let expected = 2.0 * material.emission;
     let world = World::new(with_sphere(scene(), Vec3::ZERO, 2.0, true, material)).unwrap();
     let options = Options { rays: 4096, spp: 4096, seed: 1 };
@@ -122,7 +122,7 @@ fn a_directional_light_is_its_harmonics_and_casts_shadows() {
     let direction = Vec3::new(-1.0, -2.0, 2.0) / 3.0;
     let irradiance = Vec3::new(3.0, 2.0, 1.0);
     let lights = vec![PunctualLight::Directional { direction, irradiance }];
-    let black = Material { diffuse: Vec3::ZERO, ..Material::default() };
+    let black = Material::matte(Vec3::ZERO);
     let middle = Vec3::new(10.0, 0.0, 0.0);
     let world = World::new(with_sphere(Scene { lights, ..scene() }, middle, 1.0, false, black)).unwrap();
     let shadow = middle + 3.0 * direction;
@@ -139,7 +139,7 @@ fn a_directional_light_is_its_harmonics_and_casts_shadows() {
 /// A ball that fills several cells of a lit room, and hides a part of others.
 #[test]
 fn probes_inside_of_bodies_are_moved_or_filled() {
-    let white = Material { diffuse: Vec3::ONE, ..Material::default() };
+    let white = Material::matte(Vec3::ONE);
     let scene = Scene { sky: Sky::constant(Vec3::ONE), ..scene() };
     let radius = 0.9;
     let world = World::new(with_sphere(scene, Vec3::ZERO, radius, false, white)).unwrap();

@@ -43,7 +43,7 @@ const FOCAL_LENGTH: f32 = 0.035;
 /// The Cornell box in metres, with a square picture's camera: white floor, ceiling, back wall and blocks, a red wall on
 /// the left, a green one on the right, open at the front. All front faces look into the room, the light's face down.
 pub fn cornell_box() -> Scene {
-    let material = |name: &str, diffuse| Material { name: name.to_owned(), diffuse, ..Material::default() };
+    let material = |name: &str, albedo| Material { name: name.to_owned(), ..Material::matte(albedo) };
     let light = Material { emission: LIGHT_RADIANCE, ..material("light", LIGHT_REFLECTANCE) };
     let materials = vec![material("white", WHITE), material("red", RED), material("green", GREEN), light];
     let meshes = vec![

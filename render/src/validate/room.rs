@@ -22,9 +22,9 @@ const CHINA: Vec3 = vec3(0.8, 0.8, 0.78);
 pub fn furnished_room() -> Scene {
     let camera = CameraPose { eye: vec3(4.7, 1.65, 3.8), target: vec3(1.8, 0.75, 1.2), up: Vec3::Y, vfov: 62.0 };
     let mut scene = Scene { camera: Some(camera), ..Scene::default() };
-    let mut add = |name: &str, triangles: &[Corners], diffuse, emission| {
+    let mut add = |name: &str, triangles: &[Corners], albedo, emission| {
         let material = scene.materials.len();
-        scene.materials.push(Material { name: name.to_owned(), diffuse, emission, ..Material::default() });
+        scene.materials.push(Material { name: name.to_owned(), emission, ..Material::matte(albedo) });
         scene.meshes.push(Mesh { name: name.to_owned(), ..mesh(triangles, material) });
     };
     // The faces of a cube: top, bottom, then front and back, then the sides.

@@ -98,7 +98,7 @@ pub(super) fn mesh(triangles: &[Corners], material: usize) -> Mesh {
 
 /// A grey diffuse surface.
 pub(super) fn grey(reflectance: f32, emission: f32) -> Material {
-    Material { diffuse: Vec3::splat(reflectance), emission: Vec3::splat(emission), ..Material::default() }
+    Material { emission: Vec3::splat(emission), ..Material::matte(Vec3::splat(reflectance)) }
 }
 
 /// A scene of meshes, each with a material of its own, and a camera.

@@ -9,7 +9,8 @@ use glam::Vec3;
 use halfdome_kernel::Triangle;
 
 use super::World;
-use crate::scene::{Material, Specular};
+use crate::material::Kind;
+use crate::scene::Material;
 
 /// A triangle, with what most hits need to know of it in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -30,9 +31,10 @@ pub(crate) struct TriangleRecord {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct MaterialRecord {
+    /// The albedo of diffuse reflection: if it is matte, all that it reflects, else about.
     pub(crate) diffuse: Vec3,
-    /// Whether it is neither a mirror nor glass: 1, else 0.
-    pub(crate) is_matte: u32,
+    /// The kind of its closure, [`Kind`] as a number.
+    pub(crate) kind: u32,
     /// Radiance emitted, from the sides that emit.
     pub(crate) emission: Vec3,
     /// Whether both do: 1, else 0.
@@ -60,9 +62,14 @@ pub(crate) struct EmitterRecord {
 impl MaterialRecord {
     /// What `material` says.
     pub(super) fn of(material: &Material) -> Self {
-        let Material { diffuse, emission, emits_both_sides, specular, .. } = *material;
-        let is_matte = (specular == Specular::None).into();
-        Self { diffuse, is_matte, emission, emits_both_sides: emits_both_sides.into() }
+        let Material { emission, emits_both_sides, .. } = *material;
+        let (diffuse, kind) = (material.mean_diffuse(), material.kind() as u32);
+        Self { diffuse, kind, emission, emits_both_sides: emits_both_sides.into() }
+    }
+
+    /// Whether its closure is Lambert's.
+    pub(super) fn is_matte(&self) -> bool {
+        self.kind == Kind::Matte as u32
     }
 }
 
@@ -83,7 +90,7 @@ impl EmitterRecord {
     /// everywhere.
     pub(super) fn of(face: &TriangleRecord, front: Option<Vec3>, material: &Material, area: f32) -> Self {
         let TriangleRecord { corners, normal, offset, .. } = *face;
-        let is_plain = front.is_some() && material.emission_map.is_none() && material.cutout.is_none();
+        let is_plain = front.is_some() && material.is_uniform() && !material.has_holes();
         let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);
         let normal = front.unwrap_or(normal);
         Self { corners, normal, offset, emission, area, emits_both_sides, is_plain: is_plain.into(), ..Self::NONE }

@@ -1,7 +1,7 @@
 //! Surfaces: what the world is where a ray meets it.
 //!
 //! Most triangles are plain: all that a hit tells of them is in their [`TriangleRecord`] and their material. Vertex normals and
-//! textures are looked up for the others alone.
+//! textures are looked up for the others alone; see [`bsdf`](crate::bsdf) for closures.
 //!
 //! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
 //! pieces and read in large ones, which processors are slow at.
@@ -14,10 +14,10 @@ use halfdome_kernel::{Hit, offset_distance, offset_point};
 
 use super::{TriangleRecord, World};
 use crate::light::Receiver;
-use crate::scene::{Material, Specular, TextureMap};
+use crate::scene::{Material, MeshPoint};
 
 /// The material of whatever measures light, or just scatters it.
-pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material { diffuse: Vec3::ONE, ..Material::default() });
+pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material::matte(Vec3::ONE));
 
 /// Where a ray met the world.
 #[derive(Clone, Copy, Debug)]
@@ -25,17 +25,25 @@ pub(crate) struct Surface<'w> {
     pub position: Vec3,
     /// Unit normal of the triangle, on its front side.
     pub normal: Vec3,
-    /// Interpolated unit normal, on the same side.
+    /// Unit normal by vertices and maps, on the same side as long as it can be.
     pub shading_normal: Vec3,
-    /// Diffuse reflectance here.
+    /// Unit vector across it along which anisotropy is measured; zero where any will do.
+    pub tangent: Vec3,
+    /// Unit vector to where it is seen from, on the side of the normals once they [face](Self::facing) it.
+    pub wo: Vec3,
+    /// Albedo of diffuse reflection: here, if it is [matte](crate::material::Kind::Matte); else about.
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
     /// How far from the triangle's plane rays start.
     pub offset: f32,
     pub prim_id: u32,
+    /// Weights of the second and the third corner.
+    pub barycentric: [f32; 2],
     /// Whether the normals were turned: it is seen from behind, or from within.
     pub is_back: bool,
+    /// Whether light from behind counts too, as its closure says, if anyone has asked.
+    pub transmits: bool,
     pub material: &'w Material,
 }
 
@@ -43,6 +51,7 @@ pub(crate) struct Surface<'w> {
 struct Details {
     normal: Vec3,
     shading_normal: Vec3,
+    tangent: Vec3,
     diffuse: Vec3,
     emission: Vec3,
 }
@@ -57,11 +66,15 @@ impl World {
             position,
             normal,
             shading_normal: normal,
+            tangent: Vec3::ZERO,
+            wo: normal,
             diffuse: Vec3::ONE,
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
             prim_id: Hit::NO_PRIM,
+            barycentric: [0.0; 2],
             is_back: false,
+            transmits: false,
             material: &WHITE,
         }
     }
@@ -83,15 +96,20 @@ impl World {
         let face = &self.triangle_records[prim_id as usize];
         let weights = [1.0 - u - v, u, v];
         let material = &self.materials[face.material as usize];
+        let record = &self.material_records[face.material as usize];
         let mut surface = Surface {
             position: interpolate(face.corners, weights),
             normal: face.normal,
             shading_normal: face.normal,
-            diffuse: material.diffuse,
-            emission: material.emission,
+            tangent: Vec3::ZERO,
+            wo: face.normal,
+            diffuse: record.diffuse,
+            emission: record.emission,
             offset: face.offset,
             prim_id,
+            barycentric: [u, v],
             is_back: false,
+            transmits: false,
             material,
         };
         if face.is_plain == 0 {
@@ -99,37 +117,40 @@ impl World {
             let details = self.details(prim_id, weights);
             surface.normal = details.normal;
             surface.shading_normal = details.shading_normal;
+            surface.tangent = details.tangent;
             surface.diffuse = details.diffuse;
             surface.emission = details.emission;
         }
         surface
     }
 
-    /// What vertex normals and textures say.
+    /// What vertices and textures say.
     #[inline(never)]
     fn details(&self, prim_id: u32, weights: [f32; 3]) -> Details {
-        let TriangleRecord { normal, mesh, material, .. } = self.triangle_records[prim_id as usize];
-        let (mesh, material) = (&self.meshes[mesh as usize], &self.materials[material as usize]);
-        let index = self.index_in_mesh(prim_id);
-        let textured = |color: Vec3, map: &Option<TextureMap>| match map {
-            Some(map) => color * self.mapped(map, mesh, index, weights).truncate(),
-            None => color,
+        let TriangleRecord { normal, material, .. } = self.triangle_records[prim_id as usize];
+        let point = self.mesh_point(prim_id, weights);
+        let (record, material) = (&self.material_records[material as usize], &self.materials[material as usize]);
+        let interpolated = if point.mesh.normals.is_empty() {
+            normal
+        } else {
+            interpolate(point.mesh.triangles[point.triangle].map(|corner| point.mesh.normals[corner as usize]), weights)
         };
-        let mut details = Details {
-            normal,
-            shading_normal: normal,
-            diffuse: textured(material.diffuse, &material.diffuse_map),
-            emission: textured(material.emission, &material.emission_map),
-        };
-        if !mesh.normals.is_empty() {
-            let normals = mesh.triangles[index].map(|corner| mesh.normals[corner as usize]);
-            details.shading_normal = interpolate(normals, weights).normalize_or(normal);
-            // A model's own normals say which side is the front, whatever the winding.
-            if normal.dot(details.shading_normal) < 0.0 {
-                details.normal = -normal;
-            }
+        let frame = material.frame_at(&point, interpolated);
+        // A model's own normals say which side is the front, whatever the winding.
+        let is_turned = normal.dot(interpolated) < 0.0;
+        Details {
+            normal: if is_turned { -normal } else { normal },
+            shading_normal: frame.normal,
+            tangent: frame.tangent,
+            diffuse: if record.is_matte() { material.matte_color_at(&point) } else { record.diffuse },
+            emission: material.emission_at(&point),
         }
-        details
+    }
+
+    /// A point of a triangle, as materials look it up.
+    pub(super) fn mesh_point(&self, prim_id: u32, weights: [f32; 3]) -> MeshPoint<'_> {
+        let mesh = &self.meshes[self.triangle_records[prim_id as usize].mesh as usize];
+        MeshPoint { textures: &self.textures, mesh, triangle: self.index_in_mesh(prim_id), weights }
     }
 
     /// Texture coordinates at a hit, or the barycentric ones if the mesh has none.
@@ -175,6 +196,7 @@ impl Surface<'_> {
         Self {
             normal: self.normal * side,
             shading_normal: self.shading_normal * side,
+            wo: -direction,
             is_back: self.is_back != is_behind,
             ..self
         }
@@ -183,7 +205,7 @@ impl Surface<'_> {
     /// What lights are chosen by.
     #[inline(always)]
     pub(crate) fn receiver(&self) -> Receiver {
-        Receiver::new(self.position, self.shading_normal, false)
+        Receiver::new(self.position, self.shading_normal, self.transmits)
     }
 
     /// The frame about the shading normal.
@@ -195,8 +217,7 @@ impl Surface<'_> {
     /// Whether a ray in `direction` hits the back of a body here, coming from within. Surfaces that are meant to be seen from
     /// both sides have no back, and glass is no body.
     pub(crate) fn is_back_of_body(&self, direction: Vec3) -> bool {
-        let is_glass = matches!(self.material.specular, Specular::Glass { .. });
-        !self.material.emits_both_sides && !is_glass && self.normal.dot(direction) > 0.0
+        !self.material.emits_both_sides && !self.material.is_glass() && self.normal.dot(direction) > 0.0
     }
 
     /// Radiance emitted towards the origin of a ray in `direction`.

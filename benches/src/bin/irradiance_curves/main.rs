@@ -126,7 +126,7 @@ fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &Threa
 fn walls(options: &Options, pool: &ThreadPool) -> Result<(), Box<dyn Error>> {
     let mut scene = cornell_box();
     for material in scene.materials.iter_mut().filter(|material| material.emission != Vec3::ZERO) {
-        material.diffuse = Vec3::ZERO;
+        material.inputs.base_color = Vec3::ZERO;
     }
     let world = World::new(scene.clone())?;
     let walls = Walls::new(&world, options.reference, 1, &NeverStops);

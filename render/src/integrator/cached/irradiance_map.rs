@@ -11,7 +11,6 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::indirect;
 use crate::integrator::{RayBatch, Wavefront};
-use crate::scene::Specular;
 use crate::world::World;
 
 /// Somebody who knows irradiance.
@@ -47,9 +46,12 @@ pub(super) fn radiance(
             continue;
         }
         let surface = world.surface_at(hit);
-        let is_plain = surface.normal.dot(ray.direction) < 0.0 && surface.material.specular == Specular::None;
-        match is_plain.then(|| map.irradiance(hit)).flatten() {
-            Some(irradiance) => radiance[i] = surface.diffuse * irradiance * (1.0 / PI),
+        let is_known = surface.normal.dot(ray.direction) < 0.0 && world.is_nearly_diffuse(hit.prim_id);
+        match is_known.then(|| map.irradiance(hit)).flatten() {
+            Some(irradiance) => {
+                let albedo = world.scattering(&mut surface.facing(ray.direction)).albedo();
+                radiance[i] = albedo * irradiance * (1.0 / PI);
+            }
             None => unmapped.push(i, *ray, *hit, batch.samplers[i]),
         }
     }

@@ -1,5 +1,8 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
+//! Of a surface that is not matte, records tell what its diffuse albedo reflects. For the rest of its closure a ray goes on as
+//! the closure scatters, and what records know is taken off its weight.
+//!
 //! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
 //! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
 
@@ -17,6 +20,7 @@ use super::super::{RayBatch, Wavefront};
 use super::{FrozenCache, indirect};
 use crate::estimator::{sample_direct, scattered_weight};
 use crate::light::SkyPart;
+use crate::material::Kind;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -32,6 +36,9 @@ pub(crate) struct Misses {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     radiance: Vec<Vec3>,
+    /// Of each camera ray's path, scattered last by a density: its throughput for all light but emission, less what
+    /// records know.
+    indirect: Vec<Vec3>,
 }
 
 /// Writes the radiance along each ray, and puts points without records into `misses`; gives the number of further rays.
@@ -44,6 +51,7 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
+    misses.indirect.resize(batch.rays.len(), Vec3::ZERO);
     wave.follow(world, batch, &mut ScalarSteps { world, step: Lookup { world, frozen, batch, misses } }, radiance)
 }
 
@@ -66,28 +74,44 @@ impl VertexStep for Lookup<'_> {
         shadow_queue: &mut ShadowQueue,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
-        let (world, PathVertex { ray, hit, numbers, .. }, Path { index, throughput, .. }) = (self.world, vertex, path);
+        let (world, PathVertex { ray, hit, numbers, .. }, index) = (self.world, vertex, path.index);
+        let is_scattered = path.density > 0.0 && path.density < f32::INFINITY;
         if !hit.is_hit() {
             // The sky that a gather sees is its own affair.
-            if path.density == f32::INFINITY {
-                *radiance += throughput * world.lights.sky.radiance(ray.direction);
+            if is_scattered {
+                *radiance += self.misses.indirect[index as usize] * world.lights.sky.ambient(ray.direction);
+            } else if path.density == f32::INFINITY {
+                *radiance += path.throughput * world.lights.sky.radiance(ray.direction);
             }
             return None;
         }
         let surface = world.surface_at(hit);
-        if path.density > 0.0 && path.density < f32::INFINITY {
+        let mut throughput = path.throughput;
+        if is_scattered {
             *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit);
-            return None;
+            throughput = self.misses.indirect[index as usize];
+            if throughput == Vec3::ZERO {
+                return None;
+            }
+        } else {
+            let how = (LightSampling::Direct, SkyPart::Sun);
+            *radiance += throughput * emission(world, how, &path, &surface, ray, hit);
         }
-        *radiance += throughput * emission(world, (LightSampling::Direct, SkyPart::Sun), &path, &surface, ray, hit);
 
-        let surface = surface.facing(ray.direction);
-        let albedo = surface.diffuse;
-        let lights = world.lights.techniques_at(surface.position);
-        if albedo != Vec3::ZERO {
-            if let Some(shadow_ray) = sample_direct(world, &surface, (lights, SkyPart::Sun), numbers.light()) {
+        let mut surface = surface.facing(ray.direction);
+        let scattering = world.scattering(&mut surface);
+        // A gather's ray is one of many of which the mean is taken.
+        let is_gathered = self.batch.density == 0.0 && world.is_nearly_diffuse(hit.prim_id);
+        let is_matte = is_gathered || world.kind(hit.prim_id) == Kind::Matte;
+        let albedo = if is_gathered { scattering.albedo() } else { surface.diffuse };
+        let lights = if is_matte { world.lights.techniques_at(surface.position) } else { LightSampling::Mis };
+        if albedo != Vec3::ZERO || !is_matte {
+            let sample = sample_direct(world, &surface, &scattering, (lights, SkyPart::Sun), numbers.light());
+            if let Some(shadow_ray) = sample {
                 shadow_queue.push(index, throughput, shadow_ray);
             }
+        }
+        if albedo != Vec3::ZERO {
             match self.frozen.irradiance(&surface) {
                 Some(irradiance) => *radiance += throughput * albedo * irradiance * (1.0 / PI),
                 None => {
@@ -99,13 +123,19 @@ impl VertexStep for Lookup<'_> {
                 }
             }
         }
-        let bounce = surface.sample_with(ray.direction, numbers.u_direction, numbers.cosine)?;
-        if bounce.density < f32::INFINITY && lights == LightSampling::Direct {
+        if is_matte && lights == LightSampling::Direct {
             return None;
         }
-        let normal = surface.receiver().packed();
+        let bounce = scattering.sample(numbers.u_direction)?;
+        let (direction, normal) = (bounce.direction, surface.receiver().packed());
+        if bounce.density < f32::INFINITY {
+            // Records know what is scattered diffusely.
+            let known = albedo * (surface.lambert(direction) / bounce.density);
+            self.misses.indirect[index as usize] =
+                if is_matte { Vec3::ZERO } else { throughput * (bounce.weight - known) };
+        }
         let next = Path { throughput: throughput * bounce.weight, density: bounce.density, normal, ..path };
-        Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
+        Some((next, Ray::new(surface.origin_towards(direction), direction)))
     }
 }
 

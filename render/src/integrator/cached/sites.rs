@@ -102,14 +102,15 @@ fn visible_sites<'w>(
         traced += rays.len() as u64;
         let mut next = Vec::new();
         for (View { pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
-            let surface = world.surface_at(hit).facing(ray.direction);
+            let mut surface = world.surface_at(hit).facing(ray.direction);
+            let scattering = world.scattering(&mut surface);
             let distance = distance + hit.t;
             if surface.diffuse != Vec3::ZERO {
                 let key = u64::from(depth) << DEPTH_SHIFT | pixel;
                 sites.push(camera_site(camera, error, surface, ray, distance, key));
             }
             let sampler = Sampler::new(Pattern::Sobol, !settings.seed, *pixel as u32, depth);
-            let bounce = surface.sample(ray.direction, sampler.uniform2(0));
+            let bounce = scattering.sample(sampler.uniform2(0));
             if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
                 let ray = Ray::new(surface.origin_towards(bounce.direction), bounce.direction);
                 next.push(View { pixel: *pixel, ray, distance });

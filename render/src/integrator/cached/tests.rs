@@ -14,7 +14,7 @@ use crate::watch::Watch;
 fn furnace() -> World {
     let positions = vec![vec3(1.0, 1.0, 1.0), vec3(1.0, -1.0, -1.0), vec3(-1.0, 1.0, -1.0), vec3(-1.0, -1.0, 1.0)];
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
-    let wall = Material { diffuse: Vec3::splat(0.5), emission: Vec3::ONE, ..Material::default() };
+    let wall = Material { emission: Vec3::ONE, ..Material::matte(Vec3::splat(0.5)) };
     World::new(Scene {
         meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
         materials: vec![wall],

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Isa, Ray};
 
-use super::PathBlock;
 use super::columns::{Integers, LANES, Paths, Rays, keep};
+use super::{BlockClosures, PathBlock};
 use crate::integrator::state::Path;
 use crate::scene::Material;
 
@@ -22,19 +22,24 @@ pub(in crate::integrator) struct Bounces {
 impl PathBlock {
     /// Scattered light.
     #[inline(always)]
-    pub(in crate::integrator) fn bounce(&self, matte: &Material, bounces: &mut Bounces) {
+    pub(in crate::integrator) fn bounce<C: BlockClosures>(
+        &self,
+        closures: &C,
+        matte: &Material,
+        bounces: &mut Bounces,
+    ) {
         bounces.paths.index = self.paths.index;
         bounces.paths.normal = self.packed;
-        for i in 0..LANES {
+        for i in 0..if C::IN_LANES { LANES } else { self.len } {
             let surface = self.surface(i, matte);
-            let (bounce, reflects) = surface.scatter(self.cosine[i], surface.diffuse, 1.0);
+            let (bounce, scatters) = closures.sample(i, &surface, self.u_direction[i], self.cosine[i]);
             bounces.rays.origin.set(i, surface.origin_towards(bounce.direction));
             bounces.rays.direction.set(i, bounce.direction);
             let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
             let survives = self.u_roulette[i] < self.survival[i];
-            bounces.goes_on[i] = u32::from(reflects & survives) & self.goes_on[i];
+            bounces.goes_on[i] = u32::from(scatters & survives) & self.goes_on[i];
         }
     }
 }
@@ -45,15 +50,6 @@ impl Bounces {
         let mut bounces = Self::zeroed();
         bounces.rays.t_max = [f32::INFINITY; LANES];
         bounces
-    }
-
-    /// Lets path `i` go on in another way, if chance has not ended it.
-    pub(in crate::integrator) fn set(&mut self, i: usize, ray: &Ray, path: &Path) {
-        self.rays.origin.set(i, ray.origin);
-        self.rays.direction.set(i, ray.direction);
-        self.paths.throughput.set(i, path.throughput);
-        self.paths.density[i] = path.density;
-        self.paths.sky_density[i] = path.sky_density;
     }
 
     /// The direction of ray `i`.

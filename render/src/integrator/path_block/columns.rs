@@ -62,7 +62,7 @@ pub(super) struct TriangleColumns {
 #[repr(C)]
 pub(super) struct MaterialColumns {
     pub diffuse: Vectors,
-    pub is_matte: Integers,
+    pub kind: Integers,
     pub emission: Vectors,
     pub emits_both_sides: Integers,
 }

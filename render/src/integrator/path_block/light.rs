@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Isa, Ray};
 
-use super::PathBlock;
 use super::columns::{Column, EmitterColumns, Integers, LANES, Rays, Vectors, gather, keep, triangle};
+use super::{BlockClosures, PathBlock};
 use crate::estimator::{area_light_sample, light_warp};
 use crate::integrator::state::u_light_choice;
 use crate::light::{Receiver, SampledLight, SkyPart};
@@ -72,7 +72,11 @@ impl LightSamples {
             emission: emitters.emission.get(i),
             offset: emitters.offset[i],
             prim_id: 0,
+            tangent: Vec3::ZERO,
+            wo: Vec3::ZERO,
+            barycentric: [0.0; 2],
             is_back: false,
+            transmits: false,
             material: surface.material,
         };
         (light, emitters.area[i] / self.probability[i] * warp.per_density(u))
@@ -90,7 +94,7 @@ impl PathBlock {
     #[inline(always)]
     pub(in crate::integrator) fn choose_lights(&mut self, world: &World, part: SkyPart) -> bool {
         for i in 0..LANES {
-            let surface = Receiver::new(self.position.get(i), self.shading_normal.get(i), false);
+            let surface = Receiver::new(self.position.get(i), self.shading_normal.get(i), self.transmits[i] != 0);
             self.packed[i] = surface.packed();
         }
         if !world.lights.has_any(part) {
@@ -136,8 +140,9 @@ impl PathBlock {
 
     /// Samples of the chosen lights.
     #[inline(always)]
-    pub(in crate::integrator) fn sample_lights(
+    pub(in crate::integrator) fn sample_lights<C: BlockClosures>(
         &self,
+        closures: &C,
         lights: LightSampling,
         matte: &Material,
         shadows: &mut ShadowRays,
@@ -145,20 +150,26 @@ impl PathBlock {
         // A loop each, which knows its weights.
         match lights {
             LightSampling::Naive => shadows.lit = [0; LANES],
-            LightSampling::Direct => self.sample_lights_by(LightSampling::Direct, matte, shadows),
-            LightSampling::Mis => self.sample_lights_by(LightSampling::Mis, matte, shadows),
+            LightSampling::Direct => self.sample_lights_by(closures, LightSampling::Direct, matte, shadows),
+            LightSampling::Mis => self.sample_lights_by(closures, LightSampling::Mis, matte, shadows),
         }
     }
 
     #[inline(always)]
-    fn sample_lights_by(&self, lights: LightSampling, matte: &Material, shadows: &mut ShadowRays) {
-        for i in 0..LANES {
+    fn sample_lights_by<C: BlockClosures>(
+        &self,
+        closures: &C,
+        lights: LightSampling,
+        matte: &Material,
+        shadows: &mut ShadowRays,
+    ) {
+        for i in 0..if C::IN_LANES { LANES } else { self.len } {
             let surface = self.surface(i, matte);
             let (light, area) = self.light_samples.point(i, &surface, &self.receiver(i), lights);
-            let (light, arrives) = area_light_sample(&surface, false, &light, area);
-            let lambert = surface.lambert(light.direction);
-            let weight = lights.light_weight(light.inv_density, self.scatters[i] * lambert);
-            let radiance = (surface.diffuse * lambert) * light.radiance * weight;
+            let (light, arrives) = area_light_sample(&surface, !C::IN_LANES & surface.transmits, &light, area);
+            let (scattered, density) = closures.eval(i, &surface, light.direction);
+            let weight = lights.light_weight(light.inv_density, density);
+            let radiance = scattered * light.radiance * weight;
             shadows.rays.origin.set(i, light.shadow.origin);
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];

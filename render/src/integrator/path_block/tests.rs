@@ -31,9 +31,9 @@ impl Task for Step<'_> {
         let Self { world, paths, rays, lights, matte, block, shadows, bounces } = self;
         block.arrive(world, paths, rays);
         block.roulette(Survival::Throughput { max: 0.9 });
-        assert!(block.choose_lights(world, SkyPart::Bright) && !block.has_specular());
-        block.sample_lights(lights, matte, shadows);
-        block.bounce(matte, bounces);
+        assert!(block.choose_lights(world, SkyPart::Bright));
+        block.sample_lights(&Lambert, lights, matte, shadows);
+        block.bounce(&Lambert, matte, bounces);
     }
 }
 
@@ -44,7 +44,7 @@ fn world() -> World {
     let material = |i: u32| {
         let [red, green, blue, _] = Stream::new(1, i, 0).uniform4(0);
         let (diffuse, emission) = (Vec3::new(red, green, blue), Vec3::new(blue, red, green) * (i % 2) as f32);
-        Material { diffuse, emission, emits_both_sides: i % 4 == 3, ..Material::default() }
+        Material { emission, emits_both_sides: i % 4 == 3, ..Material::matte(diffuse) }
     };
     let mesh = |i: u32| Mesh {
         positions: [1, 2, 3].map(|set| UniformSphere.map(Stream::new(1, i, 0).uniform2(set))).into(),
@@ -108,10 +108,12 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
             for (i, (path, ray, hit)) in numbers.iter().enumerate() {
                 let seen = world.surface_at(hit);
                 assert_eq!(block.is_general(i), seen.emitted(ray.direction) != Vec3::ZERO, "{isa:?}, {i}");
-                let surface = seen.facing(ray.direction);
+                let mut surface = seen.facing(ray.direction);
+                let scattering = world.scattering(&mut surface);
                 // A light, as one path would sample it.
                 let u = u_light_choice(block.u_light[i], block.u_direction[i]);
-                let sample = sample_direct(&world, &surface, (lights, SkyPart::Bright), (u, block.u_light[i].y));
+                let sample =
+                    sample_direct(&world, &surface, &scattering, (lights, SkyPart::Bright), (u, block.u_light[i].y));
                 unlit += usize::from(sample.is_none());
                 if let Some(ShadowRay { ray, radiance }) = sample {
                     let (shadow, found) = connected.next().unwrap();
@@ -121,7 +123,7 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
                     lit += 1;
                 }
                 let survival = (path.throughput * surface.diffuse).max_element().min(0.9);
-                if let Some(bounce) = surface.sample(ray.direction, block.u_direction[i])
+                if let Some(bounce) = scattering.sample(block.u_direction[i])
                     && block.u_roulette[i] < survival
                 {
                     let (next_ray, next) = gone_on.next().unwrap();

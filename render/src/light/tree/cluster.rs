@@ -99,5 +99,5 @@ pub(crate) fn height(z: f32, radius: f32) -> f32 {
 /// A weight that can be added to others: finite, and 0 instead of what is no number.
 #[inline(always)]
 pub(crate) fn tame(weight: f32) -> f32 {
-    weight.max(0.0).min(1e30)
+    if weight > 0.0 { weight.min(1e30) } else { 0.0 }
 }

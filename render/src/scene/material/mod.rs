@@ -1,8 +1,10 @@
 //! Materials as files describe them: constants, the maps that vary them, and what belongs to no closure.
 
 mod input;
+mod kind;
 mod legacy;
 mod maps;
+mod presets;
 
 use glam::{Vec3, Vec4};
 

@@ -168,6 +168,6 @@ fn sensors(world: &World, places: Places, side: u32) -> Vec<Sensor> {
         let hit = world.tree().intersect(&ray)?;
         Some(world.surface_at(&hit).facing(ray.direction))
     });
-    let scattering = surfaces.filter(|surface| surface.material.diffuse != Vec3::ZERO);
+    let scattering = surfaces.filter(|surface| surface.diffuse != Vec3::ZERO);
     scattering.map(|surface| Sensor { position: surface.position, normal: surface.shading_normal }).collect()
 }

@@ -1,0 +1,94 @@
+//! What the surfaces of a block do with light. All of a block have one kind of closure: Lambert's is computed in lanes, the
+//! others one by one, each in code of its own.
+
+use glam::{Vec2, Vec3};
+
+use super::LANES;
+use crate::bsdf::{Bounce, Scattering};
+use crate::material::Bsdf;
+use crate::world::{Surface, World};
+
+/// The closures of a block's surfaces.
+pub(in crate::integrator) trait BlockClosures {
+    /// Whether all lanes are computed, so that loops over them become lanes.
+    const IN_LANES: bool;
+
+    /// Forgets those of the block before.
+    fn clear(&mut self);
+
+    /// Takes the closure of the next path's surface, whose normals face the viewer, and tells the surface what it must know
+    /// of it. Gives the part of all light that is scattered, and what is left of light after the way to the surface.
+    fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3);
+
+    /// `f cos θ` of path `i` for light from a unit vector, and the density per solid angle with which it is sampled.
+    fn eval(&self, i: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32);
+
+    /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
+    fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
+}
+
+/// Diffuse reflection, of which the block itself knows all.
+#[derive(Default)]
+pub(in crate::integrator) struct Lambert;
+
+impl BlockClosures for Lambert {
+    const IN_LANES: bool = true;
+
+    fn clear(&mut self) {}
+
+    #[inline(always)]
+    fn arrive(&mut self, _: &World, surface: &mut Surface, _: f32) -> (Vec3, Vec3) {
+        (surface.diffuse, Vec3::ONE)
+    }
+
+    #[inline(always)]
+    fn eval(&self, _: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32) {
+        let lambert = surface.lambert(direction);
+        (surface.diffuse * lambert, lambert)
+    }
+
+    #[inline(always)]
+    fn sample(&self, _: usize, surface: &Surface, _: Vec2, cosine: Vec3) -> (Bounce, bool) {
+        surface.scatter(cosine)
+    }
+}
+
+/// Closures of one type.
+pub(in crate::integrator) struct Closures<B>(Vec<Scattering<B>>);
+
+impl<B> Default for Closures<B> {
+    fn default() -> Self {
+        Self(Vec::with_capacity(LANES))
+    }
+}
+
+impl<B: Bsdf> BlockClosures for Closures<B> {
+    const IN_LANES: bool = false;
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    #[inline]
+    fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3) {
+        let inputs = world.inputs(surface);
+        let scattering = Scattering::with(surface, |is_inside| B::new(&inputs, is_inside));
+        surface.transmits = scattering.transmits();
+        let albedo = scattering.albedo();
+        self.0.push(scattering);
+        (albedo, surface.transmittance(&inputs, distance))
+    }
+
+    #[inline]
+    fn eval(&self, i: usize, _: &Surface, direction: Vec3) -> (Vec3, f32) {
+        self.0[i].eval(direction)
+    }
+
+    #[inline]
+    fn sample(&self, i: usize, _: &Surface, u: Vec2, _: Vec3) -> (Bounce, bool) {
+        match self.0[i].sample(u) {
+            Some(bounce) => (bounce, bounce.weight.max_element() > 0.0),
+            None => (Bounce::NONE, false),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What a material asks of whoever shades it.
+
+use std::f32::consts::FRAC_1_SQRT_2;
+
+use glam::Vec3;
+
+use super::Material;
+use crate::material::{Bsdf, Closure, Inputs, Kind};
+use crate::scene::MeshPoint;
+
+impl Material {
+    /// The kind of closure that it needs wherever it is: that of the greatest values of its inputs.
+    pub(crate) fn kind(&self) -> Kind {
+        let mut greatest = self.inputs;
+        for target in self.maps.iter().flat_map(|map| &map.targets) {
+            let value = target.input.get(&greatest).max(Vec3::splat(target.zero));
+            target.input.set(&mut greatest, value);
+        }
+        if self.unlit { Kind::Matte } else { Kind::of(&greatest) }
+    }
+
+    /// The albedo of diffuse reflection where it is [`Kind::Matte`].
+    pub(crate) fn matte_color_at(&self, point: &MeshPoint) -> Vec3 {
+        if self.unlit { Vec3::ZERO } else { self.inputs_at(point).base_color }
+    }
+
+    /// The albedo of diffuse reflection, about, without textures.
+    pub(crate) fn mean_diffuse(&self) -> Vec3 {
+        let Inputs { base_color, base_metalness, transmission_weight, diffuse_transmission_weight, .. } = self.inputs;
+        let part = (1.0 - base_metalness) * (1.0 - transmission_weight) * (1.0 - diffuse_transmission_weight);
+        if self.unlit { Vec3::ZERO } else { base_color * part }
+    }
+
+    /// The part of light that it scatters, about, without textures.
+    pub(crate) fn mean_albedo(&self) -> Vec3 {
+        const OBLIQUE: Vec3 = Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
+        if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
+    }
+
+    /// Whether it scatters nearly as a diffuse surface of its albedo would.
+    pub(crate) fn is_nearly_diffuse(&self) -> bool {
+        const ROUGH: f32 = 0.25;
+        let Inputs { base_metalness, transmission_weight, diffuse_transmission_weight, coat_weight, .. } = self.inputs;
+        let is_opaque = transmission_weight == 0.0 && diffuse_transmission_weight == 0.0;
+        is_opaque && base_metalness < 0.5 && coat_weight == 0.0 && self.inputs.specular_roughness >= ROUGH
+    }
+
+    /// Whether light goes through, so that one may see it from within.
+    pub(crate) fn is_glass(&self) -> bool {
+        self.kind() >= Kind::Transmissive && self.inputs.transmission_weight > 0.0
+    }
+
+    /// Whether it is the same all over a mesh, vertex normals left aside.
+    pub(crate) fn is_uniform(&self) -> bool {
+        let has_maps = !self.maps.is_empty() || self.emission_map.is_some() || self.anisotropy.is_some();
+        let turns_normals = self.normal_map.is_some() || self.bump_map.is_some();
+        !has_maps && !turns_normals && !self.uses_vertex_colors && self.tangent_rotation == 0.0
+    }
+
+    /// Whether it has holes, or is there in part.
+    pub(crate) fn has_holes(&self) -> bool {
+        !self.opacity.is_whole() || self.uses_vertex_colors
+    }
+}
