@@ -2,6 +2,7 @@
 
 mod inputs;
 mod light_shares;
+mod light_visibility;
 mod shading_records;
 mod surface;
 mod trace;
@@ -109,7 +110,7 @@ impl World {
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes());
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
-        Ok(Self {
+        let mut world = Self {
             meshes,
             materials,
             textures,
@@ -126,7 +127,9 @@ impl World {
             lights,
             camera,
             surroundings_hash,
-        })
+        };
+        world.estimate_light_visibility();
+        Ok(world)
     }
 
     /// The tree, for tracing.

@@ -39,6 +39,21 @@ impl Patches {
         self.len += 1;
     }
 
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The mean direction towards a patch.
+    pub(crate) fn direction(&self, index: usize) -> Vec3 {
+        at(&self.rows[index / WIDTH].direction, index % WIDTH)
+    }
+
+    /// Lets a patch weigh less.
+    pub(crate) fn scale(&mut self, index: usize, factor: f32) {
+        self.rows[index / WIDTH].irradiance[index % WIDTH] *= factor;
+    }
+
     /// The irradiance that each row of them causes at the receiver if nothing is in between.
     #[inline(always)]
     pub(crate) fn rows<'a>(&'a self, receiver: &'a Receiver) -> impl Iterator<Item = Lane> + 'a {

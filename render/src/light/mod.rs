@@ -7,6 +7,7 @@
 
 mod ambient;
 mod distant;
+pub(crate) mod few;
 mod receiver;
 mod sky;
 mod tree;
@@ -18,11 +19,12 @@ use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::{Aabb, Triangle};
 
 use self::distant::Patches;
+use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::cluster::Lane;
-pub(crate) use self::tree::leaf::PointLight;
-use self::tree::leaf::{Points, TriangleLight, Triangles};
+pub(crate) use self::tree::leaf::{PointLight, TriangleLight};
+use self::tree::leaf::{Points, Triangles};
 use self::tree::{Pick, RootWeights, Tree};
 use crate::scene::{Material, PunctualLight};
 use crate::settings::LightSampling;
@@ -33,6 +35,8 @@ pub(crate) struct LightSampler {
     /// Triangles, then points and spots, then directional lights, then the sky.
     lights: Vec<Light>,
     triangles: Option<Tree<Triangles>>,
+    /// The triangles once more, if there are few and no other lights but perhaps the sky.
+    few: Vec<TriangleLight>,
     points: Option<Tree<Points>>,
     directional: Patches,
     /// The numbers of punctual lights in the scene, in the order of `lights`.
@@ -159,8 +163,10 @@ impl LightSampler {
         // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of light.
         let reach = Vec3::splat((areas * std::f32::consts::FRAC_1_PI).sqrt());
         let surroundings = Aabb { min: box_of_lights.min - reach, max: box_of_lights.max + reach };
+        let are_few = emitting.len() <= FEW && punctual_numbers.is_empty();
         Self {
             triangles: Tree::build(&emitting),
+            few: if are_few { emitting } else { Vec::new() },
             points: Tree::build(&points),
             lights,
             directional,
@@ -198,6 +204,11 @@ impl LightSampler {
         if total <= 0.0 {
             return None;
         }
+        if !self.few.is_empty() && weights.sky == 0.0 {
+            let [a, b, c, d, ..] = weights.triangles[0];
+            let (index, probability, rest) = few::choose([a, b, c, d], u);
+            return Some(SampledLight { index, probability, rest });
+        }
         let mut place = u * f64::from(total);
         let kinds = [weights.triangles_sum, weights.points_sum, weights.directional, weights.sky];
         // The last of those that have any, if rounding led behind all of them.
@@ -221,6 +232,36 @@ impl LightSampler {
         };
         let rest = (pick.rest as f32).min(ONE_MINUS_EPSILON);
         Some(SampledLight { index: first + pick.index, probability: part * pick.probability, rest })
+    }
+
+    /// Whether anything shines from infinitely far away.
+    pub(crate) fn has_distant(&self) -> bool {
+        self.directional.len() > 0 || self.sky.mean() != Vec3::ZERO
+    }
+
+    /// How many lights are directional.
+    pub(crate) fn directional_count(&self) -> usize {
+        self.directional.len()
+    }
+
+    /// The direction towards a directional light.
+    pub(crate) fn towards_directional(&self, index: usize) -> Vec3 {
+        self.directional.direction(index)
+    }
+
+    /// Multiplies weights by the part of the scene that each directional light and each part of the sky reaches; `open` is
+    /// the part of scattered rays that see the sky.
+    pub(crate) fn set_visibility(&mut self, directional: &[f32], sky: [f32; 3], open: f32) {
+        for (index, &visibility) in directional.iter().enumerate() {
+            self.directional.scale(index, visibility);
+        }
+        self.sky.set_visibility(sky, open);
+    }
+
+    /// All lights, if they are few triangles and light samples are to find nothing of this part of the sky.
+    #[inline(always)]
+    pub(crate) fn few(&self, part: SkyPart) -> &[TriangleLight] {
+        if self.sky.has(part) { &[] } else { &self.few }
     }
 
     /// The directional light that lies at this place if all lie side by side.

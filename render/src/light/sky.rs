@@ -35,6 +35,8 @@ pub(crate) enum SkyPart {
 
 /// A texel may be so many times as bright as the mean before it counts as a part of the sun. A clear sky without its sun is below that.
 const SUN: f64 = 8.0;
+/// A constant sky that would weigh less than this part of its irradiance is left to bounces.
+const LEAST_OPEN: f32 = 0.005;
 
 /// The sky, ready to be sampled.
 #[derive(Debug)]
@@ -42,8 +44,10 @@ pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
     picture: Option<SkyPicture>,
+    /// By how much each part weighs less than if nothing were in between.
+    visibility: [f32; 3],
     /// Each part of a picture, with its patches.
-    parts: [Option<(Peaks, Patches)>; 3],
+    parts: Box<[Option<(Peaks, Patches)>; 3]>,
 }
 
 /// Where to look for the sky.
@@ -63,16 +67,17 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             picture
         });
-        let mut light = Self { constant, mean, picture, parts: [None, None, None] };
+        let visibility = if picture.is_some() { [1.0; 3] } else { [1.0, 0.0, 0.0] };
+        let mut light = Self { constant, mean, picture, visibility, parts: Box::default() };
         if let Some(picture) = light.picture.take_if(|_| mean != Vec3::ZERO) {
             // A sun may be most of the mean, so that the second time counts.
             let sun = SUN * clipped_mean(&picture, SUN * clipped_mean(&picture, f64::INFINITY));
             let limits = [0.0, clipped_mean(&picture, f64::INFINITY), sun];
-            light.parts = limits.map(|limit| {
+            light.parts = Box::new(limits.map(|limit| {
                 let peaks = Peaks::of(&picture, limit)?;
                 let patches = peaks.patches(&picture);
                 Some((peaks, patches))
-            });
+            }));
             light.picture = Some(picture);
         }
         light
@@ -80,6 +85,20 @@ impl SkyLight {
 
     fn part(&self, part: SkyPart) -> Option<&(Peaks, Patches)> {
         self.parts[part as usize].as_ref()
+    }
+
+    /// Takes estimates of the part of the scene that each part of the sky reaches; `open` is the part of scattered rays that
+    /// see the sky.
+    pub(crate) fn set_visibility(&mut self, parts: [f32; 3], open: f32) {
+        self.visibility = match self.picture {
+            Some(_) => parts,
+            None => {
+                // Bounces follow the cosine as light samples would. Where most of them find the sky that is enough; where few do,
+                // as in a room with a window, each one more counts.
+                let bright = open * (1.0 - open).powi(4);
+                [parts[0], if bright > LEAST_OPEN { bright } else { 0.0 }, 0.0]
+            }
+        };
     }
 
     /// Radiance from this unit vector.
@@ -105,7 +124,7 @@ impl SkyLight {
     pub(crate) fn has(&self, part: SkyPart) -> bool {
         match self.picture {
             Some(_) => self.part(part).is_some(),
-            None => part == SkyPart::All && self.mean != Vec3::ZERO,
+            None => self.visibility[part as usize] > 0.0 && self.mean != Vec3::ZERO,
         }
     }
 
@@ -115,9 +134,10 @@ impl SkyLight {
         if !self.has(part) {
             return 0.0;
         }
+        let visibility = self.visibility[part as usize];
         match self.part(part) {
-            Some((_, patches)) => patches.rows(receiver).map(|row| super::tree::sum(&row)).sum(),
-            None => luminance_weight(self.constant) * PI * (1.0 + receiver.behind),
+            Some((_, patches)) => patches.rows(receiver).map(|row| super::tree::sum(&row)).sum::<f32>() * visibility,
+            None => luminance_weight(self.constant) * PI * (1.0 + receiver.behind) * visibility,
         }
     }
 

@@ -222,6 +222,9 @@ fn what_can_send_light_is_never_without_a_chance() {
                 brightness * irradiance(&receiver, &triangles[prim], material.emits_both_sides)
             })
             .sum();
+        if all == 0.0 {
+            continue;
+        }
         for prim in 0..400 {
             let material = &materials[prim];
             let sent = irradiance(&receiver, &triangles[prim], material.emits_both_sides);
@@ -257,5 +260,20 @@ fn few_lights_are_chosen_by_what_they_send() {
             let expected = part / sent.iter().sum::<f64>() * among;
             assert!((probability - expected).abs() < 0.01 * among, "receiver {i}: {probability}, not {expected}");
         }
+    }
+}
+
+/// On walls that meet a light, or are nearly in its plane, most of the light comes from what is nearest.
+#[test]
+fn large_lights_have_their_share_however_near_they_are() {
+    let wall = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 0.0, 1.0)];
+    let ceiling = [Vec3::new(0.0, -1.0, 2.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, 2.0)];
+    let material = Material { emission: Vec3::ONE, emits_both_sides: true, ..Material::default() };
+    let lights = lights((vec![wall, ceiling], vec![material.clone(), material]), Vec::new(), Sky::default());
+    for power in 1..16 {
+        let distance = 0.5f32.powi(power);
+        let receiver = Receiver::new(Vec3::new(0.3, -distance, 1e-4), Vec3::Z, false);
+        let near = f64::from(lights.probability(0, &receiver, SkyPart::Bright));
+        assert!(near > 0.3, "{distance} from the wall: {near}");
     }
 }

@@ -9,7 +9,8 @@ use super::columns::{Column, EmitterColumns, Integers, LANES, Rays, Vectors, gat
 use super::{BlockClosures, PathBlock};
 use crate::estimator::{area_light_sample, light_warp};
 use crate::integrator::state::u_light_choice;
-use crate::light::{Receiver, SampledLight, SkyPart};
+use crate::light::few::{self, FEW};
+use crate::light::{Receiver, SampledLight, SkyPart, TriangleLight};
 use crate::scene::Material;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World, interpolate};
@@ -100,6 +101,20 @@ impl PathBlock {
         if !world.lights.has_any(part) {
             return false;
         }
+        if world.lights.few(part).is_empty() {
+            self.choose_from_all(world, part);
+        } else {
+            self.choose_from_few(world.lights.few(part));
+        }
+        let LightSamples { lights, emitters, uv, .. } = &mut self.light_samples;
+        gather::<3, _, _>(world.isa(), world.emitter_records(), &lights[..self.len], emitters);
+        uv[1].iter_mut().zip(&self.u_light).for_each(|(up, u_light)| *up = u_light.y);
+        true
+    }
+
+    /// Chooses one by one.
+    #[inline(always)]
+    fn choose_from_all(&mut self, world: &World, part: SkyPart) {
         let none = world.lights.lights().len() as u32 - 1;
         for i in 0..self.len {
             let receiver = self.receiver(i);
@@ -112,10 +127,24 @@ impl PathBlock {
             samples.uv[0][i] = light.rest;
             samples.sky_probability[i] = weights.sky_probability();
         }
-        let LightSamples { lights, emitters, uv, .. } = &mut self.light_samples;
-        gather::<3, _, _>(world.isa(), world.emitter_records(), &lights[..self.len], emitters);
-        uv[1].iter_mut().zip(&self.u_light).for_each(|(up, u_light)| *up = u_light.y);
-        true
+    }
+
+    /// Chooses in lanes.
+    #[inline(always)]
+    fn choose_from_few(&mut self, few: &[TriangleLight]) {
+        let mut weights = [[0.0; LANES]; FEW];
+        for (weights, light) in weights.iter_mut().zip(few) {
+            for (i, weight) in weights.iter_mut().enumerate() {
+                *weight = few::weight(light, &self.receiver(i));
+            }
+        }
+        let [a, b, c, d] = &weights;
+        let samples = &mut self.light_samples;
+        for i in 0..LANES {
+            let u = u_light_choice(self.u_light[i], self.u_direction[i]);
+            let (index, probability, rest) = few::choose([a[i], b[i], c[i], d[i]], u);
+            (samples.lights[i], samples.probability[i], samples.uv[0][i]) = (index, probability, rest);
+        }
     }
 
     /// Whether there may be a light that [`sample_lights`](Self::sample_lights) does not know.
