@@ -216,6 +216,11 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
         }
     }
     if document.is_from_blender() {
+        if scene.lights.is_empty() && cameras.is_empty() {
+            notes.add_unless_told(
+                "the file has neither lights nor cameras; Blender exports them with Include > Punctual Lights and Cameras",
+            );
+        }
         for place in empty_nodes(&document) {
             notes.add("empty nodes; Blender leaves one of each area light, which glTF does not have", place);
         }

@@ -137,7 +137,10 @@ impl Finish<'_, '_> {
     fn layers(&mut self, it: &Statements) {
         let inputs = &mut self.material.inputs;
         inputs.fuzz_weight = it.sheen;
-        (inputs.coat_weight, inputs.coat_roughness, inputs.coat_ior) = (it.coat, it.coat_roughness, GLASS_IOR);
+        (inputs.coat_weight, inputs.coat_roughness) = (it.coat, it.coat_roughness);
+        if it.coat > 0.0 {
+            inputs.coat_ior = GLASS_IOR;
+        }
         inputs.specular_anisotropy = it.anisotropy;
         self.material.tangent_rotation = it.rotation * core::f32::consts::TAU;
         if inputs.transmission_weight == 0.0 {

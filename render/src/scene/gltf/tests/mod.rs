@@ -1,5 +1,6 @@
 //! Documents that the tests of this folder change, and what they read from them.
 
+mod extensions;
 mod file;
 mod geometry;
 mod nodes;

@@ -98,3 +98,21 @@ fn deep_hierarchies_do_not_overflow_the_stack() {
     nodes.push(json!({"mesh": 0}));
     assert_eq!(parse(with("/nodes", json!(nodes))).unwrap().meshes.len(), 1);
 }
+
+/// Blender's default export leaves lights and cameras out, and an area light is an empty node.
+#[test]
+fn what_blender_leaves_out_is_told() {
+    let mut document = triangle();
+    document["nodes"] = json!([{"mesh": 0}, {"name": "Area"}]);
+    assert!(parse(document.clone()).unwrap().warnings.is_empty());
+    document["asset"]["generator"] = json!("Khronos glTF Blender I/O v5.0.21");
+    let warnings = parse(document).unwrap().warnings;
+    assert_eq!(
+        warnings,
+        [
+            "model.gltf: empty nodes; Blender leaves one of each area light, which glTF does not have: node 1 (\"Area\")",
+            "model.gltf: the file has neither lights nor cameras; Blender exports them with Include > Punctual Lights and \
+             Cameras",
+        ]
+    );
+}
