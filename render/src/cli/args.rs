@@ -40,8 +40,8 @@ pub(super) struct RenderArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     pub(super) scene: PathBuf,
 
-    /// Picture to write, .exr (linear radiance) or .png (tone mapped); may be given several times
-    /// [default: the scene's name with .exr and .png, in the current folder]
+    /// Picture to write: .exr (linear radiance) or .png (tone mapped); can be given several times [default: the scene's
+    /// name with .exr and .png, in the current folder]
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
 
@@ -53,12 +53,13 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     pub(super) common: CommonArguments,
 
-    /// cached: use the records of this cache, which `halfdome cache build` made with the same options; it is not changed
+    /// cached: read the records of this cache, which `halfdome cache build` made with the same options; the file is not
+    /// changed
     #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
     pub(super) cache: Option<PathBuf>,
 
-    /// Write the pictures early: when a ray for each square of SIDE pixels is traced, then for squares of half the side,
-    /// and so on; the pictures in the end do not depend on it [default: off; 32 without a SIDE]
+    /// Write previews early: one sample for each square of SIDE pixels, then for squares of half the side, and so on;
+    /// the final picture is the same [default: off; 32 without a SIDE]
     #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
     #[arg(value_parser = square)]
     pub(super) progressive: Option<u32>,
@@ -76,11 +77,11 @@ pub(super) struct RenderArguments {
 /// How a command runs, whatever it does.
 #[derive(Args, Clone, Debug)]
 pub(super) struct CommonArguments {
-    /// Threads; results do not depend on them [default: one for each core]
+    /// Number of threads; results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
 
-    /// How progress is shown on stderr; auto is a bar on a terminal, lines of JSON elsewhere
+    /// How to show progress on stderr; auto is a bar on a terminal, lines of JSON elsewhere
     #[arg(long, value_name = "MODE", default_value = "auto")]
     pub(super) progress: Mode,
 }
@@ -112,8 +113,8 @@ impl RenderArguments {
         for (i, path) in self.outputs.iter().enumerate() {
             if places[..i].contains(&places[i]) {
                 return Err(Invalid::new(
-                    format!("{} would be written twice", path.display()),
-                    "give each picture a name of its own",
+                    format!("{} is given twice", path.display()),
+                    "give each picture its own name",
                 ));
             }
         }

@@ -38,68 +38,69 @@ pub(super) struct BakeArguments {
     /// A model (.glb, .gltf, .obj, .ply), a scene file (.toml), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// Model to write with lightmap coordinates: .glb or .gltf as the model is, or .obj; maps and a manifest (.json) are
-    /// named after it
+    /// Model to write, with lightmap coordinates: .glb or .gltf like the input, or .obj. Maps and a manifest (.json)
+    /// are named after it
     #[arg(short, long, value_name = "FILE", required_unless_present = "check_uv")]
     output: Option<PathBuf>,
 
-    /// For whom: bevy (E/π as KTX2), three (E as .hdr, MOZ_lightmap) or raw; OpenEXR maps of E are always written
+    /// Target: bevy (E/π as KTX2), three (E as .hdr, MOZ_lightmap) or raw; EXR maps of E are always written
     #[arg(long, value_name = "NAME", default_value = "raw", value_parser = names(Preset::ALL, Preset::name))]
     preset: Preset,
 
-    /// What counts: full, indirect (what surfaces reflect, and the sky), direct (emitters, lights, and the sun of a sky's
-    /// picture), or ao (ambient occlusion)
+    /// Light to bake: full, indirect (light reflected by surfaces, and the sky), direct (emitters, lights and the sun
+    /// of an environment map) or ao (ambient occlusion)
     #[arg(long, value_name = "WHAT", default_value = "full", value_parser = names(Mode::ALL, Mode::name))]
     mode: Mode,
 
-    /// What is kept of where light comes from: none, hl2 (irradiance for three normals) or sh1 (spherical harmonics of
-    /// radiance); as layers of the OpenEXR maps, and for bevy and three as a KTX2 array too (.hl2.ktx2, .sh1.ktx2)
+    /// Directional layers: none, hl2 (irradiance for three normals) or sh1 (spherical harmonics of radiance, first
+    /// order); in the EXR maps and, for bevy and three, in a KTX2 array (.hl2.ktx2, .sh1.ktx2)
     #[arg(long, value_name = "BASIS", default_value = "none")]
     #[arg(value_parser = names(Directional::ALL, Directional::name))]
     directional: Directional,
 
-    /// Samples of direct light at each texel, or its rays of ambient occlusion
+    /// Samples of direct light per texel; with --mode ao, rays per texel
     #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
-    /// Let every texel gather for itself, without a cache
+    /// Gather at every texel, without an irradiance cache
     #[arg(long)]
     brute: bool,
 
-    /// ao: the distance from which on hits do not occlude [default: any]
+    /// --mode ao: hits farther away than this do not occlude [default: unlimited]
     #[arg(long, value_name = "D", value_parser = positive)]
     ao_distance: Option<f32>,
 
-    /// Take noise out of the maps, inside of each chart
+    /// Denoise the maps, within each chart
     #[arg(long)]
     denoise: bool,
 
-    /// Texels across and down a page, at most
+    /// Largest width and height of a page in texels
     #[arg(long, value_name = "TEXELS", default_value = "1024", help_heading = "Layout")]
     #[arg(value_parser = clap::value_parser!(u32).range(i64::from(BakeOptions::MIN_SIZE)..=i64::from(BakeOptions::MAX_SIZE)))]
     size: u32,
 
-    /// Texels in a unit of length; there will be as many pages as that takes [default: what fits on one page]
+    /// Texels per unit of length, on as many pages as that takes [default: what fits on one page]
     #[arg(long, value_name = "TEXELS_PER_UNIT", help_heading = "Layout", value_parser = positive)]
     density: Option<f32>,
 
-    /// How engines will sample the maps: bilinear or bicubic
+    /// How the engine will filter the maps: bilinear or bicubic
     #[arg(long, value_name = "HOW", default_value = "bilinear", help_heading = "Layout")]
     #[arg(value_parser = names(Sampling::ALL, Sampling::name))]
     sampling: Sampling,
 
-    /// Texels between charts at least [default: 2, for bicubic sampling 4]
+    /// Least distance between charts in texels [default: 2; 4 with --sampling bicubic]
     #[arg(long, value_name = "TEXELS", help_heading = "Layout")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(BakeOptions::MAX_GUTTER)))]
     gutter: Option<u32>,
 
-    /// The model's own second texture coordinates: auto (used if they are right), keep (they must be) or new (not used)
+    /// The model's second texture coordinates (UV2): auto (use them if they are valid), keep (fail if they are not) or
+    /// new (ignore them)
     #[arg(long, value_name = "WHICH", default_value = "auto", help_heading = "Layout")]
     #[arg(value_parser = names(Coordinates::ALL, Coordinates::name))]
     uv: Coordinates,
 
-    /// Check the model's second texture coordinates, or new ones if it has none, instead of baking: overlaps, lost and
-    /// stretched charts, fill; with a picture (.png) if one is named
+    /// Check UV2 instead of baking, or new coordinates if the model has none: overlaps, lost and stretched charts,
+    /// fill; draw them if a picture (.png) is named
     #[arg(long, value_name = "PICTURE", num_args = 0..=1, require_equals = true, help_heading = "Layout")]
     check_uv: Option<Option<PathBuf>>,
 
@@ -109,11 +110,11 @@ pub(super) struct BakeArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// Go on with a bake that was stopped or killed, from the state beside the output
+    /// Continue a bake that was stopped or killed, from the state beside the output
     #[arg(long)]
     resume: bool,
 
-    /// Write a report for people, in one file (.html)
+    /// Write a report to look at: one file (.html) with charts, density, records and errors
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
@@ -163,8 +164,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
     if arguments.mode == Mode::Ao && arguments.directional != Directional::None {
-        let problem = format!("ambient occlusion has no directions for --directional {}", arguments.directional.name());
-        return Err(invalid(problem, "leave it out, or give another --mode"));
+        let problem = format!("--mode ao cannot be directional (--directional {})", arguments.directional.name());
+        return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let (mut scene, settings) = prepare(&arguments.scene, overrides)?;
@@ -187,10 +188,13 @@ fn bake(
             // Any surface may reflect light to any other.
             print_text(
                 style,
-                &format!("{}: light may have changed everywhere, so all of it is baked", changes.join(", ")),
+                &format!(
+                    "{}: light may have changed everywhere, so the whole level is baked again",
+                    changes.join(", ")
+                ),
             );
         } else if let Some(fault) = files.fault(&old) {
-            print_text(style, &format!("{fault}, so all of it is baked"));
+            print_text(style, &format!("{fault}, so the whole level is baked again"));
         } else {
             print_text(style, &format!("{} is up to date", files.model.display()));
             return Ok(EXIT_DONE);
@@ -206,7 +210,7 @@ fn bake(
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
-    memory::require(&format!("a bake of {texels} texels"), bytes, "give a lower --density or a smaller --size")?;
+    memory::require(&format!("a bake of {texels} texels"), bytes, "use a lower --density or a smaller --size")?;
     let world = World::new(scene.clone()).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
@@ -215,12 +219,12 @@ fn bake(
     drop(world);
     let Some(mut baked) = baked else {
         checkpoint.save().map_err(CliError::system)?;
-        print_text(style, &format!("interrupted; --resume goes on from {}", state.display()));
+        print_text(style, &format!("interrupted; continue with --resume from {}", state.display()));
         return Ok(EXIT_INTERRUPTED);
     };
     warn(style, &mut baked.warnings);
     if let Some(failure) = checkpoint.failure() {
-        print_warning(style, &format!("the state could not be kept meanwhile: {failure}"));
+        print_warning(style, &format!("the state for --resume could not be written: {failure}"));
     }
     let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
     warn(style, &mut warnings);
@@ -231,5 +235,5 @@ fn bake(
 
 fn positive(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number more than 0".to_owned())
+    number.ok_or_else(|| "expected a number greater than 0".to_owned())
 }

@@ -15,14 +15,14 @@ use super::probes::ProbesArguments;
 use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
 
-/// Renders scenes with global illumination
+/// Renders scenes with global illumination, and bakes lightmaps, cube maps and light probes
 ///
-/// Without a command, the built-in Cornell box is rendered with 32 samples per pixel, to cornell.exr and cornell.png in
+/// Without a command it renders the built-in Cornell box with 32 samples per pixel, to cornell.exr and cornell.png in
 /// the current folder.
 #[derive(Parser, Debug)]
 #[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {
-    /// What to do; without one, the built-in Cornell box is rendered.
+    /// What to do; without one, renders the built-in Cornell box.
     #[command(subcommand)]
     pub(super) command: Option<Command>,
 }
@@ -32,31 +32,31 @@ pub(super) enum Command {
     /// Render a scene to pictures
     #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
     Render(Box<RenderArguments>),
-    /// Say what is in a scene, without rendering it, or in a tree that `halfdome tree` has written
+    /// Show what is in a scene, or in a tree that `halfdome tree` wrote
     #[command(after_help = EXIT_CODES)]
     Info(InfoArguments),
-    /// Print what was understood of a scene's materials, as [[material]] tables for a scene file
+    /// Print a scene's materials as they were understood, as [[material]] tables for a scene file
     #[command(after_help = EXIT_CODES)]
     Materials(MaterialsArguments),
-    /// Bake lightmaps or ambient occlusion for a level
+    /// Bake lightmaps or ambient occlusion for a model
     #[command(after_help = format!("{BAKE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Bake(Box<BakeArguments>),
-    /// Find the irradiance at given points
+    /// Compute irradiance at given points
     #[command(after_help = EXIT_CODES)]
     Irradiance(Box<IrradianceArguments>),
     /// Build, inspect, merge and draw irradiance caches
     #[command(subcommand, after_help = EXIT_CODES)]
     Cache(CacheCommand),
-    /// Build the tree of a scene's triangles, and write it for programs that embed the kernel
+    /// Build the BVH of a scene, and write it for programs that embed the kernel
     #[command(after_help = EXIT_CODES)]
     Tree(TreeArguments),
-    /// Make a prefiltered cube map of an environment, or of what a point in a scene sees
+    /// Make a prefiltered cube map of an environment, or of the view from a point in a scene
     #[command(after_help = format!("{CUBEMAP_EXAMPLES}\n\n{EXIT_CODES}"))]
     Cubemap(Box<CubemapArguments>),
-    /// Find the light around points in a scene: spherical harmonics, and volumes of them for Bevy
+    /// Compute light probes: spherical harmonics at points or on a grid
     #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
     Probes(Box<ProbesArguments>),
-    /// Render scenes whose answer is known exactly, and compare
+    /// Check the renderer on scenes with exact answers
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
 }

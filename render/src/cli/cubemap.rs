@@ -28,43 +28,44 @@ const SKY: &str = "sky";
 /// What `halfdome cubemap` takes.
 #[derive(Args, Clone, Debug)]
 pub(super) struct CubemapArguments {
-    /// A picture of all directions (.hdr, .exr; equirectangular), `sky` for the sky of the options, or with --at a scene
-    /// (.toml, .obj, .ply, .gltf, .glb, `cornell`)
+    /// An environment map (.hdr, .exr; equirectangular), `sky` for the sky of the options, or with --at a scene (.toml,
+    /// .obj, .ply, .gltf, .glb, `cornell`)
     source: PathBuf,
 
-    /// The point in the scene, in its units
+    /// A point in the scene, in the scene's units
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = value::argument(value::point))]
     at: Option<Vec3>,
 
-    /// File to write; may be given several times: .ktx2 (RGBA16F with all levels), .exr (all levels, unfolded), .hdr
-    /// (six files, NAME-px.hdr and so on, and further ones for each level), .png (to look at, with seams as lookups show
-    /// them). A manifest NAME.json is written too
+    /// File to write; can be given several times: .ktx2 (RGBA16F, all levels), .exr (all levels, unfolded), .hdr (six
+    /// files, NAME-px.hdr and so on, and more for each level) or .png (to look at, with the seams that lookups show). A
+    /// manifest NAME.json is written too
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 
-    /// Texels across a face of the first level, a power of two
+    /// Width of a face of the first level in texels, a power of two
     #[arg(long, value_name = "TEXELS", default_value = "256", value_parser = side)]
     size: u32,
 
-    /// Levels, each half as large as the one before [default: down to 4 texels]
+    /// Number of levels, each half as wide as the one before [default: down to 4 texels]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
     levels: Option<u32>,
 
-    /// Paths for each texel of the first level, in a scene
+    /// Paths per texel of the first level, in a scene
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
-    /// Against seams where filters know one face alone: none (hardware filters across edges), stretch (faces scaled until
-    /// their outermost texels meet), warp (bent near their edges) or lookup (scaled, and shaders scale what they look up)
+    /// How to hide seams from filters that stay within a face: none (for hardware that filters across edges), stretch
+    /// (faces scaled until their outermost texels meet), warp (bent near the edges) or lookup (scaled here, and scaled
+    /// back by the shader)
     #[arg(long, value_name = "HOW", default_value = "none", value_parser = names(Seams::ALL, Seams::name))]
     seams: Seams,
 
-    /// What levels are filtered by: ggx (by roughness) or phong (by a power of the cosine)
+    /// Lobe that levels are filtered by: ggx (by roughness) or phong (by a power of the cosine)
     #[arg(long, value_name = "LOBE", default_value = "ggx", value_parser = names(Filter::ALL, Filter::name))]
     filter: Filter,
 
-    /// ggx: how a shader finds the level of a roughness: linear (roughness times the last level's number: Bevy) or sqrt (its
-    /// root: Godot)
+    /// ggx: level that a shader looks up for a roughness: linear (roughness times the number of the last level: Bevy)
+    /// or sqrt (its square root: Godot)
     #[arg(long, value_name = "HOW", default_value = "linear", value_parser = names(Mapping::ALL, Mapping::name))]
     mapping: Mapping,
 
@@ -72,12 +73,12 @@ pub(super) struct CubemapArguments {
     #[arg(long, value_name = "WHOSE", default_value = "bevy", value_parser = names(Axes::ALL, Axes::name))]
     axes: Axes,
 
-    /// Make a second map of irradiance over π (NAME-diffuse), with faces of SIDE texels [default: none; 32 without a SIDE]
+    /// Also make a map of irradiance over π (NAME-diffuse), with faces of SIDE texels [default: off; 32 without a SIDE]
     #[arg(long, value_name = "SIDE", num_args = 0..=1, require_equals = true, default_missing_value = "32")]
     #[arg(value_parser = side)]
     diffuse: Option<u32>,
 
-    /// Print the lookup for shaders (wgsl, glsl) instead of the table of seams, and write it beside the map
+    /// Print the shader code for lookups (wgsl, glsl) instead of the table of seams, and write it beside the map
     #[arg(long, value_name = "LANGUAGE", value_parser = names(Language::ALL, Language::name))]
     print_lookup: Option<Language>,
 
@@ -98,7 +99,7 @@ impl CubemapArguments {
         let (size, most) = (self.size, Options::max_levels(self.size));
         let levels = self.levels.unwrap_or(Options::default_levels(size));
         if levels > most {
-            let problem = format!("a cube map of {size} texels has no {levels} levels");
+            let problem = format!("faces of {size} texels cannot have {levels} levels");
             return Err(invalid(problem, format!("give --levels 1 to {most}, or a larger --size")));
         }
         let Self { seams, filter, mapping, axes, diffuse, .. } = *self;
@@ -113,14 +114,14 @@ impl CubemapArguments {
             return match self.at {
                 Some(_) => Ok(None),
                 None => Err(invalid(
-                    format!("{} is taken for a scene, and no point in it is given", self.source.display()),
-                    "add --at X,Y,Z; or name a picture of all directions (.hdr, .exr), or `sky`",
+                    format!("{} is a scene, and needs a point to look from", self.source.display()),
+                    "add --at X,Y,Z, or give an environment map (.hdr, .exr) or `sky`",
                 )),
             };
         }
         if self.at.is_some() {
-            let problem = format!("{} is no scene, so --at means nothing", self.source.display());
-            return Err(invalid(problem, "leave --at out, or name a scene"));
+            let problem = format!("{} is not a scene, so --at cannot be used", self.source.display());
+            return Err(invalid(problem, "leave --at out, or give a scene"));
         }
         let mut overrides = self.light.overrides();
         if is_picture && overrides.sky_light.picture.replace(self.source.clone()).is_some() {
@@ -143,7 +144,7 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
         Some((sky, sun)) => {
             let options = arguments.options(arguments.light.seed.unwrap_or(0))?;
             if sun {
-                let text = "the sun is a light of its own, and is not in the map";
+                let text = "the sun is a light of its own and is not in the map";
                 warn(style, &mut vec![text.to_owned()]);
             }
             finish(arguments, &Environment::sky(sky), &options, &thread_pool(&arguments.common)?, &files, style)
@@ -172,11 +173,11 @@ fn finish(
     let map = pool.install(|| cubemap::make(source, options, &progress));
     drop(progress);
     let Some(map) = map else {
-        print_text(style, "interrupted; nothing is written");
+        print_text(style, "interrupted; nothing was written");
         return Ok(EXIT_INTERRUPTED);
     };
     if map.levels[0].texels.iter().all(|texel| *texel == Vec3::ZERO) {
-        let text = "all of the map is black: nothing is seen, or nothing lights it";
+        let text = "the map is black: nothing is visible from there, or nothing is lit";
         warn(style, &mut vec![text.to_owned()]);
     }
     let (written, mut warnings) = files.write(&map, &arguments.source.display().to_string())?;
@@ -202,7 +203,7 @@ fn finish(
 /// The seams of each level: the map's own, and those that each treatment leaves on a smooth function, with its error.
 fn table(map: &CubeMap) -> String {
     let mut text =
-        "seams between faces, in % of the mean; of a smooth function by each treatment: seam, error\n".to_owned();
+        "seams between faces in % of the mean; then, for a smooth function and each --seams: seam, error\n".to_owned();
     text += "level   size   this map";
     Seams::ALL.iter().for_each(|seams| text += &format!("{:>19}", seams.name()));
     text += "\n";

@@ -4,20 +4,22 @@
 pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  bad input or usage, found before the render
-  2  the system failed, for example while the picture was written
-  3  interrupted (Ctrl-C, SIGTERM); the picture so far is written, or the state from which `bake --resume` goes on;
-     `cubemap`, `probes` and `irradiance` write nothing
-  5  an experiment of `halfdome validate` failed, or a check of `halfdome bake --check-uv`
-  A second Ctrl-C ends the program at once, with 130 and no picture.";
+  1  bad input or usage; nothing is written
+  2  the system failed, for example while writing a file
+  3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
+     `bake` the state for --resume; `cubemap`, `probes` and
+     `irradiance` write nothing
+  5  an experiment of `validate` or a check of `bake --check-uv` failed
+  A second Ctrl-C ends the program at once, with code 130 and no picture.";
 
 /// Of the program.
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  halfdome                              the built-in Cornell box, with 32 samples per pixel
+  halfdome                              render the built-in Cornell box
   halfdome render room.glb              a model, to room.exr and room.png
   halfdome render room.toml --spp 1024  a scene file, with more samples
-  halfdome info room.glb --json         what is in a model";
+  halfdome info room.glb                what is in a model
+  halfdome bake level.glb -o level.baked.glb --preset three";
 
 /// Of `halfdome render`.
 pub(super) const RENDER_EXAMPLES: &str = "\
@@ -27,9 +29,8 @@ Examples:
   halfdome render hall.toml --integrator normals -o normals.exr
   halfdome render hall.glb --exposure -1 --tone reinhard --progress none
 
-Options win over the scene file, the scene file over the model. With both --eye and --target the camera is a new \
-one; with one of them the model's camera is changed. A model without a camera is seen from 30 degrees to the right of \
-its front and 20 above, from where all of it is in the picture.";
+Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
+one of them changes the model's camera.";
 
 /// Of `halfdome bake`.
 pub(super) const BAKE_EXAMPLES: &str = "\
@@ -39,34 +40,40 @@ Examples:
   halfdome bake room.obj -o room.baked.obj --mode ao --ao-distance 2
   halfdome bake level.glb --check-uv=charts.png
 
-Texels lie on the fronts of surfaces. A bake whose level, options and files are unchanged does nothing.";
+Texels lie on the front sides of surfaces. A bake does nothing if model, options and files are unchanged.";
 
 /// Of `halfdome cubemap`.
 pub(super) const CUBEMAP_EXAMPLES: &str = "\
 Examples:
-  halfdome cubemap studio.hdr -o studio.ktx2 --diffuse              for Bevy's EnvironmentMapLight: both of its maps
-  halfdome cubemap room.glb --at 0,1.5,0 -o room.ktx2 --spp 1024    what a point of a scene sees
-  halfdome cubemap sky --daylight 30,90 -o day.exr -o day.png       a clear sky, unfolded
-  halfdome cubemap studio.hdr -o studio.hdr --axes three            six faces for three.js, which filters them itself
+  halfdome cubemap studio.hdr -o studio.ktx2 --diffuse
+      both maps of Bevy's EnvironmentMapLight
+  halfdome cubemap room.glb --at 0,1.5,0 -o room.ktx2 --spp 1024
+      the view from a point in a scene
+  halfdome cubemap sky --daylight 30,90 -o day.exr -o day.png
+      a clear sky, unfolded
+  halfdome cubemap studio.hdr -o studio.hdr --axes three
+      six faces for three.js, which filters them itself
   halfdome cubemap studio.hdr -o s.ktx2 --seams lookup --print-lookup wgsl
+      a map without seams, and the shader code to look it up
 
-Faces are in KTX2's order (+X, -X, +Y, -Y, +Z, -Z) and turned as Vulkan and Direct3D have them. A map depends on source, \
-options and seed alone. An interrupted run writes nothing.";
+Faces are in KTX2's order (+X, -X, +Y, -Y, +Z, -Z) and oriented as in Vulkan and Direct3D. A map depends only on source, \
+options and seed. An interrupted run writes nothing.";
 
 /// Of `halfdome probes`.
 pub(super) const PROBES_EXAMPLES: &str = "\
 Examples:
-  halfdome probes level.glb --grid 16x4x16 -o level.ktx2 -o level.json   for Bevy's IrradianceVolume, with its transform
+  halfdome probes level.glb --grid 16x4x16 -o level.ktx2 -o level.json
+      for Bevy's IrradianceVolume, with its transform
   halfdome probes level.glb --grid 4x4x4 --min -2,0,-2 --max 2,4,2 -o room.exr
   halfdome probes level.glb --points seats.txt -o seats.json
 
-A probe that is inside of something is moved to a free point of its cell, or filled from its neighbours; its state says so. \
-Probes depend on scene, options and seed alone. An interrupted run writes nothing.";
+A probe inside of an object is moved to a free point of its cell, or filled from its neighbours; its state says so. \
+Probes depend only on scene, options and seed. An interrupted run writes nothing.";
 
 /// Of `halfdome validate`.
 pub(super) const VALIDATE_EXAMPLES: &str = "\
 Examples:
-  halfdome validate                       all experiments, in some 5 minutes
-  halfdome validate furnace lights-sky    a family, and a single experiment
-  halfdome validate --plots figures       with figures (SVG) and their points (CSV)
-  halfdome validate --quick --json        for programs; one line has name, quantity, measured, expected, tolerance, pass";
+  halfdome validate                     all experiments, about 5 minutes
+  halfdome validate furnace lights-sky  a family, and a single experiment
+  halfdome validate --plots figures     with figures (SVG) and data (CSV)
+  halfdome validate --quick --json      one line of JSON per experiment";

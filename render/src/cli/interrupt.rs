@@ -16,7 +16,7 @@ pub(super) fn catch() -> Result<(), CliError> {
             std::process::exit(EXIT_KILLED);
         }
     })
-    .map_err(|error| CliError::System(format!("signals cannot be caught: {error}")))
+    .map_err(|error| CliError::System(format!("cannot catch signals: {error}")))
 }
 
 /// Whether a signal has come.

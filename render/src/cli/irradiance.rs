@@ -28,28 +28,29 @@ pub(super) struct IrradianceArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// The sensors: a line `x y z nx ny nz` for each, blank lines and # comments aside; - is standard input. Records go by
-    /// their order: in another one values differ, within the cache's error
+    /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Their
+    /// order decides where records go, so another order changes values, within the cache's error
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
 
-    /// Write to a file instead of standard output
+    /// File to write instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// By path tracing alone, without a cache and its options
+    /// Trace paths only, without a cache
     #[arg(long, conflicts_with = "cache", conflicts_with_all = CachedOverrides::NAMES)]
     brute: bool,
 
-    /// Samples of direct light at each sensor; with --brute paths [default: 64; with --brute 1024]
+    /// Samples of direct light per sensor [default: 64]; with --brute, paths per sensor [default: 1024]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
-    /// Leave direct light out: what surfaces reflect, and the sky without the sun of its picture
+    /// Leave direct light out; what remains is reflected by surfaces, or comes from the sky without the sun of its
+    /// environment map
     #[arg(long)]
     indirect: bool,
 
-    /// Use the records of this cache, which `halfdome cache build` made with the same options; it is not changed
+    /// Read the records of this cache, which `halfdome cache build` made with the same options; the file is not changed
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
@@ -100,7 +101,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 
     let usage = found.cache.as_ref().map(|(_, usage)| *usage);
     if !found.finished {
-        job.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing is written", file: None });
+        job.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing was written", file: None });
         return Ok(EXIT_INTERRUPTED);
     }
     let text = lines(&found.values);
@@ -127,7 +128,10 @@ fn read_sensors(path: &Path) -> Result<Vec<Sensor>, CliError> {
         Box::new(io::stdin().lock())
     } else {
         let file = File::open(path).map_err(|error| {
-            CliError::Input(format!("{}: cannot be read: {error}\n  help: name a file of sensors", path.display()))
+            CliError::Input(format!(
+                "{}: cannot be read: {error}\n  help: give a file with a line `x y z nx ny nz` for each sensor",
+                path.display()
+            ))
         })?;
         Box::new(BufReader::new(file))
     };

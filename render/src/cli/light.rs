@@ -8,7 +8,7 @@ use crate::scene::{LightUnits, Overrides, SkyOverrides, value};
 /// What lights a scene, besides what is in it, and by which random numbers its light is found.
 #[derive(Args, Clone, Debug)]
 pub(super) struct LightArguments {
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    /// Constant radiance of the sky in W/(m² sr), linear sRGB [default: 0]
     #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, help_heading = "Light")]
     #[arg(value_parser = value::argument(value::radiance))]
     sky: Option<Vec3>,
@@ -16,21 +16,21 @@ pub(super) struct LightArguments {
     #[command(flatten)]
     sky_light: SkyOverrides,
 
-    /// Which sides of all emitters emit: front or both [default: as each material says]
+    /// Sides from which all emitters emit: front or both [default: from each material]
     #[arg(long = "emission", value_name = "SIDES", help_heading = "Light")]
     #[arg(value_parser = value::argument(value::emission))]
     emits_both_sides: Option<bool>,
 
-    /// What the model's light sources are given in: photometric (candela, lux; divided by 683 lm/W) or radiometric (W/sr,
-    /// W/m²) [default: photometric for strong lights in files that Blender wrote, else radiometric]
+    /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
+    /// [default: photometric for strong lights in files by Blender, else radiometric]
     #[arg(long, value_name = "UNITS", help_heading = "Light", value_parser = value::argument(value::light_units))]
     light_units: Option<LightUnits>,
 
-    /// Which of the model's material variants to show (glTF's KHR_materials_variants)
+    /// Material variant of the model to use (glTF's KHR_materials_variants)
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     variant: Option<String>,
 
-    /// Selects the random numbers [default: 0]
+    /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) seed: Option<u64>,
 }

@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 pub(super) enum Mode {
     /// A bar if stderr is a terminal, else lines of JSON
     Auto,
-    /// A bar (drawn on a terminal only) and a summary
+    /// A bar (only if stderr is a terminal) and a summary
     Bar,
-    /// Lines of JSON: start, progress (twice a second at most), warning, end; error in place of the end; before the start of
-    /// a large model, build
+    /// Lines of JSON: start, progress (at most twice a second), warning, and end or error; for large models, build
+    /// before start
     Json,
-    /// Warnings and errors alone
+    /// Only warnings and errors
     None,
 }
 

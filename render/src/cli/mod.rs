@@ -77,7 +77,7 @@ fn check_isa() -> Result<(), CliError> {
     }
     let known: Vec<_> = Level::ALL.into_iter().filter(|&level| Isa::new(level).is_some()).map(Level::name).collect();
     Err(CliError::Input(format!(
-        "HALFDOME_ISA is {wanted:?}, which this machine does not have\n  help: unset it, or choose one of {}",
+        "HALFDOME_ISA is {wanted:?}, which this machine does not support\n  help: unset it, or use one of {}",
         known.join(", ")
     )))
 }

@@ -40,7 +40,7 @@ pub(super) fn prepare_world(
 pub(super) fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPool, CliError> {
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))
+    pool.map_err(|error| CliError::System(format!("cannot start threads: {error}")))
 }
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
@@ -52,7 +52,7 @@ pub(super) fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
         Ok(_) => scene::open(name),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let remedy =
-                "name a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+                "give a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
             Err(SceneError::new(name, Place::File, "no such file", remedy))
         }
         Err(error) => Err(SceneError::unreadable(name, &error)),

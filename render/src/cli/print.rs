@@ -9,7 +9,7 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::System(format!("standard output cannot be written: {error}")))
+            Err(CliError::System(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),
     }

@@ -29,12 +29,12 @@ pub(super) struct ProbesArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// File to write; may be given several times: .json (positions, states and coefficients), .exr (a texel for each probe,
-    /// channels by coefficient) or, of a grid, .ktx2 (Bevy's irradiance volume)
+    /// File to write; can be given several times: .json (positions, states and coefficients), .exr (one texel per
+    /// probe, channels by coefficient) or, with --grid, .ktx2 (Bevy's irradiance volume)
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 
-    /// Probes along x, y and z, in the middles of cells of a box: for example 8x4x8
+    /// Number of probes along x, y and z, at the centres of the cells of a box, for example 8x4x8
     #[arg(long, value_name = "NXxNYxNZ", value_parser = cells, required_unless_present = "points")]
     grid: Option<[u32; 3]>,
 
@@ -48,15 +48,16 @@ pub(super) struct ProbesArguments {
     #[arg(requires = "grid")]
     max: Option<Vec3>,
 
-    /// In place of a grid, points: a line `x y z` for each, blank lines and # comments aside; - is standard input
+    /// Positions of probes instead of a grid: one line `x y z` each; blank lines and # comments are skipped; - is
+    /// standard input
     #[arg(long, value_name = "FILE", conflicts_with = "grid")]
     points: Option<PathBuf>,
 
-    /// Directions of each probe in which paths look for what surfaces reflect, and the sky; about
+    /// Approximate number of paths per probe, for light reflected by surfaces and the sky
     #[arg(long, value_name = "N", default_value = "2048", value_parser = clap::value_parser!(u32).range(18..=16_777_216))]
     rays: u32,
 
-    /// Samples of direct light on each of a probe's two sides
+    /// Samples of direct light for each of two opposite sides of a probe
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
@@ -75,8 +76,8 @@ impl ProbesArguments {
         let (min, max) = match (self.min, self.max) {
             (Some(min), Some(max)) => (min, max),
             _ if bounds.is_empty() => {
-                let problem = format!("{} has no surfaces, and so no bounds", self.scene.display());
-                return Err(invalid(problem, "give the grid's box by --min and --max"));
+                let problem = format!("{} has no surfaces, so the grid has no box", self.scene.display());
+                return Err(invalid(problem, "give the box with --min and --max"));
             }
             (min, max) => (min.unwrap_or(bounds.min), max.unwrap_or(bounds.max)),
         };
@@ -85,8 +86,8 @@ impl ProbesArguments {
         match is_box {
             true => Ok(ProbeGrid { min, max, count }),
             false => Err(invalid(
-                format!("the grid's box from {min} to {max} has no inside"),
-                "give --min and --max so that each coordinate of --max is the greater one",
+                format!("the box from {min} to {max} is empty"),
+                "make each coordinate of --max greater than that of --min",
             )),
         }
     }
@@ -122,7 +123,7 @@ pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     });
     drop(progress);
     let Some(found) = found else {
-        print_text(style, "interrupted; nothing is written");
+        print_text(style, "interrupted; nothing was written");
         return Ok(EXIT_INTERRUPTED);
     };
     warn(style, &mut warnings(&found, arguments.grid.is_some()));
@@ -147,10 +148,12 @@ fn warnings(found: &Probes, is_grid: bool) -> Vec<String> {
     if covered > 0 {
         let probes = count(covered, "probe is", "probes are");
         let place = if is_grid { ", with no free neighbour to be filled from" } else { "" };
-        warnings.push(format!("{probes} inside of something{place}"));
+        warnings.push(format!("{probes} inside of objects{place}"));
     }
     if !found.probes.is_empty() && found.probes.iter().all(|probe| probe.light.harmonics[0] == Vec3::ZERO) {
-        warnings.push("all probes are dark; give the scene a --sky, for example, or try --emission both".to_owned());
+        warnings.push(
+            "all probes are black: the scene has no light there; give a --sky, or try --emission both".to_owned(),
+        );
     }
     warnings
 }
@@ -171,7 +174,7 @@ fn report(style: Style, found: &Probes, files: &[PathBuf]) {
         })),
         Style::Bar => {
             let probes = count(found.probes.len(), "probe", "probes");
-            let inside = format!("{moved} moved out of bodies, {filled} filled, {covered} covered");
+            let inside = format!("{moved} moved out of objects, {filled} filled from neighbours, {covered} covered");
             print_text(style, &format!("{probes}: {free} free, {inside}; {} rays", found.rays));
             files.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
         }
@@ -184,16 +187,19 @@ fn read_points(path: &Path) -> Result<Vec<Vec3>, CliError> {
         Box::new(io::stdin().lock())
     } else {
         let file = File::open(path).map_err(|error| {
-            CliError::Input(format!("{}: cannot be read: {error}\n  help: name a file of points", path.display()))
+            CliError::Input(format!(
+                "{}: cannot be read: {error}\n  help: give a file with a line `x y z` for each probe",
+                path.display()
+            ))
         })?;
         Box::new(BufReader::new(file))
     };
     let naming = |error: String| CliError::Input(format!("{}: {error}", path.display()));
     let points = irradiance::read_positions(reader).map_err(|error| naming(error.to_string()))?;
     match points.len() as u64 {
-        0 => Err(naming("there are no points in it\n  help: give a line `x y z` for each probe".to_owned())),
+        0 => Err(naming("it has no points\n  help: give a line `x y z` for each probe".to_owned())),
         number if number > ProbeGrid::MAX_PROBES => {
-            Err(naming(format!("there are {number} points in it\n  help: give at most {}", ProbeGrid::MAX_PROBES)))
+            Err(naming(format!("it has {number} points\n  help: give at most {}", ProbeGrid::MAX_PROBES)))
         }
         _ => Ok(points),
     }

@@ -68,14 +68,15 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let result = pool.install(|| driver::render_with(&world, &settings, cache, &preview));
     drop(progress);
     if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
-        let warning = "the picture is black although the scene has lights; emitters may face away: try --emission both";
+        let warning = "the picture is black although the scene has lights: emitters may face away (try --emission both), \
+                       or the camera may see nothing that is lit";
         report.warn(style, warning.to_owned());
     }
 
     let (written, mut failures) = write_all(&paths, &result.picture, &tone);
     if !failures.is_empty() {
         // An end that names files would look like success.
-        failures.extend(written.iter().map(|path| format!("{}: written all the same", path.display())));
+        failures.extend(written.iter().map(|path| format!("{} was written", path.display())));
         return Err(CliError::System(failures.join("\n")));
     }
     report.print_end(style, &result, &written);

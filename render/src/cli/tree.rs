@@ -27,11 +27,11 @@ pub(super) struct TreeArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// Tree to write (.bvh): triangles are numbered as they stand in the scene, mesh by mesh
+    /// Tree to write (.bvh); triangles are numbered in the order of the scene, mesh by mesh
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// How much time to spend on building: fast, medium or high [default: high]
+    /// Quality of the BVH: fast, medium or high [default: high]
     #[arg(long, value_name = "QUALITY", value_parser = value::argument(value::quality))]
     build: Option<Quality>,
 
@@ -98,7 +98,7 @@ pub(super) fn is_tree(path: &Path) -> bool {
 /// Prints what is in the tree at `path`, as a table or as JSON.
 pub(super) fn describe(path: &Path, as_json: bool) -> Result<u8, CliError> {
     let error = |problem: String| {
-        SceneError::new(path, Place::File, problem, "name a file that this version of `halfdome tree` has written")
+        SceneError::new(path, Place::File, problem, "give a file written by this version of `halfdome tree`")
     };
     let bytes = fs::read(path).map_err(|failure| match failure.kind() {
         ErrorKind::NotFound => error("no such file".to_owned()),

@@ -21,27 +21,27 @@ pub(super) struct ValidateArguments {
     #[arg(value_name = "NAME")]
     names: Vec<String>,
 
-    /// Write each figure as SVG and its points as CSV into this folder, which is made if need be
+    /// Write each figure as SVG and its points as CSV into this folder; it is made if it does not exist
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
 
-    /// Print a line of JSON for each experiment instead of a table
+    /// Print one line of JSON per experiment instead of a table
     #[arg(long)]
     json: bool,
 
-    /// Say what the experiments are, without running them
+    /// List the experiments without running them
     #[arg(long, conflicts_with_all = ["plots", "json", "quick"])]
     list: bool,
 
-    /// Measure less: in seconds, whether all is well
+    /// Run with fewer samples, in seconds
     #[arg(long)]
     quick: bool,
 
-    /// Selects the random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value = "0")]
     seed: u64,
 
-    /// Threads; the results do not depend on them [default: one for each core]
+    /// Number of threads; results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &ValidateArguments) -> Result<u8, CliError> {
         prepare(folder)?;
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.map_or(0, usize::from)).build();
-    let pool = pool.map_err(|error| CliError::System(format!("threads cannot be started: {error}")))?;
+    let pool = pool.map_err(|error| CliError::System(format!("cannot start threads: {error}")))?;
     interrupt::catch()?;
 
     let rows = Row::for_table(&experiments);
@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &ValidateArguments) -> Result<u8, CliError> {
 /// The table's last line.
 fn summary(all: usize, done: usize, failed: &[&str]) -> String {
     let ran = count(done, "experiment", "experiments");
-    let stopped = if done < all { format!(", interrupted before {} more", all - done) } else { String::new() };
+    let stopped = if done < all { format!(", interrupted with {} to go", all - done) } else { String::new() };
     match failed {
         [] => format!("{ran} passed{stopped}\n"),
         failed => format!("{} of {ran} failed{stopped}: {}\n", failed.len(), failed.join(", ")),

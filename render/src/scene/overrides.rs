@@ -28,7 +28,7 @@ pub use sky::SkyOverrides;
 /// Options that are set here; the others are `None` and leave things as they are.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
-    /// Where the camera stands, in the model's units
+    /// Position of the camera, in the model's units
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::point))]
     pub eye: Option<Vec3>,
@@ -36,7 +36,7 @@ pub struct Overrides {
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::point))]
     pub target: Option<Vec3>,
-    /// What points up in the picture [default: 0,1,0 for a new camera, else the model's]
+    /// Up direction of the picture [default: 0,1,0 for a new camera, else the model's]
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::direction))]
     pub up: Option<Vec3>,
@@ -45,19 +45,19 @@ pub struct Overrides {
     #[arg(value_parser = argument(value::vfov))]
     pub vfov: Option<f32>,
 
-    /// Pixels across [default: 512, or as the model's camera has width to height]
+    /// Width of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub width: Option<u32>,
-    /// Pixels down [default: 512, or as the model's camera has height to width]
+    /// Height of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
     pub height: Option<u32>,
-    /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's with its width and sharpness
-    /// [default: box]
+    /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness [default:
+    /// box]
     #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::filter))]
     pub filter: Option<String>,
-    /// The filter's full width in pixels [default: the filter's own]
+    /// Full width of the filter in pixels [default: depends on the filter]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
     #[arg(value_parser = argument(value::filter_width), allow_negative_numbers = true)]
     pub filter_width: Option<f32>,
@@ -73,39 +73,39 @@ pub struct Overrides {
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub spp: Option<u32>,
-    /// Where random numbers come from: random, sobol or r2 [default: sobol]
+    /// Sequence of random numbers: random, sobol or r2 [default: sobol]
     #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::sampler))]
     pub sampler: Option<Pattern>,
-    /// Selects the random numbers [default: 0]
+    /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::seed), allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// How much time to spend on building the tree: fast, medium or high; pictures are the same [default: high]
+    /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
     #[arg(long, value_name = "QUALITY", help_heading = "Render", value_parser = argument(value::quality))]
     pub build: Option<Quality>,
-    /// Write channels of the first surface (Albedo, P, N, Ns, u, v) and of the variance into the EXR too
+    /// Add channels to the EXR: Albedo, P, N, Ns, u, v of the first surface, and Variance
     #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub aov: Option<bool>,
 
-    /// Radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+    /// Constant radiance of the sky in W/(m² sr), linear sRGB [default: 0]
     #[arg(long, value_name = "R[,G,B]", help_heading = "Light", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::radiance))]
     pub sky: Option<Vec3>,
     /// The sky's picture, or daylight.
     #[command(flatten)]
     pub sky_light: SkyOverrides,
-    /// Which sides of all emitters emit: front or both [default: as each material says]
+    /// Sides from which all emitters emit: front or both [default: from each material]
     ///
-    /// Models tell the front by the order of a triangle's corners, and many do not care about it: if a lamp lights the
-    /// wrong way, try both.
+    /// The front is where corners are counter-clockwise, or where vertex normals point. Many models do not care: if a
+    /// lamp lights the wrong way, try both.
     #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
     pub emits_both_sides: Option<bool>,
-    /// What the model's light sources are given in: photometric (candela, lux; divided by 683 lm/W) or radiometric (W/sr,
-    /// W/m²) [default: photometric for strong lights in files that Blender wrote, else radiometric]
+    /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
+    /// [default: photometric for strong lights in files by Blender, else radiometric]
     #[arg(long, value_name = "UNITS", help_heading = "Light", value_parser = argument(value::light_units))]
     pub light_units: Option<LightUnits>,
-    /// Which of the model's material variants to show (glTF's KHR_materials_variants)
+    /// Material variant of the model to use (glTF's KHR_materials_variants)
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub variant: Option<String>,
 }

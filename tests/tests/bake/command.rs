@@ -153,7 +153,7 @@ fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
         assert!(program.files() == before);
         // A map that somebody changed is made again.
         fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
-        assert!(talk("").contains("out-0.exr is not as it was written"));
+        assert!(talk("").contains("out-0.exr was changed since it was written"));
         assert!(program.files() == before);
         // A report is one more file, and no reason to bake again once it is there.
         let told = talk("--report out.html");
@@ -164,7 +164,10 @@ fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
         moved["nodes"][1]["translation"] = json!([0.6, 0, 0.5]);
         program.put("level.gltf", moved.to_string());
         let told = talk("--seed 5");
-        assert!(told.contains("mesh \\\"crate one\\\" changed") && told.contains("all of it is baked"), "{told}");
+        assert!(
+            told.contains("mesh \\\"crate one\\\" changed") && told.contains("the whole level is baked again"),
+            "{told}"
+        );
     });
 }
 
@@ -224,17 +227,17 @@ fn wrong_input_is_named() {
             level.to_string()
         });
         for (line, told) in [
-            ("bake level.gltf -o out.obj --preset bevy", "cannot name the maps that --preset bevy is for"),
+            ("bake level.gltf -o out.obj --preset bevy", "--preset bevy needs glTF"),
             ("bake level.gltf -o out.glb", "a .gltf model cannot be written as .glb"),
             ("bake cornell -o out.glb", "the built-in scene cannot be written as .glb"),
-            ("bake level.gltf -o out.png", "not the name of a model that can be written"),
-            ("bake level.gltf -o level.gltf", "is the model that is read"),
+            ("bake level.gltf -o out.png", "out.png: models cannot be written in this format"),
+            ("bake level.gltf -o level.gltf", "is the input model"),
             ("bake level.gltf -o missing/out.gltf", "the folder missing does not exist"),
-            ("bake level.gltf -o out.gltf --density 0", "more than 0"),
+            ("bake level.gltf -o out.gltf --density 0", "greater than 0"),
             ("bake level.gltf -o out.gltf --density 40 --size 32", "a page has 32x32"),
             ("bake level.gltf -o out.gltf --density 1e6", "texels"),
             ("bake level.gltf -o out.gltf --size 8", "16"),
-            ("bake level.gltf -o out.gltf --mode ao --directional hl2", "ambient occlusion has no directions"),
+            ("bake level.gltf -o out.gltf --mode ao --directional hl2", "--mode ao cannot be directional"),
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),

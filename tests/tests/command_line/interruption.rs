@@ -66,7 +66,7 @@ fn signals_end_sensors_with_nothing_written() {
         let line = format!("irradiance cornell --points points.txt -o e.txt --progress json {options}");
         let end = interrupted(&desk, &line, "-INT");
         assert_eq!((&end["event"], &end["finished"]), (&"end".into(), &false.into()), "{options}");
-        assert_eq!(end["message"], "nothing is written");
+        assert_eq!(end["message"], "nothing was written");
         let names: Vec<_> = desk.program().files().into_keys().collect();
         assert_eq!(names, ["points.txt", "t.obj"], "{options}");
     }
@@ -83,11 +83,11 @@ fn signals_end_a_cache_with_the_records_so_far() {
         let (message, records) = (end["message"].as_str().unwrap(), end["cache"]["records"].as_u64().unwrap());
         let cache = desk.folder.path().join("a.cache");
         if records == 0 {
-            assert_eq!(message, "there was no record yet, and nothing is written");
+            assert_eq!(message, "no records yet, so nothing was written");
             assert!(!cache.exists());
             continue;
         }
-        assert_eq!(message, format!("{records} records are kept; --cache a.cache goes on from them"));
+        assert_eq!(message, format!("{records} records were written; continue with --cache a.cache"));
         let info = desk.program().run_line("cache info a.cache --json").stdout;
         assert_eq!(serde_json::from_str::<Value>(&info).unwrap()["records"], records);
         std::fs::remove_file(cache).unwrap();

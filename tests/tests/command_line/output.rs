@@ -23,8 +23,8 @@ fn places_that_cannot_be_written_are_found_before_the_render() {
     refuses("folder.exr", &["folder.exr", "is a folder"]);
     refuses("a.jpg", &["a.jpg", ".exr", ".png"]);
     refuses("a", &["a: has no extension"]);
-    refuses("same.png -o same.png", &["same.png would be written twice"]);
-    refuses("same.png -o ./same.png", &["./same.png would be written twice"]);
+    refuses("same.png -o same.png", &["same.png is given twice"]);
+    refuses("same.png -o ./same.png", &["./same.png is given twice"]);
     refuses(&format!("{}.exr", "x".repeat(300)), &["cannot be written"]);
     #[cfg(target_os = "linux")]
     refuses("/proc/a.exr", &["/proc/a.exr", "cannot be written"]);

@@ -184,7 +184,7 @@ fn bad_input_is_named() {
         }
         refused("cache build cornell -o a --cache-bounces 0", &["--cache-bounces", "from 1 to 16"]);
         refused("render cornell --metric hessian", &["`path` does not use `metric`"]);
-        refused("cache build cornell -o a --integrator path", &["`path` has no irradiance cache"]);
+        refused("cache build cornell -o a --integrator path", &["`path` does not use an irradiance cache"]);
         refused("cache build cornell -o no/a", &["the folder no does not exist"]);
 
         let bytes = build(program, "a.cache", "");
@@ -199,7 +199,7 @@ fn bad_input_is_named() {
             "render cornell --integrator cached --cache a.cache --record-rays 64 --cache-error 0.25",
             &["was built with --cache-error 0.5, not 0.25"],
         );
-        refused("render cornell --cache a.cache", &["`path` has no irradiance cache"]);
+        refused("render cornell --cache a.cache", &["`path` does not use an irradiance cache"]);
         refused("cache info foreign.cache", &["foreign.cache: is no irradiance cache"]);
         build(program, "b.cache", "--metric bounded");
         let remedy = "\n  help: merge caches of one scene that were built with the same options";

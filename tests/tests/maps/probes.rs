@@ -70,7 +70,7 @@ fn listed_points_keep_their_places_and_are_marked() {
         program.put("seats.txt", points);
         let line = format!("probes cornell --points seats.txt -o a.json {SMALL}");
         let outcome = program.run_line(&line);
-        assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), "warning: 1 probe is inside of something\n"));
+        assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), "warning: 1 probe is inside of objects\n"));
         let document = read(program, "a.json");
         assert_eq!(document["grid"], Value::Null);
         let states: Vec<&Value> = document["probes"].as_array().unwrap().iter().map(|probe| &probe["state"]).collect();
@@ -116,15 +116,15 @@ fn wrong_input_is_named() {
                 ("probes cornell --grid 2x2 -o a.json", "expected three whole numbers"),
                 ("probes cornell --grid 0x2x2 -o a.json", "expected three whole numbers"),
                 ("probes cornell --grid 1024x1024x1024 -o a.json", "4194304 probes at most"),
-                ("probes cornell --grid 2x2x2 -o a.hdr", "a.hdr is not the name of probes that can be written"),
-                ("probes cornell --grid 2x2x2 -o a.json -o a.json", "a.json would be written twice"),
-                ("probes cornell --grid 2x2x2 --min 1,0,0 --max 0,1,1 -o a.json", "has no inside"),
-                ("probes dark.obj --grid 2x2x2 -o a.json", "has no inside"),
+                ("probes cornell --grid 2x2x2 -o a.hdr", "a.hdr: probes cannot be written in this format"),
+                ("probes cornell --grid 2x2x2 -o a.json -o a.json", "a.json is given twice"),
+                ("probes cornell --grid 2x2x2 --min 1,0,0 --max 0,1,1 -o a.json", "is empty"),
+                ("probes dark.obj --grid 2x2x2 -o a.json", "is empty"),
                 ("probes cornell --grid 2x2x2 -o missing/a.json", "the folder missing does not exist"),
                 ("probes cornell --points seats.txt --grid 2x2x2 -o a.json", "cannot be used with"),
-                ("probes cornell --points seats.txt -o a.ktx2", "listed points make no volume"),
+                ("probes cornell --points seats.txt -o a.ktx2", "a volume needs a grid of probes"),
                 ("probes cornell --points seats.txt -o a.json", "seats.txt: line 2: has 2 values instead of three"),
-                ("probes cornell --points none.txt -o a.json", "none.txt: there are no points in it"),
+                ("probes cornell --points none.txt -o a.json", "none.txt: it has no points"),
                 ("probes cornell --points missing.txt -o a.json", "missing.txt: cannot be read"),
                 ("probes missing.glb --grid 2x2x2 -o a.json", "missing.glb: no such file"),
                 ("probes cornell --grid 2x2x2 --rays 1 -o a.json", "18"),

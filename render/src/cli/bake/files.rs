@@ -50,18 +50,18 @@ impl Files {
         match extension(output).as_str() {
             "obj" if preset == Preset::Raw => {}
             "obj" => {
-                let problem = format!("an .obj model cannot name the maps that --preset {} is for", preset.name());
-                return Err(invalid(problem, "write a .glb, or give --preset raw"));
+                let problem = format!("--preset {} needs glTF: an .obj model cannot refer to lightmaps", preset.name());
+                return Err(invalid(problem, "write a .glb, or use --preset raw"));
             }
             to @ ("glb" | "gltf") if to == from => {}
             to @ ("glb" | "gltf") => {
                 let what = if from.is_empty() { "the built-in scene".to_owned() } else { format!("a .{from} model") };
                 let problem = format!("{what} cannot be written as .{to}");
-                return Err(invalid(problem, "write the kind of model that is read, or .obj with --preset raw"));
+                return Err(invalid(problem, "write the same format as the input, or .obj with --preset raw"));
             }
             _ => {
-                let problem = format!("{} is not the name of a model that can be written", output.display());
-                return Err(invalid(problem, "end the name in .glb, .gltf or .obj"));
+                let problem = format!("{}: models cannot be written in this format", output.display());
+                return Err(invalid(problem, "give a name that ends in .glb, .gltf or .obj"));
             }
         }
         let files = Self {
@@ -77,8 +77,8 @@ impl Files {
                 .ok()
                 .is_some_and(|source| output.canonicalize().is_ok_and(|output| output == source))
         {
-            let problem = format!("{} is the model that is read", output.display());
-            return Err(invalid(problem, "give the output a name of its own"));
+            let problem = format!("{} is the input model", output.display());
+            return Err(invalid(problem, "give the output another name"));
         }
         for path in [Some(&files.model), Some(&files.manifest), files.report.as_ref()].into_iter().flatten() {
             OutputFile::check(path).map_err(CliError::input)?;
@@ -101,12 +101,12 @@ impl Files {
         let asked = [Some(self.model.as_path()), self.report.as_deref()].into_iter().flatten();
         let is_new = |path: &&Path| manifest.outputs.iter().all(|output| output.file != self.relative(path));
         if let Some(new) = asked.into_iter().find(is_new) {
-            return Some(format!("{} was not written last time", new.display()));
+            return Some(format!("{} is missing", new.display()));
         }
         let changed = manifest.outputs.iter().find(|output| {
             std::fs::read(self.beside(&output.file)).map_or(true, |bytes| Hash::of(&bytes) != output.hash)
         });
-        changed.map(|output| format!("{} is not as it was written", self.beside(&output.file).display()))
+        changed.map(|output| format!("{} was changed since it was written", self.beside(&output.file).display()))
     }
 
     /// A file in the folder of the model.
@@ -217,7 +217,7 @@ impl Files {
             ("texels on surfaces", s.texels),
             ("hemispheres gathered", s.gathers),
             ("rays", s.rays),
-            ("texels moved out of bodies", s.moved),
+            ("texels moved out from under other objects", s.moved),
             ("texels covered as a whole", s.covered),
             ("points matched at seams", s.seams),
         ];
@@ -280,7 +280,8 @@ impl Files {
             Style::Bar => {
                 let pages = count(bake.maps.len(), "page", "pages");
                 let texels = format!("{pages}, {} texels, {} gathers ({share:.1}%)", s.texels, s.gathers);
-                let covered = format!("{} texels moved out of bodies, {} covered as a whole", s.moved, s.covered);
+                let covered =
+                    format!("{} texels moved out from under other objects, {} covered completely", s.moved, s.covered);
                 print_text(style, &format!("{texels}, {} rays\n{covered}", s.rays));
                 written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
             }

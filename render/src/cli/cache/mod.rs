@@ -31,9 +31,9 @@ use crate::world::World;
 pub(super) enum CacheCommand {
     /// Fill a cache for what the camera sees, and write it
     Build(Box<BuildArguments>),
-    /// Say what is in a cache
+    /// Show what is in a cache
     Info(InfoArguments),
-    /// Make one cache of several of the same scene and options
+    /// Merge caches of the same scene and options
     Merge(MergeArguments),
     /// Draw the records of a cache over the picture (.png), or write them as points (.ply)
     Show(Box<show::ShowArguments>),
@@ -49,7 +49,7 @@ pub(super) struct BuildArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Start with the records of this cache, of the same scene and options, and add what is missing
+    /// Start from this cache of the same scene and options, and add what is missing
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
@@ -120,8 +120,8 @@ pub(super) fn cached_options(settings: &Settings) -> Result<CachedOptions, Inval
     match &settings.integrator {
         Integrator::Cached(options) => Ok(*options),
         other => Err(Invalid::new(
-            format!("the integrator `{}` has no irradiance cache", other.name()),
-            "leave --integrator out, or give `--integrator cached`",
+            format!("the integrator `{}` does not use an irradiance cache", other.name()),
+            "leave --integrator out, or use `--integrator cached`",
         )),
     }
 }
@@ -159,8 +159,8 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     drop(progress);
     let usage = frozen.usage();
     let note = match usage.records {
-        0 => "there was no record yet, and nothing is written".to_owned(),
-        records => format!("{records} records are kept; --cache {} goes on from them", arguments.output.display()),
+        0 => "no records yet, so nothing was written".to_owned(),
+        records => format!("{records} records were written; continue with --cache {}", arguments.output.display()),
     };
     let file_written = finished || usage.records > 0;
     if file_written {

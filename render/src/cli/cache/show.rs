@@ -33,11 +33,11 @@ pub(in crate::cli) struct ShowArguments {
     /// A cache
     cache: PathBuf,
 
-    /// Picture (.png) or points (.ply) to write; may be given several times
+    /// Picture (.png) or points (.ply) to write; can be given several times
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 
-    /// Draw dots alone, without rings
+    /// Draw only dots, without ellipses
     #[arg(long)]
     dots: bool,
 
@@ -63,8 +63,8 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
             Some("ply") => _ = OutputFile::check(path).map_err(CliError::input)?,
             Some("png") => output::check(path).map_err(CliError::input)?,
             _ => {
-                let problem = format!("{}: records can be shown as .png or .ply", path.display());
-                return Err(Invalid::new(problem, "end the name in .png (a picture) or .ply (points)").into());
+                let problem = format!("{}: records can only be written as .png or .ply", path.display());
+                return Err(Invalid::new(problem, "give a name that ends in .png (picture) or .ply (points)").into());
             }
         }
     }

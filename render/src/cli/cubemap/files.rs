@@ -42,8 +42,8 @@ impl Files {
                 "png" => Format::Png,
                 "hdr" => Format::Hdr,
                 _ => {
-                    let problem = format!("{} is not the name of a cube map that can be written", path.display());
-                    return Err(invalid(problem, "end the name in .ktx2, .exr, .png or .hdr"));
+                    let problem = format!("{}: cube maps cannot be written in this format", path.display());
+                    return Err(invalid(problem, "give a name that ends in .ktx2, .exr, .png or .hdr"));
                 }
             };
             OutputFile::check(path).map_err(CliError::input)?;
@@ -51,8 +51,8 @@ impl Files {
         };
         for (i, path) in outputs.iter().enumerate() {
             if outputs[..i].contains(path) {
-                let problem = format!("{} would be written twice", path.display());
-                return Err(invalid(problem, "give each file a name of its own"));
+                let problem = format!("{} is given twice", path.display());
+                return Err(invalid(problem, "give each file its own name"));
             }
         }
         let outputs = outputs.iter().map(format).collect::<Result<Vec<_>, _>>()?;
@@ -140,7 +140,7 @@ impl Written {
     fn clamped(&mut self, path: &Path, texels: usize) {
         if texels > 0 {
             let texels = count(texels, "texel is", "texels are");
-            let text = format!("{}: {texels} too bright for the format, and less bright there", path.display());
+            let text = format!("{}: {texels} brighter than the format can store, clamped", path.display());
             self.warnings.push(text);
         }
     }

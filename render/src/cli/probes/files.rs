@@ -77,17 +77,17 @@ impl Files {
                 "exr" => Format::Exr,
                 "ktx2" if is_grid => Format::Ktx2,
                 "ktx2" => {
-                    let problem = format!("{}: listed points make no volume", path.display());
-                    return Err(invalid(problem, "give --grid, or end the name in .json or .exr"));
+                    let problem = format!("{}: a volume needs a grid of probes", path.display());
+                    return Err(invalid(problem, "use --grid instead of --points, or write .json or .exr"));
                 }
                 _ => {
-                    let problem = format!("{} is not the name of probes that can be written", path.display());
-                    return Err(invalid(problem, "end the name in .json, .exr or .ktx2"));
+                    let problem = format!("{}: probes cannot be written in this format", path.display());
+                    return Err(invalid(problem, "give a name that ends in .json, .exr or .ktx2"));
                 }
             };
             if outputs[..i].contains(path) {
-                let problem = format!("{} would be written twice", path.display());
-                return Err(invalid(problem, "give each file a name of its own"));
+                let problem = format!("{} is given twice", path.display());
+                return Err(invalid(problem, "give each file its own name"));
             }
             OutputFile::check(path).map_err(CliError::input)?;
             files.push((path.clone(), format));
@@ -114,7 +114,7 @@ impl Files {
                     if file.clamped > 0 {
                         let texels = count(file.clamped, "texel is", "texels are");
                         let path = path.display();
-                        warnings.push(format!("{path}: {texels} too bright for the format, and less bright there"));
+                        warnings.push(format!("{path}: {texels} brighter than the format can store, clamped"));
                     }
                     file.bytes
                 }

@@ -10,24 +10,23 @@ use crate::settings::{CachedOptions, GatherLayout, Gradients, Metric};
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Irradiance cache")]
 pub struct CachedOverrides {
-    /// How wrong a record may be where it is used, more than 0 and at most 1; how far records reach is proportional to
-    /// it [default: 0.3]
+    /// Allowed error of records, more than 0 and at most 1; their reach is proportional to it [default: 0.3]
     #[arg(long, value_name = "A", value_parser = argument(value::cache_error), allow_negative_numbers = true)]
     pub cache_error: Option<f32>,
-    /// What records are extrapolated by: off, rotation or both (rotation and translation) [default: both]
+    /// Gradients by which records are extrapolated: off, rotation or both (rotation and translation) [default: both]
     #[arg(long, value_name = "WHICH", value_parser = argument(value::gradients))]
     pub gradients: Option<Gradients>,
-    /// What decides how far a record reaches: split-sphere, bounded (that, and the gradient) or hessian [default:
-    /// hessian]
+    /// What limits the reach of records: split-sphere, bounded (split-sphere, bounded by the gradient) or hessian
+    /// [default: hessian]
     #[arg(long, value_name = "NAME", value_parser = argument(value::metric))]
     pub metric: Option<Metric>,
-    /// How a record's rays are spread: stratified or hemicube [default: stratified]
+    /// Sampling of a record's hemisphere: stratified or hemicube [default: stratified]
     #[arg(long, value_name = "NAME", value_parser = argument(value::gather_layout))]
     pub layout: Option<GatherLayout>,
-    /// Rays of a record, about [default: 2048]
+    /// Approximate number of rays per record [default: 2048]
     #[arg(long, value_name = "N", value_parser = argument(value::record_rays), allow_negative_numbers = true)]
     pub record_rays: Option<u32>,
-    /// Reflections of light on its way to a record, each with a cache of its own [default: any number, by paths]
+    /// Reflections of light on its way to a record, with one cache for each [default: unlimited, by path tracing]
     #[arg(long, value_name = "N", value_parser = argument(value::cache_bounces), allow_negative_numbers = true)]
     pub cache_bounces: Option<u32>,
 }

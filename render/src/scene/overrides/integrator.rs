@@ -14,50 +14,51 @@ use crate::settings::{
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Integrator")]
 pub struct IntegratorOverrides {
-    /// What is computed: path (global illumination), cached (the same, interpolated from few points), montecarlo (some
-    /// bounces, many rays each), direct (no indirect light), ao (ambient occlusion), flat (colours), heat (cost of path),
-    /// normals or albedo [default: path]
+    /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each), direct
+    /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), normals or albedo
+    /// [default: path]
     #[arg(long, value_name = "NAME", value_parser = argument(value::integrator))]
     pub integrator: Option<Integrator>,
-    /// path, heat: most surface hits on a path: 1 shows emitters alone, 2 adds direct light [default: 1024]; direct:
-    /// most surfaces with mirrors and glass [default: 32]
+    /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
+    /// most surfaces seen through mirrors and glass [default: 32]
     #[arg(long, value_name = "N", value_parser = argument(value::count), allow_negative_numbers = true)]
     pub max_depth: Option<u32>,
-    /// path, heat: how light is found: naive (by bounces alone), direct (by sampling lights) or mis (both) [default:
-    /// mis]
+    /// path, heat: how light is found: naive (bounces hit emitters by chance), direct (light sampling) or mis (both, by
+    /// multiple importance sampling) [default: mis]
     #[arg(long, value_name = "HOW", value_parser = argument(value::lights))]
     pub lights: Option<LightSampling>,
-    /// path, heat: what ends paths: depth (--max-depth alone), threshold or roulette [default: roulette]
+    /// path, heat: what ends a path: depth (only --max-depth), threshold or roulette (Russian roulette) [default:
+    /// roulette]
     #[arg(long, value_name = "RULE", value_parser = argument(value::stop))]
     pub stop: Option<Stop>,
-    /// --stop threshold: paths end where less than this part of their light would go on [default: 0.01]
+    /// --stop threshold: end a path when its throughput falls below this in all channels [default: 0.01]
     #[arg(long, value_name = "C", value_parser = argument(value::fraction), allow_negative_numbers = true)]
     pub cutoff: Option<f32>,
-    /// --stop threshold: put the scene's mean radiance in place of the light that is left out
+    /// --stop threshold: add the scene's mean radiance in place of the light that is cut off
     #[arg(long, num_args = 0..=1, require_equals = true)]
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub add_back: Option<bool>,
-    /// --stop roulette: surfaces from which paths always go on [default: 3]
+    /// --stop roulette: number of surfaces before roulette starts [default: 3]
     #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
     pub roulette_after: Option<u32>,
-    /// --stop roulette: probability of going on, or throughput (what is left of the light, at most 0.95) [default:
-    /// throughput]; montecarlo: go on so after the bounces, with one ray a surface [default: do not]
+    /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95 [default:
+    /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
     #[arg(long, value_name = "P", value_parser = argument(value::survival), allow_negative_numbers = true)]
     pub survival: Option<Survival>,
-    /// montecarlo: bounces of indirect light [default: 1]
+    /// montecarlo: number of indirect bounces [default: 1]
     #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
     pub bounces: Option<u32>,
-    /// montecarlo, ao: rays for each surface [default: 16]
+    /// montecarlo, ao: rays per surface [default: 16]
     #[arg(long, value_name = "N", value_parser = argument(value::count), allow_negative_numbers = true)]
     pub rays: Option<u32>,
-    /// montecarlo, ao: how rays are spread: uniform, cosine, stratified (by the cosine) or stratified-uniform
+    /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or stratified-uniform
     /// [default: stratified]
     #[arg(long, value_name = "HOW", value_parser = argument(value::hemisphere_sampling))]
     pub sampling: Option<HemisphereSampling>,
-    /// ao: what rays count: misses (1 if nothing is hit) or hit-length (the longer, the more) [default: misses]
+    /// ao: value of a ray: misses (1 if it hits nothing) or hit-length (more, the farther the hit) [default: misses]
     #[arg(long, value_name = "HOW", value_parser = argument(value::ao_weighting))]
     pub ao_weighting: Option<AoWeighting>,
-    /// ao: distance from which on nothing occludes [default: the scene's diagonal]
+    /// ao: hits farther away than this do not occlude [default: the scene's diagonal]
     #[arg(long, value_name = "D", value_parser = argument(value::distance), allow_negative_numbers = true)]
     pub ao_distance: Option<f32>,
     /// Options of the irradiance cache.

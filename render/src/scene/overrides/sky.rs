@@ -12,18 +12,19 @@ use crate::settings::Invalid;
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Light")]
 pub struct SkyOverrides {
-    /// Light from a picture of all directions, added to that of --sky: equirectangular, .hdr or .exr
+    /// Environment map, equirectangular, .hdr or .exr; added to --sky
     #[arg(long = "sky-picture", value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// Turns the picture about +y, counter-clockwise as seen from above; its middle is towards -z [default: 0]
+    /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle is
+    /// towards -z [default: 0]
     #[arg(long = "sky-rotation", value_name = "DEGREES", value_parser = argument(value::degrees))]
     #[arg(allow_negative_numbers = true)]
     pub rotation: Option<f32>,
-    /// What the picture or the daylight is multiplied by [default: 1]
+    /// Factor on the environment map or the daylight [default: 1]
     #[arg(long = "sky-scale", value_name = "S", value_parser = argument(value::scale), allow_negative_numbers = true)]
     pub scale: Option<f32>,
-    /// A clear sky with its sun (Preetham 1999): the sun's elevation and azimuth in degrees, 0 being -z and 90 +x, and
-    /// the air's turbidity, 2 for very clear to 10 for hazy [default: 3]
+    /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is +x),
+    /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
     #[arg(long, value_name = "ELEVATION,AZIMUTH[,T]", value_parser = argument(value::daylight))]
     pub daylight: Option<Daylight>,
 }
@@ -48,15 +49,15 @@ impl SkyOverrides {
         match (&self.picture, self.daylight) {
             (None, None) if self.rotation.is_some() || self.scale.is_some() => {
                 return Err(Invalid::new(
-                    "there is no picture of a sky to turn or to scale",
-                    "name one with --sky-picture or picture = \"...\" in [sky], or leave its options out",
+                    "there is no environment map to rotate or scale",
+                    "give one with --sky-picture or picture = \"...\" in [sky], or leave these options out",
                 ));
             }
             (Some(_), Some(_)) => {
-                return Err(Invalid::new("the sky is both a picture and daylight", "leave one of them out"));
+                return Err(Invalid::new("the sky is both an environment map and daylight", "leave one of them out"));
             }
             (None, Some(_)) if self.rotation.is_some() => {
-                return Err(Invalid::new("daylight cannot be turned", "give the sun another azimuth"));
+                return Err(Invalid::new("daylight cannot be rotated", "give the sun another azimuth"));
             }
             (None, None) => {}
             (None, Some(daylight)) => {
@@ -100,11 +101,11 @@ mod tests {
         let daylight = Some(Daylight { elevation: 45.0, azimuth: 0.0, turbidity: 3.0 });
         let problem = |options: SkyOverrides| options.apply(&mut cornell_box()).unwrap_err().problem;
         let turned = SkyOverrides { rotation: Some(1.0), ..Default::default() };
-        assert_eq!(problem(turned.clone()), "there is no picture of a sky to turn or to scale");
-        assert_eq!(problem(SkyOverrides { daylight, ..turned.clone() }), "daylight cannot be turned");
+        assert_eq!(problem(turned.clone()), "there is no environment map to rotate or scale");
+        assert_eq!(problem(SkyOverrides { daylight, ..turned.clone() }), "daylight cannot be rotated");
         let picture = Some("no.hdr".into());
         let both = SkyOverrides { daylight, picture: picture.clone(), ..Default::default() };
-        assert_eq!(problem(both), "the sky is both a picture and daylight");
+        assert_eq!(problem(both), "the sky is both an environment map and daylight");
         let missing = SkyOverrides { picture: picture.clone(), ..turned.clone() };
         assert_eq!(problem(missing), "no.hdr: no such file");
         // The command line's daylight wins over the scene file's picture, with its rotation.

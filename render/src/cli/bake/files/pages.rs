@@ -81,7 +81,7 @@ impl Files {
 fn checked(path: &Path, EncodedMap { bytes, clamped }: EncodedMap, warnings: &mut Vec<String>) -> Vec<u8> {
     if clamped > 0 {
         let texels = count(clamped, "texel is", "texels are");
-        warnings.push(format!("{}: {texels} too bright for the format, and less bright there", path.display()));
+        warnings.push(format!("{}: {texels} brighter than the format can store, clamped", path.display()));
     }
     bytes
 }
