@@ -77,7 +77,7 @@ impl Checkpoint {
     /// If the file cannot be read, is none of ours or damaged, or of something else.
     pub fn read(path: &Path, hash: u64) -> Result<Option<Self>, Invalid> {
         let error = |problem: &str| {
-            let remedy = "leave --resume out to begin anew";
+            let remedy = "leave --resume out to start again";
             Invalid::new(format!("{}: {problem}", path.display()), remedy)
         };
         let bytes = match fs::read(path) {
@@ -85,9 +85,9 @@ impl Checkpoint {
             Err(failure) if failure.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(failure) => return Err(error(&format!("cannot be read: {failure}"))),
         };
-        let (found, entries) = decode(&bytes).ok_or_else(|| error("is no state of a bake, or damaged"))?;
+        let (found, entries) = decode(&bytes).ok_or_else(|| error("is not the state of a bake, or is damaged"))?;
         if found != hash {
-            return Err(error("is of another level, or of other options"));
+            return Err(error("belongs to another level or to other options"));
         }
         let checkpoint = Self::new(hash);
         checkpoint.state().entries = entries;

@@ -22,8 +22,8 @@ impl Atlas {
     pub(crate) fn build(scene: &Scene, edges: &[SharedEdge], options: &BakeOptions) -> Result<Self, Invalid> {
         if let Some(density) = options.density.filter(|density| !density.is_finite() || *density <= 0.0) {
             return Err(Invalid::new(
-                format!("a density of {density} texels per unit is none"),
-                "give a number of texels that is more than 0",
+                format!("the density is {density} texels per unit"),
+                "give a number greater than 0",
             ));
         }
         let mut atlas = Self::default();

@@ -13,14 +13,13 @@ pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], stati
     if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
         warnings.push(match (options.mode, world.lights.sky.mean() != Vec3::ZERO) {
             (Mode::Direct, true) => {
-                "all maps are black: the sky is the only light, and without a sun in its picture it counts as indirect; \
-                 give --mode full"
+                "all maps are black: the sky is the only light, and a sky without a sun counts as indirect light; use \
+                 --mode full"
                     .to_owned()
             }
-            (Mode::Ao, _) => "all maps are black: nothing is open; give a shorter --ao-distance".to_owned(),
-            _ => {
-                "all maps are black: no light reaches a front of a surface; add an emitter, a light or --sky".to_owned()
-            }
+            (Mode::Ao, _) => "all maps are black: every ray is occluded; use a shorter --ao-distance".to_owned(),
+            _ => "all maps are black: no light reaches the front of any surface; add an emitter, a light or --sky"
+                .to_owned(),
         });
     }
     if statistics.mixed > 0 {
@@ -29,7 +28,7 @@ pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], stati
     }
     if statistics.covered * 4 > statistics.texels {
         warnings.push(format!(
-            "{} of {} see backs of surfaces for the most part, and took the light of others: check which way faces look",
+            "{} of {} mostly see the backs of surfaces, and took the light of neighbours: check the orientation of faces",
             texels(statistics.covered),
             statistics.texels
         ));

@@ -179,10 +179,7 @@ impl Cache {
             records.push(Record::from_words(key, &words));
         }
         if !records.iter().all(Record::is_sound) {
-            return Err(CacheFileError::new(
-                "has a record that is none: a number is not finite or out of range",
-                again,
-            ));
+            return Err(CacheFileError::new("has an invalid record: a number is not finite or out of range", again));
         }
         Ok(Self::of(options, scene, records))
     }

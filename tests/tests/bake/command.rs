@@ -197,7 +197,7 @@ fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
         let small = "bake level.gltf -o out.gltf --size 64 --spp 8 --record-rays 64 --progress none";
         let other = program.run_line(&format!("{small} --resume"));
         assert_eq!(other.code, Some(1), "the state is of other options");
-        assert!(other.stderr.contains("out.gltf.state: is of another level"), "{}", other.stderr);
+        assert!(other.stderr.contains("out.gltf.state: belongs to another level"), "{}", other.stderr);
         succeed(&program.run_line(small));
         assert!(!names(program).contains(&"out.gltf.state".to_owned()));
     });
