@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::lobes::Lobes;
 use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Layered, Matte, Sample, Transmissive};
 
 /// A closure of any [`Kind`]. A loop over points of one kind is quicker with the closure of that kind.
@@ -38,6 +39,19 @@ impl Closure {
             Kind::Glossy => Self::Glossy(Bsdf::new(inputs, is_inside)),
             Kind::Transmissive => Self::Transmissive(Bsdf::new(inputs, is_inside)),
             Kind::Layered => Self::Layered(Bsdf::new(inputs, is_inside)),
+        }
+    }
+}
+
+impl Closure {
+    /// The part of [`eval`](Bsdf::eval)'s `f |cos θi|` that single microfacets reflect and refract: to compare with
+    /// renderers that scatter the rest in another way, or not at all.
+    pub fn eval_single(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        match self {
+            Self::Matte(_) => Vec3::ZERO,
+            Self::Glossy(inner) => inner.parts(wo, wi).glossy,
+            Self::Transmissive(inner) => inner.parts(wo, wi).glossy,
+            Self::Layered(inner) => inner.parts(wo, wi).glossy,
         }
     }
 }

@@ -42,6 +42,12 @@ impl Ggx {
         self.alpha.x == 0.0
     }
 
+    /// The roughness of isotropic microfacets whose albedo is about the same: 0 of a mirror.
+    #[inline]
+    pub fn mean_roughness(&self) -> f32 {
+        (0.5 * self.alpha.length_squared()).sqrt().sqrt()
+    }
+
     /// Density of microfacets, by solid angle and projected area.
     #[inline]
     pub fn d(&self, h: Vec3) -> f32 {

@@ -69,7 +69,7 @@ impl Side {
         let Inputs { specular_ior: ior, specular_weight: weight, specular_color, thin_walled, .. } = *inputs;
         let ior = ior.max(LEAST_INDEX);
         let is_inside = is_inside && !thin_walled;
-        let roughness = if ggx.is_delta() { 0.0 } else { inputs.specular_roughness };
+        let roughness = ggx.mean_roughness();
         let full = energy::full(roughness);
         let all = if thin_walled { full } else { energy::glass(roughness, ior, is_inside) };
         let fresnel = Dielectric::new(ior, is_inside, weight, specular_color);

@@ -8,8 +8,9 @@
 //!
 //! which is reciprocal and leaves nothing of a white furnace.
 //!
-//! Deviation: what a dielectric's microfacets reflect to each other goes to the diffuse light below, as it is too little
-//! to be seen.
+//! Deviations: what a dielectric's microfacets reflect to each other goes to the diffuse light below, as it is too little
+//! to be seen. Albedos of anisotropic microfacets are tabled as those of isotropic ones: right at normal incidence and
+//! halfway between the axes, and else off by some percent at grazing angles where anisotropy is strong.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -70,7 +71,7 @@ impl Glossy {
     #[inline]
     pub fn with_metalness(inputs: &Inputs, metalness: f32) -> Self {
         let ggx = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy);
-        let roughness = if ggx.is_delta() { 0.0 } else { inputs.specular_roughness };
+        let roughness = ggx.mean_roughness();
         let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
         let dielectric = Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color);
         let full = energy::full(roughness);

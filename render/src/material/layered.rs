@@ -101,10 +101,11 @@ impl Lobes for Layered {
             under_fuzz
         };
         let energy = base.energy();
-        let lost = if Ggx::new(inputs.specular_roughness, 0.0).is_delta() {
+        let base_ggx = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy);
+        let lost = if base_ggx.is_delta() {
             Column::ZERO
         } else {
-            energy::dimmed_under(&below, inputs.specular_roughness).zip(&energy.glossy, |lost, glossy| lost * glossy)
+            energy::dimmed_under(&below, base_ggx.mean_roughness()).zip(&energy.glossy, |lost, glossy| lost * glossy)
         };
         let lost_mean = lost.mean();
         // As wide lobes below are not even: of the angles at which they are.
