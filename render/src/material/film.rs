@@ -1,15 +1,14 @@
 //! Thin-film interference: the reflectance of a film of some hundred nanometres on a base.
 //!
-//! Belcour and Barla, "A practical extension to microfacet theory for the modeling of varying iridescence" (2017), as
-//! `KHR_materials_iridescence` simplifies it: Airy's sum in the Fourier domain of Gaussian fits to the observer's
-//! sensitivities, with the same phases for both polarisations. With `R_12` and `R_23` the reflectances of the film's two
-//! faces, `ρ = √(R_12 R_23)`, `R_s = T_12² R_23 / (1 - ρ²)`, `Δ = 2 n d cos θ_2` the optical path difference and `φ` the
-//! phase shift,
+//! Belcour and Barla, "A practical extension to microfacet theory for the modeling of varying iridescence" (2017): Airy's sum
+//! in the Fourier domain of Gaussian fits to the observer's sensitivities. For each polarization, with `r_12` and `r_23` the
+//! amplitudes that the film's two faces reflect, `ρ = -r_12 r_23`, `T = 1 - r_12²`, `R_s = T² r_23² / (1 - ρ²)` and
+//! `Δ = 2 n d cos θ_2` the optical path difference,
 //!
-//! `F = R_12 + R_s + Σ_m 2 ρ^m (R_s - T_12) S(m Δ, m φ)`, of which two terms are taken.
+//! `F = r_12² + R_s + Σ_m 2 ρ^m (R_s - T) S(m Δ)`, of which two terms are taken.
 //!
-//! Deviations: the faces are Fresnel's, not Schlick's; and white is the colour of a film of no thickness, where the
-//! extension's formula is reddish, as it takes equal energy for D65.
+//! Deviations: a metal reflects both polarizations by Schlick's formula, as `KHR_materials_iridescence` has it; and white is
+//! the colour of a film of no thickness, where the extension's formula is reddish, as it takes equal energy for D65.
 
 use std::f32::consts::PI;
 
@@ -41,9 +40,12 @@ impl Film {
     /// The reflectance over a dielectric of this refractive index, seen from outside.
     pub fn over_dielectric(&self, cos: f32, ior: f32) -> Vec3 {
         let (_, cos_film) = fresnel::dielectric(cos, self.ior);
-        let (base, _) = fresnel::dielectric(cos_film, ior / self.ior);
-        let turns = Vec3::splat(if ior < self.ior { 0.5 } else { 0.0 });
-        self.interfere(cos, Vec3::splat(base), turns)
+        let (_, cos_base) = fresnel::dielectric(cos_film, ior / self.ior);
+        if cos_base == 0.0 && ior < self.ior {
+            return Vec3::ONE;
+        }
+        let base = amplitudes(cos_film, cos_base, ior / self.ior);
+        self.interfere(cos, base.map(Vec3::splat))
     }
 
     /// The reflectance over a metal whose reflectance at normal incidence in air is `normal`.
@@ -51,37 +53,41 @@ impl Film {
         let (_, cos_film) = fresnel::dielectric(cos, self.ior);
         let root = normal.clamp(Vec3::ZERO, Vec3::splat(0.9999)).map(f32::sqrt);
         let ior = (1.0 + root) / (1.0 - root);
-        let below = (ior - self.ior) / (ior + self.ior);
-        let below = below * below;
-        let base = below + (1.0 - below) * schlick(cos_film);
-        let turns = ior.map(|ior| if ior < self.ior { 0.5 } else { 0.0 });
-        self.interfere(cos, base, turns)
+        let root = (ior - self.ior) / (ior + self.ior);
+        let reflectance = root * root + (1.0 - root * root) * schlick(cos_film);
+        let parallel = reflectance.map(f32::sqrt) * root.signum();
+        self.interfere(cos, [-parallel, parallel])
     }
 
-    /// Airy's sum. `turns`: the phase shift at the base, 0 or a half.
-    fn interfere(&self, cos: f32, base: Vec3, turns: Vec3) -> Vec3 {
-        let (outer, cos_film) = fresnel::dielectric(cos, self.ior);
-        // And a half at the top, where the film is denser than what is outside, between the first reflection and others.
-        let turns = turns + 0.5;
-        let through = 1.0 - outer;
-        let product = (outer * base).clamp(Vec3::splat(1e-5), Vec3::splat(0.9999));
-        let root = product.map(f32::sqrt);
-        let single = through * through * base / (1.0 - product);
+    /// Airy's sum, for the base's amplitudes: the mean of both polarizations.
+    fn interfere(&self, cos: f32, base: [Vec3; 2]) -> Vec3 {
+        let (_, cos_film) = fresnel::dielectric(cos, self.ior);
         let difference = 2.0 * self.ior * self.thickness * cos_film;
-        let mut sum = outer + single;
-        let mut term = single - through;
-        for order in [1.0, 2.0] {
-            term *= root;
-            sum += term * (2.0 * sensitivity(order * difference, order * turns));
+        let seen = [1.0, 2.0].map(|order| 2.0 * sensitivity(order * difference));
+        let outer = amplitudes(cos, cos_film, self.ior);
+        let mut sum = Vec3::ZERO;
+        for (outer, base) in outer.into_iter().zip(base) {
+            let reflected = outer * outer;
+            let through = 1.0 - reflected;
+            // Negative where one of the two reflections turns the wave by a half.
+            let product = -outer * base;
+            let single = through * through * base * base / (1.0 - product * product).max(Vec3::splat(1e-4));
+            let term = (single - through) * product;
+            sum += reflected + single + term * seen[0] + term * product * seen[1];
         }
-        sum.clamp(Vec3::ZERO, Vec3::ONE)
+        (0.5 * sum).clamp(Vec3::ZERO, Vec3::ONE)
     }
 }
 
-/// Of light that is reflected alike at all wavelengths but for `cos(2π Δ/λ + φ)`, the part that is seen: 1 for no path
-/// difference and no shift. In nanometres and turns.
-fn sensitivity(difference: f32, turns: Vec3) -> Vec3 {
-    // Fits to the CIE 1931 observer: position and variance of each lobe in cycles by metre, and its height.
+/// Fresnel's amplitudes, perpendicular and parallel.
+fn amplitudes(cos: f32, cos_beyond: f32, eta: f32) -> [f32; 2] {
+    [(cos - eta * cos_beyond) / (cos + eta * cos_beyond), (eta * cos - cos_beyond) / (eta * cos + cos_beyond)]
+}
+
+/// Of light that is reflected as `cos(2π Δ/λ)` of its wavelength, the part that is seen: 1 for no path difference, which is
+/// in nanometres.
+fn sensitivity(difference: f32) -> Vec3 {
+    // Fits to the CIE 1931 observer: the position and variance of each lobe in cycles by metre, and its height.
     const HEIGHT: [f32; 4] = [5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14];
     const POSITION: [f32; 4] = [1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6];
     const VARIANCE: [f32; 4] = [4.3278e9, 9.3046e9, 6.6121e9, 4.5282e9];
@@ -94,17 +100,11 @@ fn sensitivity(difference: f32, turns: Vec3) -> Vec3 {
     );
     let metres = difference * 1e-9;
     let phase = 2.0 * PI * metres;
-    let lobe = |k: usize, turns: f32| {
-        let height = HEIGHT[k] * (2.0 * PI * VARIANCE[k]).sqrt() / NORM;
-        let cycles = POSITION[k] * metres + turns;
-        height * sin_cos_turns(cycles - cycles.floor()).1 * (-VARIANCE[k] * phase * phase).exp()
+    let height = |k: usize| HEIGHT[k] * (2.0 * PI * VARIANCE[k]).sqrt() / NORM;
+    let lobe = |k: usize| {
+        let cycles = POSITION[k] * metres;
+        height(k) * sin_cos_turns(cycles - cycles.floor()).1 * (-VARIANCE[k] * phase * phase).exp()
     };
-    let seen = |turns: f32| TO_RGB * Vec3::new(lobe(0, turns) + lobe(3, turns), lobe(1, turns), lobe(2, turns));
-    let at_zero = TO_RGB
-        * Vec3::from_array([
-            (HEIGHT[0] * VARIANCE[0].sqrt() + HEIGHT[3] * VARIANCE[3].sqrt()) * (2.0 * PI).sqrt() / NORM,
-            HEIGHT[1] * (2.0 * PI * VARIANCE[1]).sqrt() / NORM,
-            HEIGHT[2] * (2.0 * PI * VARIANCE[2]).sqrt() / NORM,
-        ]);
-    Vec3::new(seen(turns.x).x, seen(turns.y).y, seen(turns.z).z) / at_zero
+    let seen = TO_RGB * Vec3::new(lobe(0) + lobe(3), lobe(1), lobe(2));
+    seen / (TO_RGB * Vec3::new(height(0) + height(3), height(1), height(2)))
 }
