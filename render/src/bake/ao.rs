@@ -9,6 +9,8 @@ use crate::world::{Surface, World};
 
 /// The set of random numbers that a direction comes from.
 const DIRECTION_SET: u32 = 0;
+/// Rays that are traced together, at most.
+const BATCH: usize = 2048;
 
 /// Rays of ambient occlusion, and their memory.
 pub(super) struct AmbientOcclusion {
@@ -28,7 +30,7 @@ impl AmbientOcclusion {
     /// How open a point is, from 0 to 1, and the number of rays. `number` selects the random numbers.
     pub(super) fn at(&mut self, world: &World, surface: &Surface, seed: u64, number: u32) -> (f32, u64) {
         let frame = surface.frame();
-        self.rays.clear();
+        let (mut free, mut traced) = (0, 0);
         for ray in 0..self.hemisphere.rays() {
             let u = Sampler::new(Pattern::Sobol, seed, number, ray).uniform2(DIRECTION_SET);
             let direction = frame.to_world(self.hemisphere.direction(ray, u).0);
@@ -37,10 +39,21 @@ impl AmbientOcclusion {
                 let ray = Ray::new(surface.origin_towards(surface.normal), direction);
                 self.rays.push(Ray { t_max: self.t_max, ..ray });
             }
+            if self.rays.len() == BATCH {
+                traced += BATCH as u64;
+                free += self.trace(world);
+            }
         }
+        traced += self.rays.len() as u64;
+        free += self.trace(world);
+        (free as f32 / self.hemisphere.rays() as f32, traced)
+    }
+
+    /// How many of the rays hit nothing; then there are none.
+    fn trace(&mut self, world: &World) -> u64 {
         self.occluded.resize(self.rays.len(), false);
         world.occluded_many(&self.rays, &mut self.occluded);
-        let free = self.occluded.iter().filter(|occluded| !**occluded).count();
-        (free as f32 / self.hemisphere.rays() as f32, self.rays.len() as u64)
+        self.rays.clear();
+        self.occluded.iter().filter(|occluded| !**occluded).count() as u64
     }
 }

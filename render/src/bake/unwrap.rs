@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use glam::Vec2;
+use glam::{DVec3, Vec2, Vec3};
 use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing};
 
 use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
@@ -26,6 +26,9 @@ pub(crate) struct Request {
 /// With more triangles than these, packing by shape takes too long.
 const MANY_TRIANGLES: usize = 50_000;
 
+/// Triangles with a height of less than this part of their mesh's diagonal have no chart.
+const THINNEST: f64 = 1e-6;
+
 /// Pages and parts for meshes; the pages will follow `first_page` others.
 pub(crate) fn unwrap(
     scene: &Scene,
@@ -43,7 +46,8 @@ pub(crate) fn unwrap(
         let inputs = requests.iter().zip(&geometry).map(|(request, geometry)| MeshInput {
             seams: (!request.repack).then_some(&creases[request.mesh][..]),
             existing_uvs: request.repack.then_some(&geometry.coordinates[..]),
-            instance_scales: instances,
+            // The crate cannot place a mesh without charts as a whole.
+            instance_scales: if geometry.has_charts() { instances } else { &[] },
             ..MeshInput::new(&geometry.positions, &geometry.indices)
         });
         inputs.collect()
@@ -59,13 +63,30 @@ pub(crate) fn unwrap(
         ..Options::default()
     };
     // First each mesh in one piece; where one is too large for that, chart by chart.
-    let unwrapped = match uvunwrap::generate(&inputs(&[1.0]), &settings) {
-        Err(Error::ChartTooLarge { .. }) => uvunwrap::generate(&inputs(&[]), &settings),
+    let generate = |instances: &'static [f32]| {
+        let inputs = inputs(instances);
+        caught(|| uvunwrap::generate(&inputs, &settings)).ok_or_else(|| {
+            let fails = |number: &usize| caught(|| uvunwrap::generate(&inputs[*number..=*number], &settings)).is_none();
+            let mesh = (0..inputs.len()).find(fails).map(|number| mesh_name(scene, requests[number].mesh));
+            Invalid::new(
+                format!("{} cannot be unwrapped: the unwrapper failed", mesh.as_deref().unwrap_or("the model")),
+                "mend its triangles, or give it a second set of texture coordinates and bake with --uv keep",
+            )
+        })
+    };
+    let unwrapped = match generate(&[1.0])? {
+        Err(Error::ChartTooLarge { .. }) => generate(&[])?,
         other => other,
     };
     let unwrapped = unwrapped.map_err(|error| explain(scene, requests, &error))?;
     let page = Page { width: unwrapped.width, height: unwrapped.height };
     let pages = vec![page; unwrapped.page_count as usize];
+    // Where nothing has a chart there is no page; any will do.
+    let (pages, first_page) = match (pages.is_empty(), first_page) {
+        (true, 0) => (vec![page], 0),
+        (true, _) => (pages, 0),
+        (false, _) => (pages, first_page),
+    };
     let parts = requests.iter().enumerate();
     let parts = parts.flat_map(|(number, request)| split(*request, &unwrapped, number, first_page));
     Ok((pages, parts.collect()))
@@ -87,6 +108,27 @@ impl Geometry {
             coordinates: mesh.lightmap_texcoords.iter().map(|uv| uv.to_array()).collect(),
         }
     }
+
+    /// Whether any triangle gets a chart: the crate leaves out those that are thinner than the mesh is long by [`THINNEST`].
+    fn has_charts(&self) -> bool {
+        let position = |index: u32| Vec3::from(self.positions[index as usize]).as_dvec3();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &position in &self.positions {
+            let position = Vec3::from(position).as_dvec3();
+            (low, high) = (low.min(position), high.max(position));
+        }
+        let thinnest = THINNEST * (high - low).length();
+        self.indices.chunks_exact(3).any(|corners| {
+            let [a, b, c] = [corners[0], corners[1], corners[2]].map(position);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            (b - a).cross(c - a).length() / longest > thinnest
+        })
+    }
+}
+
+/// What `work` gives; `None` if it panics, as a crate may with triangles that nobody has thought of.
+fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).ok()
 }
 
 /// For each mesh and triangle, which sides are creases.
@@ -160,5 +202,68 @@ fn explain(scene: &Scene, requests: &[Request], error: &Error) -> Invalid {
             "leave --uv out for new ones",
         ),
         _ => Invalid::new(format!("no coordinates can be made: {error}"), "check --size, --density and --gutter"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use halfdome_kernel::sampling::Stream;
+
+    use super::*;
+    use crate::bake::atlas::Atlas as Pages;
+    use crate::scene::{Material, Mesh};
+
+    fn mesh(name: &str, positions: Vec<Vec3>) -> Mesh {
+        let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        Mesh { name: name.to_owned(), positions, triangles, ..Mesh::default() }
+    }
+
+    fn atlas(meshes: Vec<Mesh>) -> Result<Pages, Invalid> {
+        let scene = Scene { meshes, materials: vec![Material::default()], ..Scene::default() };
+        Pages::new(&scene, &BakeOptions { size: 64, ..BakeOptions::default() })
+    }
+
+    #[test]
+    fn meshes_without_charts_take_no_others_with_them() {
+        let good = || mesh("good", vec![Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let far = Vec3::splat(4.7e7);
+        for bad in [
+            vec![far, far + Vec3::X, far + Vec3::Y],
+            vec![Vec3::ZERO; 3],
+            vec![Vec3::ZERO, Vec3::X, 2.0 * Vec3::X],
+            vec![Vec3::ZERO, Vec3::X, Vec3::new(0.5, 1e-9, 0.0)],
+        ] {
+            let both = atlas(vec![mesh("bad", bad.clone()), good()]).unwrap();
+            assert_eq!((both.charts.len(), both.parts[both.charts[0].part].mesh), (1, 1), "{bad:?}");
+            assert!(atlas(vec![mesh("bad", bad.clone())]).unwrap_err().problem.contains("area"), "{bad:?}");
+        }
+    }
+
+    /// One to twenty triangles of any size, place and shape: charts or an error, but no panic.
+    #[test]
+    fn extreme_triangles_have_an_atlas_or_an_error() {
+        for i in 0..300 {
+            let random = |k: u32| Stream::new(17, i, k).uniform4(0);
+            let [count, size, place, kind] = random(0);
+            let count = 1 + (20.0 * count * count) as u32;
+            let (size, place) = (10f32.powf(24.0 * size - 16.0), 10f32.powf(16.0 * place - 8.0));
+            let positions = (0..3 * count).map(|k| {
+                let [x, y, z, w] = random(k + 1);
+                let flat = if kind < 0.3 { Vec3::new(1.0, 1e-7, 0.0) } else { Vec3::ONE };
+                let step = if kind > 0.8 && w < 0.3 { Vec3::ZERO } else { Vec3::new(x, y, z) };
+                (place * Vec3::splat(if kind < 0.5 { 1.0 } else { w }) + size * flat * step)
+                    .clamp(Vec3::splat(-4e12), Vec3::splat(4e12))
+            });
+            let meshes = positions.collect::<Vec<_>>().chunks(9).map(|part| mesh("", part.to_vec())).collect();
+            if let Err(error) = atlas(meshes) {
+                assert!(!error.problem.contains("failed"), "{i}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn panics_are_caught() {
+        assert_eq!(caught(|| 3), Some(3));
+        assert_eq!(caught(|| -> i32 { panic!("as a crate may") }), None);
     }
 }

@@ -94,6 +94,10 @@ pub(super) struct InfoArguments {
     /// Print JSON instead of a table
     #[arg(long)]
     pub(super) json: bool,
+
+    /// What overrides the scene.
+    #[command(flatten)]
+    pub(super) overriding: OverrideArguments,
 }
 
 #[derive(Args, Clone, Debug)]

@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let overrides = arguments.light.overrides();
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
-        let (scene, settings) = prepare(&arguments.scene, overrides)?;
+        let (scene, settings) = prepare(&arguments.scene, overrides, picture.as_slice())?;
         return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
@@ -168,7 +168,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
-    let (mut scene, settings) = prepare(&arguments.scene, overrides)?;
+    let (mut scene, settings) = prepare(&arguments.scene, overrides, &files.named())?;
     let options = arguments.options(settings.seed);
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
@@ -207,6 +207,7 @@ fn bake(
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(state_file, STATE_INTERVAL);
 
     let mut atlas = Atlas::new(&scene, options)?;
+    files.check_pages(atlas.pages.len(), options, &scene.files)?;
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };

@@ -34,7 +34,7 @@ pub(super) enum Command {
     Render(Box<RenderArguments>),
     /// Show what is in a scene, or in a tree that `halfdome tree` wrote
     #[command(after_help = EXIT_CODES)]
-    Info(InfoArguments),
+    Info(Box<InfoArguments>),
     /// Print a scene's materials as they were understood, as [[material]] tables for a scene file
     #[command(after_help = EXIT_CODES)]
     Materials(MaterialsArguments),

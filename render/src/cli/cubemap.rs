@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::args::{CommonArguments, exposure, names};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
+use super::inputs;
 use super::interrupt;
 use super::light::LightArguments;
 use super::messages::{Style, print_line, print_text, warn};
@@ -107,7 +108,7 @@ impl CubemapArguments {
     }
 
     /// The sky that the source is, if it is no scene; and whether it has a sun besides.
-    fn environment(&self) -> Result<Option<(Sky, bool)>, CliError> {
+    fn environment(&self, files: &Files) -> Result<Option<(Sky, bool)>, CliError> {
         let extension = self.source.extension().unwrap_or_default().to_ascii_lowercase();
         let is_picture = extension == "hdr" || extension == "exr";
         if !is_picture && self.source != Path::new(SKY) {
@@ -130,6 +131,7 @@ impl CubemapArguments {
         }
         let mut scene = Scene::default();
         overrides.apply(&mut scene).map_err(CliError::input)?;
+        inputs::refuse(&files.paths(), &scene.files)?;
         let sun = scene.lights.iter().any(|light| matches!(light, PunctualLight::Directional { .. }));
         Ok(Some((scene.sky, sun)))
     }
@@ -140,7 +142,7 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
     let tone = ToneMapping { exposure: arguments.exposure, curve: ToneCurve::default() };
     let files = Files::new(&arguments.outputs, arguments.print_lookup, tone)?;
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    match arguments.environment()? {
+    match arguments.environment(&files)? {
         Some((sky, sun)) => {
             let options = arguments.options(arguments.light.seed.unwrap_or(0))?;
             if sun {
@@ -152,7 +154,7 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
         None => {
             let options = arguments.options(0)?;
             let (world, settings, pool) =
-                prepare_world(&arguments.source, arguments.light.overrides(), &arguments.common)?;
+                prepare_world(&arguments.source, arguments.light.overrides(), &arguments.common, &files.paths())?;
             let options = Options { seed: settings.seed, ..options };
             let source = Environment::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
             finish(arguments, &source, &options, &pool, &files, style)

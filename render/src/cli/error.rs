@@ -29,6 +29,9 @@ pub(super) enum CliError {
     /// The machine is at its limits, or a file cannot be written.
     #[error("{0}")]
     System(String),
+    /// What was checked is wrong.
+    #[error("{0}")]
+    Failed(String),
 }
 
 impl CliError {
@@ -44,6 +47,7 @@ impl CliError {
         match self {
             Self::Input(_) => EXIT_INPUT,
             Self::System(_) => EXIT_SYSTEM,
+            Self::Failed(_) => EXIT_FAILED,
         }
     }
 

@@ -4,6 +4,8 @@ mod lights;
 
 use std::fmt::Write as _;
 
+use std::path::PathBuf;
+
 use glam::Vec3;
 use halfdome_kernel::Isa;
 use halfdome_kernel::bvh::WIDTH;
@@ -11,7 +13,7 @@ use serde::Serialize;
 
 use self::lights::Lights;
 use super::args::InfoArguments;
-use super::error::{CliError, EXIT_DONE};
+use super::error::{CliError, EXIT_DONE, invalid};
 use super::prepare::prepare;
 use super::print::print;
 use super::{memory, tree};
@@ -64,10 +66,15 @@ struct Tree {
 
 /// Prints the table or JSON to stdout.
 pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
+    let overrides = arguments.overriding.overrides();
     if tree::is_tree(&arguments.scene) {
+        if overrides != Overrides::default() {
+            let problem = format!("{} is a tree, which has no options of a scene", arguments.scene.display());
+            return Err(invalid(problem, "leave them out, or name the scene"));
+        }
         return tree::describe(&arguments.scene, arguments.json);
     }
-    let (scene, _) = prepare(&arguments.scene, Overrides::default())?;
+    let (scene, _) = prepare::<PathBuf>(&arguments.scene, overrides, &[])?;
     let info = Info::of(arguments.scene.display().to_string(), scene)?;
     let text = if arguments.json {
         let json = serde_json::to_string_pretty(&info).map_err(CliError::system)?;

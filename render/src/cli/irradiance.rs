@@ -12,6 +12,7 @@ use serde_json::json;
 use super::args::CommonArguments;
 use super::cache::{cached_options, read_cache, with_cache};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::inputs;
 use super::interrupt;
 use super::job::{Job, Outcome};
 use super::light::LightArguments;
@@ -68,9 +69,12 @@ pub(super) struct IrradianceArguments {
 /// Reads sensors, finds their irradiance, and writes it.
 pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let output = arguments.output.as_deref().map(OutputFile::check).transpose().map_err(CliError::input)?;
+    let inputs = [Some(&arguments.points), arguments.cache.as_ref()].into_iter().flatten().collect::<Vec<_>>();
+    inputs::refuse(arguments.output.as_slice(), &inputs)?;
     let sensors = read_sensors(&arguments.points)?;
     let overrides = with_cache(arguments.overrides());
-    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
+    let (world, settings, pool) =
+        prepare_world(&arguments.scene, overrides, &arguments.common, arguments.output.as_slice())?;
     let options = cached_options(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
 

@@ -9,6 +9,7 @@ mod cubemap;
 mod error;
 mod help;
 mod info;
+mod inputs;
 mod interrupt;
 mod irradiance;
 mod job;

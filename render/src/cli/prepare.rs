@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::args::CommonArguments;
 use super::error::CliError;
+use super::inputs;
 use super::messages::print_warning;
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
@@ -13,21 +14,28 @@ use crate::world::World;
 /// The built-in scene's name in place of a path.
 pub(super) const CORNELL: &str = "cornell";
 
-/// The scene called `name` with the options of its file, if it has one, below those of `arguments`.
-pub(super) fn prepare(name: &Path, arguments: Overrides) -> Result<(Scene, Settings), CliError> {
+/// The scene called `name` with the options of its file, if it has one, below those of `arguments`. No file that it is read
+/// from may be one of `outputs`.
+pub(super) fn prepare<P: AsRef<Path>>(
+    name: &Path,
+    arguments: Overrides,
+    outputs: &[P],
+) -> Result<(Scene, Settings), CliError> {
     let (mut scene, from_file) = open(name)?;
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
+    inputs::refuse(outputs, &scene.files)?;
     Ok((scene, settings))
 }
 
 /// The world of the scene called `name` with its settings, and the threads to work with; warnings are printed.
-pub(super) fn prepare_world(
+pub(super) fn prepare_world<P: AsRef<Path>>(
     name: &Path,
     overrides: Overrides,
     arguments: &CommonArguments,
+    outputs: &[P],
 ) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
-    let (mut scene, settings) = prepare(name, overrides)?;
+    let (mut scene, settings) = prepare(name, overrides, outputs)?;
     let style = arguments.progress.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     scene.warnings.clear();

@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::args::CommonArguments;
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
+use super::inputs;
 use super::interrupt;
 use super::light::LightArguments;
 use super::messages::{Style, print_line, print_text, warn};
@@ -102,9 +103,11 @@ enum Places {
 /// Finds probes and writes them.
 pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     let files = Files::new(&arguments.outputs, arguments.grid.is_some())?;
+    inputs::refuse(&arguments.outputs, arguments.points.as_slice())?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let (world, settings, pool) = prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common)?;
+    let (world, settings, pool) =
+        prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common, &arguments.outputs)?;
     let places = match (points, arguments.grid) {
         (Some(points), _) => Places::Points(points),
         (None, Some(count)) => Places::Grid(arguments.grid(count, &world)?),

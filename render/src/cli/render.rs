@@ -7,6 +7,7 @@ use super::args::RenderArguments;
 use super::build_progress::BuildProgress;
 use super::cache::{cached_options, read_cache};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::inputs;
 use super::prepare::{prepare, thread_pool};
 use super::preview::Preview;
 use super::progress::Progress;
@@ -26,7 +27,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
     }
-    let (mut scene, settings) = prepare(&arguments.scene, arguments.overriding.overrides())?;
+    inputs::refuse(&paths, arguments.cache.as_slice())?;
+    let (mut scene, settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &paths)?;
     memory::check(&settings)?;
     let lit = scene.has_light();
     if settings.integrator.needs_light() && !lit {

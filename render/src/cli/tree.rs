@@ -13,6 +13,7 @@ use serde_json::json;
 use super::args::CommonArguments;
 use super::build_progress::BuildProgress;
 use super::error::{CliError, EXIT_DONE};
+use super::inputs;
 use super::messages::{Style, print_line, print_warning};
 use super::prepare::{open, thread_pool};
 use super::print::print;
@@ -51,6 +52,7 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
         )));
     }
     let (scene, from_file) = open(&arguments.scene)?;
+    inputs::refuse(&[&arguments.output], &scene.files)?;
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let pool = thread_pool(&arguments.common)?;

@@ -16,6 +16,8 @@ use crate::world::World;
 const TEXEL_SET: u32 = 0;
 /// Points of a texel across, at most, at which the sky is looked up.
 const MAX_POINTS: u32 = 256;
+/// Paths that are traced together, at most.
+const BATCH: u32 = 4096;
 
 /// What is seen in all directions.
 pub struct Environment<'a>(Kind<'a>);
@@ -70,7 +72,9 @@ impl<'a> Environment<'a> {
                 let place = |i: u32| (f64::from(i) + 0.5) / f64::from(points);
                 let all = (0..points).flat_map(|j| (0..points).map(move |i| (i, j)));
                 let seen = all.map(|(i, j)| aim(place(i), place(j)));
-                (mean(seen.map(|(direction, weight)| (light.radiance(direction), weight))), 0)
+                let mut mean = Mean::default();
+                mean.extend(seen.map(|(direction, weight)| (light.radiance(direction), weight)));
+                (mean.value(), 0)
             }
             Kind::Point { world, position, spp, seed } => viewer.look(world, *position, (*seed, number), *spp, aim),
         }
@@ -95,36 +99,57 @@ impl Viewer {
         spp: u32,
         aim: impl Fn(f64, f64) -> (Vec3, f64),
     ) -> (Vec3, u64) {
-        self.rays.clear();
-        self.weights.clear();
-        self.samplers.clear();
-        self.samplers.extend((0..spp).map(|sample| Sampler::new(Pattern::Sobol, seed, number, sample)));
-        for sampler in &self.samplers {
-            let Vec2 { x, y } = sampler.uniform2(TEXEL_SET);
-            let (direction, weight) = aim(x.into(), y.into());
-            self.rays.push(Ray::new(position, direction));
-            self.weights.push(weight);
+        let (mut mean, mut traced) = (Mean::default(), 0);
+        for first in (0..spp).step_by(BATCH as usize) {
+            self.rays.clear();
+            self.weights.clear();
+            self.samplers.clear();
+            let samples = first..spp.min(first.saturating_add(BATCH));
+            self.samplers.extend(samples.map(|sample| Sampler::new(Pattern::Sobol, seed, number, sample)));
+            for sampler in &self.samplers {
+                let Vec2 { x, y } = sampler.uniform2(TEXEL_SET);
+                let (direction, weight) = aim(x.into(), y.into());
+                self.rays.push(Ray::new(position, direction));
+                self.weights.push(weight);
+            }
+            self.hits.resize(self.rays.len(), Hit::MISS);
+            self.radiance.resize(self.rays.len(), Vec3::ZERO);
+            world.intersect_many(&self.rays, &mut self.hits);
+            let batch = RayBatch {
+                rays: &self.rays,
+                hits: &self.hits,
+                samplers: &self.samplers,
+                first_set: TEXEL_SET + 1,
+                density: f32::INFINITY,
+            };
+            let options = PathOptions::default();
+            traced += radiance_by_paths(world, &options, &batch, &mut self.wave, &mut self.radiance);
+            traced += self.rays.len() as u64;
+            let finite = self.radiance.iter().map(|seen| if seen.is_finite() { *seen } else { Vec3::ZERO });
+            mean.extend(finite.zip(self.weights.iter().copied()));
         }
-        self.hits.resize(self.rays.len(), Hit::MISS);
-        self.radiance.resize(self.rays.len(), Vec3::ZERO);
-        world.intersect_many(&self.rays, &mut self.hits);
-        let camera = RayBatch {
-            rays: &self.rays,
-            hits: &self.hits,
-            samplers: &self.samplers,
-            first_set: TEXEL_SET + 1,
-            density: f32::INFINITY,
-        };
-        let traced = radiance_by_paths(world, &PathOptions::default(), &camera, &mut self.wave, &mut self.radiance);
-        let finite = self.radiance.iter().map(|seen| if seen.is_finite() { *seen } else { Vec3::ZERO });
-        (mean(finite.zip(self.weights.iter().copied())), self.rays.len() as u64 + traced)
+        (mean.value(), traced)
     }
 }
 
 /// A weighted mean.
-fn mean(values: impl Iterator<Item = (Vec3, f64)>) -> Vec3 {
-    let (sum, weights) = values.fold((DVec3::ZERO, 0.0), |(sum, weights), (value, weight)| {
-        (sum + value.as_dvec3() * weight, weights + weight)
-    });
-    (sum / weights).as_vec3()
+#[derive(Default)]
+struct Mean {
+    sum: DVec3,
+    weights: f64,
+}
+
+impl Mean {
+    fn value(&self) -> Vec3 {
+        (self.sum / self.weights).as_vec3()
+    }
+}
+
+impl Extend<(Vec3, f64)> for Mean {
+    fn extend<I: IntoIterator<Item = (Vec3, f64)>>(&mut self, values: I) {
+        for (value, weight) in values {
+            self.sum += value.as_dvec3() * weight;
+            self.weights += weight;
+        }
+    }
 }

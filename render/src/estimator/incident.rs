@@ -61,7 +61,7 @@ impl IncidentSampler {
             self.values.clear();
             self.rays.clear();
             self.scattered.clear();
-            for sample in first..spp.min(first + BATCH) {
+            for sample in first..spp.min(first.saturating_add(BATCH)) {
                 let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
                 let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
                 self.push_sample(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);

@@ -1,7 +1,7 @@
 //! Sensors as text: `x y z nx ny nz` on a line, as Radiance's `rtrace -I` takes them. Blank lines and lines that begin
 //! with `#` are passed over and have no line in the output.
 
-use std::io::{self, BufRead};
+use std::io::{BufRead, Read as _};
 
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;
@@ -95,17 +95,28 @@ pub fn read_positions(reader: impl BufRead) -> Result<Vec<Vec3>, PointsError> {
     read_lines(reader, |text| position(numbers(text, "three", "give three numbers: a position x y z")?))
 }
 
+/// The most bytes of a line, with its end: enough for any numbers and a comment.
+const MAX_LINE: u64 = 4096;
+
 /// What `parse` makes of all lines that are neither blank nor comments.
-fn read_lines<T>(reader: impl BufRead, parse: impl Fn(&str) -> Result<T, Wrong>) -> Result<Vec<T>, PointsError> {
-    let mut found = Vec::new();
-    for (number, line) in (1..).zip(reader.lines()) {
+fn read_lines<T>(mut reader: impl BufRead, parse: impl Fn(&str) -> Result<T, Wrong>) -> Result<Vec<T>, PointsError> {
+    let (mut found, mut bytes) = (Vec::new(), Vec::new());
+    for number in 1.. {
         let error = |problem: String, remedy: &str| PointsError { line: number, problem, remedy: remedy.to_owned() };
-        let line = line.map_err(|failure| match failure.kind() {
-            io::ErrorKind::InvalidData => error("is not UTF-8".to_owned(), "give plain text"),
-            _ => error(format!("cannot be read: {failure}"), "give a file or a stream of text"),
-        })?;
+        bytes.clear();
+        // What is no text may be a single line without an end.
+        let read = reader.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut bytes);
+        let read =
+            read.map_err(|failure| error(format!("cannot be read: {failure}"), "give a file or a stream of text"))?;
+        if read == 0 {
+            break;
+        }
+        if read as u64 > MAX_LINE {
+            return Err(error(format!("is longer than {MAX_LINE} bytes"), "give plain text, a point on each line"));
+        }
+        let line = str::from_utf8(&bytes).map_err(|_| error("is not UTF-8".to_owned(), "give plain text"))?;
         // Some editors begin UTF-8 with the mark of an order of bytes.
-        let line = if number == 1 { line.trim_start_matches('\u{feff}') } else { line.as_str() };
+        let line = if number == 1 { line.trim_start_matches('\u{feff}') } else { line };
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') {
             continue;
@@ -166,6 +177,11 @@ mod tests {
                 "{error}"
             );
         }
+        let long = |length: usize| read_points(format!("1 2 3 0 0 1{}\n", " ".repeat(length - 12)).as_bytes());
+        assert_eq!(long(MAX_LINE as usize).unwrap().len(), 1);
+        assert!(long(MAX_LINE as usize + 1).unwrap_err().to_string().starts_with("line 1: is longer than 4096 bytes"));
+        let endless = std::io::BufReader::new(std::io::repeat(0));
+        assert!(read_points(endless).unwrap_err().to_string().starts_with("line 1: is longer"));
         let far = |x: f32| read_positions(format!("{x} 0 0").as_bytes());
         assert!(far(MAX_COORDINATE).is_ok());
         assert!(far(MAX_COORDINATE.next_up()).unwrap_err().to_string().contains("at most 4.398"));

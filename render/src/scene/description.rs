@@ -4,6 +4,8 @@
 //! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
 //! which its corners run counter-clockwise.
 
+use std::path::PathBuf;
+
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{Material, Sky, Texture};
@@ -31,6 +33,8 @@ pub struct Scene {
     pub sky: Sky,
     /// What the loader skipped or changed: shown to the user, one line each.
     pub warnings: Vec<String>,
+    /// The files that it was read from.
+    pub files: Vec<PathBuf>,
 }
 
 /// Triangles that share a material.

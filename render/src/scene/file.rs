@@ -106,6 +106,7 @@ pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
         let file = SceneFile::read(path)?;
         let mut scene = load(&file.model)?;
         material_table::apply(&file.materials, path, &mut scene)?;
+        scene.files.push(path.to_owned());
         Ok((scene, file.overrides))
     } else {
         Ok((load(path)?, Overrides::default()))

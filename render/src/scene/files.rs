@@ -1,8 +1,9 @@
 //! Where a model and the files that it names are kept: on disk, or wherever a program has them.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Files by their paths. Those that a model names are asked for beside it: in the folder of its own path.
 pub trait Files {
@@ -27,5 +28,35 @@ impl Files for Disk {
 
     fn contains(&self, path: &Path) -> bool {
         path.is_file()
+    }
+}
+
+/// Files that remember which of them were read.
+pub(super) struct Recorded<'f> {
+    files: &'f dyn Files,
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl<'f> Recorded<'f> {
+    /// None is read yet.
+    pub(super) fn new(files: &'f dyn Files) -> Self {
+        Self { files, read: RefCell::default() }
+    }
+
+    /// Those that were read, in their order.
+    pub(super) fn into_paths(self) -> Vec<PathBuf> {
+        self.read.into_inner()
+    }
+}
+
+impl Files for Recorded<'_> {
+    fn read(&self, path: &Path) -> io::Result<Cow<'_, [u8]>> {
+        let bytes = self.files.read(path)?;
+        self.read.borrow_mut().push(path.to_owned());
+        Ok(bytes)
+    }
+
+    fn contains(&self, path: &Path) -> bool {
+        self.files.contains(path)
     }
 }

@@ -26,6 +26,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{Place, SceneError};
 use super::files::Disk;
+use super::files::Recorded;
 use super::material::{BumpMap, Channel, Input, Material, NormalMap, Opacity};
 use super::nearest::suggestion;
 use super::texture::{ColorSpace, TextureFilter, TextureMap, TextureStore, Wrap};
@@ -330,7 +331,8 @@ fn range(least: f32, greatest: f32) -> String {
 
 /// Does to the scene what the tables of the scene file at `path` say.
 pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) -> Result<(), SceneError> {
-    let mut store = TextureStore::new(&Disk, core::mem::take(&mut scene.textures));
+    let files = Recorded::new(&Disk);
+    let mut store = TextureStore::new(&files, core::mem::take(&mut scene.textures));
     for table in tables {
         let number = table.material(path, scene)?;
         for (line, change) in &table.changes {
@@ -343,6 +345,7 @@ pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) ->
         scene.materials[number].complete_matte(&store.list);
     }
     scene.textures = store.list;
+    scene.files.extend(files.into_paths());
     Ok(())
 }
 

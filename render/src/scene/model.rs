@@ -6,6 +6,7 @@ use std::path::Path;
 
 use halfdome_kernel::MAX_COORDINATE;
 
+use super::files::Recorded;
 use super::{Disk, Files, Place, Scene, SceneError, gltf, obj, ply};
 
 /// The greatest length of a file in bytes. No format spends less than a byte on an index or a vertex, so a file of this
@@ -95,8 +96,12 @@ pub fn load_from(files: &dyn Files, path: &Path) -> Result<Scene, SceneError> {
 }
 
 fn read(files: &dyn Files, path: &Path, format: Format) -> Result<Scene, SceneError> {
+    let files = Recorded::new(files);
     let bytes = files.read(path).map_err(|error| SceneError::unreadable(path, &error))?;
-    parse(files, path, format, &bytes)
+    let mut scene = parse(&files, path, format, &bytes)?;
+    drop(bytes);
+    scene.files = files.into_paths();
+    Ok(scene)
 }
 
 /// Reads the model in `bytes`, which `path` holds.

@@ -52,6 +52,8 @@ fn good_coordinates_pass_and_others_are_counted() {
         assert!(fs::read(program.folder.join("good.png")).unwrap().starts_with(b"\x89PNG"));
         let bad = program.run_line("bake bad.gltf --check-uv --size 100");
         assert_eq!(bad.code, Some(5), "{}{}", bad.stdout, bad.stderr);
+        let told = "error: light cannot be baked into these coordinates: 400 texels overlap\n  help: unwrap the model";
+        assert!(bad.stderr.contains(told), "{}", bad.stderr);
         // Two strips of 5 by 20 texels in each of two rows.
         says(&bad.stdout, "overlapping", "400 texels");
         assert!(

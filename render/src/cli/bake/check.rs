@@ -3,10 +3,11 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::super::error::{CliError, EXIT_DONE, EXIT_FAILED};
+use super::super::error::{CliError, EXIT_DONE};
+use super::super::inputs;
 use super::super::print::print;
 use crate::bake::atlas::{Atlas, Layout, mesh_name};
-use crate::bake::check::Check;
+use crate::bake::check::{Check, Lost};
 use crate::bake::{BakeOptions, charts_picture};
 use crate::output::{OutputFile, encode_png};
 use crate::scene::{Scene, count};
@@ -28,6 +29,7 @@ pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>) 
         .map(|path| OutputFile::check(&path).map(|file| (path, file)))
         .collect::<Result<_, _>>()
         .map_err(CliError::input)?;
+    inputs::refuse(&pictures.iter().map(|(path, _)| path).collect::<Vec<_>>(), &scene.files)?;
     print(&text(scene, &atlas, &found))?;
     for (index, (path, file)) in pictures.iter().enumerate() {
         let page = atlas.pages[index];
@@ -35,7 +37,21 @@ pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>) 
         let bytes = encode_png(path, page.width, page.height, &pixels).map_err(CliError::system)?;
         file.write(&bytes).map_err(CliError::system)?;
     }
-    Ok(if found.passes() { EXIT_DONE } else { EXIT_FAILED })
+    if found.passes() { Ok(EXIT_DONE) } else { Err(CliError::Failed(reasons(&found))) }
+}
+
+/// Why light cannot be baked into these coordinates.
+fn reasons(found: &Check) -> String {
+    let lost: u64 = found.lost.iter().map(Lost::total).sum();
+    let mut reasons = Vec::new();
+    if found.overlapping > 0 {
+        reasons.push(format!("{} overlap", count(found.overlapping as usize, "texel", "texels")));
+    }
+    if lost > 0 {
+        reasons.push(format!("{} have no texel", count(lost as usize, "triangle", "triangles")));
+    }
+    let help = "unwrap the model again without overlaps, or bake with --uv new";
+    format!("light cannot be baked into these coordinates: {}\n  help: {help}", reasons.join(", "))
 }
 
 /// A name for the picture of each page.

@@ -9,13 +9,14 @@ use glam::Vec2;
 use serde_json::json;
 
 use super::super::error::CliError;
+use super::super::inputs;
 use super::super::messages::{Style, print_line};
 use super::{invalid, print_text};
 use crate::bake::atlas::NO_CHART;
 use crate::bake::gltf::{self, Page, Part, Target};
 use crate::bake::manifest::{Hash, Hashes, Manifest, Output, Unit};
 use crate::bake::report::{self, Report, ReportPage};
-use crate::bake::{self, Bake, BakeOptions, Mode, Preset};
+use crate::bake::{self, Bake, BakeOptions, Directional, Mode, Preset};
 use crate::output::OutputFile;
 use crate::scene::{Scene, count};
 
@@ -80,10 +81,36 @@ impl Files {
             let problem = format!("{} is the input model", output.display());
             return Err(invalid(problem, "give the output another name"));
         }
-        for path in [Some(&files.model), Some(&files.manifest), files.report.as_ref()].into_iter().flatten() {
+        let named = files.named();
+        for (i, path) in named.iter().enumerate() {
+            if named[..i].contains(path) {
+                let problem = format!("{} would be written twice", path.display());
+                return Err(invalid(problem, "give each file a name of its own"));
+            }
             OutputFile::check(path).map_err(CliError::input)?;
         }
         Ok(files)
+    }
+
+    /// What is written besides pages.
+    pub(super) fn named(&self) -> Vec<&Path> {
+        [Some(&self.model), Some(&self.manifest), self.report.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
+    /// Checks that pages can be written, and are none of the files that are read.
+    pub(super) fn check_pages(&self, pages: usize, options: &BakeOptions, inputs: &[PathBuf]) -> Result<(), CliError> {
+        for page in 0..pages {
+            let names = [Some(self.page(page, "exr")), self.map_name(page), self.directional_name(page, options)];
+            for path in names.iter().flatten().map(|name| self.beside(name)) {
+                OutputFile::check(&path).map_err(CliError::input)?;
+                inputs::refuse(&[path], inputs)?;
+            }
+        }
+        Ok(())
     }
 
     /// Hashes of what the files depend on.
@@ -117,6 +144,21 @@ impl Files {
     /// The name of a page's file.
     fn page(&self, page: usize, extension: &str) -> String {
         format!("{}-{page}.{extension}", self.model.file_stem().unwrap_or_default().to_string_lossy())
+    }
+
+    /// The name of a page's file for engines; `None` if the preset has none beside the master.
+    fn map_name(&self, page: usize) -> Option<String> {
+        match self.preset {
+            Preset::Raw => None,
+            Preset::Bevy => Some(self.page(page, "ktx2")),
+            Preset::Three => Some(self.page(page, "hdr")),
+        }
+    }
+
+    /// The name of a page's file of where light comes from, if there is one.
+    fn directional_name(&self, page: usize, options: &BakeOptions) -> Option<String> {
+        let has_one = self.preset != Preset::Raw && options.directional != Directional::None;
+        has_one.then(|| self.page(page, &format!("{}.ktx2", options.directional.name())))
     }
 
     /// Writes everything; gives the paths and warnings.
@@ -211,12 +253,12 @@ impl Files {
     /// What people want to know.
     fn report(&self, scene: &Scene, bake: &Bake, warnings: &[String]) -> Report {
         let s = &bake.statistics;
-        let figures: [(&str, u64); 8] = [
+        // No rays: a bake that was resumed counts its own alone, and its report is that of one that was not.
+        let figures: [(&str, u64); 7] = [
             ("meshes", scene.meshes.len() as u64),
             ("charts", bake.atlas.charts.len() as u64),
             ("texels on surfaces", s.texels),
             ("hemispheres gathered", s.gathers),
-            ("rays", s.rays),
             ("texels moved out from under other objects", s.moved),
             ("texels covered as a whole", s.covered),
             ("points matched at seams", s.seams),

@@ -16,7 +16,7 @@ use super::messages::Mode;
 use super::prepare::prepare_world;
 use super::print::print;
 use super::progress::Progress;
-use super::{interrupt, memory};
+use super::{inputs, interrupt, memory};
 use crate::cache::{Cache, named};
 use crate::estimator::Gatherer;
 use crate::integrator::fill_for_camera;
@@ -136,7 +136,7 @@ pub(super) fn with_cache(mut overrides: Overrides) -> Overrides {
 fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     let file = OutputFile::check(&arguments.output).map_err(CliError::input)?;
     let overrides = with_cache(arguments.overriding.overrides());
-    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
+    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common, &[&arguments.output])?;
     let options = cached_options(&settings)?;
     memory::check(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
@@ -216,6 +216,7 @@ fn decimal(number: f32) -> f64 {
 
 fn merge(arguments: &MergeArguments) -> Result<u8, CliError> {
     let file = OutputFile::check(&arguments.output).map_err(CliError::input)?;
+    inputs::refuse(&[&arguments.output], &arguments.caches)?;
     let mut merged: Option<Cache> = None;
     for path in &arguments.caches {
         let cache = Cache::read(path, None).map_err(CliError::input)?;

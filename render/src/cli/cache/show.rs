@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 
 use super::super::args::{CommonArguments, OverrideArguments};
 use super::super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::super::inputs;
 use super::super::prepare::prepare_world;
 use super::super::progress::Progress;
 use super::super::{interrupt, memory};
@@ -68,8 +69,9 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
             }
         }
     }
+    inputs::refuse(&arguments.outputs, &[&arguments.cache])?;
     let overrides = with_cache(arguments.overriding.overrides());
-    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common)?;
+    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common, &arguments.outputs)?;
     let cache = read_cache(Some(&arguments.cache), &cached_options(&settings)?, &world)?;
     memory::check(&settings)?;
     let mut stopped = false;

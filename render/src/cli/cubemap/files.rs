@@ -65,6 +65,12 @@ impl Files {
         Ok(Self { outputs, lookup, manifest, tone })
     }
 
+    /// All that is written.
+    pub(super) fn paths(&self) -> Vec<&Path> {
+        let lookup = self.lookup.iter().map(|(path, _)| path.as_path());
+        self.outputs.iter().map(|(path, _)| path.as_path()).chain([self.manifest.as_path()]).chain(lookup).collect()
+    }
+
     /// Writes everything; gives the paths and warnings.
     pub(super) fn write(&self, map: &CubeMap, source: &str) -> Result<(Vec<PathBuf>, Vec<String>), CliError> {
         let mut written = Written::default();

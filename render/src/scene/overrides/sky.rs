@@ -70,6 +70,7 @@ impl SkyOverrides {
                     Invalid::new(format!("{}: {}", error.file.display(), error.problem), error.remedy)
                 })?;
                 scene.sky.picture = Some(picture.turned(self.rotation.unwrap_or(0.0)));
+                scene.files.push(path.clone());
             }
         }
         Ok(())

@@ -40,15 +40,11 @@ impl Files {
         let mut files = vec![Ready { path, bytes: bytes.clone() }];
         let mut entry =
             PageEntry { file: master.clone(), master, directional: None, width: size.width, height: size.height };
-        let extension = match self.preset {
-            Preset::Raw => return Ok(Encoded { entry, files, map: bytes }),
-            Preset::Bevy => "ktx2",
-            Preset::Three => "hdr",
-        };
+        let Some(name) = self.map_name(index) else { return Ok(Encoded { entry, files, map: bytes }) };
 
         let texels: Vec<Vec3> = page.layers[0].texels.iter().map(|value| *value * scale).collect();
         let map = Map { width: size.width, height: size.height, texels: &texels };
-        entry.file = self.page(index, extension);
+        entry.file = name;
         let path = self.beside(&entry.file);
         let encoded = match self.preset {
             Preset::Three => encode_hdr(&path, &map),
@@ -57,7 +53,7 @@ impl Files {
         let map = checked(&path, encoded.map_err(CliError::system)?, warnings);
         files.push(Ready { path, bytes: map.clone() });
 
-        if page.layers.len() > 1 {
+        if let Some(file) = self.directional_name(index, options).filter(|_| page.layers.len() > 1) {
             let layers = &page.layers[1..];
             // Irradiance for three normals; harmonics are of radiance, and have signs.
             let is_signed = options.directional == Directional::Sh1;
@@ -65,7 +61,6 @@ impl Files {
             let texels: Vec<Vec3> = layers.iter().flat_map(|layer| &layer.texels).map(|value| *value * scale).collect();
             let shape = Shape::Layers([size.width, size.height, layers.len() as u32]);
             let texture = Texture { shape, levels: vec![&texels], is_signed };
-            let file = self.page(index, &format!("{}.ktx2", options.directional.name()));
             let path = self.beside(&file);
             let encoded = encode_ktx2_texture(&path, &texture).map_err(CliError::system)?;
             let bytes = checked(&path, encoded, warnings);
