@@ -1,5 +1,5 @@
 #!/bin/sh
-# Puts Mitsuba 3 and Blender's Cycles where the benchmark `renderers` finds them: target/renderers, with a virtual
+# Puts Mitsuba 3, Blender's Cycles and FLIP where the benchmark `renderers` finds them: target/renderers, with a virtual
 # environment and a link to LLVM, which Mitsuba compiles its path tracer with. Blender's wheels are for one version of
 # Python each: with PYTHON=python3.11 this one is used. Without a wheel for it Cycles is left out.
 set -eu
@@ -20,7 +20,7 @@ llvm() {
 
 "${PYTHON:-python3}" -m venv target/renderers
 pip="target/renderers/bin/pip install --quiet"
-$pip 'mitsuba==3.*,>=3.7' numpy OpenEXR
+$pip 'mitsuba==3.*,>=3.7' numpy OpenEXR flip-evaluator
 $pip 'bpy==5.*' || echo "no Cycles: there is no wheel of bpy 5 for $(target/renderers/bin/python --version)" >&2
 
 found=${DRJIT_LIBLLVM_PATH:-$(llvm)}

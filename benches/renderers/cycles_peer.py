@@ -3,6 +3,7 @@
 import math
 import os
 import tempfile
+import time
 
 import serve
 
@@ -25,18 +26,30 @@ def main():
     scene.camera.matrix_world = pose(description)
     for mesh in description["meshes"]:
         add(scene, mesh["name"], load_mesh(mesh))
-    directory = tempfile.TemporaryDirectory()
-    path = os.path.join(directory.name, "picture.exr")
+    # Blender shows this pattern to developers alone.
+    bpy.context.preferences.view.show_developer_ui = True
+    bpy.context.preferences.experimental.use_cycles_debug = True
+    scene.cycles.sampling_pattern = PATTERN
+    with tempfile.TemporaryDirectory() as directory:
+        serve.serve(f"Blender {bpy.app.version_string}, Cycles, {PATTERN}, light tree", renderer(scene, directory))
+
+
+def renderer(scene, directory):
+    """What renders `scene`, and measures the processor's time. Of that it takes what Cycles says that tracing took."""
+    path = os.path.join(directory, "picture.exr")
     scene.render.filepath = path
 
     def render(spp, seed):
         scene.cycles.samples = spp
         scene.cycles.seed = seed
+        start = time.process_time()
         bpy.ops.render.render(write_still=True)
+        spent = time.process_time() - start
         with OpenEXR.File(path) as file:
-            return file.channels()["RGB"].pixels, seconds(file.header()["cycles.ViewLayer.render_time"])
+            tracing, total = (seconds(file.header()[f"cycles.ViewLayer.{part}_time"]) for part in ("render", "total"))
+            return file.channels()["RGB"].pixels, spent * tracing / total
 
-    serve.serve(f"Blender {bpy.app.version_string}, Cycles, {PATTERN}, light tree", render)
+    return render
 
 
 def seconds(time):
@@ -78,14 +91,10 @@ def set_cycles(cycles, description):
     cycles.sample_clamp_indirect = 0
     cycles.blur_glossy = 0
     cycles.max_bounces = MAX_BOUNCES
-    cycles.diffuse_bounces = MAX_BOUNCES
+    cycles.diffuse_bounces = cycles.glossy_bounces = MAX_BOUNCES
+    cycles.transmission_bounces = cycles.transparent_max_bounces = MAX_BOUNCES
     # Cycles counts from the second bounce on, and asks before it shades a surface, not after.
     cycles.min_light_bounces = max(description["sure_bounces"] - 1, 0)
-    # Blender shows this pattern to developers alone.
-    bpy.context.preferences.view.show_developer_ui = True
-    bpy.context.preferences.experimental.use_cycles_debug = True
-    cycles.sampling_pattern = PATTERN
-
 
 def add(scene, name, data):
     placed = bpy.data.objects.new(name, data)

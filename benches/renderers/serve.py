@@ -7,7 +7,7 @@ and `vfov` (vertical, in degrees) of a pinhole camera at `eye` that looks at `ta
 
 A request is one line of JSON on standard input: `spp`, `seed`, and `picture`, the file that gets 32-bit floats in the
 machine's byte order: red, green and blue, row by row from the top left corner. The answer is one line on standard
-output: `seconds`, which rendering took. The first line comes unasked and says what
+output: `seconds` of the processor, which rendering took. The first line comes unasked and says what
 the renderer is, `about`.
 """
 

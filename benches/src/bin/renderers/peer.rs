@@ -1,5 +1,6 @@
 //! Renderers of other people, each run by a script that answers requests; `benches/renderers/serve.py` says how.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -27,15 +28,15 @@ pub(crate) struct Peer {
 }
 
 impl Peer {
-    /// Starts `script` of the folder `benches/renderers` on the scene file `scene`, whose pictures have `length`
-    /// numbers; `directory` is for the pictures.
+    /// Starts `script` of the folder `benches/renderers` with `arguments`, which name a scene whose pictures have
+    /// `length` numbers; `directory` is for the pictures.
     ///
     /// # Errors
     /// If it is not installed or does not start, with what to do; the script's own words are on standard error.
     pub(crate) fn start(
         name: &'static str,
         script: &str,
-        scene: &Path,
+        arguments: &[&OsStr],
         directory: &Path,
         length: usize,
     ) -> Result<Self, String> {
@@ -46,7 +47,7 @@ impl Peer {
             return Err(SETUP.to_owned());
         }
         let mut command = Command::new(python);
-        command.arg(root.join("renderers").join(script)).arg(scene).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.arg(root.join("renderers").join(script)).args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
         let llvm = installed.join("libLLVM.so");
         if std::env::var_os(LLVM_PATH).is_none() && llvm.exists() {
             command.env(LLVM_PATH, llvm);

@@ -5,6 +5,8 @@ use halfdome::film::Picture;
 use halfdome::settings::{Filter, Integrator, PathOptions, Settings, Stop, Survival};
 use halfdome::world::World;
 use halfdome_kernel::sampling::Pattern;
+use nix::sys::resource::{UsageWho, getrusage};
+use nix::sys::time::TimeValLike as _;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// A renderer that has the scene.
@@ -25,7 +27,7 @@ pub(crate) trait Renderer {
 pub(crate) struct Rendering {
     /// Red, green and blue, row by row.
     pub(crate) pixels: Vec<f32>,
-    /// Seconds without loading and compiling.
+    /// Seconds of the processor, without loading and compiling.
     pub(crate) seconds: f64,
     /// Rays traced, of every kind, if the renderer counts them.
     pub(crate) rays: Option<u64>,
@@ -33,7 +35,7 @@ pub(crate) struct Rendering {
 
 /// Our path tracer.
 pub(crate) struct Halfdome<'a> {
-    name: &'static str,
+    name: String,
     world: &'a World,
     settings: Settings,
     /// The one thread.
@@ -42,19 +44,19 @@ pub(crate) struct Halfdome<'a> {
 
 impl<'a> Halfdome<'a> {
     pub(crate) fn new(
-        name: &'static str,
+        name: impl Into<String>,
         world: &'a World,
         settings: Settings,
         threads: usize,
     ) -> Result<Self, ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
-        Ok(Self { name, world, settings, pool })
+        Ok(Self { name: name.into(), world, settings, pool })
     }
 }
 
 impl Renderer for Halfdome<'_> {
     fn name(&self) -> &str {
-        self.name
+        &self.name
     }
 
     fn about(&self) -> &str {
@@ -63,10 +65,18 @@ impl Renderer for Halfdome<'_> {
 
     fn render(&mut self, spp: u32, seed: u32) -> Result<Rendering, String> {
         let settings = Settings { spp, seed: seed.into(), ..self.settings.clone() };
+        let start = processor_seconds();
         let render = self.pool.install(|| driver::render(self.world, &settings, &NeverStops));
-        let seconds = render.elapsed.as_secs_f64();
+        let seconds = processor_seconds() - start;
         Ok(Rendering { pixels: pixels(&render.picture), seconds, rays: Some(render.rays) })
     }
+}
+
+/// What this process has had of the processor so far; NaN where nobody counts it.
+fn processor_seconds() -> f64 {
+    getrusage(UsageWho::RUSAGE_SELF).map_or(f64::NAN, |usage| {
+        [usage.user_time(), usage.system_time()].map(|time| time.num_microseconds() as f64 * 1e-6).iter().sum()
+    })
 }
 
 /// Settings of our path tracer for a square picture, as the peers have them too: a box filter, light by multiple

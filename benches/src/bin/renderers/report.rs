@@ -177,7 +177,7 @@ pub(crate) fn reference_text(reference: &Reference, task: &Task) -> String {
 }
 
 /// To six digits: more is noise.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
