@@ -13,6 +13,7 @@ import serve
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+import OpenEXR
 
 VARIANT = "llvm_ad_rgb"
 
@@ -47,7 +48,10 @@ class Loader:
             scene["sky"] = {"type": "constant", "radiance": rgb(description["sky"]["sky"])}
         if "picture" in description["sky"]:
             turn = mi.ScalarTransform4f().rotate([0, 1, 0], -90)
-            scene["sky"] = {"type": "envmap", "filename": description["sky"]["picture"], "to_world": turn}
+            # Mitsuba waits for ever if it reads an EXR with one thread.
+            with OpenEXR.File(description["sky"]["picture"]) as file:
+                sky = mi.Bitmap(np.ascontiguousarray(file.channels()["RGB"].pixels))
+            scene["sky"] = {"type": "envmap", "bitmap": sky, "to_world": turn}
         for number, (light, matrix) in enumerate(self.model.lights):
             scene[f"light{number}"] = lamp(light, matrix)
         for number, mesh in enumerate(self.model.meshes):

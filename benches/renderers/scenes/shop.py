@@ -34,7 +34,7 @@ def build(directory):
         kit.box(stand, (-3.95, -2, 0.6 + 0.6 * shelf), (-3.6, 2.5, 0.64 + 0.6 * shelf))
         for number in range(9):
             kit.add("cylinder", (white, brass, cloth)[(number + shelf) % 3], at=(-3.78, -1.8 + 0.5 * number, 0.79 + 0.6 * shelf), radius=0.1, depth=0.3, smooth=False)
-    spot = {"spot_size": math.radians(38), "spot_blend": 0.4}
+    spot = {"spot_size": math.radians(38), "spot_blend": 0.02}
     for number in range(8):
         x0 = -3.5 + number
         kit.aim(kit.lamp("SPOT", (x0, 1.2, 2.9), 60 if number % 2 else 25, (1, 0.85, 0.65), **spot), (x0, 3, 1.5))

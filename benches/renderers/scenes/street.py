@@ -33,7 +33,7 @@ def build(directory):
                         kit.add("plane", chance.choice(lit), at=at, turn=(0, -90 * row, 0), scale=(1.2, 0.9, 1), size=1)
             bulb = kit.glow(f"bulb {row} {number}", (1, 0.9, 0.7), 10 ** chance.uniform(1, 3))
             kit.add("ico_sphere", bulb, at=(row * 6.8, depth + 4.2, 2.6), radius=0.05, subdivisions=1)
-        spot = {"spot_size": math.radians(110), "spot_blend": 0.3}
+        spot = {"spot_size": math.radians(110), "spot_blend": 0.02}
         for number in range(18):
             at = np.array([row * 4.2, -7 + 5 * number, 5])
             kit.add("cylinder", pole, at=(row * 4.9, at[1], 2.5), radius=0.06, depth=5)
