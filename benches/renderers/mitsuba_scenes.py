@@ -47,7 +47,7 @@ class Loader:
         if "sky" in description["sky"]:
             scene["sky"] = {"type": "constant", "radiance": rgb(description["sky"]["sky"])}
         if "picture" in description["sky"]:
-            turn = mi.ScalarTransform4f().rotate([0, 1, 0], -90)
+            turn = mi.ScalarTransform4f().rotate([0, 1, 0], 90)
             # Mitsuba waits for ever if it reads an EXR with one thread.
             with OpenEXR.File(description["sky"]["picture"]) as file:
                 sky = mi.Bitmap(np.ascontiguousarray(file.channels()["RGB"].pixels))

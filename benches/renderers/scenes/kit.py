@@ -55,7 +55,7 @@ def directions(width, height):
     row, column = np.mgrid[0:height, 0:width] + 0.5
     polar, azimuth = math.pi * row / height, 2 * math.pi * column / width
     sine = np.sin(polar)
-    return np.stack([sine * np.cos(azimuth), -sine * np.sin(azimuth), np.cos(polar)], -1), polar
+    return np.stack([-sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)], -1), polar
 
 
 def clear_sky(sun, sun_radiance, radius=0.025, width=512, height=256):
