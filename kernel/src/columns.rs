@@ -19,34 +19,34 @@ const EIGHT: usize = 8;
 /// Writes those rows of `table` that have these `numbers` to the columns' lanes, in order; each row has `PARTS` times eight
 /// numbers. Rows beyond the table are zeros, numbers beyond the lanes are left out, and in lanes behind the last row
 /// anything may be written.
-pub fn gather<const PARTS: usize, const LANES: usize>(
+pub fn load<const PARTS: usize, const LANES: usize>(
     isa: Isa,
     table: &[[Row; PARTS]],
     numbers: &[u32],
     columns: &mut [Columns<LANES>; PARTS],
 ) {
-    dispatch(isa, Gather { table, numbers, columns });
+    dispatch(isa, Load { table, numbers, columns });
 }
 
 /// Writes rows of the first lanes of `columns` to the start of `rows`, as many lanes as `keeps` has elements, and of those
 /// in order the ones for which it is not 0. Gives their number; in as many rows as there are lanes, those behind the kept
 /// ones are of no meaning. Rows without a place are left out.
-pub fn keep<const WIDTH: usize, const LANES: usize>(
+pub fn compress<const WIDTH: usize, const LANES: usize>(
     isa: Isa,
     columns: &[[f32; LANES]; WIDTH],
     keeps: &[u32],
     rows: &mut [[f32; WIDTH]],
 ) -> usize {
-    dispatch(isa, Keep { columns, keeps, rows })
+    dispatch(isa, Compress { columns, keeps, rows })
 }
 
-struct Gather<'a, const PARTS: usize, const LANES: usize> {
+struct Load<'a, const PARTS: usize, const LANES: usize> {
     table: &'a [[Row; PARTS]],
     numbers: &'a [u32],
     columns: &'a mut [Columns<LANES>; PARTS],
 }
 
-impl<const PARTS: usize, const LANES: usize> Work for Gather<'_, PARTS, LANES> {
+impl<const PARTS: usize, const LANES: usize> Work for Load<'_, PARTS, LANES> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
@@ -54,21 +54,21 @@ impl<const PARTS: usize, const LANES: usize> Work for Gather<'_, PARTS, LANES> {
         const { assert!(LANES.is_multiple_of(EIGHT)) }
         let (eights, rest) = numbers.as_chunks::<EIGHT>();
         for (group, eight) in eights.iter().enumerate() {
-            gather_eight::<S, PARTS, LANES>(table, eight, group, columns);
+            load_eight::<S, PARTS, LANES>(table, eight, group, columns);
         }
         if !rest.is_empty() {
             let mut eight = [u32::MAX; EIGHT];
             for (number, &last) in eight.iter_mut().zip(rest) {
                 *number = last;
             }
-            gather_eight::<S, PARTS, LANES>(table, &eight, eights.len(), columns);
+            load_eight::<S, PARTS, LANES>(table, &eight, eights.len(), columns);
         }
     }
 }
 
 /// Writes eight rows to the lanes of this number, times eight.
 #[inline(always)]
-fn gather_eight<S: Simd, const PARTS: usize, const LANES: usize>(
+fn load_eight<S: Simd, const PARTS: usize, const LANES: usize>(
     table: &[[Row; PARTS]],
     numbers: &[u32; EIGHT],
     group: usize,
@@ -89,13 +89,13 @@ fn gather_eight<S: Simd, const PARTS: usize, const LANES: usize>(
     }
 }
 
-struct Keep<'a, const WIDTH: usize, const LANES: usize> {
+struct Compress<'a, const WIDTH: usize, const LANES: usize> {
     columns: &'a [[f32; LANES]; WIDTH],
     keeps: &'a [u32],
     rows: &'a mut [[f32; WIDTH]],
 }
 
-impl<const WIDTH: usize, const LANES: usize> Work for Keep<'_, WIDTH, LANES> {
+impl<const WIDTH: usize, const LANES: usize> Work for Compress<'_, WIDTH, LANES> {
     type Output = usize;
     #[inline(always)]
     fn run<S: Simd>(self) -> usize {
@@ -110,9 +110,9 @@ impl<const WIDTH: usize, const LANES: usize> Work for Keep<'_, WIDTH, LANES> {
             }
             let rows = S::transpose(columns);
             if let Ok(keeps) = <&[u32; EIGHT]>::try_from(keeps) {
-                kept = keep_rows::<S, WIDTH>(&rows, keeps, self.rows, kept);
+                kept = compress_rows::<S, WIDTH>(&rows, keeps, self.rows, kept);
             } else {
-                kept = keep_rows::<S, WIDTH>(&rows[..keeps.len()], keeps, self.rows, kept);
+                kept = compress_rows::<S, WIDTH>(&rows[..keeps.len()], keeps, self.rows, kept);
             }
         }
         kept.min(self.rows.len())
@@ -121,7 +121,7 @@ impl<const WIDTH: usize, const LANES: usize> Work for Keep<'_, WIDTH, LANES> {
 
 /// Writes those of up to eight rows that are kept behind the first `kept` of `places`; gives how many there are then.
 #[inline(always)]
-fn keep_rows<S: Simd, const WIDTH: usize>(
+fn compress_rows<S: Simd, const WIDTH: usize>(
     rows: &[S::F8],
     keeps: &[u32],
     places: &mut [[f32; WIDTH]],
@@ -170,7 +170,7 @@ mod tests {
             for count in 0..=LANES + 3 {
                 let numbers: Vec<u32> = (0..count as u32).map(|i| i * 37 % 103).collect();
                 let mut columns = [[[7.0; LANES]; 8]; 2];
-                gather(isa, &table, &numbers, &mut columns);
+                load(isa, &table, &numbers, &mut columns);
                 for (lane, &number) in numbers.iter().enumerate().take(LANES) {
                     let expected = table.get(number as usize).copied().unwrap_or([[0.0; 8]; 2]);
                     let found = columns.map(|part| part.map(|column| column[lane]));
@@ -192,9 +192,9 @@ mod tests {
                 let kept = all.iter().zip(&keeps).filter(|(_, keep)| **keep > 0);
                 let expected: Vec<&Row> = kept.map(|(row, _)| row).collect();
                 let mut rows = [[0.0; 8]; LANES + 1];
-                assert_eq!(keep(isa, &columns, &keeps, &mut rows), expected.len());
+                assert_eq!(compress(isa, &columns, &keeps, &mut rows), expected.len());
                 let mut narrow_rows = [[0.0; 3]; LANES];
-                assert_eq!(keep(isa, &narrow, &keeps, &mut narrow_rows), expected.len());
+                assert_eq!(compress(isa, &narrow, &keeps, &mut narrow_rows), expected.len());
                 for ((found, narrow), expected) in rows.iter().zip(&narrow_rows).zip(&expected) {
                     assert_eq!(bits(*found), bits(**expected), "{isa:?}, of {count}");
                     assert_eq!(bits(*narrow), bits([expected[2], expected[3], expected[4]]));
@@ -209,7 +209,7 @@ mod tests {
     fn rows_without_a_place_are_left_out() {
         let columns: Columns<LANES> = core::array::from_fn(|c| [c as f32; LANES]);
         let mut rows = [[0.0; 8]; 5];
-        assert_eq!(keep(Isa::detect(), &columns, &[1; LANES], &mut rows), 5);
+        assert_eq!(compress(Isa::detect(), &columns, &[1; LANES], &mut rows), 5);
         assert_eq!(rows, [[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]; 5]);
     }
 }

@@ -104,7 +104,7 @@ impl Task for Rays<'_> {
                 let direction = self.camera.direction(x[i], y[i]);
                 (columns[4][i], columns[5][i], columns[6][i]) = (direction.x, direction.y, direction.z);
             }
-            columns::keep(self.isa, &columns, &[1; LANES][..points.len()], bytemuck::cast_slice_mut(rays));
+            columns::compress(self.isa, &columns, &[1; LANES][..points.len()], bytemuck::cast_slice_mut(rays));
         }
     }
 }

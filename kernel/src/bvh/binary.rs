@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::primitive::{Bounds, Extent, Primitive};
+use super::primitive::{Bounds, Primitive, PrimitiveBounds};
 use crate::geometry::Aabb;
 
 /// A binary tree over primitives; the first node is the root. There is at least one node.
@@ -65,7 +65,7 @@ impl BinaryNode {
     fn parts(&self, prims: &[Primitive]) -> [Self; 2] {
         let second = self.first + u32::from(self.middle);
         [(self.first, self.middle), (second, self.count - self.middle)].map(|(first, count)| {
-            let bounds = Extent::of(&prims[first as usize..][..count as usize]).bounds;
+            let bounds = PrimitiveBounds::of(&prims[first as usize..][..count as usize]).bounds;
             Self { aabb: bounds.to_aabb(), first, count, middle: 0 }
         })
     }

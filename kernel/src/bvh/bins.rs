@@ -8,7 +8,7 @@
 use glam::Vec3A;
 
 use super::executor::Executor;
-use super::primitive::{Bounds, Extent, Primitive};
+use super::primitive::{Bounds, Primitive, PrimitiveBounds};
 
 /// The most bins along an axis.
 pub(super) const MAX_BINS: usize = 32;
@@ -144,9 +144,9 @@ impl Split {
         executor: &E,
         binning: &Binning,
         prims: &mut [Primitive],
-    ) -> (usize, [Extent; 2]) {
+    ) -> (usize, [PrimitiveBounds; 2]) {
         let (middle, centers) = self.move_left(executor, binning, prims);
-        let side = |i: usize| Extent { bounds: self.bounds[i], centers: centers[i] };
+        let side = |i: usize| PrimitiveBounds { bounds: self.bounds[i], centers: centers[i] };
         (middle, [side(0), side(1)])
     }
 

@@ -80,22 +80,22 @@ impl Primitive {
 
 /// What a set of primitives takes up.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(super) struct PrimitiveBounds {
     /// The box around the primitives.
     pub bounds: Bounds,
     /// The box around their [centres](Primitive::center).
     pub centers: Bounds,
 }
 
-impl Extent {
+impl PrimitiveBounds {
     pub(super) const EMPTY: Self = Self { bounds: Bounds::EMPTY, centers: Bounds::EMPTY };
 
     pub(super) fn of(prims: &[Primitive]) -> Self {
-        let mut extent = Self::EMPTY;
+        let mut bounds = Self::EMPTY;
         for prim in prims {
-            extent.bounds.grow(&prim.bounds());
-            extent.centers.grow_to(prim.center());
+            bounds.bounds.grow(&prim.bounds());
+            bounds.centers.grow_to(prim.center());
         }
-        extent
+        bounds
     }
 }

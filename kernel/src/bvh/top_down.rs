@@ -11,7 +11,7 @@ use super::binary::{BinaryNode, BinaryTree};
 use super::bins::{Binning, Bins};
 use super::executor::Executor;
 use super::node::WIDTH;
-use super::primitive::{Bounds, Extent, Primitive};
+use super::primitive::{Bounds, Primitive, PrimitiveBounds};
 use crate::geometry::Aabb;
 
 /// Ranges of at least so many primitives are a piece of work of their own.
@@ -51,27 +51,27 @@ pub(super) fn build<E: Executor>(
 ) -> BinaryTree {
     let leaf = if prims.len() <= SMALL { lanes.div_ceil(2) } else { lanes };
     let builder = Builder { executor, splitting, lanes, leaf, share: work / prims.len() as f32 };
-    let extent = builder.extent(&prims);
-    let nodes = builder.tree(&mut prims, 0, &extent, splitting.levels);
+    let bounds = builder.bounds(&prims);
+    let nodes = builder.tree(&mut prims, 0, &bounds, splitting.levels);
     BinaryTree { nodes, prims }
 }
 
 impl<E: Executor> Builder<'_, E> {
-    fn extent(&self, prims: &[Primitive]) -> Extent {
+    fn bounds(&self, prims: &[Primitive]) -> PrimitiveBounds {
         if prims.len() < TASK {
-            return Extent::of(prims);
+            return PrimitiveBounds::of(prims);
         }
         let (a, b) = prims.split_at(prims.len() / 2);
-        let (mut extent, other) = self.executor.join(|| self.extent(a), || self.extent(b));
-        extent.bounds.grow(&other.bounds);
-        extent.centers.grow(&other.centers);
-        extent
+        let (mut bounds, other) = self.executor.join(|| self.bounds(a), || self.bounds(b));
+        bounds.bounds.grow(&other.bounds);
+        bounds.centers.grow(&other.centers);
+        bounds
     }
 
     /// The tree over a range that starts at `first`.
-    fn tree(&self, prims: &mut [Primitive], first: usize, extent: &Extent, levels: u32) -> Vec<BinaryNode> {
+    fn tree(&self, prims: &mut [Primitive], first: usize, bounds: &PrimitiveBounds, levels: u32) -> Vec<BinaryNode> {
         let mut nodes = vec![BinaryNode { aabb: Aabb::EMPTY, first: 0, count: 0, middle: 0 }];
-        self.fill(&mut nodes, 0, prims, first, extent, levels);
+        self.fill(&mut nodes, 0, prims, first, bounds, levels);
         if prims.len() < TASK {
             self.executor.advance(prims.len() as f32 * self.share);
         }
@@ -85,17 +85,17 @@ impl<E: Executor> Builder<'_, E> {
         index: usize,
         prims: &mut [Primitive],
         first: usize,
-        extent: &Extent,
+        bounds: &PrimitiveBounds,
         levels: u32,
     ) {
-        let aabb = extent.bounds.to_aabb();
+        let aabb = bounds.bounds.to_aabb();
         let count = prims.len();
         if count <= self.leaf {
             let middle = if self.splitting.part_leaves { part_leaf(prims) } else { 0 };
             nodes[index] = BinaryNode { aabb, first: first as u32, count: count as u16, middle: middle as u16 };
             return;
         }
-        let (middle, [left, right]) = self.split(prims, extent, levels);
+        let (middle, [left, right]) = self.split(prims, bounds, levels);
         let levels = levels.saturating_sub(1);
         let (a, b) = prims.split_at_mut(middle);
         let second = first + middle;
@@ -114,16 +114,16 @@ impl<E: Executor> Builder<'_, E> {
     }
 
     /// Sorts a range of several primitives into two: where the second begins, and both extents.
-    fn split(&self, prims: &mut [Primitive], extent: &Extent, levels: u32) -> (usize, [Extent; 2]) {
+    fn split(&self, prims: &mut [Primitive], bounds: &PrimitiveBounds, levels: u32) -> (usize, [PrimitiveBounds; 2]) {
         if levels > 0 {
             // As many bins as there are blocks, and some more.
             let count = (4 + prims.len() / self.lanes).min(self.splitting.bins);
-            let binning = Binning::new(&extent.centers, count);
+            let binning = Binning::new(&bounds.centers, count);
             if let Some(split) = Bins::fill(self.executor, &binning, prims).best(&binning, self.lanes as u32) {
                 return split.partition(self.executor, &binning, prims);
             }
         }
-        halve(prims, extent)
+        halve(prims, bounds)
     }
 }
 
@@ -138,13 +138,13 @@ fn append(nodes: &mut Vec<BinaryNode>, index: usize, mut tree: Vec<BinaryNode>) 
 }
 
 /// Splits in the middle of the longest axis: as many primitives on either side.
-fn halve(prims: &mut [Primitive], extent: &Extent) -> (usize, [Extent; 2]) {
-    let axis = (extent.centers.max - extent.centers.min).max_position();
+fn halve(prims: &mut [Primitive], bounds: &PrimitiveBounds) -> (usize, [PrimitiveBounds; 2]) {
+    let axis = (bounds.centers.max - bounds.centers.min).max_position();
     let middle = prims.len() / 2;
     prims
         .select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]).then(a.id().cmp(&b.id())));
     let (a, b) = prims.split_at(middle);
-    (middle, [Extent::of(a), Extent::of(b)])
+    (middle, [PrimitiveBounds::of(a), PrimitiveBounds::of(b)])
 }
 
 /// Sorts a leaf's primitives into two parts of least areas: where the second begins.

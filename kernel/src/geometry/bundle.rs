@@ -1,5 +1,5 @@
-//! Rays in lanes made ready together: the numbers of [`RaySetup`](super::setup::RaySetup), bit for bit, where they run on
-//! one course, and a shaft that no ray of them leaves.
+//! Rays in lanes made ready together: the numbers of [`RaySetup`](super::setup::RaySetup), bit for bit, where their
+//! directions are of one class, and a shaft that no ray of them leaves.
 //!
 //! The shaft (Haines and Wallace 1991) is swept by a box that grows or shrinks from around the rays' origins to around
 //! their ends, which are at `t_max` or where they leave the scene: at the part `s` of their way all are in
@@ -19,9 +19,9 @@ use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
 use crate::simd::{Lanes, Mask};
 
-/// What decides which code rays take: rays on one course can share it.
+/// Octant and fastest axis of a direction: what decides which planes are near, and along which axis triangles are sheared.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Course {
+pub(crate) struct DirectionClass {
     /// The axes in the order of [`Line`](super::setup::Line).
     pub axes: [Axis; 3],
     /// Whether directions are negative along x, y and z.
@@ -79,9 +79,9 @@ impl<L: Copy> Bundle<L> {
         Self { origin, direction, largest, t_min, live }
     }
 
-    /// The course of the first ray of `rays`, which are not none, and which of them share it.
+    /// The class of the direction of the first ray of `rays`, which are not none, and which of them share it.
     #[inline(always)]
-    pub(crate) fn course<const N: usize>(&self, rays: u32) -> (Course, u32)
+    pub(crate) fn class<const N: usize>(&self, rays: u32) -> (DirectionClass, u32)
     where
         L: Lanes<N>,
     {
@@ -100,29 +100,29 @@ impl<L: Copy> Bundle<L> {
             (false, true) => (1, y & !x),
             (false, false) => (2, !x & !y),
         };
-        (Course { axes: Axis::course(z, negative[z]), negative }, sharing & along)
+        (DirectionClass { axes: Axis::permutation(z, negative[z]), negative }, sharing & along)
     }
 
-    /// What triangles are tested with: for the lanes on `course` the numbers of [`Line`](super::setup::Line).
+    /// What triangles are tested with: for the lanes of `class` the numbers of [`Line`](super::setup::Line).
     #[inline(always)]
-    pub(crate) fn lines<const N: usize>(&self, course: &Course) -> LineLanes<L>
+    pub(crate) fn lines<const N: usize>(&self, class: &DirectionClass) -> LineLanes<L>
     where
         L: Lanes<N>,
     {
-        let [x, y, z] = course.axes.map(|axis| axis as usize);
+        let [x, y, z] = class.axes.map(|axis| axis as usize);
         let (d, o) = (&self.direction, &self.origin);
-        let inverse = [self.inverse(course, x), self.inverse(course, y), self.inverse(course, z)];
+        let inverse = [self.inverse(class, x), self.inverse(class, y), self.inverse(class, z)];
         LineLanes { origin: [o[x], o[y], o[z]], inverse, shear: [d[x] * inverse[2], d[y] * inverse[2]] }
     }
 
     /// The reciprocal of the direction along an axis, with small components raised.
     #[inline(always)]
-    fn inverse<const N: usize>(&self, course: &Course, axis: usize) -> L
+    fn inverse<const N: usize>(&self, class: &DirectionClass, axis: usize) -> L
     where
         L: Lanes<N>,
     {
         let least = self.largest * L::splat(LEAST_COMPONENT);
-        let signed = if course.negative[axis] { L::splat(0.0) - least } else { least };
+        let signed = if class.negative[axis] { L::splat(0.0) - least } else { least };
         let d = self.direction[axis];
         L::splat(1.0) / L::select(d.abs().lt(least), signed, d)
     }
@@ -132,7 +132,7 @@ impl<L: Copy> Bundle<L> {
     #[inline(always)]
     pub(crate) fn slabs<const N: usize>(
         &self,
-        course: &Course,
+        class: &DirectionClass,
         lines: &LineLanes<L>,
         shaft: &Shaft,
     ) -> ([L; 3], [L; 3], [L; 3])
@@ -141,8 +141,8 @@ impl<L: Copy> Bundle<L> {
     {
         let (mut near, mut far) = (lines.origin, lines.origin);
         for k in 0..3 {
-            let axis = course.axes[k] as usize;
-            let pad = L::splat(if course.negative[axis] { -shaft.pad[axis] } else { shaft.pad[axis] });
+            let axis = class.axes[k] as usize;
+            let pad = L::splat(if class.negative[axis] { -shaft.pad[axis] } else { shaft.pad[axis] });
             near[k] = (lines.origin[k] + pad) * lines.inverse[k] + L::splat(UNDERFLOW_PAD);
             far[k] = (lines.origin[k] - pad) * lines.inverse[k] - L::splat(UNDERFLOW_PAD);
         }
@@ -151,21 +151,27 @@ impl<L: Copy> Bundle<L> {
 
     /// How far the rays go, at most: to `t_max`, or out of the scene along the fastest axis.
     #[inline(always)]
-    pub(crate) fn lengths<const N: usize>(&self, course: &Course, lines: &LineLanes<L>, t_max: L, scene: &Aabb) -> L
+    pub(crate) fn lengths<const N: usize>(
+        &self,
+        class: &DirectionClass,
+        lines: &LineLanes<L>,
+        t_max: L,
+        scene: &Aabb,
+    ) -> L
     where
         L: Lanes<N>,
     {
-        let z = course.axes[2] as usize;
-        let end = if course.negative[z] { scene.min[z] } else { scene.max[z] };
+        let z = class.axes[2] as usize;
+        let end = if class.negative[z] { scene.min[z] } else { scene.max[z] };
         let (far, o) = (L::splat(end) - self.origin[z], self.origin[z].abs());
         let pad = far.abs() * L::splat(4.0 * NODE_PAD) + o * L::splat(NODE_ORIGIN_PAD);
-        let pad = if course.negative[z] { L::splat(0.0) - pad } else { pad };
+        let pad = if class.negative[z] { L::splat(0.0) - pad } else { pad };
         t_max.min((far + pad) * lines.inverse[2]).max(L::splat(0.0))
     }
 
-    /// The shaft of `rays`, which are on `course` and not none, of the given lengths.
+    /// The shaft of `rays`, which are of `class` and not none, of the given lengths.
     #[inline(always)]
-    pub(crate) fn shaft<const N: usize>(&self, course: &Course, lengths: L, rays: u32, scene: &Aabb) -> Shaft
+    pub(crate) fn shaft<const N: usize>(&self, class: &DirectionClass, lengths: L, rays: u32, scene: &Aabb) -> Shaft
     where
         L: Lanes<N>,
     {
@@ -178,7 +184,7 @@ impl<L: Copy> Bundle<L> {
         }
         let reach = (scene.max - origins.min).abs().max((scene.max - origins.max).abs());
         let reach = reach.max((scene.min - origins.min).abs()).max((scene.min - origins.max).abs());
-        let reach_z = reach[course.axes[2] as usize];
+        let reach_z = reach[class.axes[2] as usize];
         let pad = (reach + reach_z) * (2.0 * NODE_PAD)
             + origins.min.abs().max(origins.max.abs()) * (2.0 * NODE_ORIGIN_PAD)
             + Vec3::splat(f32::MIN_POSITIVE);

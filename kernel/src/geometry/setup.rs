@@ -21,7 +21,7 @@ pub(crate) const NODE_ORIGIN_PAD: f32 = 4.0 / (1u32 << 24) as f32;
 /// Distances to nodes are widened by this besides: it changes only numbers so small that the pads above are rounded away.
 pub(crate) const UNDERFLOW_PAD: f32 = 4.0 * f32::MIN_POSITIVE;
 /// Components of the direction smaller than this times the largest one count as this, which keeps reciprocals finite.
-/// Over the whole scene the ray strays from its course by less than the boxes are widened.
+/// Over the whole scene the ray strays from its class by less than the boxes are widened.
 pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
 /// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
@@ -41,7 +41,7 @@ impl Axis {
 
     /// The order of [`Line::axes`] for a ray that runs fastest along axis `z`, 0 to 2.
     #[inline(always)]
-    pub(crate) const fn course(z: usize, negative: bool) -> [Self; 3] {
+    pub(crate) const fn permutation(z: usize, negative: bool) -> [Self; 3] {
         let [x, y, z] = [Self::CYCLE[z + 1], Self::CYCLE[z + 2], Self::CYCLE[z]];
         if negative { [y, x, z] } else { [x, y, z] }
     }
@@ -110,7 +110,7 @@ impl RaySetup {
             2
         };
         let (d, o) = (ray.direction.to_array(), ray.origin.to_array());
-        let axes = Axis::course(z, d[z] < 0.0);
+        let axes = Axis::permutation(z, d[z] < 0.0);
 
         let inverse = d.map(|d| 1.0 / raise(d, largest * LEAST_COMPONENT));
         let reach = (scene.min - ray.origin).abs().max((scene.max - ray.origin).abs());

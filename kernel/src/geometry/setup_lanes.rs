@@ -1,4 +1,4 @@
-//! Rays in lanes made ready together, each on a course of its own: the numbers of [`RaySetup`], bit for bit, and where
+//! Rays in lanes made ready together, each with a direction of its own class: the numbers of [`RaySetup`], bit for bit, and where
 //! the rays meet a box.
 
 use super::Aabb;
@@ -61,7 +61,7 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
     /// Where the rays enter and leave a box, of which the lower and upper bounds along each axis are given, within their
     /// intervals.
     #[inline(always)]
-    pub(crate) fn meet(&self, bounds: [[f32; 2]; 3]) -> (L, L) {
+    pub(crate) fn intersect_box(&self, bounds: [[f32; 2]; 3]) -> (L, L) {
         let (near_x, far_x) = self.slab(0, bounds[0]);
         let (near_y, far_y) = self.slab(1, bounds[1]);
         let (near_z, far_z) = self.slab(2, bounds[2]);
@@ -78,11 +78,11 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
 }
 
 impl<L: Lanes<8>> SetupLanes<8, L> {
-    /// Of each lane which way it runs.
+    /// The classes of the lanes' directions.
     #[inline(always)]
-    pub(crate) fn courses(&self) -> Courses {
+    pub(crate) fn classes(&self) -> DirectionClasses {
         let [nx, ny, nz] = self.negative;
-        Courses {
+        DirectionClasses {
             fastest: [self.fastest[0].bits(), self.fastest[1].bits()],
             negative: [nx.bits(), ny.bits(), nz.bits()],
         }
@@ -97,19 +97,19 @@ impl<L: Lanes<8>> SetupLanes<8, L> {
             lines: rows::<S>(self.lines),
             slabs: rows::<S>([ix, iy, iz, nx, ny, nz, self.t_min, self.t_max]),
             far_shifts: rows::<S>([fx, fy, fz, zero, zero, zero, zero, zero]),
-            courses: self.courses(),
+            classes: self.classes(),
         }
     }
 }
 
-/// Which way eight rays run.
+/// The classes of eight rays' directions: octants and fastest axes.
 #[derive(Clone, Copy)]
-pub(crate) struct Courses {
+pub(crate) struct DirectionClasses {
     fastest: [u32; 2],
     negative: [u32; 3],
 }
 
-impl Courses {
+impl DirectionClasses {
     /// The axis along which the ray of `lane` runs fastest: 0 to 2.
     #[inline(always)]
     pub(crate) fn fastest(&self, lane: usize) -> usize {
@@ -131,14 +131,14 @@ pub(crate) struct SetupRows {
     lines: [[f32; 8]; 8],
     slabs: [[f32; 8]; 8],
     far_shifts: [[f32; 8]; 8],
-    pub courses: Courses,
+    pub classes: DirectionClasses,
 }
 
 impl SetupRows {
     /// Setup `lane`, which is less than eight.
     #[inline(always)]
     pub(crate) fn setup(&self, lane: usize) -> RaySetup {
-        let octant = self.courses.octant(lane);
+        let octant = self.classes.octant(lane);
         let [ix, iy, iz, nx, ny, nz, ..] = self.slabs[lane];
         let [fx, fy, fz, ..] = self.far_shifts[lane];
         RaySetup {
@@ -148,7 +148,7 @@ impl SetupRows {
                 far_shift: [fx, fy, fz],
                 negative: [octant & 1 != 0, octant & 2 != 0, octant & 4 != 0],
             },
-            line: Line { axes: FORWARD[self.courses.fastest(lane) % 3], numbers: self.lines[lane] },
+            line: Line { axes: FORWARD[self.classes.fastest(lane) % 3], numbers: self.lines[lane] },
         }
     }
 
@@ -161,7 +161,8 @@ impl SetupRows {
 
 /// The orders of [`Line::axes`] for rays that run fastest along x, y or z, whether forward or backward: that only mirrors
 /// the triangles, and no hit changes, but front and back change places.
-pub(crate) const FORWARD: [[Axis; 3]; 3] = [Axis::course(0, false), Axis::course(1, false), Axis::course(2, false)];
+pub(crate) const FORWARD: [[Axis; 3]; 3] =
+    [Axis::permutation(0, false), Axis::permutation(1, false), Axis::permutation(2, false)];
 
 /// Eight rows of lanes mirrored, and in memory.
 #[inline(always)]

@@ -50,7 +50,7 @@ pub(crate) struct Crossing<L> {
     pub v: L,
 }
 
-/// The crossing of rays and triangles; `None` if there is none in any lane. Corners are in the order of the course's
+/// The crossing of rays and triangles; `None` if there is none in any lane. Corners are in the order of the class's
 /// axes; lanes without a triangle hold NaN.
 #[inline(always)]
 pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[L; 3]; 3]) -> Option<Crossing<L>> {

@@ -111,7 +111,7 @@ impl Columns {
 /// The x, y and z of vectors.
 #[inline(always)]
 pub(super) fn parts<S: Simd>(vectors: &[Vec3; COLUMNS]) -> [S::F16; 3] {
-    S::unzip(bytemuck::cast_ref(vectors))
+    S::deinterleave(bytemuck::cast_ref(vectors))
 }
 
 /// The sum of the columns' sums, in one order; the lanes are one or two for a strip.

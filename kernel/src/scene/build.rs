@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::view::Extent;
+use super::view::SceneSummary;
 use super::{Item, Part, SceneView};
 use crate::bvh::{BoxTree, BuildOptions, BuildReport, Child, Executor, Serial};
 use crate::error::{Error, InvalidTree};
@@ -13,7 +13,7 @@ pub struct Scene<'a> {
     items: Vec<Item<'a>>,
     parts: Vec<Part>,
     tree: BoxTree,
-    extent: Extent,
+    summary: SceneSummary,
 }
 
 impl<'a> Scene<'a> {
@@ -37,7 +37,7 @@ impl<'a> Scene<'a> {
         mut items: Vec<Item<'a>>,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        let extent = Extent::of(&mut items)?;
+        let summary = SceneSummary::of(&mut items)?;
         let count = items.iter().map(|item| u64::from(item.count())).sum::<u64>();
         if count > Child::MAX_INDEX.into() {
             return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
@@ -46,16 +46,16 @@ impl<'a> Scene<'a> {
             .zip(&items)
             .flat_map(|(index, item)| (0..item.count()).map(move |prim_id| Part { item: index, prim_id }))
             .collect();
-        let keys = extent.keys();
+        let keys = summary.keys();
         let aabb = |key: usize, part: &Part| items[part.item as usize].aabb(part.prim_id, key, keys);
         let boxes: Vec<_> = (0..keys).flat_map(|key| parts.iter().map(move |part| aabb(key, part))).collect();
         let (tree, report) = BoxTree::build_on(executor, &boxes, keys, options)?;
-        Ok((Self { items, parts, tree, extent }, report))
+        Ok((Self { items, parts, tree, summary }, report))
     }
 
     /// Borrows the scene for tracing.
     pub fn view(&self) -> SceneView<'_> {
-        SceneView::trusted(&self.items, &self.parts, self.tree.view(), self.extent)
+        SceneView::trusted(&self.items, &self.parts, self.tree.view(), self.summary)
     }
 
     /// Memory of items, parts and the tree in bytes; what items borrow is not counted.

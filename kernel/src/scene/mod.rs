@@ -109,18 +109,18 @@ impl SceneView<'_> {
         self.trace(rays, &mut |_| Verdict::Stop, &mut |number, found| occluded[number] = found.is_some());
     }
 
-    /// Traces rays, and has `land` hear of the result of each, by its number.
+    /// Traces rays, and has `write` hear of the result of each, by its number.
     fn trace(
         &self,
         rays: &[SceneRay],
         filter: &mut dyn FnMut(&SceneHit) -> Verdict,
-        land: &mut dyn FnMut(usize, Option<SceneHit>),
+        write: &mut dyn FnMut(usize, Option<SceneHit>),
     ) {
         match self.isa().level() {
             Level::Scalar => rays.iter().enumerate().for_each(|(number, ray)| {
-                land(number, reference::intersect_filtered(self, ray, &mut *filter));
+                write(number, reference::intersect_filtered(self, ray, &mut *filter));
             }),
-            _ => dispatch(self.isa(), Trace { scene: self, rays, filter, land }),
+            _ => dispatch(self.isa(), Trace { scene: self, rays, filter, write }),
         }
     }
 }

@@ -27,13 +27,13 @@ pub struct SceneView<'a> {
     items: &'a [Item<'a>],
     parts: &'a [Part],
     tree: BoxTreeView<'a>,
-    extent: Extent,
+    summary: SceneSummary,
     isa: Isa,
 }
 
 /// What is known of all items together.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(super) struct SceneSummary {
     reach: Aabb,
     error: Vec3,
     levels: usize,
@@ -42,28 +42,28 @@ pub(super) struct Extent {
     keys: usize,
 }
 
-impl Extent {
+impl SceneSummary {
     /// Numbers the paths through items too.
     ///
     /// # Errors
     /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
     pub(super) fn of(items: &mut [Item]) -> Result<Self, Error> {
-        let mut extent = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
+        let mut summary = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
         for (index, item) in items.iter_mut().enumerate() {
-            item.first_path = extent.paths - 1;
-            let paths = extent.paths.checked_add(item.paths());
-            extent.paths = paths.ok_or(InvalidScene::TooManyPaths { item: index })?;
+            item.first_path = summary.paths - 1;
+            let paths = summary.paths.checked_add(item.paths());
+            summary.paths = paths.ok_or(InvalidScene::TooManyPaths { item: index })?;
             let error = item.error();
             // Not for a NaN either.
             if !error.cmple(Vec3::splat(MAX_ERROR)).all() {
                 return Err(InvalidScene::Imprecise { item: index }.into());
             }
-            extent.reach = extent.reach.union(&item.reach());
-            extent.error = extent.error.max(error);
-            extent.levels = extent.levels.max(item.levels());
-            extent.keys = extent.keys.max(item.keys());
+            summary.reach = summary.reach.union(&item.reach());
+            summary.error = summary.error.max(error);
+            summary.levels = summary.levels.max(item.levels());
+            summary.keys = summary.keys.max(item.keys());
         }
-        Ok(extent)
+        Ok(summary)
     }
 
     /// The number of keys that the tree needs.
@@ -85,20 +85,25 @@ impl<'a> SceneView<'a> {
         nodes: &'a [Node],
         numbers: &'a [u32],
     ) -> Result<Self, Error> {
-        let extent = Extent::of(items)?;
+        let summary = SceneSummary::of(items)?;
         let items: &'a [Item<'a>] = items;
         let aabb = |key: usize, number: u32| {
             let part = parts.get(number as usize)?;
             let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
-            Some(item.aabb(part.prim_id, key, extent.keys))
+            Some(item.aabb(part.prim_id, key, summary.keys))
         };
-        let tree = BoxTreeView::new(nodes, numbers, extent.keys, aabb)?;
-        Ok(Self::trusted(items, parts, tree, extent))
+        let tree = BoxTreeView::new(nodes, numbers, summary.keys, aabb)?;
+        Ok(Self::trusted(items, parts, tree, summary))
     }
 
     /// Borrows a scene that is known to be valid.
-    pub(super) fn trusted(items: &'a [Item<'a>], parts: &'a [Part], tree: BoxTreeView<'a>, extent: Extent) -> Self {
-        Self { items, parts, tree, extent, isa: Isa::detect() }
+    pub(super) fn trusted(
+        items: &'a [Item<'a>],
+        parts: &'a [Part],
+        tree: BoxTreeView<'a>,
+        summary: SceneSummary,
+    ) -> Self {
+        Self { items, parts, tree, summary, isa: Isa::detect() }
     }
 
     /// The same scene, traced with the instructions of `isa` instead of those of [`Isa::detect`], whatever the trees in it say.
@@ -142,7 +147,7 @@ impl<'a> SceneView<'a> {
     /// The number of scenes one in the other, below this one.
     #[inline]
     pub fn levels(&self) -> usize {
-        self.extent.levels
+        self.summary.levels
     }
 
     /// The transform from the space of the geometry of a hit to that of this scene at a time, rounded; `None` if the hit
@@ -164,19 +169,19 @@ impl<'a> SceneView<'a> {
     /// The number of paths in this scene: its own, and those through its items.
     #[inline(always)]
     pub(super) fn paths(&self) -> u64 {
-        self.extent.paths
+        self.summary.paths
     }
 
     /// What rays' reach has to span.
     #[inline(always)]
     pub(super) fn reach(&self) -> Aabb {
-        self.extent.reach
+        self.summary.reach
     }
 
     /// How far hits may be off the boxes of their items, in units of a ray's reach.
     #[inline(always)]
     pub(super) fn error(&self) -> Vec3 {
-        self.extent.error
+        self.summary.error
     }
 }
 

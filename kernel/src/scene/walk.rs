@@ -8,8 +8,8 @@ use crate::geometry::Hit;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
 use crate::simd::{Isa, Simd, Work, dispatch};
-use crate::traverse::flight::{self, Collector, Ground};
-use crate::traverse::{Pending, Verdict, moving};
+use crate::traverse::single::{self, Collector, Intersector, moving};
+use crate::traverse::{TraversalStack, Verdict};
 
 /// Rays to be traced one after the other, and who hears of what. Not generic, so that a program has this once for each
 /// instruction set: a filter is called a few times a ray.
@@ -18,14 +18,14 @@ pub(super) struct Trace<'a> {
     pub rays: &'a [SceneRay],
     pub filter: &'a mut dyn FnMut(&SceneHit) -> Verdict,
     /// Hears of the result of each ray, by its number.
-    pub land: &'a mut dyn FnMut(usize, Option<SceneHit>),
+    pub write: &'a mut dyn FnMut(usize, Option<SceneHit>),
 }
 
 impl Work for Trace<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let (mut items, mut triangles) = (Pending::EMPTY, Pending::EMPTY);
+        let (mut items, mut triangles) = (TraversalStack::EMPTY, TraversalStack::EMPTY);
         for (number, ray) in self.rays.iter().enumerate() {
             let nothing = SceneHit { hit: Hit { t: ray.ray.t_max, ..Hit::MISS }, ..SceneHit::MISS };
             let mut search = Search { best: nothing, filter: &mut *self.filter };
@@ -40,7 +40,7 @@ impl Work for Trace<'_> {
             };
             // Whether the search was ended early does not matter.
             let _ = visit.walk::<S>(&mut items);
-            (self.land)(number, search.best.is_hit().then_some(search.best));
+            (self.write)(number, search.best.is_hit().then_some(search.best));
         }
     }
 }
@@ -61,14 +61,14 @@ struct Visit<'a, 'f> {
     depth: u32,
     search: &'a mut Search<'f>,
     /// Memory for walks through trees of triangles, one at a time.
-    triangles: &'a mut Pending,
+    triangles: &'a mut TraversalStack,
 }
 
 impl Visit<'_, '_> {
-    /// Shows the search the hits of the ray that may precede its best one. `Break` if the search was ended. `pending` is
+    /// Shows the search the hits of the ray that may precede its best one. `Break` if the search was ended. `stack` is
     /// memory, whatever is in it.
     #[inline(always)]
-    fn walk<S: Simd>(self, pending: &mut Pending) -> ControlFlow<()> {
+    fn walk<S: Simd>(self, stack: &mut TraversalStack) -> ControlFlow<()> {
         let Visit { scene, ray, .. } = self;
         let tree = scene.tree();
         let (Some(mut setup), Some(moment)) =
@@ -79,7 +79,7 @@ impl Visit<'_, '_> {
         let reach = (scene.reach().min - ray.ray.origin).abs().max((scene.reach().max - ray.ray.origin).abs());
         // The second term is for the rounding of this sum.
         setup.slabs.widen(scene.error() * reach.max_element() + ray.ray.origin.abs() * NODE_ORIGIN_PAD);
-        flight::descend::<S, _>(&mut Items { visit: self, moment }, &setup.slabs, ray.ray.t_min, pending)
+        single::traverse::<S, _>(&mut ItemIntersector { visit: self, moment }, &setup.slabs, ray.ray.t_min, stack)
     }
 }
 
@@ -93,36 +93,36 @@ impl Work for Visit<'_, '_> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        let mut pending = Pending::EMPTY;
-        self.walk::<S>(&mut pending)
+        let mut stack = TraversalStack::EMPTY;
+        self.walk::<S>(&mut stack)
     }
 }
 
 /// The items of a scene at a moment.
-struct Items<'a, 'f> {
+struct ItemIntersector<'a, 'f> {
     visit: Visit<'a, 'f>,
     moment: Moment,
 }
 
-impl Ground for Items<'_, '_> {
+impl Intersector for ItemIntersector<'_, '_> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.visit.search.best.hit.t
     }
 
     #[inline(always)]
-    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
+    fn visit_node<S: Simd>(&self, node: u32, stack: &mut TraversalStack, slabs: &Slabs, octant: u8, t_min: f32) {
         let (tree, Moment { key, fraction }) = (self.visit.scene.tree(), self.moment);
         if fraction != 0.0 {
             let keys = [tree.nodes(key), tree.nodes(key + 1)];
-            moving::enter_between::<S>(keys, fraction, node, pending, slabs, octant, (t_min, self.t_max()));
+            moving::push_children_between::<S>(keys, fraction, node, stack, slabs, octant, (t_min, self.t_max()));
         } else if let Some(node) = tree.nodes(key).get(node as usize) {
-            pending.enter::<S>(node, slabs, octant, t_min, self.t_max());
+            stack.push_children::<S>(node, slabs, octant, t_min, self.t_max());
         }
     }
 
     #[inline(always)]
-    fn look<S: Simd>(&mut self, numbers: Range<usize>) -> ControlFlow<()> {
+    fn visit_leaf<S: Simd>(&mut self, numbers: Range<usize>) -> ControlFlow<()> {
         let scene = self.visit.scene;
         for &number in scene.tree().items().get(numbers).unwrap_or(&[]) {
             let part = scene.parts().get(number as usize);
@@ -146,12 +146,12 @@ impl Visit<'_, '_> {
             return ControlFlow::Continue(());
         };
         let path = self.first_path + (self.scene.paths() - 1);
-        let mut found = Found { search: &mut *self.search, geometry_id: index, depth: self.depth, path };
+        let mut found = ItemCollector { search: &mut *self.search, geometry_id: index, depth: self.depth, path };
         match item.object {
-            Object::Mesh(tree) => flight::walk::<S, _>(&tree, &ray, self.triangles, &mut found),
+            Object::Mesh(tree) => single::walk::<S, _>(&tree, &ray, self.triangles, &mut found),
             Object::Moving(tree) => moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut found),
             Object::Shape(shape) => match shape::intersect(shape, prim_id, &ray, time) {
-                Some(hit) => found.see(hit, true),
+                Some(hit) => found.report(hit, true),
                 None => ControlFlow::Continue(()),
             },
             Object::Scene(scene) => {
@@ -164,21 +164,21 @@ impl Visit<'_, '_> {
 }
 
 /// Hits with one item, on their way to the search.
-struct Found<'a, 'f> {
+struct ItemCollector<'a, 'f> {
     search: &'a mut Search<'f>,
     geometry_id: u32,
     depth: u32,
     path: u64,
 }
 
-impl Collector for Found<'_, '_> {
+impl Collector for ItemCollector<'_, '_> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.search.best.hit.t
     }
 
     #[inline(always)]
-    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+    fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
         let hit = SceneHit { hit, geometry_id: self.geometry_id, depth: self.depth, path: self.path };
         if !hit.precedes(&self.search.best) {
             return ControlFlow::Continue(());

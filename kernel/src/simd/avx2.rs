@@ -7,7 +7,7 @@ use core::arch::x86_64::*;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use super::twice::Twice;
-use super::{Children, Lanes, Mask, Simd};
+use super::{CompressChildren, Lanes, Mask, Simd};
 
 /// AVX2, FMA and BMI.
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+    fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
         // SAFETY: AVX2 is there, see the module; the pointer is to eight elements.
         unsafe {
             let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET_BITS[bits as usize & 255] as i64));
@@ -37,8 +37,8 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
-        look_up(numbers, places)
+    fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+        permute(numbers, places)
     }
 
     #[inline(always)]
@@ -47,16 +47,16 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
+    fn deinterleave(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
         let [a, b, c, d, e, f]: &[[f32; 8]; 6] = bytemuck::cast_ref(triples);
-        let ([x, y, z], [x_high, y_high, z_high]) = (unzip(a, b, c), unzip(d, e, f));
+        let ([x, y, z], [x_high, y_high, z_high]) = (deinterleave(a, b, c), deinterleave(d, e, f));
         [Twice(x, x_high), Twice(y, y_high), Twice(z, z_high)]
     }
 }
 
-/// [`Simd::look_up`].
+/// [`Simd::permute`].
 #[inline(always)]
-pub(super) fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+pub(super) fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
     // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.
     unsafe {
         let places = _mm256_loadu_si256(places.as_ptr().cast());
@@ -100,10 +100,10 @@ fn transpose_halves([a, b, c, d]: [F32x8; 4]) -> [__m256; 4] {
     }
 }
 
-/// [`Simd::unzip`] of eight triples: the numbers of a kind are in other lanes of each eight, so they are put together first
+/// [`Simd::deinterleave`] of eight triples: the numbers of a kind are in other lanes of each eight, so they are put together first
 /// and in order then.
 #[inline(always)]
-fn unzip(a: &[f32; 8], b: &[f32; 8], c: &[f32; 8]) -> [F32x8; 3] {
+fn deinterleave(a: &[f32; 8], b: &[f32; 8], c: &[f32; 8]) -> [F32x8; 3] {
     // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.
     unsafe {
         let (a, b, c) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()), _mm256_loadu_ps(c.as_ptr()));
@@ -273,9 +273,9 @@ pub(super) unsafe fn slots(order: u32) -> __m256i {
     unsafe { _mm256_srlv_epi32(_mm256_set1_epi32(order as i32), _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21)) }
 }
 
-impl Children for F32x8 {
+impl CompressChildren for F32x8 {
     #[inline(always)]
-    fn keep(
+    fn compress(
         near: Self,
         far: Self,
         order: u32,

@@ -8,7 +8,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use super::avx2;
 use super::twice::Twice;
-use super::{Children, Lanes, Mask, Simd};
+use super::{CompressChildren, Lanes, Mask, Simd};
 
 /// AVX-512 F, VL, BW and DQ, and all that AVX2 has.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+    fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
         // SAFETY: AVX-512 VL is there, see the module; the pointer is to eight elements.
         unsafe {
             let lanes = _mm256_add_epi32(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_set1_epi32(base as i32));
@@ -37,8 +37,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
-        F32x8(avx2::look_up(numbers, places))
+    fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
+        F32x8(avx2::permute(numbers, places))
     }
 
     #[inline(always)]
@@ -48,7 +48,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn unzip([a, b, c]: &[[f32; 16]; 3]) -> [F32x16; 3] {
+    fn deinterleave([a, b, c]: &[[f32; 16]; 3]) -> [F32x16; 3] {
         /// Lanes whose numbers have the remainders 0, 1 and 2 by 3.
         const EVERY_THIRD: [__mmask16; 3] = [0x9249, 0x2492, 0x4924];
         let [zero, one, two] = EVERY_THIRD;
@@ -181,9 +181,9 @@ impl Mask for Mask8 {
     }
 }
 
-impl Children for F32x8 {
+impl CompressChildren for F32x8 {
     #[inline(always)]
-    fn keep(
+    fn compress(
         near: Self,
         far: Self,
         order: u32,

@@ -31,7 +31,7 @@ pub(crate) trait Simd: Copy {
     /// Four lanes.
     type F4: Lanes<4>;
     /// Eight lanes.
-    type F8: Lanes<8> + Children;
+    type F8: Lanes<8> + CompressChildren;
     /// Sixteen lanes.
     type F16: Lanes<16>;
     /// Thirty-two lanes.
@@ -44,16 +44,16 @@ pub(crate) trait Simd: Copy {
 
     /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
     /// them is of no meaning.
-    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
+    fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
 
     /// In each lane that of eight numbers whose index the lane of `places` holds, in its lowest three bits.
-    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> Self::F8;
+    fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> Self::F8;
 
     /// Eight times eight numbers, mirrored at the diagonal: lane `i` of row `j` becomes lane `j` of row `i`.
     fn transpose(rows: [Self::F8; 8]) -> [Self::F8; 8];
 
     /// Of sixteen triples that follow each other the first numbers, the second and the third ones.
-    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3];
+    fn deinterleave(triples: &[[f32; 16]; 3]) -> [Self::F16; 3];
 }
 
 /// `N` numbers that are computed with together.
@@ -101,11 +101,11 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
 }
 
 /// What traversal does with the eight children of a node.
-pub(crate) trait Children: Sized {
+pub(crate) trait CompressChildren: Sized {
     /// Writes those children for which `near <= far` to the start of `kept`, and their `near` to that of `distances`,
     /// in `order`: three bits a child, the first one lowest. Gives their number; what follows them in the arrays is of
     /// no meaning.
-    fn keep(
+    fn compress(
         near: Self,
         far: Self,
         order: u32,

@@ -1,7 +1,7 @@
 //! The backend for every target, by the crate `wide`: SSE2, NEON, wasm's simd128, or plain code where there is none.
 
 use super::twice::Twice;
-use super::{Children, Lanes, Mask, Simd};
+use super::{CompressChildren, Lanes, Mask, Simd};
 
 /// What the target always has.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn set_lanes(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
+    fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize {
         let mut count = 0;
         for lane in 0..8 {
             out[count & 7] = base + lane;
@@ -33,7 +33,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn look_up(numbers: &[f32; 8], places: &[u32; 8]) -> wide::f32x8 {
+    fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> wide::f32x8 {
         let mut found = [0.0; 8];
         for (found, &place) in found.iter_mut().zip(places) {
             *found = numbers[place as usize & 7];
@@ -56,7 +56,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn unzip(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
+    fn deinterleave(triples: &[[f32; 16]; 3]) -> [Self::F16; 3] {
         let triples: &[[f32; 3]; 16] = bytemuck::cast_ref(triples);
         let mut parts = [[0.0; 16]; 3];
         for (lane, triple) in triples.iter().enumerate() {
@@ -145,9 +145,9 @@ macro_rules! portable {
 portable!(wide::f32x4, 4);
 portable!(wide::f32x8, 8);
 
-impl Children for wide::f32x8 {
+impl CompressChildren for wide::f32x8 {
     #[inline(always)]
-    fn keep(
+    fn compress(
         near: Self,
         far: Self,
         mut order: u32,

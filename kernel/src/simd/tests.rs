@@ -79,7 +79,7 @@ fn check<const N: usize, L: Lanes<N>>() {
 
 /// Which children are kept, for every mask and several orders.
 #[inline(always)]
-fn check_children<L: Lanes<8> + Children>() {
+fn check_children<L: Lanes<8> + CompressChildren>() {
     let children: [u32; 8] = core::array::from_fn(|slot| 100 + slot as u32);
     let orders = [[0, 1, 2, 3, 4, 5, 6, 7], [7, 6, 5, 4, 3, 2, 1, 0], [3, 1, 4, 0, 5, 7, 2, 6]];
     for slots in orders {
@@ -88,7 +88,7 @@ fn check_children<L: Lanes<8> + Children>() {
             let near: [f32; 8] = core::array::from_fn(|slot| slot as f32);
             let far = near.map(|near| if mask >> near as u32 & 1 == 1 { near } else { near - 1.0 });
             let (mut kept, mut distances) = ([0; 8], [0.0; 8]);
-            let count = L::keep(L::load(&near), L::load(&far), order, &children, &mut kept, &mut distances);
+            let count = L::compress(L::load(&near), L::load(&far), order, &children, &mut kept, &mut distances);
             let expected = slots.into_iter().filter(|slot| mask >> slot & 1 == 1);
             assert!(expected.clone().map(|slot| 100 + slot).eq(kept[..count].iter().copied()));
             assert!(expected.map(|slot| slot as f32).eq(distances[..count].iter().copied()));
@@ -106,9 +106,9 @@ fn check_transposition<S: Simd>() {
     for (lane, numbers) in mirrored.into_iter().enumerate() {
         assert_eq!(numbers.store(), core::array::from_fn(|row| rows[row][lane]));
     }
-    assert_eq!(S::look_up(h, &[3, 0, 7, 7, 1, 2, 12, 5]).store(), [59.0, 56.0, 63.0, 63.0, 57.0, 58.0, 60.0, 61.0]);
+    assert_eq!(S::permute(h, &[3, 0, 7, 7, 1, 2, 12, 5]).store(), [59.0, 56.0, 63.0, 63.0, 57.0, 58.0, 60.0, 61.0]);
     let triples = core::array::from_fn(|row| core::array::from_fn(|lane| (16 * row + lane) as f32));
-    for (part, numbers) in S::unzip(&triples).into_iter().enumerate() {
+    for (part, numbers) in S::deinterleave(&triples).into_iter().enumerate() {
         assert_eq!(numbers.store(), core::array::from_fn(|triple| (3 * triple + part) as f32));
     }
 }

@@ -21,37 +21,23 @@
 //!
 //! Nothing here allocates or panics.
 
-mod candidates;
-mod closest;
-mod convoy;
-mod convoy_hits;
-mod eight;
-mod facing;
-mod filter;
-pub(crate) mod flight;
-mod flock;
-mod gather;
-mod hits;
-pub(crate) mod moving;
-mod overlap;
+mod collector;
+mod leaf_test;
+mod node_test;
 mod packet;
-mod pending;
-mod queues;
-// Miri would take hours.
-#[cfg(all(test, not(miri)))]
-mod query_tests;
+mod query;
 pub mod reference;
+pub(crate) mod single;
+mod stack;
+mod stream;
 #[cfg(test)]
 pub(crate) mod tests;
-mod visits;
 
-pub use facing::Facing;
-pub use filter::Verdict;
-use flight::Collector;
-pub use hits::Hits;
+use collector::Collector;
 pub use packet::{PacketWidth, Width};
-pub(crate) use pending::Pending;
-pub use visits::Visits;
+pub use query::{Facing, Hits, Verdict, Visits};
+pub(crate) use stack::TraversalStack;
+use stream::leaf_queues;
 
 use core::ops::ControlFlow;
 
@@ -108,7 +94,7 @@ impl BvhView<'_> {
 
     /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.
     ///
-    /// The quickest way for many rays that do not run side by side: several are in flight at once.
+    /// The quickest way for many rays that do not run side by side: 64 of them are traced at the same time, as a stream.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
@@ -116,12 +102,12 @@ impl BvhView<'_> {
                 *hit = reference::intersect(self, ray).unwrap_or(Hit::MISS);
             }
         } else {
-            let land = |number: usize, hit: Hit| {
+            let write = |number: usize, hit: Hit| {
                 if let Some(place) = hits.get_mut(number) {
                     *place = hit;
                 }
             };
-            dispatch(self.isa(), Many::<false, _> { tree: self, rays, land });
+            dispatch(self.isa(), Many::<false, _> { tree: self, rays, write });
         }
     }
 
@@ -133,12 +119,12 @@ impl BvhView<'_> {
                 *occluded = reference::occluded(self, ray);
             }
         } else {
-            let land = |number: usize, hit: Hit| {
+            let write = |number: usize, hit: Hit| {
                 if let Some(place) = occluded.get_mut(number) {
                     *place = hit.is_hit();
                 }
             };
-            dispatch(self.isa(), Many::<true, _> { tree: self, rays, land });
+            dispatch(self.isa(), Many::<true, _> { tree: self, rays, write });
         }
     }
 
@@ -162,8 +148,8 @@ impl<C: Collector> Work for Walk<'_, C> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        let mut pending = Pending::EMPTY;
-        flight::walk::<S, C>(self.tree, self.ray, &mut pending, self.collector)
+        let mut stack = TraversalStack::EMPTY;
+        single::walk::<S, C>(self.tree, self.ray, &mut stack, self.collector)
     }
 }
 
@@ -176,12 +162,12 @@ impl BvhView<'_> {
         if self.isa().level() == Level::Scalar {
             return self.intersect_many(rays, hits);
         }
-        let land = |number: usize, hit: Hit| {
+        let write = |number: usize, hit: Hit| {
             if let Some(place) = hits.get_mut(number) {
                 *place = hit;
             }
         };
-        dispatch(self.isa(), Gather::<false, _> { tree: self, rays, land });
+        dispatch(self.isa(), Gather::<false, _> { tree: self, rays, write });
     }
 
     /// Like [`occluded_many`](Self::occluded_many), and quicker for rays that share an origin, likewise.
@@ -190,19 +176,19 @@ impl BvhView<'_> {
         if self.isa().level() == Level::Scalar {
             return self.occluded_many(rays, occluded);
         }
-        let land = |number: usize, hit: Hit| {
+        let write = |number: usize, hit: Hit| {
             if let Some(place) = occluded.get_mut(number) {
                 *place = hit.is_hit();
             }
         };
-        dispatch(self.isa(), Gather::<true, _> { tree: self, rays, land });
+        dispatch(self.isa(), Gather::<true, _> { tree: self, rays, write });
     }
 }
 
 struct Gather<'a, const ANY: bool, F> {
     tree: &'a BvhView<'a>,
     rays: &'a [Ray],
-    land: F,
+    write: F,
 }
 
 impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
@@ -210,10 +196,10 @@ impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
     #[inline(always)]
     fn run<S: Simd>(self) {
         // Not where there is no room on the stack, either.
-        if queues::suit(self.tree) && !cfg!(target_os = "none") {
-            queues::trace::<ANY, S>(self.tree, self.rays, self.land);
+        if leaf_queues::suit(self.tree) && !cfg!(target_os = "none") {
+            leaf_queues::trace::<ANY, S>(self.tree, self.rays, self.write);
         } else {
-            gather::trace::<ANY, S>(self.tree, self.rays, self.land);
+            packet::gather::trace::<ANY, S>(self.tree, self.rays, self.write);
         }
     }
 }
@@ -227,30 +213,30 @@ impl<const ANY: bool> Work for One<'_, ANY> {
     type Output = Option<Hit>;
     #[inline(always)]
     fn run<S: Simd>(self) -> Option<Hit> {
-        flight::trace::<ANY, S>(self.tree, self.ray)
+        single::trace::<ANY, S>(self.tree, self.ray)
     }
 }
 
 struct Many<'a, const ANY: bool, F> {
     tree: &'a BvhView<'a>,
     rays: &'a [Ray],
-    land: F,
+    write: F,
 }
 
 impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Many<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        // A flock takes 150 KB of stack, which microcontrollers do not have, and time to gather.
-        if cfg!(target_os = "none") || self.rays.len() < flock::FLOCK {
-            let mut land = self.land;
+        // A stream takes 150 KB of stack, which microcontrollers do not have, and time to set up.
+        if cfg!(target_os = "none") || self.rays.len() < stream::MAX_ACTIVE {
+            let mut write = self.write;
             for (number, ray) in self.rays.iter().enumerate() {
-                land(number, flight::trace::<ANY, S>(self.tree, ray).unwrap_or(Hit::MISS));
+                write(number, single::trace::<ANY, S>(self.tree, ray).unwrap_or(Hit::MISS));
             }
-        } else if queues::suit(self.tree) {
-            queues::trace::<ANY, S>(self.tree, self.rays, self.land);
+        } else if leaf_queues::suit(self.tree) {
+            leaf_queues::trace::<ANY, S>(self.tree, self.rays, self.write);
         } else {
-            flock::trace::<ANY, S>(self.tree, self.rays, self.land);
+            stream::trace::<ANY, S>(self.tree, self.rays, self.write);
         }
     }
 }

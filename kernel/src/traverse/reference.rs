@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use glam::Vec3;
 
-use super::flight::Collector;
+use super::collector::Collector;
 use crate::bvh::{BvhView, Child, MAX_STACK, TriangleBlock, WIDTH};
 use crate::geometry::closest::{self, Foot};
 use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_side, intersect_triangle, overlaps};
@@ -46,7 +46,7 @@ pub fn occluded(tree: &BvhView, ray: &Ray) -> bool {
     intersect(tree, ray).is_some()
 }
 
-/// What [`flight::walk`](super::flight::walk) does: shows `collector` the hits of `ray`, in the order of the octant of its
+/// What [`single::walk`](super::single::walk) does: shows `collector` the hits of `ray`, in the order of the octant of its
 /// direction. No box is left out for being far away.
 pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
     let octant = (0..3).fold(0, |octant, axis| octant | usize::from(ray.direction[axis].is_sign_negative()) << axis);
@@ -72,7 +72,7 @@ pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -
                         if let Some((hit, front)) = intersect_side(ray, &block.triangle(lane))
                             && hit.t <= collector.t_max()
                         {
-                            collector.see(Hit { prim_id: block.prim_id[lane], ..hit }, front)?;
+                            collector.report(Hit { prim_id: block.prim_id[lane], ..hit }, front)?;
                         }
                     }
                 }

@@ -189,7 +189,7 @@ fn random_triangles() {
     }
 }
 
-/// As many rays as wait in queues, and as fly in a flock, and one more or less.
+/// As many rays as wait in queues, and as a stream has active at a time, and one more or less.
 #[test]
 fn batches_of_any_length() {
     let mut random = Random(8);

@@ -105,7 +105,7 @@ pub(super) fn triangle(corners: &[Vectors; 3], i: usize) -> Triangle {
 pub(super) fn gather<const PARTS: usize, R: Pod, C: Pod>(isa: Isa, rows: &[R], numbers: &[u32], columns: &mut C) {
     let rows: &[[Row; PARTS]] = bytemuck::cast_slice(rows);
     let columns: &mut [Columns<LANES>; PARTS] = bytemuck::cast_mut(columns);
-    columns::gather(isa, rows, numbers, columns);
+    columns::load(isa, rows, numbers, columns);
 }
 
 /// Writes those of the first columns that `keeps` names to the start of `rows`, of `WIDTH` words each, and gives their number.
@@ -113,5 +113,5 @@ pub(super) fn gather<const PARTS: usize, R: Pod, C: Pod>(isa: Isa, rows: &[R], n
 pub(super) fn keep<const WIDTH: usize, R: Pod, C: Pod>(isa: Isa, columns: &C, keeps: &[u32], rows: &mut [R]) -> usize {
     let columns: &[[f32; LANES]; WIDTH] = bytemuck::cast_ref(columns);
     let rows: &mut [[f32; WIDTH]] = bytemuck::cast_slice_mut(rows);
-    columns::keep(isa, columns, keeps, rows)
+    columns::compress(isa, columns, keeps, rows)
 }

@@ -2,11 +2,11 @@
 
 use core::ops::ControlFlow;
 
-use super::pending::Pending;
-use super::reference;
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::{Aabb, overlaps};
 use crate::simd::{Lanes, Level, Mask, Simd, Work, dispatch, lanes_of};
+use crate::traverse::reference;
+use crate::traverse::stack::TraversalStack;
 
 impl BvhView<'_> {
     /// Gives `visit` the `prim_id` of every triangle that [overlaps](overlaps()) `aabb`, each once and in an order that is
@@ -37,16 +37,16 @@ impl<F: FnMut(u32) -> ControlFlow<()>> Work for Overlap<'_, F> {
     #[inline(always)]
     fn run<S: Simd>(mut self) -> ControlFlow<()> {
         let query = BoxLanes::<S::F8>::splat(self.aabb);
-        let mut pending = Pending::EMPTY;
-        pending.start();
+        let mut stack = TraversalStack::EMPTY;
+        stack.reset_to_root();
         loop {
-            let (child, _) = pending.take();
-            if child == Pending::NONE {
+            let (child, _) = stack.pop();
+            if child == TraversalStack::NONE {
                 return ControlFlow::Continue(());
             }
             if Child::is_node(child) {
                 if let Some(node) = self.tree.nodes().get(child as usize) {
-                    pending.enter_first_last::<S>(node, query.gap(node), S::F8::splat(0.0));
+                    stack.push_first_last::<S>(node, query.gap(node), S::F8::splat(0.0));
                 }
                 continue;
             }

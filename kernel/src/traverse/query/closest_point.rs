@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::pending::Pending;
-use super::reference;
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::closest::{Foot, closest_points};
 use crate::geometry::{Hit, MAX_COORDINATE, SurfacePoint};
 use crate::simd::{Lanes, Level, Mask, Simd, Work, dispatch, lanes_of};
+use crate::traverse::reference;
+use crate::traverse::stack::TraversalStack;
 
 impl BvhView<'_> {
     /// The point of the triangles that is closest to `point`, if it is not farther than `radius`; of equally close ones
@@ -42,11 +42,11 @@ impl Work for Closest<'_> {
     #[inline(always)]
     fn run<S: Simd>(mut self) -> Foot {
         let from = [S::F8::splat(self.point.x), S::F8::splat(self.point.y), S::F8::splat(self.point.z)];
-        let mut pending = Pending::EMPTY;
-        pending.start();
+        let mut stack = TraversalStack::EMPTY;
+        stack.reset_to_root();
         loop {
-            let (child, near) = pending.take();
-            if child == Pending::NONE {
+            let (child, near) = stack.pop();
+            if child == TraversalStack::NONE {
                 return self.best;
             }
             // As close is not closer: there may be a tie to decide.
@@ -57,7 +57,7 @@ impl Work for Closest<'_> {
                 if let Some(node) = self.tree.nodes().get(child as usize) {
                     // Empty slots are infinitely far away.
                     let far = S::F8::splat(self.best.distance2.min(f32::MAX));
-                    pending.enter_nearest_last::<S>(node, distance2(node, &from), far);
+                    stack.push_nearest_last::<S>(node, distance2(node, &from), far);
                 }
             } else {
                 for block in self.tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {

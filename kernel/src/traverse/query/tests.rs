@@ -8,8 +8,8 @@ use core::ops::ControlFlow;
 use glam::{DVec3, Vec3, vec3};
 
 use super::Facing;
-use super::tests::{Random, isas, rays_at, soup, sphere};
 use crate::geometry::{intersect_triangle, overlaps};
+use crate::traverse::tests::{Random, isas, rays_at, soup, sphere};
 use crate::{Aabb, Bvh, Hit, Quality, Ray, SurfacePoint, Triangle};
 
 const GO_ON: ControlFlow<()> = ControlFlow::Continue(());

@@ -1,4 +1,4 @@
-//! Triangles that rays of a flock may hit: gathered from all of them, and tested eight at a time, each lane with a ray of
+//! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
 //! its own.
 
 use crate::bvh::{TriangleBlock, WIDTH};
@@ -11,12 +11,12 @@ use crate::simd::{Lanes, Simd};
 pub(super) struct Candidates<const ROOM: usize> {
     /// The block times eight, plus the lane.
     codes: [u32; ROOM],
-    birds: [u8; ROOM],
+    rays: [u8; ROOM],
     len: usize,
 }
 
 impl<const ROOM: usize> Candidates<ROOM> {
-    pub(super) const EMPTY: Self = Self { codes: [0; ROOM], birds: [0; ROOM], len: 0 };
+    pub(super) const EMPTY: Self = Self { codes: [0; ROOM], rays: [0; ROOM], len: 0 };
 
     #[inline(always)]
     pub(super) fn clear(&mut self) {
@@ -25,24 +25,24 @@ impl<const ROOM: usize> Candidates<ROOM> {
 
     /// Adds lanes of a block.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, block: u32, lanes: u32, bird: u8) {
+    pub(super) fn push<S: Simd>(&mut self, block: u32, lanes: u32, ray: u8) {
         let codes = self.codes.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
-        let birds = self.birds.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
-        if let (Some(codes), Some(birds)) = (codes, birds) {
-            *birds = [bird; WIDTH];
-            self.len += S::set_lanes(lanes, WIDTH as u32 * block, codes);
+        let rays = self.rays.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
+        if let (Some(codes), Some(rays)) = (codes, rays) {
+            *rays = [ray; WIDTH];
+            self.len += S::compress_indices(lanes, WIDTH as u32 * block, codes);
         }
     }
 
-    /// The codes and the birds, eight at a time. To fill the last eight, its first candidate is repeated.
+    /// The codes and the numbers of the rays, eight at a time. To fill the last eight, its first candidate is repeated.
     #[inline(always)]
     pub(super) fn eights(&mut self) -> impl Iterator<Item = (&[u32; WIDTH], &[u8; WIDTH])> {
         let first = self.len / WIDTH * WIDTH;
         for k in self.len..self.len.next_multiple_of(WIDTH) {
-            (self.codes[k % ROOM], self.birds[k % ROOM]) = (self.codes[first % ROOM], self.birds[first % ROOM]);
+            (self.codes[k % ROOM], self.rays[k % ROOM]) = (self.codes[first % ROOM], self.rays[first % ROOM]);
         }
         let count = self.len.div_ceil(WIDTH);
-        self.codes.as_chunks().0.iter().zip(self.birds.as_chunks().0).take(count)
+        self.codes.as_chunks().0.iter().zip(self.rays.as_chunks().0).take(count)
     }
 }
 

@@ -9,11 +9,11 @@ use crate::simd::{Lanes, Mask, Simd, lanes_of};
 
 /// What was found, in lanes: the best hits' `t`, `u`, `v` and the bits of `prim_id`, then the rays' `t_min`; the rest is of
 /// no meaning.
-pub(super) type Found<L> = [L; WIDTH];
+pub(super) type HitLanes<L> = [L; WIDTH];
 
 /// The state of rays between `t_min` and `t_max` before the search.
 #[inline(always)]
-pub(super) fn nothing_found<L: Lanes<WIDTH>>(t_min: L, t_max: L) -> Found<L> {
+pub(super) fn no_hits<L: Lanes<WIDTH>>(t_min: L, t_max: L) -> HitLanes<L> {
     let zero = L::splat(0.0);
     [t_max, zero, zero, L::splat(f32::from_bits(Hit::NO_PRIM)), t_min, zero, zero, zero]
 }
@@ -25,7 +25,7 @@ pub(super) fn hit<const ANY: bool, S: Simd>(
     block: &TriangleBlock,
     axes: [Axis; 3],
     lines: &LineLanes<S::F8>,
-    found: &mut Found<S::F8>,
+    found: &mut HitLanes<S::F8>,
 ) -> bool {
     // For each triangle, the lines that pass inside of its edges.
     let mut inside = [0; WIDTH];
@@ -60,7 +60,7 @@ fn take<const ANY: bool, S: Simd>(
     lines: &LineLanes<S::F8>,
     places: &[u32; WIDTH],
     lanes: u32,
-    [t, u, v, prim_id, t_min, ..]: &mut Found<S::F8>,
+    [t, u, v, prim_id, t_min, ..]: &mut HitLanes<S::F8>,
 ) {
     if ANY {
         let occluded = triangle::occludes(lines, picked::<S>(block, axes, places), [*t_min, *t]) & lanes;
@@ -70,7 +70,7 @@ fn take<const ANY: bool, S: Simd>(
         return;
     }
     let Some(crossing) = triangle::cross(lines, picked::<S>(block, axes, places)) else { return };
-    let prim_ids = S::look_up(bytemuck::cast_ref(&block.prim_id), places);
+    let prim_ids = S::permute(bytemuck::cast_ref(&block.prim_id), places);
     let within = crossing.bits & lanes & t_min.le(crossing.t).bits();
     let mut closer = crossing.t.lt(*t).bits();
     let ties = crossing.t.eq(*t).bits() & within;
@@ -116,5 +116,5 @@ fn picked<S: Simd>(block: &TriangleBlock, axes: [Axis; 3], places: &[u32; WIDTH]
 #[inline(always)]
 fn pick<S: Simd>(corner: &[[f32; WIDTH]; 3], [x, y, z]: [Axis; 3], places: &[u32; WIDTH]) -> [S::F8; 3] {
     let [x, y, z] = [&corner[x as usize], &corner[y as usize], &corner[z as usize]];
-    [S::look_up(x, places), S::look_up(y, places), S::look_up(z, places)]
+    [S::permute(x, places), S::permute(y, places), S::permute(z, places)]
 }

@@ -1,12 +1,12 @@
-//! Rays of one course on their way through the tree together: the boxes of a node, and those of a block's triangles,
+//! A coherent packet, whose rays share octant and fastest axis: the boxes of a node, and those of a block's triangles,
 //! against a shaft of all rays first, then what it meets against the rays, one a lane.
 
-use super::pending::{fetch, first_octant};
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;
-use crate::geometry::bundle::{Bundle, Course, Shaft, greatest};
+use crate::geometry::bundle::{Bundle, DirectionClass, Shaft, greatest};
 use crate::geometry::triangle::LineLanes;
-use crate::simd::{Children, Lanes, Mask, Simd};
+use crate::simd::{CompressChildren, Lanes, Mask, Simd};
+use crate::traverse::node_test::{prefetch, visit_octant};
 
 /// A subtree to visit, the rays that may meet its box, and which part of the way the first of them has gone by then.
 #[derive(Clone, Copy)]
@@ -19,9 +19,9 @@ struct Entry {
 /// From this visit on, rays of one origin are no longer thought to keep together, and boxes are tested with each.
 const COHERENT: u32 = 4;
 
-/// Rays of one course under way together.
-pub(super) struct Convoy<const N: usize, L> {
-    pub(super) course: Course,
+/// Rays whose directions are of one class.
+pub(super) struct CoherentPacket<const N: usize, L> {
+    pub(super) class: DirectionClass,
     octant: u8,
     shaft: Shaft,
     pub(super) lines: LineLanes<L>,
@@ -36,25 +36,25 @@ pub(super) struct Convoy<const N: usize, L> {
     inverse_lengths: L,
 }
 
-impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
+impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
     #[inline(always)]
-    pub(super) fn new(bundle: &Bundle<L>, course: Course, rays: u32, t_max: &[f32; N], tree: &BvhView) -> Self {
+    pub(super) fn new(bundle: &Bundle<L>, class: DirectionClass, rays: u32, t_max: &[f32; N], tree: &BvhView) -> Self {
         let scene = &tree.bounds();
-        let lines = bundle.lines(&course);
-        let lengths = bundle.lengths(&course, &lines, L::load(t_max), scene);
-        let shaft = bundle.shaft(&course, lengths, rays, scene);
+        let lines = bundle.lines(&class);
+        let lengths = bundle.lengths(&class, &lines, L::load(t_max), scene);
+        let shaft = bundle.shaft(&class, lengths, rays, scene);
         let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
-        let [x, y, z] = course.negative.map(u8::from);
+        let [x, y, z] = class.negative.map(u8::from);
         let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
         let line = LineLanes {
             origin: [a.store(), b.store(), c.store()],
             inverse: [d.store(), e.store(), f.store()],
             shear: [g.store(), h.store()],
         };
-        let (inverse, near_shift, far_shift) = bundle.slabs(&course, &lines, &shaft);
+        let (inverse, near_shift, far_shift) = bundle.slabs(&class, &lines, &shaft);
         let t_min = bundle.t_min;
         let octant = x | y << 1 | z << 2;
-        Self { course, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
+        Self { class, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
     }
 
     /// The part of the way that is left to the ray with the longest one.
@@ -93,7 +93,7 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
                 for (&slot, &near) in slots.iter().zip(&near).take(count) {
                     let slot = slot as usize % WIDTH;
                     let rays = if loose { rays & self.meet_box(node, slot, t_max) } else { rays };
-                    fetch::<S>(tree, node.children[slot]);
+                    prefetch::<S>(tree, node.children[slot]);
                     if let Some(entry) = stack.get_mut(height) {
                         *entry = Entry { child: node.children[slot], rays, near };
                         height += usize::from(rays != 0);
@@ -124,7 +124,7 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         all_found
     }
 
-    /// Writes the slots whose boxes the shaft meets, and where, the [first](first_octant) one last; gives their number.
+    /// Writes the slots whose boxes the shaft meets, and where, the [first](visit_octant) one last; gives their number.
     #[inline(always)]
     fn enter<const ANY: bool, S: Simd>(
         &self,
@@ -135,10 +135,10 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
     ) -> usize {
         let [x, y, z] = &node.planes;
         let (enter, leave) = self.meet::<S>([bounds::<S>(x), bounds::<S>(y), bounds::<S>(z)], left);
-        S::F8::keep(
+        S::F8::compress(
             enter,
             leave,
-            node.order[usize::from(first_octant::<ANY>(self.octant) & 7)],
+            node.order[usize::from(visit_octant::<ANY>(self.octant) & 7)],
             &[0, 1, 2, 3, 4, 5, 6, 7],
             slots,
             near,
@@ -150,8 +150,8 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
     fn meet_box(&self, node: &Node, slot: usize, t_max: L) -> u32 {
         let (mut enter, mut leave) = (self.t_min, t_max);
         for k in 0..3 {
-            let axis = self.course.axes[k] as usize;
-            let negative = self.course.negative[axis];
+            let axis = self.class.axes[k] as usize;
+            let negative = self.class.negative[axis];
             let near = L::splat(node.planes[axis][usize::from(negative)][slot]);
             let far = L::splat(node.planes[axis][usize::from(!negative)][slot]);
             enter = enter.max(near.mul_sub(self.inverse[k], self.near_shift[k]));

@@ -5,9 +5,9 @@
 
 use core::ops::ControlFlow;
 
-use super::flight::Collector;
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, Ray};
+use crate::traverse::collector::Collector;
 
 /// The sides of triangles from which they can be hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Collector for OneSided {
     }
 
     #[inline(always)]
-    fn see(&mut self, hit: Hit, front: bool) -> ControlFlow<()> {
+    fn report(&mut self, hit: Hit, front: bool) -> ControlFlow<()> {
         let counts = match self.facing {
             Facing::Both => true,
             Facing::Front => front,

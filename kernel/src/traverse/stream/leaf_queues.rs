@@ -1,21 +1,21 @@
-//! Many rays through a tree of one node: each waits at the leaf that it visits next until there are eight that run
+//! A ray stream through a tree of one node: each waits at the leaf that it visits next until there are eight that run
 //! fastest along the same axis, which then meet the leaf's triangles together, a lane each (queues of rays at places of
 //! the scene: Pharr, Kolb, Gershbein and Hanrahan 1997).
 //!
-//! So small a tree stays in the first-level cache, and there is no latency to hide; what a flock does for each ray alone,
+//! So small a tree stays in the first-level cache, and there is no latency to hide; what a stream does for each ray alone,
 //! its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are looked up in
 //! their block's own lanes.
 
 use core::hint::select_unpredictable;
 
-use super::eight;
-use super::pending::{first_octant, meet_children};
+use super::lanes;
 use crate::bvh::{BvhView, Child, Node, WIDTH};
 use crate::geometry::setup::Axis;
 use crate::geometry::setup_lanes::{FORWARD, SetupLanes, rows};
 use crate::geometry::triangle::LineLanes;
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Children, Lanes, Mask, Simd};
+use crate::simd::{CompressChildren, Lanes, Mask, Simd};
+use crate::traverse::node_test::{intersect_children, visit_octant};
 
 /// Rays under way: enough for a few in every queue, and few enough for the first-level cache.
 const RAYS: usize = 128;
@@ -24,25 +24,29 @@ const PLACES: usize = 256;
 /// Groups that are chosen before the first of them meets its leaf: which queue is full next is known only when a group
 /// has been tested, and would hold up the next.
 const ROUND: usize = 3;
-/// Above so many blocks a flock is quicker: it tests a ray against a block's eight triangles at once.
+/// Above so many blocks a stream is quicker: it tests a ray against a block's eight triangles at once.
 const MAX_BLOCKS: usize = 16;
 
 /// Whether a tree is small enough.
 #[inline(always)]
-pub(super) fn suit(tree: &BvhView) -> bool {
+pub(in crate::traverse) fn suit(tree: &BvhView) -> bool {
     tree.nodes().len() == 1 && tree.blocks().len() <= MAX_BLOCKS
 }
 
-/// Gives `land` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
+/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
 /// has a single node.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
+pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
+    tree: &BvhView,
+    rays: &[Ray],
+    mut write: impl FnMut(usize, Hit),
+) {
     let Some(root) = tree.nodes().first() else { return };
     let (mut waiting, mut queues) = (Waiting::NONE, Queues::EMPTY);
     let mut started = 0;
     while started < rays.len().min(RAYS) {
-        let seats = [0, 1, 2, 3, 4, 5, 6, 7].map(|lane| (started + lane) as u8);
-        waiting.start::<ANY, S>(tree, root, rays, started, &seats, &mut queues);
+        let slots = [0, 1, 2, 3, 4, 5, 6, 7].map(|lane| (started + lane) as u8);
+        waiting.start::<ANY, S>(tree, root, rays, started, &slots, &mut queues);
         started += WIDTH;
     }
     let mut round = [Group { queue: 0, rays: [0; WIDTH], len: 0 }; ROUND];
@@ -54,7 +58,7 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
         for group in &round[..len] {
             if group.queue == ARRIVED {
                 for &i in group.rays() {
-                    land(waiting.numbers[usize::from(i)], waiting.result(i));
+                    write(waiting.numbers[usize::from(i)], waiting.result(i));
                 }
             } else {
                 let leaf = root.children[group.queue / 4 % WIDTH];
@@ -166,7 +170,7 @@ impl Queues {
 struct Waiting {
     /// [`Line::numbers`](crate::geometry::setup::Line::numbers), in the order [`FORWARD`].
     lines: [[f32; WIDTH]; PLACES],
-    /// [`eight::Found`].
+    /// [`lanes::HitLanes`].
     found: [[f32; WIDTH]; PLACES],
     /// The queues of the leaves to visit, the next one last, and where their boxes begin.
     leaves: [[u32; WIDTH]; PLACES],
@@ -186,7 +190,7 @@ impl Waiting {
         heights: [0; PLACES],
     };
 
-    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `seats`: at
+    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`: at
     /// most eight.
     #[inline(always)]
     fn start<const ANY: bool, S: Simd>(
@@ -195,7 +199,7 @@ impl Waiting {
         root: &Node,
         rays: &[Ray],
         first: usize,
-        seats: &[u8],
+        slots: &[u8],
         queues: &mut Queues,
     ) {
         let mut lanes = [S::F8::splat(f32::NAN); WIDTH];
@@ -203,21 +207,21 @@ impl Waiting {
             *lanes = S::F8::load(bytemuck::cast_ref(ray));
         }
         let setups = SetupLanes::new(S::transpose(lanes), &tree.bounds());
-        let (near, far) = meet_children::<S>(&setups, root);
-        let found = rows::<S>(eight::nothing_found(setups.t_min, setups.t_max));
-        let (lines, courses) = (rows::<S>(setups.lines), setups.courses());
-        for (lane, &number) in seats.iter().enumerate().take(rays.len() - first) {
+        let (near, far) = intersect_children::<S>(&setups, root);
+        let found = rows::<S>(lanes::no_hits(setups.t_min, setups.t_max));
+        let (lines, classes) = (rows::<S>(setups.lines), setups.classes());
+        for (lane, &number) in slots.iter().enumerate().take(rays.len() - first) {
             let (i, lane) = (usize::from(number), lane % WIDTH);
             self.numbers[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
-            let order = root.order[usize::from(first_octant::<ANY>(courses.octant(lane)) & 7)];
-            let leaves = &QUEUE_OF[courses.fastest(lane) % 3];
+            let order = root.order[usize::from(visit_octant::<ANY>(classes.octant(lane)) & 7)];
+            let leaves = &QUEUE_OF[classes.fastest(lane) % 3];
             let (kept, nears) = (&mut self.leaves[i], &mut self.near[i]);
-            let height = S::F8::keep(near[lane], far[lane], order, leaves, kept, nears);
+            let height = S::F8::compress(near[lane], far[lane], order, leaves, kept, nears);
             // One that can hit nothing has arrived at once.
             self.heights[i] = select_unpredictable(setups.live >> lane & 1 != 0, height as u8, 0);
         }
-        self.queue_up::<S>(&seats[..seats.len().min(rays.len() - first)], queues);
+        self.queue_up::<S>(&slots[..slots.len().min(rays.len() - first)], queues);
     }
 
     /// Up to eight rays go each to the queue of the leaf that is next, if there is any left that does not begin behind the
@@ -251,7 +255,7 @@ impl Waiting {
         let mut found = S::transpose(found);
         let mut any = false;
         for block in tree.blocks().get(Child::leaf_blocks(leaf)).unwrap_or(&[]) {
-            any |= eight::hit::<ANY, S>(block, axes, &lines, &mut found);
+            any |= lanes::hit::<ANY, S>(block, axes, &lines, &mut found);
         }
         if any {
             for (row, &i) in S::transpose(found).iter().zip(eight) {

@@ -1,15 +1,15 @@
-//! The rays of a [`Convoy`] against the triangles of a block: each triangle against all rays or, if rays are fewer, each
+//! The leaf test of a packet: the rays of a [`CoherentPacket`] against the triangles of a block: each triangle against all rays or, if rays are fewer, each
 //! ray against all triangles.
 
-use super::convoy::Convoy;
-use super::flight::{self, Nearest};
-use super::pending::corners;
+use super::coherent::CoherentPacket;
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{Lanes, Mask, Simd, lanes_of};
+use crate::traverse::collector::ClosestHit;
+use crate::traverse::leaf_test::{corners, intersect_block};
 
-impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
+impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
     /// Tests triangles of a block in turn against all of `rays`. Gives those that found a better hit.
     #[inline(always)]
     pub(super) fn hit(&self, block: &TriangleBlock, candidates: u32, rays: u32, best: &mut HitPacket<N>) -> u32 {
@@ -62,10 +62,10 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         for lane in lanes_of(rays) {
             let lane = lane % N;
             let before = best.hit(lane);
-            let mut nearest = Nearest { best: before };
+            let mut nearest = ClosestHit { best: before };
             let ray = self.line_of::<S>(lane);
             // This collector never breaks off.
-            let _ = flight::hit_block(block, &ray, self.course.axes, t_min[lane], &mut nearest);
+            let _ = intersect_block(block, &ray, self.class.axes, t_min[lane], &mut nearest);
             if nearest.best.precedes(&before) {
                 best.set(lane, nearest.best);
                 found |= 1 << lane;
@@ -81,7 +81,7 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         for lane in lanes_of(rays) {
             let lane = lane % N;
             let interval = [S::F8::splat(t_min[lane]), S::F8::splat(t_max[lane])];
-            if triangle::occludes(&self.line_of::<S>(lane), corners(block, self.course.axes), interval) != 0 {
+            if triangle::occludes(&self.line_of::<S>(lane), corners(block, self.class.axes), interval) != 0 {
                 found |= 1 << lane;
             }
         }
@@ -106,10 +106,10 @@ impl<const N: usize, L: Lanes<N>> Convoy<N, L> {
         }
     }
 
-    /// A corner of one triangle, in the order of the course's axes.
+    /// A corner of one triangle, in the order of the class's axes.
     #[inline(always)]
     fn corner(&self, block: &TriangleBlock, corner: usize, triangle: usize) -> [L; 3] {
-        let [x, y, z] = self.course.axes.map(|axis| axis as usize);
+        let [x, y, z] = self.class.axes.map(|axis| axis as usize);
         let axes = &block.corners[corner];
         [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
     }

@@ -1,15 +1,20 @@
-//! Packets of rays that run alike, traced together as [`Convoy`]s.
+//! Packets of rays, traced together as [`CoherentPacket`]s.
 //!
-//! Rays run alike if their directions have the same signs and the same fastest axis: then they enter boxes through the
+//! Rays are coherent if their directions are in the same octant and have the same fastest axis: then they enter boxes through the
 //! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is traced in as
-//! many parts as it has courses; rays that are alone, or whose `t_min` is negative, are traced one by one.
+//! many parts as it has such classes of directions; rays that are alone, or whose `t_min` is negative, are traced one by one.
 
-use super::convoy::Convoy;
-use super::flight;
+mod coherent;
+pub(super) mod gather;
+mod leaf;
+
+use coherent::CoherentPacket;
+
 use crate::bvh::BvhView;
 use crate::geometry::bundle::Bundle;
 use crate::geometry::{Hit, HitPacket, RayPacket};
 use crate::simd::{Lanes, Mask, Simd, Work, dispatch};
+use crate::traverse::single;
 
 /// `N` rays at a time.
 pub struct Width<const N: usize>;
@@ -63,19 +68,19 @@ pub(super) fn trace<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     let ahead = L::splat(0.0).le(bundle.t_min).bits();
     let (mut waiting, mut found) = (bundle.live, 0);
     while waiting != 0 {
-        let (course, mut rays) = bundle.course(waiting);
+        let (class, mut rays) = bundle.class(waiting);
         let first = rays & rays.wrapping_neg();
         rays = if first & ahead == 0 { first } else { rays & ahead };
         waiting &= !rays;
         if rays & rays.wrapping_sub(1) == 0 {
             let lane = rays.trailing_zeros() as usize % N;
-            if let Some(hit) = flight::trace::<ANY, S>(tree, &packet.ray(lane)) {
+            if let Some(hit) = single::trace::<ANY, S>(tree, &packet.ray(lane)) {
                 best.set(lane, hit);
                 found |= rays;
             }
         } else {
-            let convoy = Convoy::<N, L>::new(&bundle, course, rays, &packet.t_max, tree);
-            found |= convoy.trace::<ANY, S>(tree, rays, &mut best);
+            let coherent = CoherentPacket::<N, L>::new(&bundle, class, rays, &packet.t_max, tree);
+            found |= coherent.trace::<ANY, S>(tree, rays, &mut best);
         }
     }
     if !ANY {

@@ -3,10 +3,10 @@
 //! It is counted by a walk of its own, one box at a time, so that it is the same number on every machine. A batch visits
 //! the same subtrees, save those whose boxes the ray only grazes: each backend widens boxes by its own rounding.
 
-use super::reference::{entry, nearer};
 use crate::bvh::{BvhView, Child, MAX_STACK, WIDTH};
 use crate::geometry::setup::RaySetup;
 use crate::geometry::{Hit, Ray, intersect_triangle};
+use crate::traverse::reference::{entry, nearer};
 
 /// Steps of a traversal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,7 +133,7 @@ mod tests {
             let origin = vec3(3.0 * sin(a), 3.0 * cos(a), a * 0.6);
             let ray = Ray::new(origin, vec3(-sin(a * 1.1), -cos(a * 0.9), sin(a * 0.37)));
             let (_, hit) = walk(&bvh.view(), &ray, false);
-            assert_eq!(hit, super::super::reference::intersect_all(&triangles, &ray), "{ray:?}");
+            assert_eq!(hit, crate::traverse::reference::intersect_all(&triangles, &ray), "{ray:?}");
             assert_eq!(walk(&bvh.view(), &ray, true).1.is_some(), hit.is_some());
         }
     }

@@ -3,35 +3,36 @@
 
 use core::ops::{ControlFlow, Range};
 
-use super::flight::{self, Collector, Ground, hit_block};
-use super::pending::Pending;
+use super::{Collector, Intersector, traverse};
 use crate::bvh::{MovingView, Node, TriangleBlock, WIDTH};
 use crate::geometry::Ray;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{Axis, RaySetup, Slabs};
 use crate::geometry::triangle::LineLanes;
 use crate::simd::{Lanes, Simd};
+use crate::traverse::leaf_test::intersect_block;
+use crate::traverse::stack::TraversalStack;
 
 /// Shows `collector` the hits of one ray with the triangles where they are at `time`, in 0..=1 or moved there; see
-/// [`flight::walk`]. At a key, this is the walk through the tree of that key.
+/// [`super::walk`]. At a key, this is the walk through the tree of that key.
 #[inline(always)]
 pub(crate) fn walk<S: Simd, C: Collector>(
     tree: &MovingView,
     ray: &Ray,
     time: f32,
-    pending: &mut Pending,
+    stack: &mut TraversalStack,
     collector: &mut C,
 ) -> ControlFlow<()> {
     let Some(moment) = Moment::new(time, tree.keys()) else {
         return ControlFlow::Continue(());
     };
     if moment.fraction == 0.0 {
-        return flight::walk::<S, C>(&tree.at_key(moment.key), ray, pending, collector);
+        return super::walk::<S, C>(&tree.at_key(moment.key), ray, stack, collector);
     }
     let Some(RaySetup { slabs, line }) = RaySetup::new(ray, &tree.bounds()) else {
         return ControlFlow::Continue(());
     };
-    let mut triangles = Triangles {
+    let mut triangles = MovingTriangles {
         nodes: [tree.nodes(moment.key), tree.nodes(moment.key + 1)],
         blocks: [tree.blocks(moment.key), tree.blocks(moment.key + 1)],
         fraction: moment.fraction,
@@ -40,11 +41,11 @@ pub(crate) fn walk<S: Simd, C: Collector>(
         t_min: ray.t_min,
         collector,
     };
-    flight::descend::<S, _>(&mut triangles, &slabs, ray.t_min, pending)
+    traverse::<S, _>(&mut triangles, &slabs, ray.t_min, stack)
 }
 
 /// Triangles between two keys, and who hears of the hits.
-struct Triangles<'a, L, C> {
+struct MovingTriangles<'a, L, C> {
     nodes: [&'a [Node]; 2],
     blocks: [&'a [TriangleBlock]; 2],
     fraction: f32,
@@ -54,41 +55,41 @@ struct Triangles<'a, L, C> {
     collector: &'a mut C,
 }
 
-impl<L: Lanes<WIDTH>, C: Collector> Ground for Triangles<'_, L, C> {
+impl<L: Lanes<WIDTH>, C: Collector> Intersector for MovingTriangles<'_, L, C> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.collector.t_max()
     }
 
     #[inline(always)]
-    fn enter<S: Simd>(&self, node: u32, pending: &mut Pending, slabs: &Slabs, octant: u8, t_min: f32) {
-        enter_between::<S>(self.nodes, self.fraction, node, pending, slabs, octant, (t_min, self.t_max()));
+    fn visit_node<S: Simd>(&self, node: u32, stack: &mut TraversalStack, slabs: &Slabs, octant: u8, t_min: f32) {
+        push_children_between::<S>(self.nodes, self.fraction, node, stack, slabs, octant, (t_min, self.t_max()));
     }
 
     #[inline(always)]
-    fn look<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
+    fn visit_leaf<S: Simd>(&mut self, blocks: Range<usize>) -> ControlFlow<()> {
         let [from, to] = self.blocks;
         for (from, to) in from.get(blocks.clone()).unwrap_or(&[]).iter().zip(to.get(blocks).unwrap_or(&[])) {
             let block = block_between::<S>(from, to, self.fraction);
-            hit_block(&block, &self.lanes, self.axes, self.t_min, self.collector)?;
+            intersect_block(&block, &self.lanes, self.axes, self.t_min, self.collector)?;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// [Enters](Pending::enter) a node between two keys.
+/// [Enters](TraversalStack::push_children) a node between two keys.
 #[inline(always)]
-pub(crate) fn enter_between<S: Simd>(
+pub(crate) fn push_children_between<S: Simd>(
     [from, to]: [&[Node]; 2],
     fraction: f32,
     node: u32,
-    pending: &mut Pending,
+    stack: &mut TraversalStack,
     slabs: &Slabs,
     octant: u8,
     (t_min, t_max): (f32, f32),
 ) {
     if let (Some(from), Some(to)) = (from.get(node as usize), to.get(node as usize)) {
-        pending.enter::<S>(&node_between::<S>(from, to, fraction), slabs, octant, t_min, t_max);
+        stack.push_children::<S>(&node_between::<S>(from, to, fraction), slabs, octant, t_min, t_max);
     }
 }
 

@@ -7,9 +7,9 @@
 use core::iter::FusedIterator;
 use core::ops::ControlFlow;
 
-use super::flight::Collector;
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, Ray};
+use crate::traverse::collector::Collector;
 
 impl<'a> BvhView<'a> {
     /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; tells whether it
@@ -53,7 +53,7 @@ impl<'a> BvhView<'a> {
         if hits.is_empty() {
             return 0;
         }
-        let mut nearest = Nearest { t_max: ray.t_max, last: *last, hits, len: 0 };
+        let mut nearest = NearestHits { t_max: ray.t_max, last: *last, hits, len: 0 };
         self.collect(ray, &mut nearest);
         nearest.len
     }
@@ -78,14 +78,14 @@ impl<F: FnMut(Hit) -> ControlFlow<()>> Collector for Each<F> {
     }
 
     #[inline(always)]
-    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+    fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
         self.flow = (self.visit)(hit);
         self.flow
     }
 }
 
 /// The nearest hits that `last` precedes, in order.
-struct Nearest<'h> {
+struct NearestHits<'h> {
     /// The ray's, then that of the last hit that there is room for.
     t_max: f32,
     last: Hit,
@@ -93,14 +93,14 @@ struct Nearest<'h> {
     len: usize,
 }
 
-impl Collector for Nearest<'_> {
+impl Collector for NearestHits<'_> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.t_max
     }
 
     #[inline(always)]
-    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+    fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
         if self.last.precedes(&hit) {
             self.insert(hit);
         }
@@ -108,7 +108,7 @@ impl Collector for Nearest<'_> {
     }
 }
 
-impl Nearest<'_> {
+impl NearestHits<'_> {
     /// Puts a hit in its place; what was last then falls out if there is no more room.
     fn insert(&mut self, hit: Hit) {
         let place =

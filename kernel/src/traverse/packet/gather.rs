@@ -1,10 +1,10 @@
 //! Rays that start at one point, or close to it, and go anywhere: sorted by direction into packets, whose hits go back to
 //! where their rays came from.
 //!
-//! A hemisphere's rays have up to 24 courses. In the order of their strata a packet would straddle two or three, and fall
+//! The directions of a hemisphere are of up to 24 classes (octant and fastest axis). In the order of
+//! their strata a packet would straddle two or three, and fall
 //! apart; sorted, packets are full, and as their rays start at one point they need not spread much to share a shaft.
 
-use super::packet;
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
 use crate::simd::{Lanes, Simd};
@@ -15,23 +15,27 @@ const CHUNK: usize = 256;
 const KEYS: usize = 3 * 8 * CELLS as usize;
 const CELLS: u16 = 16;
 
-/// Gives `land` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
+/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut land: impl FnMut(usize, Hit)) {
+pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
+    tree: &BvhView,
+    rays: &[Ray],
+    mut write: impl FnMut(usize, Hit),
+) {
     for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
-        let mut land = |number: u8, hit: Hit| land(chunk * CHUNK + usize::from(number), hit);
+        let mut write = |number: u8, hit: Hit| write(chunk * CHUNK + usize::from(number), hit);
         let (keys, order) = sorted(rays);
-        let course = |number: u8| keys[usize::from(number)] / CELLS;
+        let class = |number: u8| keys[usize::from(number)] / CELLS;
         let order = &order[..rays.len().min(CHUNK)];
-        for alike in order.chunk_by(|&a, &b| course(a) == course(b)) {
+        for alike in order.chunk_by(|&a, &b| class(a) == class(b)) {
             let (sixteens, rest) = alike.as_chunks::<16>();
             for numbers in sixteens {
-                together::<ANY, 16, S, S::F16>(tree, rays, numbers, &mut land);
+                together::<ANY, 16, S, S::F16>(tree, rays, numbers, &mut write);
             }
             if rest.len() > 8 {
-                together::<ANY, 16, S, S::F16>(tree, rays, rest, &mut land);
+                together::<ANY, 16, S, S::F16>(tree, rays, rest, &mut write);
             } else if !rest.is_empty() {
-                together::<ANY, 8, S, S::F8>(tree, rays, rest, &mut land);
+                together::<ANY, 8, S, S::F8>(tree, rays, rest, &mut write);
             }
         }
     }
@@ -43,7 +47,7 @@ fn together<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     tree: &BvhView,
     rays: &[Ray],
     numbers: &[u8],
-    land: &mut impl FnMut(u8, Hit),
+    write: &mut impl FnMut(u8, Hit),
 ) {
     let mut sorted = [rays[0]; N];
     for (ray, &number) in sorted.iter_mut().zip(numbers) {
@@ -51,9 +55,9 @@ fn together<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     }
     let mut hits = HitPacket::MISS;
     let packet = RayPacket::from_rays(&sorted[..numbers.len().min(N)]);
-    let found = packet::trace::<ANY, N, S, L>(tree, &packet, &mut hits);
+    let found = super::trace::<ANY, N, S, L>(tree, &packet, &mut hits);
     for (lane, &number) in numbers.iter().enumerate().take(N) {
-        land(number, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
+        write(number, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
     }
 }
 

@@ -6,9 +6,9 @@
 
 use core::ops::ControlFlow;
 
-use super::flight::Collector;
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, Ray};
+use crate::traverse::collector::Collector;
 
 /// What a filter says of a hit.
 ///
@@ -64,7 +64,7 @@ impl<F: FnMut(&Hit) -> Verdict> Collector for Filtered<F> {
     }
 
     #[inline(always)]
-    fn see(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
+    fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
         if !hit.precedes(&self.best) {
             return ControlFlow::Continue(());
         }
@@ -81,10 +81,10 @@ impl<F: FnMut(&Hit) -> Verdict> Collector for Filtered<F> {
 mod tests {
     use alloc::vec::Vec;
 
-    use super::super::reference;
-    use super::super::tests::{Random, isas, rays_at, soup};
     use super::*;
     use crate::geometry::intersect_triangle;
+    use crate::traverse::reference;
+    use crate::traverse::tests::{Random, isas, rays_at, soup};
     use crate::{Bvh, Quality, Triangle};
 
     /// A verdict that looks arbitrary, and depends on the hit alone.
