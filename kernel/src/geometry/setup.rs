@@ -87,12 +87,6 @@ pub(crate) struct RaySetup {
 }
 
 impl RaySetup {
-    /// The setup of no ray.
-    pub(crate) const NOWHERE: Self = Self {
-        slabs: Slabs { inverse: [0.0; 3], near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] },
-        line: Line { axes: [Axis::X; 3], numbers: [0.0; 8] },
-    };
-
     /// `None` if the ray can hit nothing: out of limits, NaN, an empty interval, or an empty scene.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, scene: &Aabb) -> Option<Self> {

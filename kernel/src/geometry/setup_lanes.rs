@@ -3,9 +3,10 @@
 
 use super::Aabb;
 use super::setup::{
-    Axis, LEAST_COMPONENT, Line, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, RaySetup,
-    Slabs, UNDERFLOW_PAD,
+    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
 };
+#[cfg(doc)]
+use super::setup::{Line, RaySetup, Slabs};
 use crate::simd::{Lanes, Mask, Simd};
 
 /// Rays made ready. Lanes that are not `live` are of no meaning.
@@ -118,6 +119,20 @@ impl DirectionClasses {
         ((1 - x) * (2 - y)) as usize
     }
 
+    /// The rows of a node that hold near planes along x, y and z.
+    #[inline(always)]
+    pub(crate) fn near_rows(&self, lane: usize) -> [u8; 3] {
+        let [x, y, z] = self.negative.map(|negative| (negative >> lane & 1) as u8);
+        [x, 2 + y, 4 + z]
+    }
+
+    /// Where in a block the coordinates of the first corners begin, in the order of the line's axes.
+    #[inline(always)]
+    pub(crate) fn corner_offsets(&self, lane: usize) -> [u8; 3] {
+        const OFFSETS: [[u8; 3]; 4] = [[8, 16, 0], [16, 0, 8], [0, 8, 16], [0; 3]];
+        OFFSETS[self.fastest(lane) % 4]
+    }
+
     /// As [`Slabs::octant`].
     #[inline(always)]
     pub(crate) fn octant(&self, lane: usize) -> u8 {
@@ -128,34 +143,20 @@ impl DirectionClasses {
 
 /// Eight setups, one after the other.
 pub(crate) struct SetupRows {
-    lines: [[f32; 8]; 8],
-    slabs: [[f32; 8]; 8],
+    /// [`Line::numbers`].
+    pub lines: [[f32; 8]; 8],
+    /// [`Slabs::inverse`] and `near_shift`, then the rays' intervals.
+    pub slabs: [[f32; 8]; 8],
     far_shifts: [[f32; 8]; 8],
     pub classes: DirectionClasses,
 }
 
 impl SetupRows {
-    /// Setup `lane`, which is less than eight.
+    /// [`Slabs::far_shift`].
     #[inline(always)]
-    pub(crate) fn setup(&self, lane: usize) -> RaySetup {
-        let octant = self.classes.octant(lane);
-        let [ix, iy, iz, nx, ny, nz, ..] = self.slabs[lane];
-        let [fx, fy, fz, ..] = self.far_shifts[lane];
-        RaySetup {
-            slabs: Slabs {
-                inverse: [ix, iy, iz],
-                near_shift: [nx, ny, nz],
-                far_shift: [fx, fy, fz],
-                negative: [octant & 1 != 0, octant & 2 != 0, octant & 4 != 0],
-            },
-            line: Line { axes: FORWARD[self.classes.fastest(lane) % 3], numbers: self.lines[lane] },
-        }
-    }
-
-    /// The ray's interval.
-    #[inline(always)]
-    pub(crate) fn interval(&self, lane: usize) -> (f32, f32) {
-        (self.slabs[lane][6], self.slabs[lane][7])
+    pub(crate) fn far_shift(&self, lane: usize) -> [f32; 3] {
+        let [x, y, z, ..] = self.far_shifts[lane];
+        [x, y, z]
     }
 }
 
@@ -209,6 +210,7 @@ fn in_order<const N: usize, L: Lanes<N>>(fastest: [L::Mask; 2], v: [L; 3]) -> [L
 mod tests {
     use glam::{Vec3, vec3};
 
+    use super::super::setup::{Line, RaySetup, Slabs};
     use super::*;
     use crate::geometry::Ray;
     use crate::simd::{Work, dispatch};
@@ -230,10 +232,10 @@ mod tests {
                 let alone = RaySetup::new(ray, self.1);
                 assert_eq!(lanes.live >> lane & 1 == 1, alone.is_some(), "{ray:?}");
                 let Some(alone) = alone else { continue };
-                let setup = rows.setup(lane);
+                let setup = setup(&rows, lane);
                 assert_eq!(setup.slabs.negative, alone.slabs.negative, "{ray:?}");
                 assert_eq!(bits(&setup.slabs), bits(&alone.slabs), "{ray:?}");
-                assert_eq!(rows.interval(lane), (ray.t_min, ray.t_max));
+                assert_eq!(rows.slabs[lane][6..], [ray.t_min, ray.t_max]);
                 // Backward rays have the first two axes the other way round.
                 let ([x, y, z], numbers) = (alone.line.axes, alone.line.numbers);
                 let backward = ray.direction[z as usize] < 0.0;
@@ -241,6 +243,20 @@ mod tests {
                 assert_eq!(setup.line.axes, if backward { [y, x, z] } else { [x, y, z] }, "{ray:?}");
                 assert_eq!(setup.line.numbers.map(f32::to_bits), order.map(|k: usize| numbers[k].to_bits()), "{ray:?}");
             }
+        }
+    }
+
+    /// What the rows hold of a lane, put together as for a ray alone.
+    fn setup(rows: &SetupRows, lane: usize) -> RaySetup {
+        let octant = rows.classes.octant(lane);
+        let [ix, iy, iz, nx, ny, nz, ..] = rows.slabs[lane];
+        let negative = [octant & 1 != 0, octant & 2 != 0, octant & 4 != 0];
+        let axes = FORWARD[rows.classes.fastest(lane) % 3];
+        assert_eq!(rows.classes.near_rows(lane), [0, 1, 2].map(|axis| 2 * axis as u8 + u8::from(negative[axis])));
+        assert_eq!(rows.classes.corner_offsets(lane), axes.map(|axis| 8 * axis as u8));
+        RaySetup {
+            slabs: Slabs { inverse: [ix, iy, iz], near_shift: [nx, ny, nz], far_shift: rows.far_shift(lane), negative },
+            line: Line { axes, numbers: rows.lines[lane] },
         }
     }
 

@@ -2,7 +2,9 @@
 //!
 //! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
 
-use super::setup::{LEAST_DETERMINANT, Line, OWN_PAD};
+#[cfg(doc)]
+use super::setup::Line;
+use super::setup::{LEAST_DETERMINANT, OWN_PAD};
 use crate::simd::{Lanes, Mask, lanes_of};
 
 /// Lines in lanes: one ray's in all of them, or one in each. Fields as in [`Line`].
@@ -14,13 +16,13 @@ pub(crate) struct LineLanes<L> {
 }
 
 impl<L> LineLanes<L> {
-    /// The same line in every lane.
+    /// The line of these [numbers](Line::numbers) in every lane.
     #[inline(always)]
-    pub(crate) fn splat<const N: usize>(line: &Line) -> Self
+    pub(crate) fn splat<const N: usize>(numbers: &[f32; 8]) -> Self
     where
         L: Lanes<N>,
     {
-        let [ox, oy, oz, ix, iy, iz, sx, sy] = line.numbers;
+        let [ox, oy, oz, ix, iy, iz, sx, sy] = *numbers;
         Self::new([
             L::splat(ox),
             L::splat(oy),

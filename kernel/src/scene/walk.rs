@@ -25,7 +25,7 @@ impl Work for Trace<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let (mut items, mut triangles) = (TraversalStack::EMPTY, TraversalStack::EMPTY);
+        let (mut items, mut triangles) = (TraversalStack::new(), TraversalStack::new());
         for (number, ray) in self.rays.iter().enumerate() {
             let nothing = SceneHit { hit: Hit { t: ray.ray.t_max, ..Hit::MISS }, ..SceneHit::MISS };
             let mut search = Search { best: nothing, filter: &mut *self.filter };
@@ -93,7 +93,7 @@ impl Work for Visit<'_, '_> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        let mut stack = TraversalStack::EMPTY;
+        let mut stack = TraversalStack::new();
         self.walk::<S>(&mut stack)
     }
 }

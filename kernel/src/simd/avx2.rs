@@ -37,6 +37,11 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn classify(words: &[u32; 8]) -> [u32; 2] {
+        classify(words)
+    }
+
+    #[inline(always)]
     fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
         permute(numbers, places)
     }
@@ -51,6 +56,17 @@ impl Simd for Avx2 {
         let [a, b, c, d, e, f]: &[[f32; 8]; 6] = bytemuck::cast_ref(triples);
         let ([x, y, z], [x_high, y_high, z_high]) = (deinterleave(a, b, c), deinterleave(d, e, f));
         [Twice(x, x_high), Twice(y, y_high), Twice(z, z_high)]
+    }
+}
+
+/// [`Simd::classify`].
+#[inline(always)]
+pub(super) fn classify(words: &[u32; 8]) -> [u32; 2] {
+    // SAFETY: AVX2 is there, see the module; the pointer is to eight elements.
+    unsafe {
+        let words = _mm256_loadu_si256(words.as_ptr().cast());
+        let ones = _mm256_cmpeq_epi32(words, _mm256_set1_epi32(-1));
+        [_mm256_movemask_ps(_mm256_castsi256_ps(words)) as u32, _mm256_movemask_ps(_mm256_castsi256_ps(ones)) as u32]
     }
 }
 

@@ -37,6 +37,11 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn classify(words: &[u32; 8]) -> [u32; 2] {
+        avx2::classify(words)
+    }
+
+    #[inline(always)]
     fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> F32x8 {
         F32x8(avx2::permute(numbers, places))
     }

@@ -19,12 +19,14 @@ mod portable;
 #[cfg(test)]
 pub(crate) mod tests;
 mod twice;
+mod uninit;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 pub use isa::{Isa, Level, Task};
 pub(crate) use isa::{Work, dispatch};
 pub(crate) use portable::Portable;
+pub(crate) use uninit::UninitStack;
 
 /// An instruction set.
 pub(crate) trait Simd: Copy {
@@ -45,6 +47,9 @@ pub(crate) trait Simd: Copy {
     /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
     /// them is of no meaning.
     fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
+
+    /// Of eight words, those whose highest bit is set, and those with all bits set: bit `i` is word `i`.
+    fn classify(words: &[u32; 8]) -> [u32; 2];
 
     /// In each lane that of eight numbers whose index the lane of `places` holds, in its lowest three bits.
     fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> Self::F8;

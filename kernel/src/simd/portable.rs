@@ -33,6 +33,16 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn classify(words: &[u32; 8]) -> [u32; 2] {
+        let mut bits = [0; 2];
+        for (lane, &word) in words.iter().enumerate() {
+            bits[0] |= (word >> 31) << lane;
+            bits[1] |= u32::from(word == u32::MAX) << lane;
+        }
+        bits
+    }
+
+    #[inline(always)]
     fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> wide::f32x8 {
         let mut found = [0.0; 8];
         for (found, &place) in found.iter_mut().zip(places) {

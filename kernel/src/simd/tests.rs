@@ -113,6 +113,13 @@ fn check_transposition<S: Simd>() {
     }
 }
 
+/// Words by their highest bit, and those with all bits set.
+#[inline(always)]
+fn check_classes<S: Simd>() {
+    let words = [0, 1 << 31, u32::MAX, u32::MAX - 1, i32::MAX as u32, u32::MAX, 7, 0xff00_0000];
+    assert_eq!(S::classify(&words), [0b1010_1110, 0b0010_0100]);
+}
+
 struct Check;
 
 impl Work for Check {
@@ -125,6 +132,7 @@ impl Work for Check {
         check::<32, S::F32>();
         check_children::<S::F8>();
         check_transposition::<S>();
+        check_classes::<S>();
         S::prefetch::<320>(core::ptr::null());
     }
 }

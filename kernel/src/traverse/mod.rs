@@ -148,7 +148,7 @@ impl<C: Collector> Work for Walk<'_, C> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
-        let mut stack = TraversalStack::EMPTY;
+        let mut stack = TraversalStack::new();
         single::walk::<S, C>(self.tree, self.ray, &mut stack, self.collector)
     }
 }
@@ -217,6 +217,9 @@ impl<const ANY: bool> Work for One<'_, ANY> {
     }
 }
 
+/// Rays that are worth a stream.
+const LEAST_STREAM: usize = 24;
+
 struct Many<'a, const ANY: bool, F> {
     tree: &'a BvhView<'a>,
     rays: &'a [Ray],
@@ -227,8 +230,8 @@ impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Many<'_, ANY, F> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        // A stream takes 150 KB of stack, which microcontrollers do not have, and time to set up.
-        if cfg!(target_os = "none") || self.rays.len() < stream::MAX_ACTIVE {
+        // Of few rays most would be on their way alone, and to set up a stream would take longer than what it saves.
+        if cfg!(target_os = "none") || self.rays.len() < LEAST_STREAM {
             let mut write = self.write;
             for (number, ray) in self.rays.iter().enumerate() {
                 write(number, single::trace::<ANY, S>(self.tree, ray).unwrap_or(Hit::MISS));

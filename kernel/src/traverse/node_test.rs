@@ -8,25 +8,57 @@ use crate::geometry::setup::Slabs;
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Lanes, Simd};
 
-/// Where the ray enters and leaves the eight boxes of a node, within its interval.
-#[inline(always)]
-pub(super) fn intersect<S: Simd>(node: &Node, ray: &Slabs, t_min: f32, t_max: f32) -> (S::F8, S::F8) {
-    let (near_x, far_x) = slab::<S>(node, ray, 0);
-    let (near_y, far_y) = slab::<S>(node, ray, 1);
-    let (near_z, far_z) = slab::<S>(node, ray, 2);
-    let near = near_x.max(near_y).max(near_z.max(S::F8::splat(t_min)));
-    let far = far_x.min(far_y).min(far_z.min(S::F8::splat(t_max)));
-    (near, far)
+/// A ray's numbers for the node test, each in all lanes.
+pub(super) struct NodeTest<L> {
+    inverse: [L; 3],
+    near_shift: [L; 3],
+    far_shift: [L; 3],
+    t_min: L,
+    /// The rows of near planes along each axis; far planes are in the rows beside them.
+    near_rows: [usize; 3],
 }
 
-/// Where the ray enters and leaves the slabs of the eight boxes across one axis.
+impl<L: Lanes<WIDTH>> NodeTest<L> {
+    #[inline(always)]
+    pub(super) fn new(ray: &Slabs, t_min: f32) -> Self {
+        let [ix, iy, iz] = ray.inverse;
+        let [nx, ny, nz] = ray.near_shift;
+        let [fx, fy, fz] = ray.far_shift;
+        let [x, y, z] = ray.negative.map(usize::from);
+        Self {
+            inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
+            near_shift: [L::splat(nx), L::splat(ny), L::splat(nz)],
+            far_shift: [L::splat(fx), L::splat(fy), L::splat(fz)],
+            t_min: L::splat(t_min),
+            near_rows: [x, 2 + y, 4 + z],
+        }
+    }
+
+    /// Where the ray enters and leaves the eight boxes of a node, within its interval.
+    #[inline(always)]
+    pub(super) fn intersect(&self, node: &Node, t_max: f32) -> (L, L) {
+        // Eight rows of eight: the planes, and two more, so that three bits are an index.
+        let rows: &[[f32; WIDTH]; 8] = bytemuck::cast_ref(node);
+        let (near_x, far_x) = self.slabs(rows, 0);
+        let (near_y, far_y) = self.slabs(rows, 1);
+        let (near_z, far_z) = self.slabs(rows, 2);
+        let near = near_x.max(near_y).max(near_z.max(self.t_min));
+        let far = far_x.min(far_y).min(far_z.min(L::splat(t_max)));
+        (near, far)
+    }
+
+    /// Where the ray enters and leaves the slabs of the eight boxes across one axis.
+    #[inline(always)]
+    fn slabs(&self, rows: &[[f32; WIDTH]; 8], axis: usize) -> (L, L) {
+        let (row, inverse) = (self.near_rows[axis] & 7, self.inverse[axis]);
+        (slab(rows, row, inverse, self.near_shift[axis]), slab(rows, row ^ 1, inverse, self.far_shift[axis]))
+    }
+}
+
+/// Where a ray crosses a row of planes.
 #[inline(always)]
-fn slab<S: Simd>(node: &Node, ray: &Slabs, axis: usize) -> (S::F8, S::F8) {
-    let (planes, negative) = (&node.planes[axis], ray.negative[axis]);
-    let inverse = S::F8::splat(ray.inverse[axis]);
-    let near = S::F8::load(&planes[usize::from(negative)]).mul_sub(inverse, S::F8::splat(ray.near_shift[axis]));
-    let far = S::F8::load(&planes[usize::from(!negative)]).mul_sub(inverse, S::F8::splat(ray.far_shift[axis]));
-    (near, far)
+pub(super) fn slab<L: Lanes<WIDTH>>(rows: &[[f32; WIDTH]; 8], row: usize, inverse: L, shift: L) -> L {
+    L::load(&rows[row & 7]).mul_sub(inverse, shift)
 }
 
 /// Where eight rays enter and leave the boxes of a node: for each ray the eight boxes.
@@ -51,7 +83,7 @@ pub(super) fn visit_octant<const ANY: bool>(octant: u8) -> u8 {
     if ANY { octant ^ 7 } else { octant }
 }
 
-/// Prefetches a node, or a leaf's first block.
+/// Prefetches a node, or a leaf's first block, whole.
 #[inline(always)]
 pub(super) fn prefetch<S: Simd>(tree: &BvhView, child: u32) {
     let node = tree.nodes().as_ptr().wrapping_add(child as usize).cast();

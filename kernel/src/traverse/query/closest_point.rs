@@ -42,13 +42,10 @@ impl Work for Closest<'_> {
     #[inline(always)]
     fn run<S: Simd>(mut self) -> Foot {
         let from = [S::F8::splat(self.point.x), S::F8::splat(self.point.y), S::F8::splat(self.point.z)];
-        let mut stack = TraversalStack::EMPTY;
+        let mut stack = TraversalStack::new();
         stack.reset_to_root();
         loop {
-            let (child, near) = stack.pop();
-            if child == TraversalStack::NONE {
-                return self.best;
-            }
+            let Some((child, near)) = stack.pop() else { return self.best };
             // As close is not closer: there may be a tie to decide.
             if near > self.best.distance2 {
                 continue;

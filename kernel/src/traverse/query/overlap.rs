@@ -37,13 +37,10 @@ impl<F: FnMut(u32) -> ControlFlow<()>> Work for Overlap<'_, F> {
     #[inline(always)]
     fn run<S: Simd>(mut self) -> ControlFlow<()> {
         let query = BoxLanes::<S::F8>::splat(self.aabb);
-        let mut stack = TraversalStack::EMPTY;
+        let mut stack = TraversalStack::new();
         stack.reset_to_root();
         loop {
-            let (child, _) = stack.pop();
-            if child == TraversalStack::NONE {
-                return ControlFlow::Continue(());
-            }
+            let Some((child, _)) = stack.pop() else { return ControlFlow::Continue(()) };
             if Child::is_node(child) {
                 if let Some(node) = self.tree.nodes().get(child as usize) {
                     stack.push_first_last::<S>(node, query.gap(node), S::F8::splat(0.0));

@@ -36,7 +36,7 @@ pub(crate) fn walk<S: Simd, C: Collector>(
         nodes: [tree.nodes(moment.key), tree.nodes(moment.key + 1)],
         blocks: [tree.blocks(moment.key), tree.blocks(moment.key + 1)],
         fraction: moment.fraction,
-        lanes: LineLanes::<S::F8>::splat(&line),
+        lanes: LineLanes::<S::F8>::splat(&line.numbers),
         axes: line.axes,
         t_min: ray.t_min,
         collector,

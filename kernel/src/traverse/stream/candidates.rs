@@ -1,31 +1,53 @@
 //! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
 //! its own.
 
+use super::MAX_ACTIVE;
+use super::active::ActiveRay;
 use crate::bvh::{TriangleBlock, WIDTH};
-use crate::geometry::setup::{Axis, Line};
-use crate::geometry::triangle::{self, Crossing, LineLanes};
-use crate::simd::{Lanes, Simd};
+use crate::geometry::Hit;
+use crate::geometry::triangle::{self, LineLanes};
+use crate::simd::{Lanes, Mask, Simd, lanes_of};
 
-/// Triangles that may be hit, and by whom. There is to be room for eight more than there may be: a block writes eight,
-/// whether its lanes are candidates or not.
-pub(super) struct Candidates<const ROOM: usize> {
-    /// The block times eight, plus the lane.
-    codes: [u32; ROOM],
-    rays: [u8; ROOM],
+/// Candidates that are collected before they are tested.
+const ROOM: usize = 256;
+
+/// Triangles that may be hit, and by which rays.
+pub(super) struct Candidates {
+    /// The block times eight, plus the lane. A block writes eight, whether its lanes are candidates or not.
+    codes: [u32; ROOM + 2 * WIDTH],
+    rays: [u8; ROOM + 2 * WIDTH],
     len: usize,
 }
 
-impl<const ROOM: usize> Candidates<ROOM> {
-    pub(super) const EMPTY: Self = Self { codes: [0; ROOM], rays: [0; ROOM], len: 0 };
+impl Candidates {
+    pub(super) const EMPTY: Self = Self { codes: [0; ROOM + 2 * WIDTH], rays: [0; ROOM + 2 * WIDTH], len: 0 };
 
+    /// Whether those of one block more might not fit.
     #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.len = 0;
+    pub(super) fn is_full(&self) -> bool {
+        self.len > ROOM
+    }
+
+    /// Adds the triangles of a block that the active ray of this number may hit. If there is [no room](Self::is_full), they
+    /// are lost.
+    #[inline(always)]
+    pub(super) fn collect<S: Simd>(&mut self, ray: &ActiveRay, number: u8, block: u32, blocks: &[TriangleBlock]) {
+        if let Some(rows) = blocks.get(block as usize) {
+            let rows: &[f32; 80] = bytemuck::cast_ref(rows);
+            let line = LineLanes::<S::F8>::splat(&ray.line);
+            let [x, y, z] = ray.corners.map(|row| usize::from(row & 24));
+            let corners = [
+                rows_from(rows, [x, y, z]),
+                rows_from(rows, [x + 24, y + 24, z + 24]),
+                rows_from(rows, [x + 48, y + 48, z + 48]),
+            ];
+            self.push::<S>(block, triangle::inside(&line, corners), number);
+        }
     }
 
     /// Adds lanes of a block.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, block: u32, lanes: u32, ray: u8) {
+    fn push<S: Simd>(&mut self, block: u32, lanes: u32, ray: u8) {
         let codes = self.codes.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
         let rays = self.rays.get_mut(self.len..).and_then(|free| free.first_chunk_mut());
         if let (Some(codes), Some(rays)) = (codes, rays) {
@@ -34,86 +56,122 @@ impl<const ROOM: usize> Candidates<ROOM> {
         }
     }
 
-    /// The codes and the numbers of the rays, eight at a time. To fill the last eight, its first candidate is repeated.
+    /// Tests all of them, tells their rays of the hits, and forgets them.
     #[inline(always)]
-    pub(super) fn eights(&mut self) -> impl Iterator<Item = (&[u32; WIDTH], &[u8; WIDTH])> {
-        let first = self.len / WIDTH * WIDTH;
-        for k in self.len..self.len.next_multiple_of(WIDTH) {
-            (self.codes[k % ROOM], self.rays[k % ROOM]) = (self.codes[first % ROOM], self.rays[first % ROOM]);
+    pub(super) fn test<const ANY: bool, S: Simd>(
+        &mut self,
+        blocks: &[TriangleBlock],
+        active: &mut [ActiveRay; MAX_ACTIVE],
+    ) {
+        let mut first = 0;
+        while first < self.len {
+            let codes = self.codes.get_mut(first..).and_then(|codes| codes.first_chunk_mut::<WIDTH>());
+            let rays = self.rays.get_mut(first..).and_then(|rays| rays.first_chunk_mut::<WIDTH>());
+            let (Some(codes), Some(rays)) = (codes, rays) else { break };
+            // To fill the last eight, its first one is repeated.
+            for k in self.len - first..WIDTH {
+                (codes[k % WIDTH], rays[k % WIDTH]) = (codes[0], rays[0]);
+            }
+            test_eight::<ANY, S>(blocks, codes, rays, active);
+            first += WIDTH;
         }
-        let count = self.len.div_ceil(WIDTH);
-        self.codes.as_chunks().0.iter().zip(self.rays.as_chunks().0).take(count)
+        self.len = 0;
     }
 }
 
-/// One triangle of a block.
+/// A corner of a block's triangles, of which the coordinates begin at these numbers of the block.
+#[inline(always)]
+fn rows_from<L: Lanes<WIDTH>>(block: &[f32; 80], [x, y, z]: [usize; 3]) -> [L; 3] {
+    [row(block, x), row(block, y), row(block, z)]
+}
+
+#[inline(always)]
+fn row<L: Lanes<WIDTH>>(block: &[f32; 80], first: usize) -> L {
+    L::load(block[first..first + WIDTH].first_chunk().expect("eight numbers"))
+}
+
+/// A triangle of a block, as a ray sees it.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
-    block: &'a TriangleBlock,
-    lane: usize,
-    axes: [Axis; 3],
+struct Seen<'a> {
+    block: &'a [f32; 80],
+    /// Where the coordinates of its first corner are, at most 31: so those of all corners are in the block.
+    first: [usize; 3],
 }
 
-impl<'a> Place<'a> {
-    /// The triangle of this code, its axes in the order of `line`.
+impl<'a> Seen<'a> {
     #[inline(always)]
-    pub(super) fn new(blocks: &'a [TriangleBlock], code: u32, line: &Line) -> Self {
+    fn new(blocks: &'a [TriangleBlock], code: u32, ray: &ActiveRay) -> Self {
         let block = blocks.get(code as usize / WIDTH).unwrap_or(&TriangleBlock::EMPTY);
-        Self { block, lane: code as usize % WIDTH, axes: line.axes }
+        let lane = code as usize % WIDTH;
+        let [x, y, z] = ray.corners.map(|offset| usize::from(offset & 24) + lane);
+        Self { block: bytemuck::cast_ref(block), first: [x, y, z] }
     }
 
     #[inline(always)]
-    pub(super) fn prim_id(&self) -> u32 {
-        self.block.prim_id[self.lane]
-    }
-
-    #[inline(always)]
-    fn coordinate(&self, corner: usize, k: usize) -> f32 {
-        self.block.corners[corner][self.axes[k] as usize][self.lane]
+    fn coordinate(&self, corner: usize, axis: usize) -> f32 {
+        self.block[self.first[axis] + 24 * corner]
     }
 }
 
-/// Where lines cross triangles, one of each a lane.
+/// A coordinate of eight triangles.
 #[inline(always)]
-pub(super) fn cross<S: Simd>(triangles: &[Place; WIDTH], lines: &[&Line; WIDTH]) -> Option<Crossing<S::F8>> {
-    triangle::cross(&self::lines::<S>(lines), corners::<S>(triangles))
-}
-
-/// The lanes in which a line crosses its triangle in its interval.
-#[inline(always)]
-pub(super) fn occlude<S: Simd>(triangles: &[Place; WIDTH], lines: &[&Line; WIDTH], interval: [S::F8; 2]) -> u32 {
-    triangle::occludes(&self::lines::<S>(lines), corners::<S>(triangles), interval)
-}
-
-#[inline(always)]
-fn lines<S: Simd>(lines: &[&Line; WIDTH]) -> LineLanes<S::F8> {
-    let mut rows = [S::F8::splat(0.0); WIDTH];
-    for (row, line) in rows.iter_mut().zip(lines) {
-        *row = S::F8::load(&line.numbers);
-    }
-    LineLanes::new(S::transpose(rows))
-}
-
-#[inline(always)]
-fn corners<S: Simd>(triangles: &[Place; WIDTH]) -> [[S::F8; 3]; 3] {
-    [corner::<S>(triangles, 0), corner::<S>(triangles, 1), corner::<S>(triangles, 2)]
-}
-
-#[inline(always)]
-fn corner<S: Simd>(triangles: &[Place; WIDTH], corner: usize) -> [S::F8; 3] {
-    [lanes::<S>(triangles, corner, 0), lanes::<S>(triangles, corner, 1), lanes::<S>(triangles, corner, 2)]
-}
-
-#[inline(always)]
-fn lanes<S: Simd>([a, b, c, d, e, f, g, h]: &[Place; WIDTH], corner: usize, k: usize) -> S::F8 {
+fn coordinates<S: Simd>([a, b, c, d, e, f, g, h]: &[Seen; WIDTH], corner: usize, axis: usize) -> S::F8 {
     S::F8::load(&[
-        a.coordinate(corner, k),
-        b.coordinate(corner, k),
-        c.coordinate(corner, k),
-        d.coordinate(corner, k),
-        e.coordinate(corner, k),
-        f.coordinate(corner, k),
-        g.coordinate(corner, k),
-        h.coordinate(corner, k),
+        a.coordinate(corner, axis),
+        b.coordinate(corner, axis),
+        c.coordinate(corner, axis),
+        d.coordinate(corner, axis),
+        e.coordinate(corner, axis),
+        f.coordinate(corner, axis),
+        g.coordinate(corner, axis),
+        h.coordinate(corner, axis),
     ])
+}
+
+#[inline(always)]
+fn corner<S: Simd>(triangles: &[Seen; WIDTH], corner: usize) -> [S::F8; 3] {
+    [
+        coordinates::<S>(triangles, corner, 0),
+        coordinates::<S>(triangles, corner, 1),
+        coordinates::<S>(triangles, corner, 2),
+    ]
+}
+
+/// Tests eight candidates.
+#[inline(always)]
+fn test_eight<const ANY: bool, S: Simd>(
+    blocks: &[TriangleBlock],
+    codes: &[u32; WIDTH],
+    numbers: &[u8; WIDTH],
+    active: &mut [ActiveRay; MAX_ACTIVE],
+) {
+    let places = numbers.map(|number| usize::from(number) % MAX_ACTIVE);
+    let rays = places.map(|place| &active[place]);
+    let mut triangles = [Seen::new(blocks, codes[0], rays[0]); WIDTH];
+    let mut rows = [S::F8::load(&rays[0].line); WIDTH];
+    for lane in 1..WIDTH {
+        triangles[lane] = Seen::new(blocks, codes[lane], rays[lane]);
+        rows[lane] = S::F8::load(&rays[lane].line);
+    }
+    let [t_min, t_max] = [S::F8::load(&rays.map(|ray| ray.t_min())), S::F8::load(&rays.map(|ray| ray.best.t))];
+    let lines = LineLanes::new(S::transpose(rows));
+    let corners = [corner::<S>(&triangles, 0), corner::<S>(&triangles, 1), corner::<S>(&triangles, 2)];
+    if ANY {
+        for lane in lanes_of(triangle::occludes(&lines, corners, [t_min, t_max])) {
+            active[places[lane % WIDTH]].end_with_any();
+        }
+        return;
+    }
+    let Some(crossing) = triangle::cross(&lines, corners) else {
+        return;
+    };
+    // What is behind the origin or the best hit is sorted out here, as a branch on it is mispredicted too often.
+    let within = t_min.le(crossing.t) & crossing.t.le(t_max);
+    let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
+    for lane in lanes_of(crossing.bits & within.bits()) {
+        let lane = lane % WIDTH;
+        let block = blocks.get(codes[lane] as usize / WIDTH).unwrap_or(&TriangleBlock::EMPTY);
+        let prim_id = block.prim_id[codes[lane] as usize % WIDTH];
+        active[places[lane]].accept::<S>(Hit { t: t[lane], u: u[lane], v: v[lane], prim_id });
+    }
 }

@@ -17,10 +17,8 @@ use crate::geometry::{Hit, Ray};
 use crate::simd::{CompressChildren, Lanes, Mask, Simd};
 use crate::traverse::node_test::{intersect_children, visit_octant};
 
-/// Rays under way: enough for a few in every queue, and few enough for the first-level cache.
+/// Active rays: enough for a few in every queue, and few enough for the first-level cache.
 const RAYS: usize = 128;
-/// Places for them, which an index of eight bits cannot leave.
-const PLACES: usize = 256;
 /// Groups that are chosen before the first of them meets its leaf: which queue is full next is known only when a group
 /// has been tested, and would hold up the next.
 const ROUND: usize = 3;
@@ -58,7 +56,7 @@ pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
         for group in &round[..len] {
             if group.queue == ARRIVED {
                 for &i in group.rays() {
-                    write(waiting.numbers[usize::from(i)], waiting.result(i));
+                    write(waiting.numbers[usize::from(i) % RAYS], waiting.result(i));
                 }
             } else {
                 let leaf = root.children[group.queue / 4 % WIDTH];
@@ -102,20 +100,20 @@ const QUEUE_OF: [[u32; WIDTH]; 3] =
 /// Numbers of rays, by what they visit next.
 struct Queues {
     /// With room for the eight that are read, whether they are there or not.
-    rays: [[u8; PLACES + WIDTH]; QUEUES],
+    rays: [[u8; RAYS + WIDTH]; QUEUES],
     lens: [u8; QUEUES],
     /// A bit for each queue of eight or more.
     full: u64,
 }
 
 impl Queues {
-    const EMPTY: Self = Self { rays: [[0; PLACES + WIDTH]; QUEUES], lens: [0; QUEUES], full: 0 };
+    const EMPTY: Self = Self { rays: [[0; RAYS + WIDTH]; QUEUES], lens: [0; QUEUES], full: 0 };
 
     #[inline(always)]
     fn push(&mut self, queue: usize, ray: u8) {
         let queue = queue % QUEUES;
         let len = self.lens[queue];
-        self.rays[queue][usize::from(len)] = ray;
+        self.rays[queue][usize::from(len) % RAYS] = ray;
         self.lens[queue] = len + 1;
         self.full |= u64::from(len + 1 >= WIDTH as u8) << queue;
     }
@@ -169,25 +167,25 @@ impl Queues {
 #[repr(C, align(64))]
 struct Waiting {
     /// [`Line::numbers`](crate::geometry::setup::Line::numbers), in the order [`FORWARD`].
-    lines: [[f32; WIDTH]; PLACES],
+    lines: [[f32; WIDTH]; RAYS],
     /// [`lanes::HitLanes`].
-    found: [[f32; WIDTH]; PLACES],
+    found: [[f32; WIDTH]; RAYS],
     /// The queues of the leaves to visit, the next one last, and where their boxes begin.
-    leaves: [[u32; WIDTH]; PLACES],
-    near: [[f32; WIDTH]; PLACES],
+    leaves: [[u32; WIDTH]; RAYS],
+    near: [[f32; WIDTH]; RAYS],
     /// Of each ray in its batch.
-    numbers: [usize; PLACES],
-    heights: [u8; PLACES],
+    numbers: [usize; RAYS],
+    heights: [u8; RAYS],
 }
 
 impl Waiting {
     const NONE: Self = Self {
-        lines: [[0.0; WIDTH]; PLACES],
-        found: [[0.0; WIDTH]; PLACES],
-        leaves: [[0; WIDTH]; PLACES],
-        near: [[0.0; WIDTH]; PLACES],
-        numbers: [0; PLACES],
-        heights: [0; PLACES],
+        lines: [[0.0; WIDTH]; RAYS],
+        found: [[0.0; WIDTH]; RAYS],
+        leaves: [[0; WIDTH]; RAYS],
+        near: [[0.0; WIDTH]; RAYS],
+        numbers: [0; RAYS],
+        heights: [0; RAYS],
     };
 
     /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`: at
@@ -211,7 +209,7 @@ impl Waiting {
         let found = rows::<S>(lanes::no_hits(setups.t_min, setups.t_max));
         let (lines, classes) = (rows::<S>(setups.lines), setups.classes());
         for (lane, &number) in slots.iter().enumerate().take(rays.len() - first) {
-            let (i, lane) = (usize::from(number), lane % WIDTH);
+            let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
             self.numbers[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
             let order = root.order[usize::from(visit_octant::<ANY>(classes.octant(lane)) & 7)];
@@ -230,7 +228,7 @@ impl Waiting {
     fn queue_up<S: Simd>(&mut self, eight: &[u8], queues: &mut Queues) {
         let mut next = [0; WIDTH];
         for (next, &i) in next.iter_mut().zip(eight) {
-            let i = usize::from(i);
+            let i = usize::from(i) % RAYS;
             let within = S::F8::load(&self.near[i]).le(S::F8::splat(self.found[i][0])).bits();
             let left = within & ((1 << (self.heights[i] & 15)) - 1);
             let top = (31 - (left | 1).leading_zeros()) as usize % WIDTH;
@@ -248,7 +246,7 @@ impl Waiting {
     fn visit<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, leaf: u32, axes: [Axis; 3], eight: &[u8]) {
         let (mut lines, mut found) = ([S::F8::splat(0.0); WIDTH], [S::F8::splat(0.0); WIDTH]);
         for (lane, &i) in eight.iter().enumerate().take(WIDTH) {
-            let i = usize::from(i);
+            let i = usize::from(i) % RAYS;
             (lines[lane], found[lane]) = (S::F8::load(&self.lines[i]), S::F8::load(&self.found[i]));
         }
         let lines = LineLanes::new(S::transpose(lines));
@@ -259,14 +257,14 @@ impl Waiting {
         }
         if any {
             for (row, &i) in S::transpose(found).iter().zip(eight) {
-                self.found[usize::from(i)] = row.store();
+                self.found[usize::from(i) % RAYS] = row.store();
             }
         }
     }
 
     #[inline(always)]
     fn result(&self, i: u8) -> Hit {
-        let [t, u, v, prim_id, ..] = self.found[usize::from(i)];
+        let [t, u, v, prim_id, ..] = self.found[usize::from(i) % RAYS];
         Hit { t, u, v, prim_id: prim_id.to_bits() }.or_miss()
     }
 }

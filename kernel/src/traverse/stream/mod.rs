@@ -8,288 +8,155 @@
 //! they are collected from all rays, and tested eight at a time, each lane with a ray of its own. All rays visit the root
 //! first, eight at a time, a lane each.
 
+mod active;
 mod candidates;
 mod lanes;
 pub(super) mod leaf_queues;
 
-use candidates::{Candidates, Place};
+use active::{ActiveRay, after_block};
+use candidates::Candidates;
 
-use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup::{Line, RaySetup, Slabs};
+use crate::bvh::{BvhView, Child, Node, WIDTH};
 use crate::geometry::setup_lanes::SetupLanes;
-use crate::geometry::triangle::{self, LineLanes};
 use crate::geometry::{Hit, Ray};
-use crate::simd::{Lanes, Mask, Simd, lanes_of};
-use crate::traverse::leaf_test::corners;
-use crate::traverse::node_test::{intersect_children, prefetch, visit_octant};
-use crate::traverse::stack::TraversalStack;
+use crate::simd::{Lanes, Simd};
+use crate::traverse::node_test::{intersect_children, prefetch};
+
+/// What a ray visits next when nothing is left: an empty child, which no node pushes.
+const NONE: u32 = u32::MAX;
 
 /// Rays that are traced at the same time. Fewer hide less latency; more do not fit into the first-level cache.
 pub(super) const MAX_ACTIVE: usize = 64;
 
-/// One block of each ray.
-type StreamCandidates = Candidates<{ (MAX_ACTIVE + 1) * WIDTH }>;
-
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` the first one found, in any order.
+/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
-    let mut active: [ActiveRay; MAX_ACTIVE] = core::array::from_fn(|_| ActiveRay::EMPTY);
-    let mut lists = Lists::default();
-    let mut idle = List::default();
-    (0..MAX_ACTIVE as u8).for_each(|i| idle.push(i, true));
-    let mut candidates = StreamCandidates::EMPTY;
-    let mut started = 0;
+    let mut stream = Stream {
+        active: [ActiveRay::EMPTY; MAX_ACTIVE],
+        next: [NONE; MAX_ACTIVE],
+        busy: 0,
+        started: 0,
+        candidates: Candidates::EMPTY,
+    };
     loop {
-        while idle.len() >= WIDTH && started < rays.len() {
-            start::<ANY, S>(tree, rays, started, &mut active, &mut idle, &mut lists);
-            started += WIDTH;
-        }
-        if lists.are_empty() {
+        stream.start::<ANY, S>(tree, rays);
+        let [nodes, leaves, done] = stream.classify::<S>();
+        if stream.busy == 0 {
             return;
         }
-        let visitors = lists.nodes.restart();
-        for k in 0..visitors {
-            active[lists.nodes.ray(k)].visit_node::<S>(tree.nodes());
+        stream.visit_nodes::<ANY, S>(nodes, tree, rays);
+        stream.visit_leaves::<ANY, S>(leaves, tree);
+        for i in rays_of(done) {
+            write(stream.active[i].number, stream.active[i].best.or_miss());
+        }
+        stream.busy &= !done;
+    }
+}
+
+/// The rays that are traced at the same time.
+struct Stream {
+    active: [ActiveRay; MAX_ACTIVE],
+    /// What each of them visits next.
+    next: [u32; MAX_ACTIVE],
+    /// A bit for each place that has a ray.
+    busy: u64,
+    /// Rays that were started, of all in the batch.
+    started: usize,
+    candidates: Candidates,
+}
+
+impl Stream {
+    /// Starts rays, eight at a time, while there are places for so many.
+    #[inline(always)]
+    fn start<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, rays: &[Ray]) {
+        while self.started < rays.len() && self.busy.count_zeros() as usize >= WIDTH {
+            self.start_eight::<ANY, S>(tree, rays);
+        }
+    }
+
+    /// Starts up to eight rays: makes them ready, and tests the root, with a ray in each lane.
+    #[inline(always)]
+    fn start_eight<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, rays: &[Ray]) {
+        let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
+        let rays = &rays[self.started..];
+        let mut rows = [S::F8::splat(f32::NAN); WIDTH];
+        for (row, ray) in rows.iter_mut().zip(rays) {
+            *row = S::F8::load(bytemuck::cast_ref(ray));
+        }
+        let setups = SetupLanes::new(S::transpose(rows), &tree.bounds());
+        let (near, far) = intersect_children::<S>(&setups, root);
+        let live = setups.live;
+        let setups = setups.rows::<S>();
+        for (lane, i) in rays_of(!self.busy).enumerate().take(WIDTH.min(rays.len())) {
+            let (near, far) = (near[lane], far[lane]);
+            let next = self.active[i].start::<ANY, S>(&setups, lane, self.started + lane, root, (near, far));
+            // One that can hit nothing is done at once.
+            let next = if live >> lane & 1 != 0 { next } else { NONE };
+            self.next[i] = next;
+            self.busy |= 1 << i;
+            prefetch::<S>(tree, next);
+        }
+        self.started += WIDTH.min(rays.len());
+    }
+
+    /// The rays that visit a node next, those that visit a leaf, and those that are done.
+    #[inline(always)]
+    fn classify<S: Simd>(&self) -> [u64; 3] {
+        let (mut leaves, mut done) = (0, 0);
+        for (eight, next) in self.next.as_chunks::<WIDTH>().0.iter().enumerate() {
+            let [negative, none] = S::classify(next);
+            leaves |= u64::from(negative) << (WIDTH * eight);
+            done |= u64::from(none) << (WIDTH * eight);
+        }
+        [!leaves & self.busy, leaves & !done & self.busy, done & self.busy]
+    }
+
+    /// Visits the nodes that `rays` visit next.
+    #[inline(always)]
+    fn visit_nodes<const ANY: bool, S: Simd>(&mut self, visitors: u64, tree: &BvhView, rays: &[Ray]) {
+        for i in rays_of(visitors) {
+            let Some(node) = tree.nodes().get(self.next[i] as usize) else { continue };
+            let ray = &mut self.active[i];
+            if !ray.visit_node::<S>(node)
+                && let Some(original) = rays.get(ray.number)
+            {
+                ray.finish(tree, original, ANY);
+            }
         }
         // Apart from the visits, whose results take long to arrive.
-        for k in 0..visitors {
-            let i = lists.nodes.ray(k);
-            active[i].schedule::<S>(i, tree, &mut lists);
-        }
-        candidates.clear();
-        let visitors = lists.leaves.restart();
-        for k in 0..visitors {
-            let i = lists.leaves.ray(k);
-            active[i].find_candidates::<S>(i, tree.blocks(), &mut candidates);
-        }
-        test::<ANY, S>(tree.blocks(), &mut candidates, &mut active);
-        for k in 0..visitors {
-            let i = lists.leaves.ray(k);
-            active[i].schedule::<S>(i, tree, &mut lists);
-        }
-        for k in 0..lists.done.restart() {
-            let i = lists.done.ray(k);
-            write(active[i].number, active[i].best.or_miss());
-            idle.push(i as u8, true);
+        for i in rays_of(visitors) {
+            let next = self.active[i].pop();
+            prefetch::<S>(tree, next);
+            self.next[i] = next;
         }
     }
-}
 
-/// Starts up to eight of `rays`, from the one numbered `first` on: makes them ready and tests the root.
-#[inline(always)]
-fn start<const ANY: bool, S: Simd>(
-    tree: &BvhView,
-    rays: &[Ray],
-    first: usize,
-    active: &mut [ActiveRay; MAX_ACTIVE],
-    idle: &mut List,
-    lists: &mut Lists,
-) {
-    let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
-    let mut rows = [S::F8::splat(f32::NAN); WIDTH];
-    for (row, ray) in rows.iter_mut().zip(&rays[first..]) {
-        *row = S::F8::load(bytemuck::cast_ref(ray));
-    }
-    let setups = SetupLanes::new(S::transpose(rows), &tree.bounds());
-    let (near, far) = intersect_children::<S>(&setups, root);
-    let live = setups.live;
-    let setups = setups.rows::<S>();
-    for lane in 0..WIDTH.min(rays.len() - first) {
-        let i = idle.pop();
-        let ray = &mut active[i];
-        RaySetup { slabs: ray.slabs, line: ray.line } = setups.setup(lane);
-        ray.octant = visit_octant::<ANY>(ray.slabs.octant());
-        let (t_min, t_max) = setups.interval(lane);
-        ray.t_min = t_min;
-        ray.best = Hit::none_before(t_max);
-        ray.number = first + lane;
-        // One that can hit nothing is done at once.
-        ray.stack.clear();
-        if live >> lane & 1 != 0 {
-            ray.stack.reset_to_children::<S>(root, near[lane], far[lane], ray.octant);
-        }
-        ray.schedule::<S>(i, tree, lists);
-    }
-}
-
-/// Tests the candidates, eight at a time, and hands the hits to their rays.
-#[inline(always)]
-fn test<const ANY: bool, S: Simd>(
-    blocks: &[TriangleBlock],
-    candidates: &mut StreamCandidates,
-    active: &mut [ActiveRay; MAX_ACTIVE],
-) {
-    for (codes, numbers) in candidates.eights() {
-        let lines = numbers.map(|number| &active[usize::from(number) % MAX_ACTIVE].line);
-        let mut triangles = [Place::new(blocks, codes[0], lines[0]); WIDTH];
-        for lane in 1..WIDTH {
-            triangles[lane] = Place::new(blocks, codes[lane], lines[lane]);
-        }
-        let [t_min, t_max] = intervals::<S>(numbers, active);
-        if ANY {
-            for lane in lanes_of(candidates::occlude::<S>(&triangles, &lines, [t_min, t_max])) {
-                active[usize::from(numbers[lane % WIDTH]) % MAX_ACTIVE].end_with_any();
+    /// Visits the first blocks of the leaves that `rays` visit next.
+    #[inline(always)]
+    fn visit_leaves<const ANY: bool, S: Simd>(&mut self, visitors: u64, tree: &BvhView) {
+        for i in rays_of(visitors) {
+            if self.candidates.is_full() {
+                self.candidates.test::<ANY, S>(tree.blocks(), &mut self.active);
             }
-            continue;
+            let block = Child::first_block(self.next[i]);
+            self.candidates.collect::<S>(&self.active[i], i as u8, block, tree.blocks());
         }
-        let Some(crossing) = candidates::cross::<S>(&triangles, &lines) else {
-            continue;
-        };
-        // What is behind the origin or the best hit is sorted out here, as a branch on it is mispredicted too often.
-        let within = t_min.le(crossing.t) & crossing.t.le(t_max);
-        let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
-        for lane in lanes_of(crossing.bits & within.bits()) {
-            let lane = lane % WIDTH;
-            let hit = Hit { t: t[lane], u: u[lane], v: v[lane], prim_id: triangles[lane].prim_id() };
-            active[usize::from(numbers[lane]) % MAX_ACTIVE].accept::<S>(hit);
+        self.candidates.test::<ANY, S>(tree.blocks(), &mut self.active);
+        for i in rays_of(visitors) {
+            let next = after_block::<ANY>(self.next[i], &mut self.active[i]);
+            prefetch::<S>(tree, next);
+            self.next[i] = next;
         }
     }
 }
 
-/// Eight active rays' `t_min`, and the `t` of their best hits.
+/// The places set in a bit mask, lowest first.
 #[inline(always)]
-fn intervals<S: Simd>(numbers: &[u8; WIDTH], active: &[ActiveRay; MAX_ACTIVE]) -> [S::F8; 2] {
-    let eight = numbers.map(|number| &active[usize::from(number) % MAX_ACTIVE]);
-    [S::F8::load(&eight.map(|ray| ray.t_min)), S::F8::load(&eight.map(|ray| ray.best.t))]
-}
-
-/// An active ray: a cache line for the node test, one for the leaf test, and its stack. All of them, and the nodes that they
-/// prefetch, fill the first-level cache.
-#[repr(C, align(64))]
-struct ActiveRay {
-    slabs: Slabs,
-    /// [`visit_octant`].
-    octant: u8,
-    t_min: f32,
-    best: Hit,
-    line: Line,
-    /// Of the ray in its batch.
-    number: usize,
-    stack: TraversalStack,
-}
-
-const _: () = assert!(core::mem::offset_of!(ActiveRay, line) <= 64 && core::mem::offset_of!(ActiveRay, stack) == 128);
-
-impl ActiveRay {
-    const EMPTY: Self = Self {
-        slabs: RaySetup::NOWHERE.slabs,
-        octant: 0,
-        t_min: 0.0,
-        best: Hit::MISS,
-        line: RaySetup::NOWHERE.line,
-        number: usize::MAX,
-        stack: TraversalStack::EMPTY,
-    };
-
-    /// Visits the node that is next.
-    #[inline(always)]
-    fn visit_node<S: Simd>(&mut self, nodes: &[Node]) {
-        let (child, _) = self.stack.pop();
-        if let Some(node) = nodes.get(child as usize) {
-            self.stack.push_children::<S>(node, &self.slabs, self.octant, self.t_min, self.best.t);
-        }
-    }
-
-    /// Adds the triangles of the block that is next which may be hit.
-    #[inline(always)]
-    fn find_candidates<S: Simd>(&mut self, number: usize, blocks: &[TriangleBlock], candidates: &mut StreamCandidates) {
-        let first = self.stack.pop_block();
-        if let Some(block) = blocks.get(first as usize) {
-            let line = &self.line;
-            let inside = triangle::inside(&LineLanes::<S::F8>::splat(line), corners(block, line.axes));
-            candidates.push::<S>(first, inside, number as u8);
-        }
-    }
-
-    /// Prefetches what is next, and puts the ray on the list of its kind.
-    #[inline(always)]
-    fn schedule<S: Simd>(&self, number: usize, tree: &BvhView, lists: &mut Lists) {
-        let top = self.stack.top();
-        prefetch::<S>(tree, top);
-        lists.push(number as u8, top);
-    }
-
-    /// Takes a hit if it precedes the best one, and forgets what is behind it.
-    #[inline(always)]
-    fn accept<S: Simd>(&mut self, hit: Hit) {
-        if hit.precedes(&self.best) {
-            self.best = hit;
-            self.stack.cull::<S>(hit.t);
-        }
-    }
-
-    /// Any hit will do, and has been found.
-    #[inline(always)]
-    fn end_with_any(&mut self) {
-        self.best = Hit::any_if(true);
-        self.stack.clear();
-    }
-}
-
-/// Numbers of rays, in memory that an index of eight bits cannot leave.
-struct List {
-    rays: [u8; 256],
-    len: u8,
-}
-
-impl Default for List {
-    fn default() -> Self {
-        Self { rays: [0; 256], len: 0 }
-    }
-}
-
-impl List {
-    /// Writes `ray`, to stay only if `it_belongs` here.
-    #[inline(always)]
-    fn push(&mut self, ray: u8, it_belongs: bool) {
-        self.rays[usize::from(self.len)] = ray;
-        self.len = self.len.wrapping_add(u8::from(it_belongs));
-    }
-
-    /// Takes the last one off the list, which has one.
-    #[inline(always)]
-    fn pop(&mut self) -> usize {
-        self.len = self.len.wrapping_sub(1);
-        self.ray(usize::from(self.len))
-    }
-
-    /// Begins anew, and gives the number of rays there were. They can be read still, each until as many are pushed.
-    #[inline(always)]
-    fn restart(&mut self) -> usize {
-        usize::from(core::mem::take(&mut self.len))
-    }
-
-    #[inline(always)]
-    fn ray(&self, place: usize) -> usize {
-        usize::from(self.rays[place % 256]) % MAX_ACTIVE
-    }
-
-    #[inline(always)]
-    fn len(&self) -> usize {
-        usize::from(self.len)
-    }
-}
-
-/// Who visits what next.
-#[derive(Default)]
-struct Lists {
-    nodes: List,
-    leaves: List,
-    done: List,
-}
-
-impl Lists {
-    /// Puts a ray on the list for what it visits next.
-    #[inline(always)]
-    fn push(&mut self, ray: u8, next: u32) {
-        let (is_node, is_done) = (Child::is_node(next), next == TraversalStack::NONE);
-        self.nodes.push(ray, is_node);
-        self.leaves.push(ray, !is_node & !is_done);
-        self.done.push(ray, is_done);
-    }
-
-    #[inline(always)]
-    fn are_empty(&self) -> bool {
-        self.nodes.len | self.leaves.len | self.done.len == 0
-    }
+fn rays_of(mut places: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let place = places.trailing_zeros() as usize;
+        let is_there = places != 0;
+        places &= places.wrapping_sub(1);
+        is_there.then_some(place % MAX_ACTIVE)
+    })
 }

@@ -1,0 +1,201 @@
+//! A ray of a stream: what it needs at a visit, in whole cache lines, and its own short stack.
+
+use super::NONE;
+use crate::bvh::{BvhView, Child, Node, WIDTH};
+use crate::geometry::setup_lanes::SetupRows;
+use crate::geometry::{Hit, Ray};
+use crate::simd::{CompressChildren, Lanes, Simd};
+use crate::traverse::node_test::{self, visit_octant};
+use crate::traverse::single;
+
+/// Entries of a ray's stack: enough for nearly all rays. One that needs more is traced by the single-ray intersector.
+const ROOM: usize = 32;
+
+/// The slots themselves, in order.
+const IN_ORDER: u32 = 0o76543210;
+
+/// An active ray: a cache line for the node test, one for the leaf test, and the stack, at whose bottom lies
+/// [`NONE`].
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct ActiveRay {
+    /// [`Slabs::inverse`](crate::geometry::setup::Slabs::inverse) and `near_shift`, then the ray's interval.
+    slabs: [f32; 8],
+    far_shift: [f32; 3],
+    /// The node's rows that hold near planes.
+    near_rows: [u8; 3],
+    /// [`visit_octant`].
+    octant: u8,
+    pub(super) best: Hit,
+    /// [`Line::numbers`](crate::geometry::setup::Line::numbers).
+    pub(super) line: [f32; 8],
+    /// Of a block's rows, those of the first corners' coordinates, in the order of the line's axes, times eight.
+    pub(super) corners: [u8; 3],
+    height: u8,
+    /// Of the ray in its batch.
+    pub(super) number: usize,
+    children: Entries<u32>,
+    near: Entries<f32>,
+}
+
+/// In whole cache lines.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Entries<T>([T; ROOM]);
+
+const _: () = assert!(size_of::<ActiveRay>() == 384 && core::mem::offset_of!(ActiveRay, line) == 64);
+
+impl ActiveRay {
+    /// All zeros, which is quickly written.
+    pub(super) const EMPTY: Self = Self {
+        slabs: [0.0; 8],
+        far_shift: [0.0; 3],
+        near_rows: [0; 3],
+        octant: 0,
+        best: Hit { t: 0.0, u: 0.0, v: 0.0, prim_id: 0 },
+        line: [0.0; 8],
+        corners: [0; 3],
+        height: 0,
+        number: 0,
+        children: Entries([0; ROOM]),
+        near: Entries([0.0; ROOM]),
+    };
+
+    /// Becomes the ray of a lane, and enters those children of the root for which `near <= far`. Gives what to visit
+    /// first.
+    #[inline(always)]
+    pub(super) fn start<const ANY: bool, S: Simd>(
+        &mut self,
+        setups: &SetupRows,
+        lane: usize,
+        number: usize,
+        root: &Node,
+        (near, far): (S::F8, S::F8),
+    ) -> u32 {
+        self.slabs = setups.slabs[lane];
+        self.far_shift = setups.far_shift(lane);
+        self.near_rows = setups.classes.near_rows(lane);
+        self.octant = visit_octant::<ANY>(setups.classes.octant(lane));
+        self.best = Hit::none_before(self.slabs[7]);
+        self.line = setups.lines[lane];
+        self.corners = setups.classes.corner_offsets(lane);
+        self.number = number;
+        (self.children.0[0], self.near.0[0]) = (NONE, f32::NEG_INFINITY);
+        self.height = 1;
+        let _ = self.push_children::<S>(root, near, far, root.order[usize::from(self.octant & 7)]);
+        self.pop()
+    }
+
+    #[inline(always)]
+    pub(super) fn t_min(&self) -> f32 {
+        self.slabs[6]
+    }
+
+    /// Visits a node: puts the children that the ray meets on the stack. Whether there was room.
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn visit_node<S: Simd>(&mut self, node: &Node) -> bool {
+        let [ix, iy, iz, nx, ny, nz, t_min, _] = self.slabs;
+        let [fx, fy, fz] = self.far_shift;
+        let rows: &[[f32; WIDTH]; 8] = bytemuck::cast_ref(node);
+        let [x, y, z] = self.near_rows.map(|row| usize::from(row & 7));
+        let (near_x, far_x) = slabs::<S::F8>(rows, x, ix, nx, fx);
+        let (near_y, far_y) = slabs::<S::F8>(rows, y, iy, ny, fy);
+        let (near_z, far_z) = slabs::<S::F8>(rows, z, iz, nz, fz);
+        let near = near_x.max(near_y).max(near_z.max(S::F8::splat(t_min)));
+        let far = far_x.min(far_y).min(far_z.min(S::F8::splat(self.best.t)));
+        self.push_children::<S>(node, near, far, node.order[usize::from(self.octant & 7)])
+    }
+
+    #[inline(always)]
+    fn push_children<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8, order: u32) -> bool {
+        let from = usize::from(self.height);
+        let (Some(children), Some(distances)) =
+            (self.children.0.get_mut(from..from + WIDTH), self.near.0.get_mut(from..from + WIDTH))
+        else {
+            return false;
+        };
+        if let (Some(children), Some(distances)) = (children.first_chunk_mut(), distances.first_chunk_mut()) {
+            self.height += S::F8::compress(near, far, order, &node.children, children, distances) as u8;
+        }
+        true
+    }
+
+    /// Takes what is on top of the stack: [`NONE`] if nothing is left.
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> u32 {
+        self.height = self.height.wrapping_sub(1);
+        self.children.0[usize::from(self.height) % ROOM]
+    }
+
+    /// Takes a hit if it precedes the best one, and forgets what is behind it.
+    #[inline(always)]
+    pub(super) fn accept<S: Simd>(&mut self, hit: Hit) {
+        if hit.precedes(&self.best) {
+            self.best = hit;
+            self.cull::<S>(hit.t);
+        }
+    }
+
+    /// Forgets subtrees that begin behind `t_max`. As near is not nearer: there may be a tie to decide.
+    #[inline(always)]
+    fn cull<S: Simd>(&mut self, t_max: f32) {
+        let height = self.height;
+        let t_max = S::F8::splat(t_max.min(f32::MAX));
+        let (mut from, mut left) = (0u8, 0u8);
+        // Once at least, without a branch on whether there is anything.
+        loop {
+            let first = usize::from(from) % ROOM;
+            let (Some(children), Some(near)) =
+                (self.children.0[first..].first_chunk::<WIDTH>(), self.near.0[first..].first_chunk::<WIDTH>())
+            else {
+                return;
+            };
+            let (children, near) = (*children, S::F8::load(near));
+            // What lies above the height is no entry.
+            let is_entry = S::F8::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0])
+                .lt(S::F8::splat(height.saturating_sub(from).into()));
+            let near = S::F8::select(is_entry, near, S::F8::splat(f32::INFINITY));
+            let to = usize::from(left) % ROOM;
+            if let (Some(kept), Some(distances)) =
+                (self.children.0[to..].first_chunk_mut(), self.near.0[to..].first_chunk_mut())
+            {
+                left += S::F8::compress(near, t_max, IN_ORDER, &children, kept, distances) as u8;
+            }
+            from = from.saturating_add(WIDTH as u8);
+            if from >= height {
+                self.height = left;
+                return;
+            }
+        }
+    }
+
+    /// Any hit will do, and has been found.
+    #[inline(always)]
+    pub(super) fn end_with_any(&mut self) {
+        self.best = Hit::any_if(true);
+        self.height = 1;
+    }
+
+    /// Finishes a ray whose stack is full.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn finish(&mut self, tree: &BvhView, ray: &Ray, any: bool) {
+        self.best = single::finish(tree, ray, self.best, any);
+        self.height = 1;
+    }
+}
+
+/// Where a ray crosses a node's near and far planes across one axis.
+#[inline(always)]
+fn slabs<L: Lanes<WIDTH>>(rows: &[[f32; WIDTH]; 8], row: usize, inverse: f32, near: f32, far: f32) -> (L, L) {
+    let inverse = L::splat(inverse);
+    (node_test::slab(rows, row, inverse, L::splat(near)), node_test::slab(rows, row ^ 1, inverse, L::splat(far)))
+}
+
+/// What `ray` visits after the first block of a leaf: the rest of it, or what is on the stack.
+#[inline(always)]
+pub(super) fn after_block<const ANY: bool>(leaf: u32, ray: &mut ActiveRay) -> u32 {
+    let has_ended = ANY && ray.best.is_hit();
+    if Child::has_more_blocks(leaf) && !has_ended { Child::without_first_block(leaf) } else { ray.pop() }
+}
