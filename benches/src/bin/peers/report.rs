@@ -9,6 +9,10 @@ use crate::judge::Tally;
 const COLUMNS: [&str; 5] = ["embree_x1", "embree_x8", "embree_x16", "tinybvh", "obvhs"];
 const EMBREE: &str = "embree";
 
+/// Our entry point that traces one ray a call, and Embree's.
+const SINGLE: &str = "single";
+const EMBREE_SINGLE: &str = "embree_x1";
+
 /// Time and memory that a tree took.
 pub(crate) struct Build {
     pub(crate) name: &'static str,
@@ -40,6 +44,16 @@ impl<'a> Comparison<'a> {
         self.peers.iter().find(|(peer, _)| *peer == name).map(|(_, timing)| timing)
     }
 
+    /// Our timing of one ray a call.
+    fn single(&self) -> Option<&'a Timing> {
+        self.ours.iter().find(|(entry, _)| *entry == SINGLE).map(|(_, timing)| timing)
+    }
+
+    /// How many times as fast as Embree we are at one ray a call.
+    fn single_ratio(&self) -> Option<f64> {
+        Some(self.single()?.ratio(self.peer(EMBREE_SINGLE)?))
+    }
+
     /// How many times as fast as the fastest of Embree's ways ours is.
     fn ratio(&self) -> Option<f64> {
         let (_, embree) = fastest(self.peers.iter().filter(|(name, _)| name.starts_with(EMBREE)))?;
@@ -65,6 +79,8 @@ impl<'a> Comparison<'a> {
             "entry": entry,
             "ours": rounded(ours.rate()),
             "ratio": self.ratio().map(rounded),
+            "single": self.single().map(|timing| rounded(timing.rate())),
+            "single_ratio": self.single_ratio().map(rounded),
             "hits_equal": self.hits_equal(),
             "rays": ours.answers.len(),
             "hits": ours.answers.hits(),
@@ -98,14 +114,17 @@ impl<'a> Comparison<'a> {
             0 => String::new(),
             _ => format!("  (right: ours {right}, Embree {embree}, neither {neither}; edges {edge})"),
         };
-        format!("{:8}{entry:>9}{:9.2}{peers}{}{equal:>14}{judged}", self.kind, ours.rate(), cell(self.ratio()))
+        let single = [cell(self.single().map(Timing::rate)), cell(self.single_ratio())].concat();
+        let (ours, ratio) = (ours.rate(), cell(self.ratio()));
+        format!("{:8}{entry:>9}{ours:9.2}{peers}{ratio}{single}{equal:>14}{judged}", self.kind)
     }
 }
 
 /// What stands above the lines of [`Comparison::text`].
 pub(crate) fn heading() -> String {
     let columns = COLUMNS.map(|column| format!("{column:>11}")).concat();
-    format!("{:8}{:>9}{:>9}{columns}{:>11}{:>14}", "Mrays/s", "entry", "ours", "ratio", "hits")
+    let [ratio, single, to_x1] = ["ratio", "our single", "to x1"].map(|column| format!("{column:>11}"));
+    format!("{:8}{:>9}{:>9}{columns}{ratio}{single}{to_x1}{:>14}", "Mrays/s", "entry", "ours", "hits")
 }
 
 /// The builds of a scene as a line for machines.
@@ -156,6 +175,7 @@ mod tests {
         let none = json!({ "missed": 0, "extra": 0, "apart": 0 });
         let expected = json!({
             "scene": "cornell", "kind": "shadow", "entry": "batch", "ours": 6.0, "ratio": 1.5, "hits_equal": true,
+            "single": 5.0, "single_ratio": 2.5,
             "rays": 2, "hits": 1, "embree_x1": 2.0, "embree_x8": 4.0, "embree_x16": null, "tinybvh": 12.0,
             "obvhs": null, "entries": { "single": 5.0, "batch": 6.0 },
             "differing": { "embree_x1": none, "embree_x8": none, "tinybvh": none },
