@@ -6,6 +6,7 @@ mod known_failures;
 mod limits;
 mod malformed;
 mod oracle;
+mod stack;
 mod strategies;
 
 use glam::Vec3;
