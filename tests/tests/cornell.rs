@@ -46,7 +46,7 @@ impl Tracer {
                     edges: [b - a, c - a],
                     normal: cross.normalize(),
                     area: cross.length() / 2.0,
-                    reflectance: material.diffuse.as_dvec3(),
+                    reflectance: material.inputs.base_color.as_dvec3(),
                     emission: material.emission.as_dvec3(),
                 });
             }

@@ -92,7 +92,8 @@ fn obj(scene: &Scene) -> String {
 
 fn mtl(scene: &Scene) -> String {
     let materials = scene.materials.iter();
-    let text = materials.map(|m| format!("newmtl {}\nKd {}\nKe {}\n", m.name, words(m.diffuse), words(m.emission)));
+    let text =
+        materials.map(|m| format!("newmtl {}\nKd {}\nKe {}\n", m.name, words(m.inputs.base_color), words(m.emission)));
     text.collect()
 }
 
@@ -168,15 +169,18 @@ fn gltf(scene: &Scene) -> String {
     let materials = scene.materials.iter().map(|material| {
         json!({
             "name": material.name,
-            "pbrMetallicRoughness": {"baseColorFactor": material.diffuse.extend(1.0).to_array(), "metallicFactor": 0},
+            "pbrMetallicRoughness": {"baseColorFactor": material.inputs.base_color.extend(1.0).to_array(), "metallicFactor": 0},
             "emissiveFactor": (material.emission / STRENGTH).to_array(),
-            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": STRENGTH}}
+            "extensions": {
+                "KHR_materials_emissive_strength": {"emissiveStrength": STRENGTH},
+                "KHR_materials_specular": {"specularFactor": 0}
+            }
         })
     });
     let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&data.bytes));
     let document = json!({
         "asset": {"version": "2.0"},
-        "extensionsUsed": ["KHR_materials_emissive_strength"],
+        "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_materials_specular"],
         "buffers": [{"byteLength": data.bytes.len(), "uri": uri}],
         "bufferViews": data.views,
         "accessors": data.accessors,

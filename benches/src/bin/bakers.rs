@@ -202,7 +202,7 @@ fn description(scene: &Scene, atlas: &Atlas) -> Value {
             "positions": part.vertices.iter().map(corner).collect::<Vec<_>>(),
             "coordinates": part.vertices.iter().map(|vertex| vertex.uv.to_array()).collect::<Vec<_>>(),
             "triangles": part.triangles,
-            "diffuse": material.diffuse.to_array(),
+            "diffuse": material.inputs.base_color.to_array(),
             "emission": material.emission.to_array(),
         })
     });

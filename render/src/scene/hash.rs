@@ -3,8 +3,8 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::{
-    BumpMap, CameraPose, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, Mesh, NormalMap, Opacity,
-    PunctualLight, Scene, Sky, SkyPicture, Specular, Target, TextureMap,
+    BumpMap, CameraPose, GltfAnisotropy, Input, InputMap, Material, Mesh, NormalMap, Opacity, PunctualLight, Scene,
+    Sky, SkyPicture, Target, TextureMap,
 };
 
 impl Scene {
@@ -101,9 +101,7 @@ impl Fnv {
     fn material(&mut self, material: &Material) {
         let Material { name: _, inputs, maps, uses_vertex_colors, base_color_tints_transmission: tints, .. } = material;
         let Material { tangent_rotation, anisotropy, normal_map, bump_map, opacity, unlit, dispersion, .. } = material;
-        let Material {
-            diffuse, diffuse_map, emission, emission_map, cutout, emits_both_sides, specular, gloss, ..
-        } = material;
+        let Material { emission, emission_map, emits_both_sides, .. } = material;
         Input::ALL.iter().for_each(|input| self.vector(input.get(inputs)));
         self.vector(inputs.absorption);
         [inputs.thin_walled, *uses_vertex_colors, *tints, *unlit].into_iter().for_each(|flag| self.word(flag.into()));
@@ -133,32 +131,9 @@ impl Fnv {
         self.floats(&[*value, cutoff.unwrap_or(-1.0)]);
         self.map(map.as_ref().map(|(map, _)| map));
         self.word(map.as_ref().map_or(0, |&(_, channel)| channel as u32));
-
-        let Gloss { specular: highlight, transmittance, exponent, ior, opacity, model } = gloss;
-        [*diffuse, *emission, *highlight, *transmittance].into_iter().for_each(|v| self.vector(v));
-        self.floats(&[*exponent, *ior, *opacity]);
-        self.word(*model);
+        self.vector(*emission);
         self.word((*emits_both_sides).into());
-        self.specular(specular);
-        [diffuse_map, emission_map].into_iter().for_each(|map| self.map(map.as_ref()));
-        if let Some(Cutout { alpha, cutoff }) = cutout {
-            self.floats(&[*alpha, *cutoff]);
-        }
-    }
-
-    fn specular(&mut self, specular: &Specular) {
-        match specular {
-            Specular::None => self.word(0),
-            Specular::Mirror { reflectance } => {
-                self.word(1);
-                self.vector(*reflectance);
-            }
-            Specular::Glass { ior, transmittance } => {
-                self.word(2);
-                self.floats(&[*ior]);
-                self.vector(*transmittance);
-            }
-        }
+        self.map(emission_map.as_ref());
     }
 
     fn map(&mut self, map: Option<&TextureMap>) {
@@ -208,11 +183,11 @@ mod tests {
         let mut moved = scene.clone();
         moved.meshes[0].positions[0].x = moved.meshes[0].positions[0].x.next_up();
         let mut darker = scene.clone();
-        darker.materials[0].diffuse *= 0.5;
+        darker.materials[0].inputs.base_color *= 0.5;
         let mut lit = scene.clone();
         lit.sky.radiance.z = 1.0;
         let mut mirror = scene.clone();
-        mirror.materials[0].specular = Specular::Mirror { reflectance: Vec3::ONE };
+        mirror.materials[0].inputs.base_metalness = 1.0;
         let mut rough = scene.clone();
         rough.materials[0].inputs.specular_roughness = 0.9;
         let mut bumpy = scene.clone();
@@ -220,7 +195,7 @@ mod tests {
         let mut faint = scene.clone();
         faint.materials[0].opacity.value = 0.5;
         let mut holes = scene.clone();
-        holes.materials[0].cutout = Some(Cutout { alpha: 1.0, cutoff: 0.5 });
+        holes.materials[0].opacity.cutoff = Some(0.5);
         let mut textured = scene.clone();
         textured.textures.push(Texture::new(1, 1, vec![[1; 4]]));
         let mut other = scene.clone();

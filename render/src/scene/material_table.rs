@@ -342,7 +342,6 @@ pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) ->
                 SceneError::new(path, Place::Line(*line), problem, remedy)
             })?;
         }
-        scene.materials[number].complete_matte(&store.list);
     }
     scene.textures = store.list;
     scene.files.extend(files.into_paths());

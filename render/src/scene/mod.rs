@@ -35,9 +35,7 @@ pub use error::{Place, SceneError};
 pub use file::{SceneFile, open};
 pub use files::{Disk, Files};
 pub use framing::frame;
-pub use material::{
-    BumpMap, Channel, Cutout, Gloss, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Specular, Target,
-};
+pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Target};
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};

@@ -29,8 +29,25 @@ use glam::Vec3;
 
 use super::statement::{Statement, statements};
 use super::texture::TextureStore;
-use super::{Gloss, Material, SceneError};
+use super::{Material, SceneError};
 use map::Map;
+
+/// `Ks`, `Tf`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gloss {
+    specular: Vec3,
+    transmittance: Vec3,
+    exponent: f32,
+    ior: f32,
+    opacity: f32,
+    model: u32,
+}
+
+impl Default for Gloss {
+    fn default() -> Self {
+        Self { specular: Vec3::ZERO, transmittance: Vec3::ONE, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
+    }
+}
 
 /// What the statements of a material say; `None` for what they leave out.
 #[derive(Default)]

@@ -85,7 +85,7 @@ fn description(scene: &Scene) -> String {
     for (number, material) in scene.materials.iter().enumerate() {
         let Vec3 { x, y, z } = material.emission;
         let _ = if material.emission == Vec3::ZERO {
-            let Vec3 { x, y, z } = material.diffuse;
+            let Vec3 { x, y, z } = material.inputs.base_color;
             writeln!(text, "void plastic m{number} 0 0 5 {x} {y} {z} 0 0")
         } else {
             writeln!(text, "void light m{number} 0 0 3 {x} {y} {z}")

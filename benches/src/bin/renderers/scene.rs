@@ -30,7 +30,7 @@ fn describe(mesh: &Mesh, material: &Material) -> Value {
         "name": mesh.name,
         "positions": positions,
         "triangles": mesh.triangles,
-        "diffuse": material.diffuse.to_array(),
+        "diffuse": material.inputs.base_color.to_array(),
         "emission": material.emission.to_array(),
     })
 }

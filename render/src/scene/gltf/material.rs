@@ -47,9 +47,7 @@ pub(super) fn read(document: &Document, notes: &mut Notes) -> Result<(Vec<Materi
         let material = Material { name, inputs, emits_both_sides: source.double_sided, ..Material::default() };
         let mut reader = Reader { document, place: &place, textures: &mut textures, notes, material };
         reader.read(source)?;
-        let mut material = reader.material;
-        material.complete_matte(&textures.list);
-        materials.push(material);
+        materials.push(reader.material);
     }
     Ok((materials, textures.list))
 }

@@ -11,12 +11,7 @@ use crate::scene::MeshPoint;
 impl Material {
     /// The kind of closure that it needs wherever it is: that of the greatest values of its inputs.
     pub(crate) fn kind(&self) -> Kind {
-        let mut greatest = self.inputs;
-        for target in self.maps.iter().flat_map(|map| &map.targets) {
-            let value = target.input.get(&greatest).max(Vec3::splat(target.zero));
-            target.input.set(&mut greatest, value);
-        }
-        if self.unlit { Kind::Matte } else { Kind::of(&greatest) }
+        if self.unlit { Kind::Matte } else { Kind::of(&self.greatest_inputs()) }
     }
 
     /// The albedo of diffuse reflection where it is [`Kind::Matte`].

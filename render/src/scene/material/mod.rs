@@ -2,7 +2,6 @@
 
 mod input;
 mod kind;
-mod legacy;
 mod maps;
 mod presets;
 
@@ -43,70 +42,12 @@ pub struct Material {
     pub unlit: bool,
     /// `20 / V_d`, with `V_d` Abbe's number; 0 for none. Kept for a spectral renderer.
     pub dispersion: f32,
-
-    /// Diffuse reflectance (albedo) in 0..=1 per channel, on both sides.
-    pub diffuse: Vec3,
-    /// What diffuse reflectance is multiplied by, if it is not the same everywhere.
-    pub diffuse_map: Option<TextureMap>,
     /// Emitted radiance; zero for most surfaces.
     pub emission: Vec3,
     /// What emission is multiplied by, likewise.
     pub emission_map: Option<TextureMap>,
-    /// Where the surface has holes, if it has any.
-    pub cutout: Option<Cutout>,
     /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
     pub emits_both_sides: bool,
-    /// What the surface reflects like a mirror, or lets through, on top of that.
-    pub specular: Specular,
-    /// What the file says of reflection, as it says it; integrators do not look at it.
-    pub gloss: Gloss,
-}
-
-/// Holes: where the alpha of [`Material::diffuse_map`] is low, there is no surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cutout {
-    /// What alpha is multiplied by.
-    pub alpha: f32,
-    /// Where the product is less than this, is a hole.
-    pub cutoff: f32,
-}
-
-/// Perfectly smooth reflection and refraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Specular {
-    /// None.
-    #[default]
-    None,
-    /// A mirror.
-    Mirror {
-        /// Reflectance per channel. With [`Material::diffuse`] it should add up to no more than 1.
-        reflectance: Vec3,
-    },
-    /// The border between air, in front, and glass, behind: reflects by Fresnel's equations and refracts the rest. It
-    /// leaves nothing for diffuse reflection: [`Material::diffuse`] should be black.
-    Glass {
-        /// Index of refraction, more than 0; about 1.5 for glass, 1.33 for water.
-        ior: f32,
-        /// What part of the refracted light gets through, in 0..=1 per channel; twice through a pane or a ball.
-        transmittance: Vec3,
-    },
-}
-
-/// Wavefront MTL's `Ks`, `Tf`, `Ns`, `Ni`, `d` and `illum`; by default a surface without gloss.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gloss {
-    /// Specular reflectance (`Ks`).
-    pub specular: Vec3,
-    /// Transmission filter (`Tf`).
-    pub transmittance: Vec3,
-    /// Phong exponent (`Ns`).
-    pub exponent: f32,
-    /// Index of refraction (`Ni`).
-    pub ior: f32,
-    /// Opacity, 1 for opaque (`d`).
-    pub opacity: f32,
-    /// Illumination model (`illum`).
-    pub model: u32,
 }
 
 impl Default for Material {
@@ -125,21 +66,10 @@ impl Default for Material {
             opacity: Opacity::default(),
             unlit: false,
             dispersion: 0.0,
-            diffuse: Vec3::splat(0.5),
-            diffuse_map: None,
             emission: Vec3::ZERO,
             emission_map: None,
-            cutout: None,
             emits_both_sides: false,
-            specular: Specular::None,
-            gloss: Gloss::default(),
         }
-    }
-}
-
-impl Default for Gloss {
-    fn default() -> Self {
-        Self { specular: Vec3::ZERO, transmittance: Vec3::ONE, exponent: 0.0, ior: 1.0, opacity: 1.0, model: 1 }
     }
 }
 
@@ -153,9 +83,7 @@ impl Material {
             inputs: self.mean_inputs(textures),
             maps: Vec::new(),
             anisotropy: None,
-            diffuse: self.diffuse * mean(&self.diffuse_map),
             emission: self.emission * mean(&self.emission_map),
-            diffuse_map: None,
             emission_map: None,
             ..self.clone()
         }
@@ -225,7 +153,6 @@ impl Material {
         let inputs = self.maps.iter().map(|map| &map.texture);
         let others = [
             self.emission_map.as_ref(),
-            self.diffuse_map.as_ref(),
             self.opacity.map.as_ref().map(|(map, _)| map),
             self.normal_map.as_ref().map(|map| &map.texture),
             self.bump_map.as_ref().map(|map| &map.texture),

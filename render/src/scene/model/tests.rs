@@ -133,7 +133,8 @@ fn check_promises(scene: &Scene) {
         assert!(mesh.triangles.iter().flatten().all(|&corner| (corner as usize) < mesh.positions.len()));
     }
     for material in &scene.materials {
-        assert!(material.diffuse.min_element() >= 0.0 && material.diffuse.max_element() <= 1.0);
+        let color = material.inputs.base_color;
+        assert!(color.min_element() >= 0.0 && color.max_element() <= 1.0);
         assert!(material.emission.is_finite() && material.emission.min_element() >= 0.0);
     }
 }
@@ -216,6 +217,6 @@ fn files_may_be_anywhere() {
         }
     }
     let scene = load_from(&Pair, Path::new("there/a.obj")).unwrap();
-    assert_eq!((scene.materials[0].diffuse, scene.warnings), (Vec3::X, vec![]));
+    assert_eq!((scene.materials[0].inputs.base_color, scene.warnings), (Vec3::X, vec![]));
     assert_eq!(load_from(&Pair, Path::new("b.obj")).unwrap_err().problem, "no such file");
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::Statements;
 use super::map::Map;
+use super::{Gloss, Statements};
 use crate::material::Inputs;
 use crate::scene::texture::{Problem, TextureStore};
-use crate::scene::{BumpMap, Channel, ColorSpace, Gloss, Input, Material, NormalMap, Opacity, Specular, TextureMap};
+use crate::scene::{BumpMap, Channel, ColorSpace, Input, Material, NormalMap, Opacity, TextureMap};
 
 /// The index of refraction of glass that does not say.
 const GLASS_IOR: f32 = 1.5;
@@ -29,13 +29,13 @@ impl Statements {
             (false, true) => Vec3::splat(0.5),
             (false, false) => Vec3::ZERO,
         };
-        let mut finish = Finish { path, is_blender, textures, warnings, material: Material::default() };
+        let greatest_exponent = self.gloss.exponent;
+        let mut finish =
+            Finish { path, is_blender, textures, warnings, greatest_exponent, material: Material::default() };
         let material = &mut finish.material;
         material.name.clone_from(&self.name);
-        material.gloss = self.gloss;
         material.emission = emission;
         material.inputs.base_color = self.diffuse.unwrap_or(missing);
-        material.diffuse = material.inputs.base_color;
         finish.reflection(&self);
         finish.layers(&self);
         for map in &self.maps {
@@ -50,6 +50,8 @@ struct Finish<'a, 't> {
     is_blender: bool,
     textures: &'a mut TextureStore<'t>,
     warnings: &'a mut Vec<String>,
+    /// `Ns`, which its map scales.
+    greatest_exponent: f32,
     material: Material,
 }
 
@@ -90,15 +92,12 @@ impl Finish<'_, '_> {
                 } else {
                     reflect(inputs, specular);
                 }
-                self.mirror(specular);
             }
             4 | 6 | 7 => {
                 inputs.specular_weight = 1.0;
                 inputs.specular_roughness = 0.0;
                 inputs.transmission_weight = 1.0;
                 inputs.transmission_color = it.gloss.transmittance;
-                self.material.specular = Specular::Glass { ior, transmittance: it.gloss.transmittance };
-                self.material.diffuse = Vec3::ZERO;
             }
             0 | 1 => {}
             _ => {
@@ -123,15 +122,6 @@ impl Finish<'_, '_> {
             self.warn(&format!("an index of refraction of {ior} is below 1; 1 is used"));
         }
         if ior <= 0.0 { GLASS_IOR } else { ior.clamp(1.0, 100.0) }
-    }
-
-    /// The mirror that integrators without closures see.
-    fn mirror(&mut self, reflectance: Vec3) {
-        let rest = self.material.diffuse.min(Vec3::ONE - reflectance);
-        if rest != self.material.diffuse {
-            self.warn("`Kd` and `Ks` add up to more than 1; `Kd` is reduced");
-        }
-        (self.material.specular, self.material.diffuse) = (Specular::Mirror { reflectance }, rest);
     }
 
     fn layers(&mut self, it: &Statements) {
@@ -167,12 +157,7 @@ impl Finish<'_, '_> {
         let number = map.channel.unwrap_or(Channel::R);
         let material = &mut self.material;
         match map.key.as_str() {
-            "map_kd" => {
-                if material.specular == Specular::None {
-                    material.diffuse_map = Some(texture.clone());
-                }
-                material.add_map(texture, Input::BaseColor, Channel::Rgb, 0.0);
-            }
+            "map_kd" => material.add_map(texture, Input::BaseColor, Channel::Rgb, 0.0),
             "map_ks" => material.add_map(texture, Input::SpecularColor, Channel::Rgb, 0.0),
             "map_ke" => material.emission_map = Some(texture),
             "map_d" => {
@@ -212,7 +197,7 @@ impl Finish<'_, '_> {
     /// Exponents become roughness texel by texel; Blender's are roughness already.
     fn exponent(&mut self, mut texture: TextureMap) {
         if !self.is_blender {
-            let greatest = self.material.gloss.exponent;
+            let greatest = self.greatest_exponent;
             let roughness = self.textures.list[texture.texture].mapped_red(|part| phong_roughness(part * greatest));
             texture.texture = self.textures.add(roughness);
         }

@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3};
 
 use super::*;
-use crate::scene::{Disk, Gloss, Place, Specular};
+use crate::scene::{Disk, Place};
 
 fn parse(text: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
     read(&Disk, Path::new("model.obj"), text.as_ref())
@@ -169,17 +169,9 @@ fn materials() {
     let scene = with_libraries("mtllib a.mtl\nusemtl lamp", &[("a.mtl", library)]).unwrap();
     assert!(scene.warnings.is_empty());
     let [lamp, pane] = &scene.materials[..] else { panic!() };
-    let gloss = Gloss {
-        specular: Vec3::splat(0.5),
-        transmittance: Vec3::new(0.7, 0.8, 0.9),
-        exponent: 96.0,
-        ior: 1.45,
-        opacity: 0.25,
-        model: 2,
-    };
-    assert_eq!((lamp.name.as_str(), lamp.gloss), ("lamp", gloss));
-    assert_eq!((lamp.diffuse, lamp.emission), (Vec3::new(0.1, 0.2, 0.3), Vec3::new(5.0, 6.0, 7.0)));
-    assert_eq!((pane.name.as_str(), pane.gloss), ("glass pane", Gloss { opacity: 0.25, ..Gloss::default() }));
+    assert_eq!((lamp.name.as_str(), lamp.opacity.value, lamp.inputs.specular_ior), ("lamp", 0.25, 1.45));
+    assert_eq!((lamp.inputs.base_color, lamp.emission), (Vec3::new(0.1, 0.2, 0.3), Vec3::new(5.0, 6.0, 7.0)));
+    assert_eq!((pane.name.as_str(), pane.opacity.value), ("glass pane", 0.25));
     assert_eq!(scene.meshes[0].material, 0);
     let scene = with_libraries("usemtl glass pane\nmtllib a.mtl", &[("a.mtl", library)]).unwrap();
     assert_eq!(scene.meshes[0].material, 1);
@@ -191,27 +183,18 @@ fn mirrors_and_glass_by_illumination_model() {
                    newmtl glass\nKd 1 1 1\nNi 1.33\nTf 0.9\nillum 7\nnewmtl pane\nillum 4\n\
                    newmtl void\nillum 6\nNi 0\n";
     let scene = with_libraries("mtllib a.mtl\nusemtl dull", &[("a.mtl", library)]).unwrap();
-    let surfaces: Vec<_> = scene.materials.iter().map(|material| (material.specular, material.diffuse)).collect();
-    let glass = |ior, transmittance| Specular::Glass { ior, transmittance: Vec3::splat(transmittance) };
-    let rest = Vec3::new(1.0 - 0.9, 0.5, 0.5);
-    assert_eq!(
-        surfaces,
-        [
-            (Specular::Mirror { reflectance: Vec3::new(0.9, 0.4, 0.4) }, rest),
-            (Specular::None, Vec3::splat(0.5)),
-            (glass(1.33, 0.9), Vec3::ZERO),
-            (glass(1.5, 1.0), Vec3::ZERO),
-            (glass(1.5, 1.0), Vec3::ZERO),
-        ]
-    );
+    let [mirror, dull, glasses @ ..] = &scene.materials[..] else { panic!() };
+    // Reflectance at normal incidence, over diffuse light.
+    let f0 = ((mirror.inputs.specular_ior - 1.0) / (mirror.inputs.specular_ior + 1.0)).powi(2);
+    let reflectance = f0 * mirror.inputs.specular_color;
+    assert!(reflectance.abs_diff_eq(Vec3::new(0.9, 0.4, 0.4), 1e-6), "{reflectance}");
+    assert_eq!((mirror.inputs.base_color, mirror.inputs.specular_roughness), (Vec3::splat(0.5), 0.0));
+    assert_eq!((dull.inputs.base_color, dull.inputs.specular_weight), (Vec3::splat(0.5), 0.0));
+    let found: Vec<_> = glasses.iter().map(|it| (it.inputs.specular_ior, it.inputs.transmission_color.x)).collect();
+    assert_eq!(found, [(1.33, 0.9), (1.5, 1.0), (1.5, 1.0)]);
+    assert!(glasses.iter().all(|it| it.inputs.transmission_weight == 1.0));
     let warnings: Vec<_> = scene.warnings.iter().map(|warning| warning.rsplit("a.mtl: ").next().unwrap()).collect();
-    assert_eq!(
-        warnings,
-        [
-            "material \"mirror\": `Kd` and `Ks` add up to more than 1; `Kd` is reduced",
-            "material \"void\": an index of refraction of 0 is no glass's; 1.5 is used",
-        ]
-    );
+    assert_eq!(warnings, ["material \"void\": an index of refraction of 0 is no glass's; 1.5 is used",]);
 }
 
 #[test]
@@ -237,8 +220,8 @@ fn missing_libraries_and_materials_are_warnings() {
 fn what_materials_change_and_skip_is_told() {
     let library = "newmtl a\nKd 1.5 0.5 -1\nd 2\nmap_refl a.png\nKa 9 9 9\n";
     let scene = with_libraries("mtllib a.mtl\nusemtl a", &[("a.mtl", library)]).unwrap();
-    assert_eq!(scene.materials[0].diffuse, Vec3::new(1.0, 0.5, 0.0));
-    assert_eq!(scene.materials[0].gloss.opacity, 1.0);
+    assert_eq!(scene.materials[0].inputs.base_color, Vec3::new(1.0, 0.5, 0.0));
+    assert_eq!(scene.materials[0].opacity.value, 1.0);
     let ends = [
         "a.mtl:2: `Kd` is outside 0 to 1 and is clamped",
         "a.mtl:3: `d` is outside 0 to 1 and is clamped",

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::material::Inputs;
-use crate::scene::{CameraPose, PunctualLight, Specular};
+use crate::scene::{CameraPose, PunctualLight};
 
 #[test]
 fn materials() {
@@ -25,7 +25,10 @@ fn materials() {
         "pbrMetallicRoughness": {"baseColorFactor": [1, 0.25, 0, 0.5], "metallicFactor": 0.75, "roughnessFactor": 0.5}});
     let scene = parse(document.clone()).unwrap();
     let [red, lamp] = &scene.materials[..] else { panic!() };
-    assert_eq!((red.name.as_str(), red.diffuse, red.emits_both_sides), ("red", Vec3::new(1.0, 0.25, 0.0), true));
+    assert_eq!(
+        (red.name.as_str(), red.inputs.base_color, red.emits_both_sides),
+        ("red", Vec3::new(1.0, 0.25, 0.0), true)
+    );
     assert!(red.opacity.is_whole(), "alpha does not count where nothing blends");
     let expected = Inputs {
         base_color: Vec3::new(1.0, 0.25, 0.0),
@@ -36,7 +39,7 @@ fn materials() {
         ..Inputs::default()
     };
     assert_eq!(red.inputs, expected);
-    assert_eq!((lamp.diffuse, lamp.emission), (Vec3::ONE, Vec3::new(8.0, 4.0, 0.0)));
+    assert_eq!((lamp.inputs.base_color, lamp.emission), (Vec3::ONE, Vec3::new(8.0, 4.0, 0.0)));
     assert_eq!((lamp.inputs.base_metalness, lamp.inputs.specular_roughness), (1.0, 1.0));
     let occlusion = "model.gltf: occlusionTexture is not used, as light is traced: material 0 (\"red\")";
     assert_eq!(scene.warnings, [occlusion]);
@@ -44,7 +47,7 @@ fn materials() {
 
     document["materials"][0] = json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0.25, -1, 1]}});
     let scene = parse(document.clone()).unwrap();
-    assert_eq!(scene.materials[0].diffuse, Vec3::new(1.0, 0.25, 0.0));
+    assert_eq!(scene.materials[0].inputs.base_color, Vec3::new(1.0, 0.25, 0.0));
     assert_eq!(scene.warnings, ["model.gltf: baseColorFactor is outside 0 to 1 and is clamped: material 0"]);
     document["materials"][1]["emissiveFactor"] = json!([0, -1, 0]);
     assert_eq!(problem(document), "material 1: its emission is negative or not finite");
@@ -68,17 +71,10 @@ fn mirrors_and_glass() {
     ]);
     let scene = parse(document).unwrap();
     let color = Vec3::new(1.0, 0.5, 0.25);
-    let surfaces: Vec<_> = scene.materials.iter().map(|material| (material.specular, material.diffuse)).collect();
-    assert_eq!(
-        surfaces,
-        [
-            (Specular::Mirror { reflectance: color }, Vec3::ZERO),
-            (Specular::None, color),
-            (Specular::Glass { ior: 1.25, transmittance: color }, Vec3::ZERO),
-            (Specular::Glass { ior: 1.5, transmittance: color * 0.5 }, Vec3::ZERO),
-            (Specular::None, color),
-        ]
-    );
+    let inputs = scene.materials.iter().map(|material| material.inputs);
+    let surfaces: Vec<_> = inputs.map(|it| (it.base_metalness, it.transmission_weight, it.specular_ior)).collect();
+    assert_eq!(surfaces, [(1.0, 0.0, 1.5), (0.0, 0.0, 1.5), (0.0, 1.0, 1.25), (0.0, 0.5, 1.5), (0.0, 0.25, 1.5),]);
+    assert!(scene.materials.iter().all(|material| material.inputs.base_color == color));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 

@@ -4,12 +4,12 @@ use std::io::Cursor;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use image::{ImageFormat, RgbaImage};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::scene::{Cutout, TextureFilter, TextureMap, Wrap};
+use crate::scene::{Input, TextureFilter, TextureMap, Wrap};
 
 /// A picture of two texels: black and transparent, and white.
 fn image(format: ImageFormat) -> Vec<u8> {
@@ -40,7 +40,7 @@ fn base(info: Value) -> Value {
 }
 
 fn map_of(scene: &Scene) -> &TextureMap {
-    scene.materials[0].diffuse_map.as_ref().unwrap()
+    scene.materials[0].map_of(Input::BaseColor).unwrap().0
 }
 
 #[test]
@@ -115,21 +115,12 @@ fn holes() {
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         let opacity = &scene.materials[0].opacity;
         assert_eq!(opacity.map.is_some(), mode != "OPAQUE");
-        (scene.materials[0].cutout, opacity.value, opacity.cutoff)
+        (opacity.value, opacity.cutoff)
     };
-    assert_eq!(material("OPAQUE", Value::Null), (None, 1.0, None));
-    let cutout = |cutoff| Some(Cutout { alpha: 0.75, cutoff });
-    assert_eq!(material("MASK", Value::Null), (cutout(0.5), 0.75, Some(0.5)));
-    assert_eq!(material("MASK", json!(0.25)), (cutout(0.25), 0.75, Some(0.25)));
-    assert_eq!(material("BLEND", Value::Null), (cutout(0.5), 0.75, None));
-}
-
-#[test]
-fn mirrors_have_the_mean_colour() {
-    let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "roughnessFactor": 0}});
-    let scene = parse(textured(material)).unwrap();
-    assert_eq!(scene.materials[0].specular, crate::scene::Specular::Mirror { reflectance: Vec3::splat(0.5) });
-    assert_eq!(scene.materials[0].diffuse_map, None);
+    assert_eq!(material("OPAQUE", Value::Null), (1.0, None));
+    assert_eq!(material("MASK", Value::Null), (0.75, Some(0.5)));
+    assert_eq!(material("MASK", json!(0.25)), (0.75, Some(0.25)));
+    assert_eq!(material("BLEND", Value::Null), (0.75, None));
 }
 
 #[test]
@@ -160,7 +151,7 @@ fn what_cannot_be_read_is_told() {
     other["images"][0]["uri"] = json!(uri("image/gif", b"GIF89a"));
     for document in [gif, other] {
         let scene = parse(document).unwrap();
-        assert_eq!((scene.textures.len(), &scene.materials[0].diffuse_map), (0, &None));
+        assert_eq!((scene.textures.len(), scene.materials[0].maps.len()), (0, 0));
         let expected = "model.gltf: image 0: it is Gif, which is not read, so the material's factor is used alone: \
                         material 0, baseColorTexture";
         assert_eq!(scene.warnings, [expected]);
