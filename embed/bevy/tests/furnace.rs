@@ -47,7 +47,9 @@ fn level() -> Vec<u8> {
     bytes.extend(indices.iter().flat_map(|index| index.to_le_bytes()));
     let material = |emitted: f32| {
         let surface = json!({"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0});
-        json!({"pbrMetallicRoughness": surface, "emissiveFactor": [emitted, emitted, emitted]})
+        // Matte, so that what it reflects is known.
+        let extensions = json!({"KHR_materials_specular": {"specularFactor": 0}});
+        json!({"pbrMetallicRoughness": surface, "emissiveFactor": [emitted; 3], "extensions": extensions})
     };
     let mesh = |material: usize| {
         let attributes = json!({"POSITION": 0, "NORMAL": 1});
@@ -55,6 +57,7 @@ fn level() -> Vec<u8> {
     };
     let json = json!({
         "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_specular"],
         "buffers": [{"byteLength": bytes.len()}],
         "bufferViews": [
             {"buffer": 0, "byteLength": split, "byteStride": 24},

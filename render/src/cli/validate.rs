@@ -178,6 +178,6 @@ mod tests {
     fn the_last_line_says_what_failed() {
         assert_eq!(summary(3, 3, &[]), "3 experiments passed\n");
         assert_eq!(summary(3, 3, &["a", "b"]), "2 of 3 experiments failed: a, b\n");
-        assert_eq!(summary(3, 1, &[]), "1 experiment passed, interrupted before 2 more\n");
+        assert_eq!(summary(3, 1, &[]), "1 experiment passed, interrupted with 2 to go\n");
     }
 }
