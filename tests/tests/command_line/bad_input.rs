@@ -18,8 +18,8 @@ fn refused(name: &str, contents: impl AsRef<[u8]>, parts: &[&str]) {
 fn missing_files() {
     let desk = Desk::new();
     for name in ["nothing.obj", "nothing.toml", "no/where.glb", "corne"] {
-        desk.refuses(&format!("render {name}"), 1, &[name, "no such file", "help: name a scene file"]);
-        desk.refuses(&format!("info {name} --json"), 1, &[name, "no such file", "help: name a scene file"]);
+        desk.refuses(&format!("render {name}"), 1, &[name, "no such file", "help: give a scene file"]);
+        desk.refuses(&format!("info {name} --json"), 1, &[name, "no such file", "help: give a scene file"]);
     }
     desk.refuses("render .", 1, &["folder", "help: "]);
 }
@@ -43,7 +43,7 @@ fn files_that_are_not_what_their_names_say() {
     refused("a.gltf", "{\"asset\":\n {\"version\": 2", &["a.gltf:2: ", "not valid glTF"]);
     refused("a.toml", "v 0 0 0\n", &["a.toml:1: "]);
     refused("a.toml", b"[scene]\nfile = \"\xff\"\n", &["a.toml:2: this is not UTF-8"]);
-    refused("a.txt", TRIANGLE, &["`.txt` is not a model format", ".obj, .ply, .gltf or .glb"]);
+    refused("a.txt", TRIANGLE, &["`.txt` is not a model format", ".glb, .gltf, .obj or .ply"]);
     refused("a", TRIANGLE, &["no extension"]);
 }
 
