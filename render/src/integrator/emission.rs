@@ -32,6 +32,10 @@ pub(super) fn emission(
     if path.density == f32::INFINITY {
         return surface.emission;
     }
+    // What a gather's first rays meet, light samples at its point have found.
+    if path.is_first() {
+        return if lights == LightSampling::Naive { surface.emission } else { Vec3::ZERO };
+    }
     let density = emitted_density(world, &path.receiver(ray.origin), part, surface, ray, hit);
     surface.emission * lights.bounce_weight(path.density, density)
 }

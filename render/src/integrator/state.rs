@@ -26,9 +26,18 @@ pub(super) struct Path {
 }
 
 impl Path {
+    /// The normal of a path that has left no surface yet.
+    const NOWHERE: u32 = 1 << 31;
+
+    /// Whether it has left no surface yet.
+    #[inline(always)]
+    pub(super) fn is_first(&self) -> bool {
+        self.normal == Self::NOWHERE
+    }
+
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: 0, unused: 0 }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: Self::NOWHERE, unused: 0 }
     }
 
     /// The surface that it comes from along a ray with this origin.

@@ -257,6 +257,10 @@ impl Lobes for Glass {
             });
         }
         let is_delta = self.ggx.is_delta();
+        let (reflected, transmitted, _) = self.split(wo.z);
+        // Of a delta function all is known, so that weights are the same for both ways.
+        let exact = mean(reflected) / (mean(reflected) + mean(transmitted)).max(f32::MIN_POSITIVE);
+        let probability = if is_delta { exact } else { probability };
         let is_reflected = choose(&mut u.x, probability);
         let h = if is_delta { Vec3::Z } else { self.ggx.sample_normal(wo, u) };
         let (wi, side) = if is_reflected {
@@ -265,7 +269,6 @@ impl Lobes for Glass {
             (self.refract(wo, h).filter(|wi| wi.z < 0.0), Event::TRANSMISSION)
         };
         if is_delta {
-            let (reflected, transmitted, _) = self.split(wo.z);
             let weight = if is_reflected { reflected / probability } else { transmitted / (1.0 - probability) };
             return wi.map(|wi| Choice::delta(wi, weight, side));
         }

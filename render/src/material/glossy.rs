@@ -74,7 +74,8 @@ impl Glossy {
         let roughness = ggx.mean_roughness();
         let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
         let dielectric = Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color);
-        let full = energy::full(roughness);
+        // A mirror loses nothing, whatever the table has for the least roughness.
+        let full = if ggx.is_delta() { Column::ONE } else { energy::full(roughness) };
         let below = if inputs.specular_weight > 0.0 {
             let fresnel = energy::reflection(roughness, inputs.specular_ior, false);
             full.zip(&fresnel, |full, fresnel| 1.0 - dielectric.greatest_albedo(full, fresnel))

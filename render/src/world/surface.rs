@@ -142,7 +142,11 @@ impl World {
             normal: if is_turned { -normal } else { normal },
             shading_normal: frame.normal,
             tangent: frame.tangent,
-            diffuse: if record.is_matte() { material.matte_color_at(&point) } else { record.diffuse },
+            diffuse: match record.is_matte() {
+                true if material.unlit => Vec3::ZERO,
+                true => material.inputs_at(&point).base_color,
+                false => record.diffuse,
+            },
             emission: material.emission_at(&point),
         }
     }

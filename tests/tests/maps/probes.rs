@@ -134,6 +134,6 @@ fn wrong_input_is_named() {
         let dark =
             program.run_line(&format!("probes dark.obj --grid 1x1x1 --min 0,0.5,0 --max 1,1,1 -o a.json {SMALL}"));
         assert_eq!(dark.code, Some(0), "{}", dark.stderr);
-        assert!(dark.stderr.contains("all probes are dark"), "{}", dark.stderr);
+        assert!(dark.stderr.contains("all probes are black"), "{}", dark.stderr);
     });
 }

@@ -6,17 +6,11 @@ use glam::Vec3;
 
 use super::Material;
 use crate::material::{Bsdf, Closure, Inputs, Kind};
-use crate::scene::MeshPoint;
 
 impl Material {
     /// The kind of closure that it needs wherever it is: that of the greatest values of its inputs.
     pub(crate) fn kind(&self) -> Kind {
         if self.unlit { Kind::Matte } else { Kind::of(&self.greatest_inputs()) }
-    }
-
-    /// The albedo of diffuse reflection where it is [`Kind::Matte`].
-    pub(crate) fn matte_color_at(&self, point: &MeshPoint) -> Vec3 {
-        if self.unlit { Vec3::ZERO } else { self.inputs_at(point).base_color }
     }
 
     /// The albedo of diffuse reflection, about, without textures.
