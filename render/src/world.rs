@@ -80,7 +80,9 @@ impl World {
         let Scene { meshes, materials, textures, lights, sky, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
-        let is_plain = |mesh: &Mesh| mesh.normals.is_empty() && materials[mesh.material].is_uniform();
+        let has_colors = |mesh: &Mesh| materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty();
+        let is_plain =
+            |mesh: &Mesh| mesh.normals.is_empty() && materials[mesh.material].is_uniform() && !has_colors(mesh);
         let (mut triangle_records, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
         for (number, mesh) in (0..).zip(&meshes) {
             first_faces.push(triangle_records.len() as u32);
@@ -107,7 +109,7 @@ impl World {
             _ => EmitterRecord::NONE,
         };
         let emitter_records = lights.lights().iter().map(emitter).collect();
-        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes());
+        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {

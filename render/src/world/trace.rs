@@ -75,7 +75,7 @@ impl World {
     /// How much of a triangle there is at a point, 0 to 1.
     pub(crate) fn opacity(&self, prim_id: u32, [u, v]: [f32; 2]) -> f32 {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        if !self.has_holes || !material.has_holes() {
+        if !self.has_holes || !(material.has_holes() || material.uses_vertex_colors) {
             return 1.0;
         }
         material.opacity_at(&self.mesh_point(prim_id, [1.0 - u - v, u, v]))

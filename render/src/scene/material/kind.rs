@@ -39,15 +39,15 @@ impl Material {
         self.kind() >= Kind::Transmissive && self.inputs.transmission_weight > 0.0
     }
 
-    /// Whether it is the same all over a mesh, vertex normals left aside.
+    /// Whether it is the same all over a mesh, vertex normals and colours left aside.
     pub(crate) fn is_uniform(&self) -> bool {
         let has_maps = !self.maps.is_empty() || self.emission_map.is_some() || self.anisotropy.is_some();
         let turns_normals = self.normal_map.is_some() || self.bump_map.is_some();
-        !has_maps && !turns_normals && !self.uses_vertex_colors && self.tangent_rotation == 0.0
+        !has_maps && !turns_normals && self.tangent_rotation == 0.0
     }
 
-    /// Whether it has holes, or is there in part.
+    /// Whether it has holes, or is there in part, vertex colours left aside.
     pub(crate) fn has_holes(&self) -> bool {
-        !self.opacity.is_whole() || self.uses_vertex_colors
+        !self.opacity.is_whole()
     }
 }
