@@ -179,7 +179,8 @@ pub(crate) trait Work {
     fn run<S: Simd>(self) -> Self::Output;
 }
 
-/// Runs `work` with the instructions of `isa`; of [`Isa::SCALAR`] with those of [`Isa::PORTABLE`].
+/// Runs `work` with the instructions of `isa`; of [`Isa::SCALAR`] with those of [`Isa::PORTABLE`]. None of the kernels
+/// becomes part of the caller: else its stack frame would have room for those of all levels.
 #[inline(always)]
 pub(crate) fn dispatch<W: Work>(isa: Isa, work: W) -> W::Output {
     match isa.0 {
@@ -189,17 +190,24 @@ pub(crate) fn dispatch<W: Work>(isa: Isa, work: W) -> W::Output {
         // SAFETY: an `Isa` is proof of its level.
         #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
         Level::Avx512 => unsafe { on_avx512(work) },
-        _ => work.run::<Portable>(),
+        _ => on_portable(work),
     }
 }
 
+#[inline(never)]
+fn on_portable<W: Work>(work: W) -> W::Output {
+    work.run::<Portable>()
+}
+
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[inline(never)]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx2<W: Work>(work: W) -> W::Output {
     work.run::<super::avx2::Avx2>()
 }
 
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[inline(never)]
 #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn on_avx512<W: Work>(work: W) -> W::Output {
     work.run::<super::avx512::Avx512>()

@@ -107,7 +107,7 @@ impl BvhView<'_> {
                     *place = hit;
                 }
             };
-            dispatch(self.isa(), Many::<false, _> { tree: self, rays, write });
+            trace_many::<false>(self, rays, write);
         }
     }
 
@@ -124,7 +124,7 @@ impl BvhView<'_> {
                     *place = hit.is_hit();
                 }
             };
-            dispatch(self.isa(), Many::<true, _> { tree: self, rays, write });
+            trace_many::<true>(self, rays, write);
         }
     }
 
@@ -167,7 +167,7 @@ impl BvhView<'_> {
                 *place = hit;
             }
         };
-        dispatch(self.isa(), Gather::<false, _> { tree: self, rays, write });
+        trace_gather::<false>(self, rays, write);
     }
 
     /// Like [`occluded_many`](Self::occluded_many), and quicker for rays that share an origin, likewise.
@@ -181,26 +181,32 @@ impl BvhView<'_> {
                 *place = hit.is_hit();
             }
         };
-        dispatch(self.isa(), Gather::<true, _> { tree: self, rays, write });
+        trace_gather::<true>(self, rays, write);
     }
 }
 
-struct Gather<'a, const ANY: bool, F> {
-    tree: &'a BvhView<'a>,
-    rays: &'a [Ray],
-    write: F,
+/// Rays of one origin, by what suits the tree.
+fn trace_gather<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
+    // Not where there is no room on the stack, either.
+    if leaf_queues::suit(tree) && !cfg!(target_os = "none") {
+        dispatch(tree.isa(), LeafQueues::<ANY, _> { tree, rays, write });
+    } else {
+        dispatch(tree.isa(), Packets::<ANY, _> { tree, rays, write });
+    }
 }
 
-impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Gather<'_, ANY, F> {
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        // Not where there is no room on the stack, either.
-        if leaf_queues::suit(self.tree) && !cfg!(target_os = "none") {
-            leaf_queues::trace::<ANY, S>(self.tree, self.rays, self.write);
-        } else {
-            packet::gather::trace::<ANY, S>(self.tree, self.rays, self.write);
-        }
+/// Rays that are worth a stream.
+const LEAST_STREAM: usize = 24;
+
+/// Rays of any kind, by what suits their number and the tree.
+fn trace_many<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
+    // Of few rays most would be on their way alone, and to set up a stream would take longer than what it saves.
+    if cfg!(target_os = "none") || rays.len() < LEAST_STREAM {
+        dispatch(tree.isa(), Few::<ANY, _> { tree, rays, write });
+    } else if leaf_queues::suit(tree) {
+        dispatch(tree.isa(), LeafQueues::<ANY, _> { tree, rays, write });
+    } else {
+        dispatch(tree.isa(), Stream::<ANY, _> { tree, rays, write });
     }
 }
 
@@ -217,29 +223,30 @@ impl<const ANY: bool> Work for One<'_, ANY> {
     }
 }
 
-/// Rays that are worth a stream.
-const LEAST_STREAM: usize = 24;
+/// The ways to trace a slice of rays, each compiled apart, so that its stack frame is its own.
+macro_rules! slices {
+    ($($name:ident: $($trace:ident)::+),*) => {$(
+        struct $name<'a, const ANY: bool, F> {
+            tree: &'a BvhView<'a>,
+            rays: &'a [Ray],
+            write: F,
+        }
 
-struct Many<'a, const ANY: bool, F> {
-    tree: &'a BvhView<'a>,
-    rays: &'a [Ray],
-    write: F,
+        impl<const ANY: bool, F: FnMut(usize, Hit)> Work for $name<'_, ANY, F> {
+            type Output = ();
+            #[inline(always)]
+            fn run<S: Simd>(self) {
+                $($trace)::+::<ANY, S>(self.tree, self.rays, self.write);
+            }
+        }
+    )*};
 }
 
-impl<const ANY: bool, F: FnMut(usize, Hit)> Work for Many<'_, ANY, F> {
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        // Of few rays most would be on their way alone, and to set up a stream would take longer than what it saves.
-        if cfg!(target_os = "none") || self.rays.len() < LEAST_STREAM {
-            let mut write = self.write;
-            for (number, ray) in self.rays.iter().enumerate() {
-                write(number, single::trace::<ANY, S>(self.tree, ray).unwrap_or(Hit::MISS));
-            }
-        } else if leaf_queues::suit(self.tree) {
-            leaf_queues::trace::<ANY, S>(self.tree, self.rays, self.write);
-        } else {
-            stream::trace::<ANY, S>(self.tree, self.rays, self.write);
-        }
+slices!(Few: one_by_one, LeafQueues: leaf_queues::trace, Packets: packet::gather::trace, Stream: stream::trace);
+
+#[inline(always)]
+fn one_by_one<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
+    for (number, ray) in rays.iter().enumerate() {
+        write(number, single::trace::<ANY, S>(tree, ray).unwrap_or(Hit::MISS));
     }
 }

@@ -31,13 +31,7 @@ pub(super) const MAX_ACTIVE: usize = 64;
 /// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
-    let mut stream = Stream {
-        active: [ActiveRay::EMPTY; MAX_ACTIVE],
-        next: [NONE; MAX_ACTIVE],
-        busy: 0,
-        started: 0,
-        candidates: Candidates::EMPTY,
-    };
+    let mut stream = Stream::EMPTY;
     loop {
         stream.start::<ANY, S>(tree, rays);
         let [nodes, leaves, done] = stream.classify::<S>();
@@ -66,6 +60,15 @@ struct Stream {
 }
 
 impl Stream {
+    /// All zeros, which are written in place: with anything else a copy would be made on the stack.
+    const EMPTY: Self = Self {
+        active: [ActiveRay::EMPTY; MAX_ACTIVE],
+        next: [0; MAX_ACTIVE],
+        busy: 0,
+        started: 0,
+        candidates: Candidates::EMPTY,
+    };
+
     /// Starts rays, eight at a time, while there are places for so many.
     #[inline(always)]
     fn start<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, rays: &[Ray]) {
