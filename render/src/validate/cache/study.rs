@@ -111,6 +111,12 @@ impl<'a> Study<'a> {
         Self { world, settings, sensors, reference, watch }
     }
 
+    /// The same study, whose estimates have random numbers of their own; the reference stays.
+    pub(super) fn with_seed(&mut self, seed: u64) -> &Self {
+        self.settings.seed = seed;
+        self
+    }
+
     /// The error of the reference itself, relative to its mean.
     pub fn reference_error(&self) -> f64 {
         self.reference.error()
