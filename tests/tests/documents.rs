@@ -92,3 +92,11 @@ fn what_is_read_first_is_short() {
     assert!(text("README.md").lines().count() <= 150);
     assert!(text("ARCHITECTURE.md").len() <= 12 * 1024);
 }
+
+#[test]
+fn no_document_has_the_marks_of_a_merge() {
+    for document in files(root()).iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        let marks = |line: &String| ["<<<<<<< ", ">>>>>>> "].iter().any(|mark| line.starts_with(mark));
+        assert!(!prose(document).iter().any(marks), "{}", document.display());
+    }
+}
