@@ -96,7 +96,7 @@ fn mean(scene: &Scene, settings: &Settings, renders: u64) -> Estimate {
 #[test]
 fn a_lamp_over_a_floor_lights_it_by_cosine_and_distance() {
     let intensity = Vec3::new(9.0, 6.0, 3.0);
-    let lamp = PunctualLight::Point { position: Vec3::new(0.0, 0.0, 2.0), intensity };
+    let lamp = PunctualLight::Point { position: Vec3::new(0.0, 0.0, 2.0), intensity, radius: 0.0 };
     let reflectance = Vec3::new(0.5, 0.25, 1.0);
     for distance in [0.0, 1.0, 3.0] {
         let at = Vec3::new(distance, 0.0, 0.0);
@@ -192,7 +192,8 @@ fn each_stopping_rule_leaves_out_what_it_should() {
     // The first terms of 1/2 + 1/4 + 1/8 + …
     let series = |terms: i32| Vec3::splat(1.0 - 0.5f32.powi(terms));
     for depth in [1, 2, 3, 7] {
-        let by_depth = PathOptions { max_depth: depth, lights: LightSampling::Naive, stop: Stop::Depth };
+        let by_depth =
+            PathOptions { max_depth: depth, lights: LightSampling::Naive, stop: Stop::Depth, ..PathOptions::default() };
         let picture = render(&scene, &settings(Integrator::Path(by_depth), 2));
         all_are(&picture, series(depth as i32), 1e-6, &format!("depth {depth}"));
     }
@@ -383,4 +384,30 @@ fn coarse_to_fine_ends_in_the_plain_picture() {
             }
         }
     }
+}
+
+/// By a small lamp on a shelf, and under a sky: light is found by bounces and by samples of every kind.
+#[test]
+fn a_clamp_dims_indirect_light_alone() {
+    let mut scene = cornell_box();
+    let intensity = Vec3::splat(0.02);
+    scene.lights.push(PunctualLight::Point { position: Vec3::new(0.1, 0.1, 0.1), intensity, radius: 0.01 });
+    scene.sky.radiance = Vec3::new(0.1, 0.2, 0.3);
+    let clamped = |clamp_indirect, max_depth| {
+        let integrator = Integrator::Path(PathOptions { clamp_indirect, max_depth, ..PathOptions::default() });
+        pixels(&render(&scene, &Settings { width: 24, height: 24, ..settings(integrator, 8) }))
+    };
+    assert_eq!(clamped(Some(1e-4), 2), clamped(None, 2), "direct light");
+    let whole = clamped(None, 8);
+    assert_eq!(clamped(Some(1e6), 8), whole, "a clamp that nothing reaches");
+    let direct = clamped(None, 2);
+    let none = clamped(Some(1e-6), 8);
+    let some = clamped(Some(0.5), 8);
+    let mut dimmed = 0;
+    for i in 0..whole.len() {
+        assert!((none[i] - direct[i]).abs().max_element() < 1e-4 * (1.0 + direct[i].max_element()), "pixel {i}");
+        assert!(some[i].cmple(whole[i] + 1e-6).all() && some[i].cmpge(direct[i] - 1e-6).all(), "pixel {i}");
+        dimmed += u32::from(some[i] != whole[i]);
+    }
+    assert!(dimmed > 20, "{dimmed}");
 }

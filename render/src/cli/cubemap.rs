@@ -125,7 +125,7 @@ impl CubemapArguments {
             return Err(invalid(problem, "leave --at out, or give a scene"));
         }
         let mut overrides = self.light.overrides();
-        if is_picture && overrides.sky_light.picture.replace(self.source.clone()).is_some() {
+        if is_picture && overrides.light.sky_light.picture.replace(self.source.clone()).is_some() {
             let problem = format!("both {} and --sky-picture are given", self.source.display());
             return Err(invalid(problem, "leave one of them out"));
         }

@@ -15,10 +15,10 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
+use super::punctual::sample_punctual;
 use crate::bsdf::Scattering;
-use crate::light::{Light, PointLight, Receiver, SampledLight, SkyPart, ramp};
+use crate::light::{Light, Receiver, SampledLight, SkyPart};
 use crate::material::Bsdf;
-use crate::scene::PunctualLight;
 use crate::settings::LightSampling;
 use crate::world::{Surface, World};
 
@@ -35,7 +35,7 @@ pub(crate) struct LightSample {
     pub shadow: Ray,
     /// Unit vector to the light.
     pub direction: Vec3,
-    /// Radiance over density; of a delta light, irradiance at right angles to it over probability.
+    /// Radiance over density; of a delta light, irradiance on what faces it over probability.
     pub radiance: Vec3,
     /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
     pub inv_density: f32,
@@ -118,7 +118,7 @@ pub(crate) fn sample_light(
     let u = Vec2::new(choice.rest, v);
     let rarer = match &world.lights.lights()[choice.index as usize] {
         Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, (*prim_id, choice.probability), u),
-        Light::Punctual(light) => sample_punctual(surface, light, choice.probability),
+        Light::Punctual(light) => sample_punctual(surface, light, choice.probability, u),
         Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.
@@ -178,19 +178,6 @@ pub(crate) fn area_light_sample(
 }
 
 #[inline(never)]
-fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32) -> LightSample {
-    let (to_light, received) = incident_irradiance(light, surface.position);
-    let shadow = match light {
-        PunctualLight::Directional { .. } => Ray::new(surface.origin_towards(to_light), to_light),
-        PunctualLight::Point { position, .. } | PunctualLight::Spot { position, .. } => {
-            Ray::between(surface.origin_towards(to_light), *position)
-        }
-    };
-    let direction = to_light.normalize_or_zero();
-    LightSample { shadow, direction, radiance: received / probability, inv_density: 0.0 }
-}
-
-#[inline(never)]
 fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32, u: Vec2) -> Option<LightSample> {
     let sample = world.lights.sky.sample(&surface.receiver(), part, u);
     let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
@@ -199,21 +186,4 @@ fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32,
     // No bounce sees the sun where that is what is asked for.
     let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
     (sample.density > 0.0).then_some(LightSample { shadow, direction: sample.direction, radiance, inv_density })
-}
-
-/// The way from a point to a delta light, and the irradiance there on a surface that faces it.
-fn incident_irradiance(light: &PunctualLight, point: Vec3) -> (Vec3, Vec3) {
-    match *light {
-        PunctualLight::Point { position, intensity } => {
-            let to_light = position - point;
-            (to_light, intensity / to_light.length_squared())
-        }
-        PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
-            let to_light = position - point;
-            let cosine = -to_light.normalize_or_zero().dot(direction);
-            let part = PointLight::part(cosine, cos_outer, ramp(cos_inner, cos_outer));
-            (to_light, intensity * (part / to_light.length_squared()))
-        }
-        PunctualLight::Directional { direction, irradiance } => (-direction, irradiance),
-    }
 }

@@ -6,6 +6,7 @@ mod hemisphere;
 mod incident;
 mod light_warp;
 mod occluders;
+mod punctual;
 mod weight;
 
 pub(crate) use direct::{

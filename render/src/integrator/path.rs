@@ -9,6 +9,8 @@
 //! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 //!
+//! `clamp_indirect` scales down what a light adds after two reflections and more.
+//!
 //! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are computed
 //! in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
 //! sky and delta lights are done one by one.
@@ -20,7 +22,7 @@ use halfdome_kernel::Task;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::emission::{emission, sky};
-use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays};
+use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays, clamp};
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::estimator::{ShadowRay, sample_light};
@@ -168,7 +170,7 @@ impl<'a> Advance<'a> {
         for &source in &self.wave.order[first..] {
             let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
             let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
-            self.radiance[path.index as usize] += light;
+            self.radiance[path.index as usize] += self.clamped(light);
         }
     }
 
@@ -195,7 +197,16 @@ impl<'a> Advance<'a> {
         let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
         block.set(i, &facing, albedo, transmittance);
         let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
-        self.radiance[path.index as usize] += block.throughput(i) * light;
+        self.radiance[path.index as usize] += self.clamped(block.throughput(i) * light);
+    }
+
+    /// Light that a path has found where it arrived; that was sampled at the surface before.
+    #[inline(always)]
+    fn clamped(&self, light: Vec3) -> Vec3 {
+        match self.options.clamp_indirect {
+            Some(most) if self.depth > 2 => clamp(light, most),
+            _ => light,
+        }
     }
 
     /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
@@ -253,6 +264,9 @@ impl<'a> Advance<'a> {
             }
         }
         block.sample_lights(closures, self.options.lights, &WHITE, shadows);
+        if let Some(most) = self.clamp_at_surface() {
+            shadows.clamp(most);
+        }
         self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
 
@@ -270,9 +284,17 @@ impl<'a> Advance<'a> {
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
+            let light = block.throughput(i) * radiance;
+            let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
             let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
-            self.wave.shadow_queue.push(block.index(i) as u32, block.throughput(i), shadow_ray);
+            self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
         }
+    }
+
+    /// What light samples at the surfaces of this step may be at most, unless it is the first one's direct light.
+    #[inline(always)]
+    fn clamp_at_surface(&self) -> Option<f32> {
+        self.options.clamp_indirect.filter(|_| self.depth > 1)
     }
 
     /// Puts the paths of the block that go on behind the others that do.

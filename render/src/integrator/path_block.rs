@@ -30,7 +30,7 @@ pub(super) use closures::{BlockClosures, Closures, Lambert};
 pub(super) use columns::LANES;
 use columns::{Column, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle};
 use light::LightSamples;
-pub(super) use light::ShadowRays;
+pub(super) use light::{ShadowRays, clamp};
 
 /// Paths that have arrived at a surface each.
 #[derive(Clone, Copy, Zeroable)]
@@ -51,8 +51,10 @@ pub(super) struct PathBlock {
     position: Vectors,
     normal: Vectors,
     shading_normal: Vectors,
-    /// The shading normals as receivers have them.
+    /// The shading normals as receivers have them, and whether light from behind counts there.
     packed: Integers,
+    receiving: Vectors,
+    behind: Column,
     /// The part of all light that is reflected or let through, at most.
     reflectance: Vectors,
     /// Whether light from behind counts too.

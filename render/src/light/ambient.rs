@@ -73,7 +73,7 @@ mod tests {
             mean_radiance(&[WALL; 2], |_| &material, lights, sky, bounds).x
         };
         // 4π W on a square metre of black is 4 W/(m² sr) from everywhere.
-        let point = PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE };
+        let point = PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE, radius: 0.0 };
         assert!((mean(&[point], 0.0) - 4.0).abs() < 1e-6);
         // A sky of 12π square metres around one of black.
         let share = 12.0 * PI / (12.0 * PI + 1.0);

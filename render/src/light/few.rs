@@ -1,6 +1,8 @@
 //! Scenes with a few triangles for lights and nothing else, as rooms with one lamp: no tree is walked, and the weights of many
 //! receivers are computed in lanes, which is quicker than the lights of one.
 
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
+
 use super::Receiver;
 use super::tree::leaf::{TriangleLight, triangle};
 
@@ -20,12 +22,19 @@ pub(crate) fn sum([a, b, c, d]: [f32; FEW]) -> f32 {
     (a + b) + (c + d)
 }
 
+/// The 24 bits that a choice among few takes of a number in [0, 1).
+pub(super) fn coarse(u: f64) -> f32 {
+    const STEPS: f64 = 16_777_216.0;
+    ((u * STEPS).floor() / STEPS) as f32
+}
+
 /// Which of a few lights with these weights is chosen by a number in [0, 1), with what probability, and what is left of the
-/// number. Without a branch, so that loops over it become lanes. If all weights are 0, so is the probability.
+/// number. Without a branch, and in single precision, so that loops over it become lanes. If all weights are 0, so is the
+/// probability.
 #[inline(always)]
-pub(crate) fn choose(weights: [f32; FEW], u: f64) -> (u32, f32, f32) {
+pub(crate) fn choose(weights: [f32; FEW], u: f32) -> (u32, f32, f32) {
     let total = sum(weights);
-    let place = u * f64::from(total);
+    let place = u * total;
     let (mut index, mut chosen, mut start, mut end) = (0, 0.0, 0.0, 0.0);
     for (i, &weight) in (0..).zip(&weights) {
         // The last that is not 0, if rounding led behind all of them.
@@ -33,10 +42,10 @@ pub(crate) fn choose(weights: [f32; FEW], u: f64) -> (u32, f32, f32) {
         index = if is_next { i } else { index };
         chosen = if is_next { weight } else { chosen };
         start = if is_next { end } else { start };
-        end += f64::from(weight);
+        end += weight;
     }
     let is_lit = total > 0.0;
-    let rest = (place - start) as f32 / if is_lit { chosen } else { 1.0 };
+    let rest = (place - start) / if is_lit { chosen } else { 1.0 };
     let probability = chosen / if is_lit { total } else { 1.0 };
-    (index, probability, rest.clamp(0.0, halfdome_kernel::sampling::ONE_MINUS_EPSILON))
+    (index, probability, rest.clamp(0.0, ONE_MINUS_EPSILON))
 }

@@ -145,16 +145,16 @@ impl LightSampler {
         for (number, light) in near.into_iter().chain(distant) {
             punctual_numbers.push(number);
             match light {
-                PunctualLight::Directional { direction, irradiance } => {
-                    directional.push(-direction, 0.0, luminance_weight(irradiance));
+                PunctualLight::Directional { direction, irradiance, half_angle } => {
+                    directional.push(-direction, half_angle, luminance_weight(irradiance));
                 }
-                PunctualLight::Point { position, intensity } => {
+                PunctualLight::Point { position, intensity, radius } => {
                     let intensity = luminance_weight(intensity);
-                    points.push(PointLight { position, axis: Vec3::Z, intensity, cos_outer: -2.0, slope: 1.0 });
+                    points.push(PointLight { position, axis: Vec3::Z, intensity, radius, cos_outer: -2.0, slope: 1.0 });
                 }
-                PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+                PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer } => {
                     let (intensity, slope) = (luminance_weight(intensity), ramp(cos_inner, cos_outer));
-                    points.push(PointLight { position, axis: direction, intensity, cos_outer, slope });
+                    points.push(PointLight { position, axis: direction, intensity, radius, cos_outer, slope });
                 }
             }
             lights.push(Light::Punctual(light));
@@ -206,7 +206,7 @@ impl LightSampler {
         }
         if !self.few.is_empty() && weights.sky == 0.0 {
             let [a, b, c, d, ..] = weights.triangles[0];
-            let (index, probability, rest) = few::choose([a, b, c, d], u);
+            let (index, probability, rest) = few::choose([a, b, c, d], few::coarse(u));
             return Some(SampledLight { index, probability, rest });
         }
         let mut place = u * f64::from(total);

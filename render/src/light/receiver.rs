@@ -27,6 +27,12 @@ impl Receiver {
         Self::unpack(position, pack(normal, both_sides))
     }
 
+    /// The word that stands for a normal and the sides of a surface that receive light.
+    #[inline(always)]
+    pub(crate) fn pack(normal: Vec3, both_sides: bool) -> u32 {
+        pack(normal, both_sides)
+    }
+
     /// The receiver at this position whose [`packed`](Self::packed) normal is known.
     #[inline(always)]
     pub(crate) fn unpack(position: Vec3, packed: u32) -> Self {

@@ -31,17 +31,18 @@ fn triangles(count: u32, scale: f32) -> (Vec<Triangle>, Vec<Material>) {
 }
 
 fn punctual(count: u32, scale: f32) -> Vec<PunctualLight> {
+    let radius = |i: u32| 0.1 * scale * (i % 2) as f32;
     let one = |i: u32| {
         let (position, direction) = (scale * place(4, i), direction(4, i));
         let [red, green, blue, cone] = Stream::new(4, i, 2).uniform4(0);
         let color = Vec3::new(red, green, blue);
         match i % 3 {
-            0 => PunctualLight::Point { position, intensity: color * 0.1 * scale * scale },
+            0 => PunctualLight::Point { position, intensity: color * 0.1 * scale * scale, radius: radius(i) },
             1 => {
                 let (cos_inner, cos_outer, intensity) = (0.5 + 0.5 * cone, 0.4 * cone, color * scale * scale);
-                PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer }
+                PunctualLight::Spot { position, direction, intensity, radius: radius(i), cos_inner, cos_outer }
             }
-            _ => PunctualLight::Directional { direction, irradiance: color },
+            _ => PunctualLight::Directional { direction, irradiance: color, half_angle: 0.1 * (i % 2) as f32 },
         }
     };
     (0..count).map(one).collect()

@@ -121,7 +121,7 @@ fn a_glowing_room_has_the_radiance_of_its_series() {
 fn a_directional_light_is_its_harmonics_and_casts_shadows() {
     let direction = Vec3::new(-1.0, -2.0, 2.0) / 3.0;
     let irradiance = Vec3::new(3.0, 2.0, 1.0);
-    let lights = vec![PunctualLight::Directional { direction, irradiance }];
+    let lights = vec![PunctualLight::Directional { direction, irradiance, half_angle: 0.0 }];
     let black = Material::matte(Vec3::ZERO);
     let middle = Vec3::new(10.0, 0.0, 0.0);
     let world = World::new(with_sphere(Scene { lights, ..scene() }, middle, 1.0, false, black)).unwrap();

@@ -6,7 +6,7 @@
 //!
 //! # Deviations
 //! - Radiance is luminance over 683 lm/W: as much as green light of that luminance has.
-//! - The sun is a light infinitely far away, so that shadows are sharp. Its colour is white, dimmed by air and haze
+//! - The sun is an even disc of half a degree, without limb darkening, which cameras and mirrors do not see. Its colour is white, dimmed by air and haze
 //!   (the paper's Rayleigh and Ångström terms) at one wavelength a channel; ozone, other gases and vapour, which take a few
 //!   percent, are left out.
 //! - Below the horizon is nothing.
@@ -33,6 +33,8 @@ const SIZE: [u32; 2] = [512, 256];
 const RADIANCE: f64 = 1000.0 / 683.0;
 /// Illuminance of the sun outside of the air, klx.
 const SUN: f64 = 127.5;
+/// Half the angle that the sun's disc subtends, radians.
+const SUN_HALF_ANGLE: f32 = 0.004_65;
 /// A wavelength for each channel, µm.
 const WAVELENGTHS: [f64; 3] = [0.610, 0.550, 0.465];
 
@@ -66,7 +68,7 @@ impl Daylight {
         let picture = SkyPicture { width, height, texels: texels.collect(), rotation: 0.0 };
         let sun = self.sun();
         let irradiance = (self.sun_irradiance() * f64::from(scale)).as_vec3();
-        (picture, PunctualLight::Directional { direction: -sun.as_vec3(), irradiance })
+        (picture, PunctualLight::Directional { direction: -sun.as_vec3(), irradiance, half_angle: SUN_HALF_ANGLE })
     }
 
     /// The unit vector to the sun.
@@ -171,7 +173,7 @@ mod tests {
         let (x, y) = (brightest as f32 % 512.0 / 512.0, (brightest / 512) as f32 / 256.0);
         // +x is three quarters across, and 70 degrees from the top are 0.39 down.
         assert!((x - 0.75).abs() < 0.02 && (y - 70.0 / 180.0).abs() < 0.05, "{x}, {y}");
-        let PunctualLight::Directional { direction, irradiance } = light else { panic!("the sun is far away") };
+        let PunctualLight::Directional { direction, irradiance, .. } = light else { panic!("the sun is far away") };
         assert!(direction.x < -0.9 && direction.y < 0.0);
         assert_eq!(irradiance, (2.0 * day.sun_irradiance()).as_vec3());
         // What a horizontal plane gets of a clear sky, without the sun: some klx.

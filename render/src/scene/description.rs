@@ -94,15 +94,17 @@ pub struct Variant {
     pub materials: Vec<(usize, usize)>,
 }
 
-/// A light that has no surface. Intensities are per linear sRGB channel.
+/// A light that no ray hits: cameras, mirrors and bounces do not see it. Intensities are per linear sRGB channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PunctualLight {
     /// Shines alike in every direction.
     Point {
         /// Where it stands.
         position: Vec3,
-        /// Radiant intensity, W/sr.
+        /// Radiant intensity from afar, W/sr.
         intensity: Vec3,
+        /// Radius of the sphere that shines, in the scene's units; 0 is a delta light, with hard shadows.
+        radius: f32,
     },
     /// Shines into a cone, as `KHR_lights_punctual` has it.
     Spot {
@@ -110,8 +112,11 @@ pub enum PunctualLight {
         position: Vec3,
         /// Unit vector along the cone's axis.
         direction: Vec3,
-        /// Radiant intensity on the axis, W/sr.
+        /// Radiant intensity on the axis from afar, W/sr.
         intensity: Vec3,
+        /// Radius of the sphere that shines, as that of a point light. The cone is that of the directions in which it is
+        /// left.
+        radius: f32,
         /// Cosine of the angle up to which the intensity is full.
         cos_inner: f32,
         /// Cosine of the angle from which it is zero; less than `cos_inner`.
@@ -123,6 +128,8 @@ pub enum PunctualLight {
         direction: Vec3,
         /// Irradiance on a surface that faces it, W/m².
         irradiance: Vec3,
+        /// Half the angle that its disc subtends, radians, below π/2; 0 is a delta light, with hard shadows.
+        half_angle: f32,
     },
 }
 
@@ -212,7 +219,7 @@ mod tests {
         let mut sky = dark.clone();
         sky.sky.radiance = Vec3::X;
         assert!(sky.has_light());
-        dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
+        dark.lights.push(PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE, radius: 0.0 });
         assert!(dark.has_light());
     }
 

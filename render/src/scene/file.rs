@@ -5,6 +5,8 @@
 //! file = "hall.glb"      # relative to the folder of this file
 //! emission = "both"      # which sides of emitters emit: "front" or "both"
 //! lights = "photometric" # the units of its light sources: "photometric" or "radiometric"
+//! light_radius = 0.1     # of its point and spot lights, for soft shadows
+//! sun_angle = 0.53       # that its directional lights subtend, degrees
 //! variant = "oak"        # of its materials
 //!
 //! [camera]
@@ -65,7 +67,7 @@ pub struct SceneFile {
 
 /// The sections of a scene file with their keys.
 const SECTIONS: [(&str, &[&str]); 5] = [
-    ("scene", &["file", "emission", "lights", "variant"]),
+    ("scene", &["file", "emission", "lights", "light_radius", "sun_angle", "variant"]),
     ("camera", &["eye", "target", "up", "vfov"]),
     ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
     (
@@ -83,6 +85,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "add_back",
             "roulette_after",
             "survival",
+            "clamp_indirect",
             "bounces",
             "rays",
             "sampling",
@@ -178,9 +181,13 @@ impl Parser<'_> {
     /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
         match entry.name {
-            "lights" if section == "scene" => to.light_units = Some(self.read(value::light_units, section, entry)?),
+            "lights" if section == "scene" => {
+                to.light.light_units = Some(self.read(value::light_units, section, entry)?)
+            }
+            "light_radius" => to.light.light_radius = Some(self.read(value::light_radius, section, entry)?),
+            "sun_angle" => to.light.sun_angle = Some(self.read(value::sun_angle, section, entry)?),
             "variant" => to.variant = Some(self.read(value::text, section, entry)?),
-            "emission" => to.emits_both_sides = Some(self.read(value::emission, section, entry)?),
+            "emission" => to.light.emits_both_sides = Some(self.read(value::emission, section, entry)?),
             "eye" => to.eye = Some(self.read(value::point, section, entry)?),
             "target" => to.target = Some(self.read(value::point, section, entry)?),
             "up" => to.up = Some(self.read(value::direction, section, entry)?),
@@ -195,11 +202,11 @@ impl Parser<'_> {
             "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
             "build" => to.build = Some(self.read(value::quality, section, entry)?),
-            "radiance" => to.sky = Some(self.read(value::radiance, section, entry)?),
-            "picture" => to.sky_light.picture = Some(self.file(section, "a picture", entry)?),
-            "rotation" => to.sky_light.rotation = Some(self.read(value::degrees, section, entry)?),
-            "scale" => to.sky_light.scale = Some(self.read(value::scale, section, entry)?),
-            "daylight" => to.sky_light.daylight = Some(self.read(value::daylight, section, entry)?),
+            "radiance" => to.light.sky = Some(self.read(value::radiance, section, entry)?),
+            "picture" => to.light.sky_light.picture = Some(self.file(section, "a picture", entry)?),
+            "rotation" => to.light.sky_light.rotation = Some(self.read(value::degrees, section, entry)?),
+            "scale" => to.light.sky_light.scale = Some(self.read(value::scale, section, entry)?),
+            "daylight" => to.light.sky_light.daylight = Some(self.read(value::daylight, section, entry)?),
             _ => self.set_integrator(&mut to.integrator, section, entry)?,
         }
         Ok(())
@@ -216,6 +223,7 @@ impl Parser<'_> {
             "add_back" => to.add_back = Some(self.read(value::flag, section, entry)?),
             "roulette_after" => to.roulette_after = Some(self.read(value::number, section, entry)?),
             "survival" => to.survival = Some(self.read(value::survival, section, entry)?),
+            "clamp_indirect" => to.clamp_indirect = Some(self.read(value::clamp, section, entry)?),
             "bounces" => to.bounces = Some(self.read(value::number, section, entry)?),
             "rays" => to.rays = Some(self.read(value::count, section, entry)?),
             "sampling" => to.sampling = Some(self.read(value::hemisphere_sampling, section, entry)?),

@@ -151,18 +151,20 @@ impl Fnv {
 
     fn light(&mut self, light: &PunctualLight) {
         match light {
-            PunctualLight::Point { position, intensity } => {
+            PunctualLight::Point { position, intensity, radius } => {
                 self.word(0);
                 [*position, *intensity].into_iter().for_each(|v| self.vector(v));
+                self.floats(&[*radius]);
             }
-            PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+            PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer } => {
                 self.word(1);
                 [*position, *direction, *intensity].into_iter().for_each(|v| self.vector(v));
-                self.floats(&[*cos_inner, *cos_outer]);
+                self.floats(&[*radius, *cos_inner, *cos_outer]);
             }
-            PunctualLight::Directional { direction, irradiance } => {
+            PunctualLight::Directional { direction, irradiance, half_angle } => {
                 self.word(2);
                 [*direction, *irradiance].into_iter().for_each(|v| self.vector(v));
+                self.floats(&[*half_angle]);
             }
         }
     }

@@ -67,11 +67,11 @@ mod tests {
     use super::*;
 
     fn point(intensity: f32) -> PunctualLight {
-        PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::splat(intensity) }
+        PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::splat(intensity), radius: 0.0 }
     }
 
     fn sun(irradiance: f32) -> PunctualLight {
-        PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::splat(irradiance) }
+        PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::splat(irradiance), half_angle: 0.0 }
     }
 
     /// Blender's intensities for lamps of 5 to 1000 W, and suns of strength 0.1 to 20, in both modes.

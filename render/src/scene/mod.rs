@@ -39,6 +39,6 @@ pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, 
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};
-pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, Overrides, SkyOverrides};
+pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SkyOverrides};
 pub use sky::{Sky, SkyPicture};
 pub use texture::{ColorSpace, Texture, TextureFilter, TextureMap, Wrap};

@@ -4,6 +4,7 @@
 
 mod cached;
 mod integrator;
+mod light;
 mod sky;
 
 use std::fmt;
@@ -17,12 +18,13 @@ use halfdome_kernel::{MAX_COORDINATE, Quality};
 use super::framing::{frame, frame_inside};
 use super::nearest::suggestion;
 use super::value::{self, argument};
-use super::{CameraPose, LightUnits, Scene};
+use super::{CameraPose, Scene};
 use crate::settings::Filter;
 use crate::settings::{Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
 pub use integrator::IntegratorOverrides;
+pub use light::LightOverrides;
 pub use sky::SkyOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
@@ -88,23 +90,9 @@ pub struct Overrides {
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub aov: Option<bool>,
 
-    /// Constant radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", help_heading = "Light", allow_hyphen_values = true)]
-    #[arg(value_parser = argument(value::radiance))]
-    pub sky: Option<Vec3>,
-    /// The sky's picture, or daylight.
+    /// The lights and the sky.
     #[command(flatten)]
-    pub sky_light: SkyOverrides,
-    /// Sides from which all emitters emit: front or both [default: from each material]
-    ///
-    /// The front is where corners are counter-clockwise, or where vertex normals point. Many models do not care: if a
-    /// lamp lights the wrong way, try both.
-    #[arg(long = "emission", value_name = "SIDES", help_heading = "Light", value_parser = argument(value::emission))]
-    pub emits_both_sides: Option<bool>,
-    /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
-    /// [default: photometric for strong lights in files by Blender, else radiometric]
-    #[arg(long, value_name = "UNITS", help_heading = "Light", value_parser = argument(value::light_units))]
-    pub light_units: Option<LightUnits>,
+    pub light: LightOverrides,
     /// Material variant of the model to use (glTF's KHR_materials_variants)
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub variant: Option<String>,
@@ -133,10 +121,7 @@ impl Overrides {
             seed: self.seed.or(fallback.seed),
             build: self.build.or(fallback.build),
             aov: self.aov.or(fallback.aov),
-            sky: self.sky.or(fallback.sky),
-            sky_light: self.sky_light.or(fallback.sky_light),
-            emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
-            light_units: self.light_units.or(fallback.light_units),
+            light: self.light.or(fallback.light),
             variant: self.variant.or(fallback.variant),
         }
     }
@@ -151,20 +136,9 @@ impl Overrides {
         if let Some(name) = &self.variant {
             choose_variant(scene, name).map_err(|error| Conflict::new(Group::Variant, error))?;
         }
-        if let Some(units) = self.light_units {
-            scene.set_light_units(units);
-        }
         let aspect = f64::from(settings.width) / f64::from(settings.height);
         scene.camera = Some(self.camera(scene, aspect).map_err(|error| Conflict::new(Group::Camera, error))?);
-        if let Some(radiance) = self.sky {
-            scene.sky.radiance = radiance;
-        }
-        self.sky_light.apply(scene).map_err(|error| Conflict::new(Group::Sky, error))?;
-        if let Some(both) = self.emits_both_sides {
-            for material in &mut scene.materials {
-                material.emits_both_sides = both;
-            }
-        }
+        self.light.apply(scene).map_err(|error| Conflict::new(Group::Sky, error))?;
         Ok(settings)
     }
 
@@ -206,7 +180,7 @@ impl Overrides {
             Group::Size => self.width.is_some() || self.height.is_some(),
             Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
             Group::Integrator => self.integrator.sets_any(),
-            Group::Sky => self.sky_light.sets_any(),
+            Group::Sky => self.light.sets_sky_light(),
             Group::Variant => self.variant.is_some(),
         }
     }

@@ -153,6 +153,30 @@ pub(crate) fn scale(value: &Value) -> Reading<f32> {
     }
 }
 
+/// The greatest radiance of a sample.
+pub(crate) fn clamp(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(most) if most > 0.0 => Ok(most),
+        _ => expected("a number, finite and more than 0"),
+    }
+}
+
+/// The radius of lights; 0 makes them delta lights.
+pub(crate) fn light_radius(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(radius) if (0.0..=1e15).contains(&radius) => Ok(radius),
+        _ => expected("a number from 0 (hard shadows) to 1e15"),
+    }
+}
+
+/// The angle that a directional light subtends, degrees.
+pub(crate) fn sun_angle(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(angle) if (0.0..=179.0).contains(&angle) => Ok(angle),
+        _ => expected("degrees from 0 (hard shadows) to 179"),
+    }
+}
+
 /// The sun's elevation and azimuth, and turbidity.
 pub(crate) fn daylight(value: &Value) -> Reading<Daylight> {
     const TURBIDITY: std::ops::RangeInclusive<f32> = Daylight::MIN_TURBIDITY..=Daylight::MAX_TURBIDITY;

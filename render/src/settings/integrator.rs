@@ -36,6 +36,9 @@ pub struct PathOptions {
     pub lights: LightSampling,
     /// What ends a path before [`max_depth`](Self::max_depth).
     pub stop: Stop,
+    /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
+    /// brighter is scaled down. More than 0. It removes fireflies, and light.
+    pub clamp_indirect: Option<f32>,
 }
 
 /// How light is found that more than one technique could find. Delta lights are always sampled, mirror
@@ -218,7 +221,7 @@ impl MonteCarloOptions {
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default() }
+        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default(), clamp_indirect: None }
     }
 }
 

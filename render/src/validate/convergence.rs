@@ -124,7 +124,8 @@ fn direct(
     let lamp = [LAMP.map(|corner| corner.as_vec3())];
     let place = meter(vec3(0.3, 0.0, 0.2), Vec3::Y);
     let lit = world(scene([(ground(20.0).as_slice(), grey(0.5, 0.0)), (lamp.as_slice(), grey(0.0, 1.0))], place));
-    let options = PathOptions { max_depth: 2, lights: LightSampling::Direct, stop: Stop::Depth };
+    let options =
+        PathOptions { max_depth: 2, lights: LightSampling::Direct, stop: Stop::Depth, ..PathOptions::default() };
     let settings =
         |spp| Settings { spp, sampler, integrator: Integrator::Path(options.clone()), ..Settings::default() };
     let radiance = 0.5 / PI * exact::polygon_irradiance(dvec3(0.3, 0.0, 0.2), DVec3::Y, &LAMP).abs();

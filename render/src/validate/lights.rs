@@ -112,7 +112,7 @@ const POINT: Profile = Profile {
     scene: || {
         let position = POINT_POSITION.as_vec3();
         Scene {
-            lights: vec![PunctualLight::Point { position, intensity: Vec3::splat(10.0) }],
+            lights: vec![PunctualLight::Point { position, intensity: Vec3::splat(10.0), radius: 0.0 }],
             ..scene([(ground(20.0).as_slice(), grey(REFLECTANCE, 0.0))], on_ground(0.0))
         }
     },

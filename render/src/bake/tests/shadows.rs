@@ -19,7 +19,11 @@ fn the_edge_of_a_shadow_is_as_soft_as_a_texel_is_wide() {
         [vec3(-0.1, 0.5, 1.0), vec3(edge(1.0), 0.5, 1.0), vec3(edge(0.0), 0.5, 0.0), vec3(-0.1, 0.5, 0.0)],
     );
     let mut level = scene(vec![floor, roof], vec![glowing(0.0, 0.5)]);
-    level.lights.push(PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::splat(2.0) });
+    level.lights.push(PunctualLight::Directional {
+        direction: Vec3::NEG_Y,
+        irradiance: Vec3::splat(2.0),
+        half_angle: 0.0,
+    });
     let options = BakeOptions { mode: Mode::Direct, size: 64, ..BakeOptions::default() };
     let bake = baked(&level, &options);
     let world = World::new(level.clone()).unwrap();

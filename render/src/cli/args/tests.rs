@@ -7,7 +7,7 @@ use clap::Parser;
 
 use super::super::command::{Arguments, Command};
 use super::*;
-use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, LightUnits, SkyOverrides};
+use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, LightOverrides, LightUnits, SkyOverrides};
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
 };
@@ -31,11 +31,11 @@ fn the_definition_is_consistent() {
 fn every_override_can_be_given() {
     let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
                      --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
-                     --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 \
+                     --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 --clamp-indirect 8 \
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
-                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --variant oak \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak \
                      --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
     let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
     let expected = Overrides {
@@ -57,6 +57,7 @@ fn every_override_can_be_given() {
             add_back: Some(true),
             roulette_after: Some(0),
             survival: Some(Survival::default()),
+            clamp_indirect: Some(8.0),
             bounces: Some(0),
             rays: Some(1),
             sampling: Some(HemisphereSampling::Cosine),
@@ -76,15 +77,19 @@ fn every_override_can_be_given() {
         seed: Some(u64::MAX),
         build: Some(halfdome_kernel::Quality::Medium),
         aov: None,
-        sky: Some([1.0, 2.0, 3.0].into()),
-        sky_light: SkyOverrides {
-            picture: Some("a.hdr".into()),
-            rotation: Some(-90.0),
-            scale: Some(2.0),
-            daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
+        light: LightOverrides {
+            sky: Some([1.0, 2.0, 3.0].into()),
+            sky_light: SkyOverrides {
+                picture: Some("a.hdr".into()),
+                rotation: Some(-90.0),
+                scale: Some(2.0),
+                daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
+            },
+            emits_both_sides: Some(true),
+            light_units: Some(LightUnits::Radiometric),
+            light_radius: Some(0.25),
+            sun_angle: Some(0.5),
         },
-        emits_both_sides: Some(true),
-        light_units: Some(LightUnits::Radiometric),
         variant: Some("oak".into()),
     };
     assert_eq!(arguments.overriding.overrides(), expected);

@@ -184,7 +184,7 @@ mod tests {
         // Alike, but for their strength.
         for strength in [0.01, 0.03] {
             let intensity = Vec3::splat(strength);
-            scene.lights.push(PunctualLight::Point { position, intensity });
+            scene.lights.push(PunctualLight::Point { position, intensity, radius: 0.0 });
         }
         scene.sky = Sky::constant(Vec3::splat(0.1));
         let mut lights = Lights::of(&scene);

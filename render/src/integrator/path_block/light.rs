@@ -88,15 +88,17 @@ impl PathBlock {
     /// Where path `i` receives light.
     #[inline(always)]
     pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {
-        Receiver::unpack(self.position.get(i), self.packed[i])
+        Receiver { position: self.position.get(i), normal: self.receiving.get(i), behind: self.behind[i] }
     }
 
     /// Chooses a light for each path by the numbers drawn, among all lights and this part of the sky; whether there is any.
     #[inline(always)]
     pub(in crate::integrator) fn choose_lights(&mut self, world: &World, part: SkyPart) -> bool {
         for i in 0..LANES {
-            let surface = Receiver::new(self.position.get(i), self.shading_normal.get(i), self.transmits[i] != 0);
-            self.packed[i] = surface.packed();
+            self.packed[i] = Receiver::pack(self.shading_normal.get(i), self.transmits[i] != 0);
+            let receiver = Receiver::unpack(self.position.get(i), self.packed[i]);
+            self.receiving.set(i, receiver.normal);
+            self.behind[i] = receiver.behind;
         }
         if !world.lights.has_any(part) {
             return false;
@@ -141,8 +143,7 @@ impl PathBlock {
         let [a, b, c, d] = &weights;
         let samples = &mut self.light_samples;
         for i in 0..LANES {
-            let u = u_light_choice(self.u_light[i], self.u_direction[i]);
-            let (index, probability, rest) = few::choose([a[i], b[i], c[i], d[i]], u);
+            let (index, probability, rest) = few::choose([a[i], b[i], c[i], d[i]], self.u_light[i].x);
             (samples.lights[i], samples.probability[i], samples.uv[0][i]) = (index, probability, rest);
         }
     }
@@ -218,6 +219,14 @@ impl ShadowRays {
         shadows
     }
 
+    /// Scales all light down to at most this radiance in any channel.
+    #[inline(always)]
+    pub(in crate::integrator) fn clamp(&mut self, most: f32) {
+        for i in 0..LANES {
+            self.waiting.light.set(i, clamp(self.waiting.light.get(i), most));
+        }
+    }
+
     /// Writes those of the first `len` shadow rays that have any light to the start of `rays`, and which camera ray's light
     /// it is, and how much, to that of `waiting`; gives their number.
     #[inline(always)]
@@ -232,4 +241,11 @@ impl ShadowRays {
         keep::<4, _, _>(isa, &self.waiting, lit, waiting);
         keep::<8, _, _>(isa, &self.rays, lit, rays)
     }
+}
+
+/// Light, scaled down to at most this radiance in any channel.
+#[inline(always)]
+pub(in crate::integrator) fn clamp(light: Vec3, most: f32) -> Vec3 {
+    let brightest = light.max_element();
+    if brightest > most { light * (most / brightest) } else { light }
 }

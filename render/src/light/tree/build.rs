@@ -21,6 +21,7 @@ const MOST_LEAVES: usize = 3;
 struct Item {
     index: u32,
     corners: [DVec3; 3],
+    radius: f64,
     middle: DVec3,
     axis: DVec3,
     angle: f64,
@@ -46,7 +47,8 @@ impl Measure {
     fn one(item: &Item) -> Self {
         let [a, b, c] = item.corners;
         let [mean, slope, _] = item.moments;
-        Self { min: a.min(b).min(c), max: a.max(b).max(c), mean, vector: slope * item.axis }
+        let (min, max) = (a.min(b).min(c) - item.radius, a.max(b).max(c) + item.radius);
+        Self { min, max, mean, vector: slope * item.axis }
     }
 
     fn with(self, other: &Self) -> Self {
@@ -75,7 +77,7 @@ impl<L: LeafLights<Light: Emits>> Tree<L> {
             let corners = light.corners().map(|corner| corner.as_dvec3());
             let (axis, angle) = light.cone();
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            Item { index, corners, middle, axis, angle, moments: light.moments() }
+            Item { index, corners, radius: light.radius(), middle, axis, angle, moments: light.moments() }
         };
         let mut items: Vec<Item> = (0..).zip(lights).map(item).collect();
         if items.is_empty() {
@@ -191,7 +193,7 @@ impl Clusters {
         let axis = measure.vector.try_normalize().unwrap_or(DVec3::Z).as_vec3();
         for item in items {
             for corner in item.corners {
-                radius = radius.max(corner.distance(center.as_dvec3()));
+                radius = radius.max(corner.distance(center.as_dvec3()) + item.radius);
             }
             angle = angle.max(item.angle + axis.as_dvec3().angle_between(item.axis));
             let outer = DMat3::from_cols(item.axis * item.axis.x, item.axis * item.axis.y, item.axis * item.axis.z);

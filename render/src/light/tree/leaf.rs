@@ -1,4 +1,5 @@
-//! What up to eight lights send to a point: the leaves of a light tree. Of points and spots it is exact but for shadows.
+//! What up to eight lights send to a point: the leaves of a light tree. Of delta lights it is exact but for shadows. A spot with
+//! a radius counts as if it shone into a cone that is wider by the angle that its sphere subtends.
 //!
 //! The irradiance by a triangle of radiance `L` is estimated as `L Ω` times the mean cosine at the receiver of its corners
 //! and its centroid: its solid angle `Ω` is exact, however near it is. The estimate is 0 only if all corners lie below the
@@ -13,7 +14,7 @@ use halfdome_kernel::Triangle;
 
 use crate::light::Receiver;
 use crate::light::tree::WIDTH;
-use crate::light::tree::cluster::{Lane, at, set, tame};
+use crate::light::tree::cluster::{Lane, at, height, set, tame};
 
 /// Lights side by side.
 pub(crate) trait LeafLights: Default {
@@ -30,8 +31,12 @@ pub(crate) trait LeafLights: Default {
 
 /// What building needs to know of a light.
 pub(crate) trait Emits {
-    /// Corners of the triangle that encloses it, which may be one point.
+    /// Corners of a triangle, which may be one point; no part of the light is farther from it than the
+    /// [radius](Self::radius).
     fn corners(&self) -> Triangle;
+
+    /// By how much the light is larger than its triangle.
+    fn radius(&self) -> f64;
 
     /// The unit vector about which it shines, and the half angle of the cone into which it does.
     fn cone(&self) -> (DVec3, f64);
@@ -53,7 +58,7 @@ pub(crate) struct TriangleLight {
     pub both_sides: bool,
 }
 
-/// A light at a point, the square of whose fall-off is linear in the cosine about its axis.
+/// A sphere or a point that shines, the root of whose fall-off is linear in the cosine about its axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointLight {
     pub position: Vec3,
@@ -61,6 +66,8 @@ pub(crate) struct PointLight {
     pub axis: Vec3,
     /// Radiant intensity where it is greatest, as luminance.
     pub intensity: f32,
+    /// Of the sphere; 0 of a delta light.
+    pub radius: f32,
     /// The cosine from which on the intensity is 0; -2 for what shines everywhere.
     pub cos_outer: f32,
     /// 1 over the length of the ramp from there to full intensity.
@@ -70,6 +77,10 @@ pub(crate) struct PointLight {
 impl Emits for TriangleLight {
     fn corners(&self) -> Triangle {
         self.corners
+    }
+
+    fn radius(&self) -> f64 {
+        0.0
     }
 
     fn cone(&self) -> (DVec3, f64) {
@@ -100,6 +111,10 @@ impl PointLight {
 impl Emits for PointLight {
     fn corners(&self) -> Triangle {
         [self.position; 3]
+    }
+
+    fn radius(&self) -> f64 {
+        self.radius.into()
     }
 
     fn cone(&self) -> (DVec3, f64) {
@@ -201,12 +216,13 @@ fn angle(y: f32, x: f32) -> f32 {
     if !is_steep & (x < 0.0) { turned + PI } else { turned }
 }
 
-/// Up to eight lights without a surface.
+/// Up to eight points and spheres.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     position: [Lane; 3],
     axis: [Lane; 3],
     intensity: Lane,
+    radius: Lane,
     cos_outer: Lane,
     slope: Lane,
 }
@@ -217,20 +233,32 @@ impl LeafLights for Points {
     fn put(&mut self, i: usize, light: &PointLight) {
         set(&mut self.position, i, light.position);
         set(&mut self.axis, i, light.axis);
-        (self.intensity[i], self.cos_outer[i], self.slope[i]) = (light.intensity, light.cos_outer, light.slope);
+        (self.intensity[i], self.radius[i]) = (light.intensity, light.radius);
+        (self.cos_outer[i], self.slope[i]) = (light.cos_outer, light.slope);
     }
 
     #[inline(always)]
     fn weights(&self, receiver: &Receiver) -> Lane {
         let mut weights = [0.0; WIDTH];
         for (i, weight) in weights.iter_mut().enumerate() {
-            let way = at(&self.position, i) - receiver.position;
-            let inv_squared = way.length_squared().recip();
+            let (way, radius) = (at(&self.position, i) - receiver.position, self.radius[i]);
+            // Within the sphere light is as strong as at its surface.
+            let inv_squared = way.length_squared().max(radius * radius).recip();
             let inv_distance = inv_squared.sqrt();
-            let cosine = -at(&self.axis, i).dot(way) * inv_distance;
+            let cosine = widened(-at(&self.axis, i).dot(way) * inv_distance, radius * inv_distance);
             let part = PointLight::part(cosine, self.cos_outer[i], self.slope[i]);
-            *weight = tame(self.intensity[i] * part * (receiver.height(way) * inv_distance) * inv_squared);
+            let z = receiver.normal.dot(way);
+            let heights = height(z, radius) + height(-z, radius) * receiver.behind;
+            *weight = tame(self.intensity[i] * part * (heights * inv_distance) * inv_squared);
         }
         weights
     }
+}
+
+/// The greatest cosine with an axis of a direction that differs from one of this cosine by an angle of this sine, at most.
+#[inline(always)]
+fn widened(cosine: f32, sine: f32) -> f32 {
+    let rim = (1.0 - sine * sine).max(0.0).sqrt();
+    let turned = cosine * rim + (1.0 - cosine * cosine).max(0.0).sqrt() * sine;
+    if (cosine >= rim) | (sine >= 1.0) { 1.0 } else { turned }
 }

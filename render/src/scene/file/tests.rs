@@ -3,7 +3,7 @@ use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::*;
-use crate::scene::{CachedOverrides, CameraPose, Daylight, LightUnits, SkyOverrides};
+use crate::scene::{CachedOverrides, CameraPose, Daylight, LightOverrides, LightUnits, SkyOverrides};
 use crate::settings::Filter;
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
@@ -39,6 +39,8 @@ fn every_key_sets_its_option() {
         file = "models/room.obj"
         emission = "both"
         lights = "photometric"
+        light_radius = 0.25
+        sun_angle = 0.5
         variant = "oak"
         [camera]
         eye = [0, 1, 2.5]
@@ -61,6 +63,7 @@ fn every_key_sets_its_option() {
         cutoff = 0.25
         add_back = true
         roulette_after = 0
+        clamp_indirect = 8
         survival = 0.8
         bounces = 2
         rays = 5
@@ -104,6 +107,7 @@ fn every_key_sets_its_option() {
             add_back: Some(true),
             roulette_after: Some(0),
             survival: Some(Survival::Constant(0.8)),
+            clamp_indirect: Some(8.0),
             bounces: Some(2),
             rays: Some(5),
             sampling: Some(HemisphereSampling::Uniform),
@@ -123,15 +127,19 @@ fn every_key_sets_its_option() {
         seed: Some(u64::MAX),
         build: Some(Quality::Fast),
         aov: None,
-        sky: Some(Vec3::new(0.1, 0.2, 0.3)),
-        sky_light: SkyOverrides {
-            picture: Some(folder.path().join("models/room.obj")),
-            rotation: Some(45.0),
-            scale: Some(0.5),
-            daylight: Some(Daylight { elevation: 30.0, azimuth: -90.5, turbidity: 3.0 }),
+        light: LightOverrides {
+            sky: Some(Vec3::new(0.1, 0.2, 0.3)),
+            sky_light: SkyOverrides {
+                picture: Some(folder.path().join("models/room.obj")),
+                rotation: Some(45.0),
+                scale: Some(0.5),
+                daylight: Some(Daylight { elevation: 30.0, azimuth: -90.5, turbidity: 3.0 }),
+            },
+            emits_both_sides: Some(true),
+            light_units: Some(LightUnits::Photometric),
+            light_radius: Some(0.25),
+            sun_angle: Some(0.5),
         },
-        emits_both_sides: Some(true),
-        light_units: Some(LightUnits::Photometric),
         variant: Some("oak".into()),
     };
     assert_eq!(file.overrides, expected);
@@ -140,7 +148,7 @@ fn every_key_sets_its_option() {
 #[test]
 fn what_is_left_out_stays_unset() {
     assert_eq!(overrides(""), Overrides::default());
-    assert_eq!(overrides("[sky]\nradiance = 2").sky, Some(Vec3::splat(2.0)));
+    assert_eq!(overrides("[sky]\nradiance = 2").light.sky, Some(Vec3::splat(2.0)));
     assert_eq!(overrides("[render]\nseed = 0x1_F").seed, Some(31));
 }
 

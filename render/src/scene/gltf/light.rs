@@ -1,10 +1,14 @@
 //! `KHR_lights_punctual`: lights shine along their node's -Z axis. Scale does not change them.
+//!
+//! The extension has no sizes. Of a light's `extras`, which Blender writes of custom properties, `radius` is that of a point
+//! or spot (metres), and `angle` the one that the disc of a directional light subtends (radians).
 
 use core::f32::consts::FRAC_PI_2;
 
 use ::gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use ::gltf::json::validation::Checked;
 use glam::{DVec3, Vec3};
+use serde_json::Value;
 
 use super::Document;
 use super::hierarchy::Placed;
@@ -27,11 +31,15 @@ pub(super) fn read(
         ));
     }
     let position = placed.origin();
+    let radius = extra(document, light, &place, "radius", MAX_RADIUS)?;
+    let half_angle = 0.5 * extra(document, light, &place, "angle", MAX_ANGLE)?;
     match light.type_ {
-        Checked::Valid(Type::Point) => Ok(PunctualLight::Point { position, intensity: strength }),
-        Checked::Valid(Type::Directional) => {
-            Ok(PunctualLight::Directional { direction: placed.direction(DVec3::NEG_Z).as_vec3(), irradiance: strength })
-        }
+        Checked::Valid(Type::Point) => Ok(PunctualLight::Point { position, intensity: strength, radius }),
+        Checked::Valid(Type::Directional) => Ok(PunctualLight::Directional {
+            direction: placed.direction(DVec3::NEG_Z).as_vec3(),
+            irradiance: strength,
+            half_angle,
+        }),
         Checked::Valid(Type::Spot) => {
             let Some(spot) = &light.spot else {
                 return Err(document.error(place, "it is a spot light without `spot`", "give it the object `spot`"));
@@ -52,10 +60,28 @@ pub(super) fn read(
                 position,
                 direction: placed.direction(DVec3::NEG_Z).as_vec3(),
                 intensity: strength,
+                radius,
                 cos_inner,
                 cos_outer,
             })
         }
         Checked::Invalid => Err(document.error(place, "its type is unknown", "use directional, point or spot")),
+    }
+}
+
+/// The largest light, in metres, and the largest sun, in radians.
+const MAX_RADIUS: f32 = 1e15;
+const MAX_ANGLE: f32 = 3.125;
+
+/// A number of a light's extras that is at most `most`, 0 if it is not there.
+fn extra(document: &Document, light: &Light, place: &str, name: &str, most: f32) -> Result<f32, SceneError> {
+    let extras = light.extras.as_ref().and_then(|extras| serde_json::from_str::<Value>(extras.get()).ok());
+    let Some(value) = extras.as_ref().and_then(|extras| extras.get(name)) else { return Ok(0.0) };
+    match value.as_f64() {
+        Some(number) if (0.0..=f64::from(most)).contains(&number) => Ok(number as f32),
+        _ => {
+            let problem = format!("extras.{name} is {value}");
+            Err(document.error(place.to_owned(), problem, format!("write a number from 0 to {most:e}")))
+        }
     }
 }

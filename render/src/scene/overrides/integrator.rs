@@ -45,6 +45,10 @@ pub struct IntegratorOverrides {
     /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
     #[arg(long, value_name = "P", value_parser = argument(value::survival), allow_negative_numbers = true)]
     pub survival: Option<Survival>,
+    /// path, heat: scale down what a light adds after two reflections and more to at most this radiance: fewer
+    /// fireflies, less light [default: off]
+    #[arg(long, value_name = "L", value_parser = argument(value::clamp), allow_negative_numbers = true)]
+    pub clamp_indirect: Option<f32>,
     /// montecarlo: number of indirect bounces [default: 1]
     #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
     pub bounces: Option<u32>,
@@ -67,7 +71,7 @@ pub struct IntegratorOverrides {
 }
 
 /// What all paths have; a stopping rule adds its own.
-const PATH: [&str; 3] = ["max_depth", "lights", "stop"];
+const PATH: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
 
 impl IntegratorOverrides {
     /// These options, and those of `fallback` where these are not set. Options belong to their integrator, and to
@@ -86,6 +90,7 @@ impl IntegratorOverrides {
             add_back: self.add_back.or(rule.add_back),
             roulette_after: self.roulette_after.or(rule.roulette_after),
             survival: self.survival.or(rule.survival),
+            clamp_indirect: self.clamp_indirect.or(fallback.clamp_indirect),
             bounces: self.bounces.or(fallback.bounces),
             rays: self.rays.or(fallback.rays),
             sampling: self.sampling.or(fallback.sampling),
@@ -134,6 +139,7 @@ impl IntegratorOverrides {
         replace(&mut path.max_depth, self.max_depth);
         replace(&mut path.lights, self.lights);
         replace(&mut path.stop, self.stop);
+        path.clamp_indirect = self.clamp_indirect.or(path.clamp_indirect);
         match &mut path.stop {
             Stop::Depth => {}
             Stop::Threshold { cutoff, add_back } => {
@@ -171,6 +177,7 @@ impl IntegratorOverrides {
             ("add_back", self.add_back.is_some()),
             ("roulette_after", self.roulette_after.is_some()),
             ("survival", self.survival.is_some()),
+            ("clamp_indirect", self.clamp_indirect.is_some()),
             ("bounces", self.bounces.is_some()),
             ("rays", self.rays.is_some()),
             ("sampling", self.sampling.is_some()),
@@ -235,7 +242,7 @@ mod tests {
         assert_eq!(
             problem(cutoff.clone()),
             "the integrator `path` with the stop `roulette` does not use `cutoff`\n  \
-             help: leave it out; used are max_depth, lights, stop, roulette_after, survival"
+             help: leave it out; used are max_depth, lights, stop, clamp_indirect, roulette_after, survival"
         );
         assert_eq!(
             problem(IntegratorOverrides { rays: Some(3), ..named("flat") }),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{Mesh, PunctualLight, Variant};
+use crate::scene::{LightUnits, Mesh, PunctualLight, Variant};
 
 /// A scene of one triangle with `camera` after `overrides` are applied, and the settings.
 fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Conflict> {
@@ -86,7 +86,10 @@ fn a_filter_comes_without_the_width_and_sharpness_of_the_one_it_replaces() {
 
 #[test]
 fn sky_and_emission_reach_the_scene() {
-    let overrides = Overrides { sky: Some(Vec3::X), emits_both_sides: Some(true), ..Default::default() };
+    let overrides = Overrides {
+        light: LightOverrides { sky: Some(Vec3::X), emits_both_sides: Some(true), ..Default::default() },
+        ..Default::default()
+    };
     let (scene, _) = applied(&overrides, None).unwrap();
     assert_eq!(scene.sky.radiance, Vec3::X);
     assert!(scene.materials[0].emits_both_sides);
@@ -115,7 +118,7 @@ fn the_model_s_aspect_shapes_the_picture_unless_the_user_does() {
 #[test]
 fn variants_and_light_units_change_the_scene() {
     let scene = || {
-        let light = PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::splat(683.0) };
+        let light = PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::splat(683.0), radius: 0.0 };
         let variants = ["oak", "steel"].map(|name| Variant { name: name.to_owned(), materials: vec![(0, 1)] }).to_vec();
         let mesh = Mesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Default::default() };
         Scene {
@@ -128,9 +131,10 @@ fn variants_and_light_units_change_the_scene() {
     };
     let mut changed = scene();
     let light_units = Some(LightUnits::Photometric);
-    Overrides { light_units, variant: Some("oak".into()), ..Default::default() }.apply(&mut changed).unwrap();
+    let light = LightOverrides { light_units, ..Default::default() };
+    Overrides { light, variant: Some("oak".into()), ..Default::default() }.apply(&mut changed).unwrap();
     assert_eq!(changed.meshes[0].material, 1);
-    assert_eq!(changed.lights[0], PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE });
+    assert_eq!(changed.lights[0], PunctualLight::Point { position: Vec3::ZERO, intensity: Vec3::ONE, radius: 0.0 });
     let error = Overrides { variant: Some("steal".into()), ..Default::default() }.apply(&mut scene()).unwrap_err();
     assert_eq!(error.to_string(), "the model has no variant \"steal\"\n  help: did you mean `steel`?");
 }

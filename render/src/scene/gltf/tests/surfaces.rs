@@ -104,11 +104,14 @@ fn lights() {
     .unwrap();
     assert_eq!(scene.warnings, ["model.gltf: 1 light has a range, which is ignored"]);
     let here = Vec3::new(1.0, 2.0, 3.0);
-    assert_eq!(scene.lights[0], PunctualLight::Point { position: here, intensity: Vec3::new(4.0, 2.0, 0.0) });
-    let PunctualLight::Directional { direction, irradiance } = scene.lights[1] else { panic!() };
+    assert_eq!(
+        scene.lights[0],
+        PunctualLight::Point { position: here, intensity: Vec3::new(4.0, 2.0, 0.0), radius: 0.0 }
+    );
+    let PunctualLight::Directional { direction, irradiance, .. } = scene.lights[1] else { panic!() };
     assert!(direction.distance(Vec3::NEG_X) < 1e-6);
     assert_eq!(irradiance, Vec3::splat(3.0));
-    let PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer } = scene.lights[2] else {
+    let PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer, .. } = scene.lights[2] else {
         panic!()
     };
     assert_eq!((position, intensity), (here, Vec3::ONE));

@@ -1,9 +1,11 @@
 //! Direct light on a plane against closed forms: lights without a surface, the sky, and Lambert's polygon formula.
 
+mod sizes;
+
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome::scene::{CameraPose, Overrides, PunctualLight, Scene, Sky, SkyPicture};
+use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture};
 use halfdome::settings::Settings;
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, view};
 
@@ -74,7 +76,7 @@ const POSITION: Vec3 = Vec3::new(0.4, 1.5, 0.8);
 #[test]
 fn a_point_light_falls_off_by_the_inverse_square_and_the_cosine() {
     let mut scene = plane();
-    scene.lights = vec![PunctualLight::Point { position: POSITION, intensity: INTENSITY }];
+    scene.lights = vec![PunctualLight::Point { position: POSITION, intensity: INTENSITY, radius: 0.0 }];
     let irradiance = |point: DVec3| {
         let to_light = POSITION.as_dvec3() - point;
         INTENSITY.as_dvec3() * to_light.y / to_light.length().powi(3)
@@ -86,13 +88,13 @@ fn a_point_light_falls_off_by_the_inverse_square_and_the_cosine() {
 fn a_light_below_the_plane_or_behind_a_screen_lights_nothing() {
     let mut scene = plane();
     scene.lights = vec![
-        PunctualLight::Point { position: -POSITION, intensity: INTENSITY },
-        PunctualLight::Directional { direction: Vec3::Y, irradiance: Vec3::ONE },
+        PunctualLight::Point { position: -POSITION, intensity: INTENSITY, radius: 0.0 },
+        PunctualLight::Directional { direction: Vec3::Y, irradiance: Vec3::ONE, half_angle: 0.0 },
     ];
     assert!(pixels(&render(&scene, &settings())).iter().all(|&pixel| pixel == DVec3::ZERO));
     scene.lights = vec![
-        PunctualLight::Point { position: Vec3::Y * 3.0, intensity: INTENSITY },
-        PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE },
+        PunctualLight::Point { position: Vec3::Y * 3.0, intensity: INTENSITY, radius: 0.0 },
+        PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, half_angle: 0.0 },
     ];
     assert!(pixels(&render(&scene, &settings())).iter().all(|&pixel| pixel.min_element() > 0.0));
     // Black, so that it does not reflect what the plane sends up.
@@ -105,7 +107,7 @@ fn a_light_below_the_plane_or_behind_a_screen_lights_nothing() {
 fn a_directional_light_gives_its_irradiance_times_the_cosine() {
     let mut scene = plane();
     let direction = Vec3::new(3.0, -4.0, 0.0) / 5.0;
-    scene.lights = vec![PunctualLight::Directional { direction, irradiance: INTENSITY }];
+    scene.lights = vec![PunctualLight::Directional { direction, irradiance: INTENSITY, half_angle: 0.0 }];
     let radiance = reflected(INTENSITY.as_dvec3() * 0.8);
     for pixel in pixels(&render(&scene, &settings())) {
         assert!((pixel - radiance).abs().max_element() < 1e-6 * radiance.max_element(), "{pixel}, not {radiance}");
@@ -123,6 +125,7 @@ fn a_spot_light_fades_between_its_cones() {
         position: POSITION,
         direction,
         intensity: INTENSITY,
+        radius: 0.0,
         cos_inner: inner,
         cos_outer: outer,
     }];
@@ -151,9 +154,13 @@ fn several_lights_add_up() {
     let positions = [POSITION, Vec3::new(-1.0, 0.7, 1.5), Vec3::new(2.0, 3.0, -1.0)];
     let intensities = [INTENSITY, Vec3::new(1.0, 0.1, 0.0), Vec3::new(0.0, 0.0, 50.0)];
     scene.lights = core::iter::zip(positions, intensities)
-        .map(|(position, intensity)| PunctualLight::Point { position, intensity })
+        .map(|(position, intensity)| PunctualLight::Point { position, intensity, radius: 0.0 })
         .collect();
-    scene.lights.push(PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::new(2.0, 1.0, 0.5) });
+    scene.lights.push(PunctualLight::Directional {
+        direction: Vec3::NEG_Y,
+        irradiance: Vec3::new(2.0, 1.0, 0.5),
+        half_angle: 0.0,
+    });
     let irradiance = |point: DVec3| {
         let of = |(position, intensity): (Vec3, Vec3)| {
             let to_light = position.as_dvec3() - point;
@@ -223,6 +230,10 @@ fn a_lamp_lights_the_plane_by_lamberts_formula() {
     check(&scene, &expected(&scene, 0.0, radiance), 0.03);
 }
 
+fn emission(emits_both_sides: Option<bool>) -> Overrides {
+    Overrides { light: LightOverrides { emits_both_sides, ..Default::default() }, ..Default::default() }
+}
+
 #[test]
 fn the_back_of_a_lamp_is_dark_unless_both_sides_emit() {
     // A ceiling above the lamp that alone can see its back, and a camera between lamp and ceiling.
@@ -235,7 +246,7 @@ fn the_back_of_a_lamp_is_dark_unless_both_sides_emit() {
     scene.camera = Some(camera);
     assert!(pixels(&render(&scene, &settings())).iter().all(|&pixel| pixel == DVec3::ZERO));
 
-    Overrides { emits_both_sides: Some(true), ..Overrides::default() }.apply(&mut scene).unwrap();
+    emission(Some(true)).apply(&mut scene).unwrap();
     assert_eq!(scene.camera, Some(camera));
     let radiance = |point| reflected(EMISSION.as_dvec3() * form_factor(point, DVec3::NEG_Y, &corners));
     check(&scene, &expected(&scene, 2.0, radiance), 0.03);
@@ -245,7 +256,7 @@ fn the_back_of_a_lamp_is_dark_unless_both_sides_emit() {
     scene.camera =
         Some(CameraPose { eye: Vec3::new(0.0, 2.0, 0.5), target: Vec3::new(0.0, 0.0, 0.5), up: Vec3::X, vfov: 10.0 });
     for (both, seen) in [(true, EMISSION), (false, Vec3::ZERO)] {
-        Overrides { emits_both_sides: Some(both), ..Overrides::default() }.apply(&mut scene).unwrap();
+        emission(Some(both)).apply(&mut scene).unwrap();
         assert!(pixels(&render(&scene, &settings())).iter().all(|&pixel| pixel == seen.as_dvec3()), "{both}");
     }
 }

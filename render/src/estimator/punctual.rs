@@ -1,0 +1,86 @@
+//! Samples of point, spot and directional lights, delta lights or not.
+//!
+//! A point light of radius `r` is a sphere of even radiance `L = I / (π r²)`, of which a receiver at the distance `d` sees a
+//! cap of directions with `sin θ_max = r / d`. Directions are spread evenly over it, so that radiance over density is
+//! `2π (1 - cos θ_max) L = 2 I / (d² (1 + cos θ_max))`, which is `I / d²` for a delta light. A sun that causes the
+//! irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere, with `4π L`.
+//!
+//! No bounce can hit any of these: mirrors do not show them.
+
+use std::f32::consts::TAU;
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
+
+use super::direct::LightSample;
+use crate::light::{PointLight, ramp};
+use crate::scene::PunctualLight;
+use crate::world::Surface;
+
+/// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean.
+#[inline(never)]
+pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32, u: Vec2) -> LightSample {
+    let (direction, shadow, received) = match *light {
+        PunctualLight::Directional { direction, irradiance, half_angle } => {
+            let (sin, cos) = half_angle.sin_cos();
+            let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
+            let shadow = Ray::new(surface.origin_towards(to_light), to_light);
+            (to_light, shadow, irradiance * (2.0 / (1.0 + cos)))
+        }
+        PunctualLight::Point { position, intensity, radius } => {
+            let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
+            let (direction, shadow) = towards(surface, end);
+            (direction, shadow, intensity * per_intensity)
+        }
+        PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer } => {
+            let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
+            let (direction, shadow) = towards(surface, end);
+            let part = PointLight::part(-direction.dot(axis), cos_outer, ramp(cos_inner, cos_outer));
+            (direction, shadow, intensity * (part * per_intensity))
+        }
+    };
+    LightSample { shadow, direction: direction.normalize_or_zero(), radiance: received / probability, inv_density: 0.0 }
+}
+
+/// The unit vector from a surface to a point, and the ray in between.
+fn towards(surface: &Surface, end: Vec3) -> (Vec3, Ray) {
+    let way = end - surface.position;
+    (way.normalize_or_zero(), Ray::between(surface.origin_towards(way), end))
+}
+
+/// A point of a sphere that is seen from `from`, and its radiance over density for an intensity of one.
+fn point_on_sphere(from: Vec3, center: Vec3, radius: f32, u: Vec2) -> (Vec3, f32) {
+    let way = center - from;
+    let squared = way.length_squared();
+    if radius == 0.0 {
+        return (center, squared.recip());
+    }
+    let sin_squared = radius * radius / squared;
+    if sin_squared < 1.0 {
+        let cos = (1.0 - sin_squared).sqrt();
+        let direction = in_cap(way * squared.sqrt().recip(), sin_squared.sqrt(), cos, u);
+        (from + direction * crossing(way, radius, direction, -1.0), 2.0 / (squared * (1.0 + cos)))
+    } else {
+        let direction = UniformSphere.map(u);
+        (from + direction * crossing(way, radius, direction, 1.0), 4.0 / (radius * radius))
+    }
+}
+
+/// Where a ray from the origin in a unit vector enters (`side` is -1) or leaves (1) the sphere about `center`.
+fn crossing(center: Vec3, radius: f32, direction: Vec3, side: f32) -> f32 {
+    let along = center.dot(direction);
+    // What is left of the centre's way across the ray, as the difference of squares would not be exact.
+    let across = (center - direction * along).length_squared();
+    along + side * (radius * radius - across).max(0.0).sqrt()
+}
+
+/// A unit vector in the cap about `axis` whose rim has this sine and cosine, evenly by solid angle.
+fn in_cap(axis: Vec3, sin: f32, cos: f32, u: Vec2) -> Vec3 {
+    // 1 - cos θ, without the rounding of a cosine near 1.
+    let depth = u.x * (sin * sin / (1.0 + cos));
+    let out = (depth * (2.0 - depth)).max(0.0).sqrt();
+    let (y, x) = (TAU * u.y).sin_cos();
+    Frame::from_normal(axis).to_world(Vec3::new(out * x, out * y, 1.0 - depth))
+}
