@@ -49,7 +49,7 @@ fn level() -> Vec<u8> {
         let surface = json!({"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0});
         // Matte, so that what it reflects is known.
         let extensions = json!({"KHR_materials_specular": {"specularFactor": 0}});
-        json!({"pbrMetallicRoughness": surface, "emissiveFactor": [emitted; 3], "extensions": extensions})
+        json!({"pbrMetallicRoughness": surface, "emissiveFactor": [emitted, emitted, emitted], "extensions": extensions})
     };
     let mesh = |material: usize| {
         let attributes = json!({"POSITION": 0, "NORMAL": 1});

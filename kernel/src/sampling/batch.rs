@@ -14,6 +14,9 @@ pub(super) trait Function {
 
 /// Writes the function of each input with the instructions of `isa`. Of slices of unequal length the ends are left
 /// alone.
+///
+/// Never a part of its caller: where the compiler sees both slices as parts of one value, it makes no lanes of the loop.
+#[inline(never)]
 pub(super) fn apply_many<F: Function>(isa: Isa, function: F, inputs: &[F::Input], outputs: &mut [F::Output]) {
     dispatch(isa, Batch { function, inputs, outputs });
 }
