@@ -114,7 +114,8 @@ impl Fnv {
             }
         }
         self.floats(&[*tangent_rotation, *dispersion]);
-        if let Some(GltfAnisotropy { strength, map }) = anisotropy {
+        if let Some(GltfAnisotropy { strength, is_by_blender, map }) = anisotropy {
+            self.word((*is_by_blender).into());
             self.floats(&[*strength]);
             self.map(map.as_ref());
         }

@@ -303,7 +303,8 @@ impl Reader<'_> {
         let map = self.texture("anisotropyTexture", it.anisotropy_texture.as_ref(), Linear)?;
         if strength > 0.0 {
             self.material.tangent_rotation = rotation;
-            self.material.anisotropy = Some(GltfAnisotropy { strength, map });
+            self.material.anisotropy =
+                Some(GltfAnisotropy { strength, is_by_blender: self.document.is_from_blender(), map });
         }
         Ok(())
     }

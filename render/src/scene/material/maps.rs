@@ -79,11 +79,14 @@ pub struct Opacity {
     pub cutoff: Option<f32>,
 }
 
-/// `KHR_materials_anisotropy`: with roughness `r`, α along the tangent is `r² + (1 - r²) strength²`, across it `r²`.
+/// `KHR_materials_anisotropy`: with roughness `r`, α along the tangent is `r² + (1 - r²) strength²`, across it `r²`. Blender
+/// writes its own parameter for the strength, by which they are `r² / a` and `r² a` with `a² = 1 - 0.9 strength`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfAnisotropy {
     /// 0 to 1.
     pub strength: f32,
+    /// Whether the strength is Blender's parameter.
+    pub is_by_blender: bool,
     /// Red and green turn the tangent, from -1 to 1 each along tangent and bitangent; blue multiplies the strength.
     pub map: Option<TextureMap>,
 }
@@ -158,8 +161,12 @@ impl GltfAnisotropy {
     #[inline]
     pub(crate) fn apply(&self, texel_strength: f32, inputs: &mut Inputs) {
         let strength = (self.strength * texel_strength).clamp(0.0, 1.0);
-        let across = inputs.specular_roughness * inputs.specular_roughness;
-        let along = across + (1.0 - across) * strength * strength;
+        let alpha = inputs.specular_roughness * inputs.specular_roughness;
+        let aspect = (1.0 - 0.9 * strength).sqrt();
+        let [along, across] = match self.is_by_blender {
+            true => [alpha / aspect, alpha * aspect].map(|alpha| alpha.min(1.0)),
+            false => [alpha + (1.0 - alpha) * strength * strength, alpha],
+        };
         if along > 0.0 {
             inputs.specular_anisotropy = 1.0 - across / along;
             inputs.specular_roughness = (0.5 * (along * along + across * across)).sqrt().sqrt();
@@ -211,14 +218,20 @@ mod tests {
     #[test]
     fn gltf_anisotropy_keeps_both_alphas() {
         for (roughness, strength) in [(0.3_f32, 0.5_f32), (0.0, 1.0), (0.9, 0.1), (0.5, 0.0), (1.0, 1.0)] {
-            let mut inputs = Inputs { specular_roughness: roughness, ..Inputs::default() };
-            GltfAnisotropy { strength, map: None }.apply(1.0, &mut inputs);
-            let (r, a) = (f64::from(inputs.specular_roughness), f64::from(inputs.specular_anisotropy));
-            // OpenPBR: α_x = r² sqrt(2 / (1 + (1 - a)²)), α_y = (1 - a) α_x.
-            let along = r * r * (2.0 / (1.0 + (1.0 - a).powi(2))).sqrt();
-            let (alpha, strength) = (f64::from(roughness).powi(2), f64::from(strength));
-            assert!((along - (alpha + (1.0 - alpha) * strength * strength)).abs() < 1e-6, "{roughness} {strength}");
-            assert!(((1.0 - a) * along - alpha).abs() < 1e-6, "{roughness} {strength}");
+            let inputs = Inputs { specular_roughness: roughness, ..Inputs::default() };
+            let (alpha, power) = (f64::from(roughness).powi(2), f64::from(strength));
+            let aspect = (1.0 - 0.9 * power).sqrt();
+            let [gltf, blender] =
+                [[alpha + (1.0 - alpha) * power * power, alpha], [(alpha / aspect).min(1.0), alpha * aspect]];
+            for (is_by_blender, [along, across]) in [(false, gltf), (true, blender)] {
+                let mut inputs = inputs.clone();
+                GltfAnisotropy { strength, is_by_blender, map: None }.apply(1.0, &mut inputs);
+                let (r, a) = (f64::from(inputs.specular_roughness), f64::from(inputs.specular_anisotropy));
+                // OpenPBR: α_x = r² sqrt(2 / (1 + (1 - a)²)), α_y = (1 - a) α_x.
+                let found = r * r * (2.0 / (1.0 + (1.0 - a).powi(2))).sqrt();
+                assert!((found - along).abs() < 1e-6, "{roughness} {strength} {is_by_blender}");
+                assert!(((1.0 - a) * found - across).abs() < 1e-6, "{roughness} {strength} {is_by_blender}");
+            }
         }
     }
 }

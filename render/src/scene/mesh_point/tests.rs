@@ -143,7 +143,7 @@ fn bumps_have_the_slope_of_their_heights() {
 fn anisotropy_turns_the_tangent() {
     // Right; up; and turned by both the material and the texel.
     let texture = quarters([[255, 128, 255, 255], [128, 255, 128, 255], [0, 128, 255, 255], [128, 0, 0, 255]]);
-    let anisotropy = Some(GltfAnisotropy { strength: 1.0, map: Some(linear(0)) });
+    let anisotropy = Some(GltfAnisotropy { strength: 1.0, is_by_blender: false, map: Some(linear(0)) });
     let mut material = Material { anisotropy, ..Material::default() };
     material.inputs.specular_roughness = 0.0;
     let found = |material: &Material, x| {
