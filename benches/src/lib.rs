@@ -5,6 +5,7 @@
 //! against other ray tracers, and `renderers` times the path tracer against other renderers.
 #![forbid(unsafe_code)]
 
+pub mod instances;
 pub mod measure;
 pub mod rays;
 pub mod rounds;

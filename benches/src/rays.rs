@@ -6,7 +6,7 @@
 use glam::Vec3;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Frame, Strata, Stream};
-use halfdome_kernel::{BvhView, Hit, Ray};
+use halfdome_kernel::{BvhView, Hit, Ray, Triangle};
 
 use crate::scenes::{self, Camera, Scene};
 
@@ -82,14 +82,39 @@ struct SurfacePoint {
 
 /// The rays of all kinds for `scene`, whose tree is `tree`.
 pub fn generate(scene: &Scene, tree: &BvhView, counts: RayCounts) -> [RaySet; 4] {
-    let primary = primary(&scene.camera, counts.side);
-    let points = visible(scene, tree, &primary);
+    let bounds = scenes::bounds(&scene.triangles);
+    let trace = |rays: &[Ray]| {
+        let mut hits = vec![Hit::MISS; rays.len()];
+        tree.intersect_many(rays, &mut hits);
+        let surface = |hit: Hit| hit.is_hit().then(|| (hit.t, normal(&scene.triangles[hit.prim_id as usize])));
+        hits.into_iter().map(surface).collect()
+    };
+    generate_from(&scene.camera, scene.light, (bounds.max - bounds.min).length(), counts, trace)
+}
+
+/// The rays of all kinds for a camera, a light and a scene of this diagonal. `trace` gives for each ray the nearest hit's `t`
+/// and the surface's normal, on either side.
+pub fn generate_from(
+    camera: &Camera,
+    light: Vec3,
+    diagonal: f32,
+    counts: RayCounts,
+    trace: impl Fn(&[Ray]) -> Vec<Option<(f32, Vec3)>>,
+) -> [RaySet; 4] {
+    let primary = primary(camera, counts.side);
+    let points = visible(OFFSET * diagonal, &primary, &trace(&primary));
     let step = (points.len() / counts.gathers).max(1);
     let gather = points.iter().step_by(step).take(counts.gathers).zip(0..).flat_map(|(p, i)| gather(p, i)).collect();
     let diffuse = points.iter().zip(0..).map(|(point, i)| diffuse(point, i)).collect();
-    let shadow = points.iter().filter_map(|point| shadow(point, scene.light)).collect();
+    let shadow = points.iter().filter_map(|point| shadow(point, light)).collect();
     [(RayKind::Primary, primary), (RayKind::Diffuse, diffuse), (RayKind::Gather, gather), (RayKind::Shadow, shadow)]
         .map(|(kind, rays)| RaySet { kind, rays })
+}
+
+/// The unit normal of a triangle's front: in `f64`, where a sliver's edges have a cross product.
+pub fn normal(triangle: &Triangle) -> Vec3 {
+    let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
+    (b - a).cross(c - a).normalize().as_vec3()
 }
 
 /// A ray for each of `side` × `side` pixels, tile by tile.
@@ -112,21 +137,14 @@ fn tiled(side: u32) -> impl Iterator<Item = (u32, u32)> {
     cells(TILE, side).flat_map(move |(row, column)| cells(1, TILE).map(move |(i, j)| (row + i, column + j)))
 }
 
-/// What `rays` hit.
-fn visible(scene: &Scene, tree: &BvhView, rays: &[Ray]) -> Vec<SurfacePoint> {
-    let bounds = scenes::bounds(&scene.triangles);
-    let offset = OFFSET * (bounds.max - bounds.min).length();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    tree.intersect_many(rays, &mut hits);
-    let hits = rays.iter().zip(hits).filter(|(_, hit)| hit.is_hit());
-    let point = |(ray, hit): (&Ray, Hit)| {
-        let [a, b, c] = scene.triangles[hit.prim_id as usize].map(|corner| corner.as_dvec3());
-        // In f64, where a sliver's edges have a cross product.
-        let front = (b - a).cross(c - a).normalize().as_vec3();
+/// The points that `rays` hit, `offset` above the surface.
+fn visible(offset: f32, rays: &[Ray], surfaces: &[Option<(f32, Vec3)>]) -> Vec<SurfacePoint> {
+    let point = |(ray, surface): (&Ray, &Option<(f32, Vec3)>)| {
+        let (t, front) = (*surface)?;
         let normal = if front.dot(ray.direction) > 0.0 { -front } else { front };
-        SurfacePoint { origin: ray.at(hit.t) + offset * normal, normal }
+        Some(SurfacePoint { origin: ray.at(t) + offset * normal, normal })
     };
-    hits.map(point).collect()
+    rays.iter().zip(surfaces).filter_map(point).collect()
 }
 
 fn diffuse(point: &SurfacePoint, index: u32) -> Ray {

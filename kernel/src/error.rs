@@ -21,6 +21,8 @@ pub enum Error {
     InvalidScene(InvalidScene),
     /// A tree cannot be refitted to these triangles.
     Refit(RefitError),
+    /// The buffers are not a mesh.
+    InvalidMesh(InvalidMesh),
     /// The bytes do not begin as a blob does.
     NotABlob,
     /// The blob was written by a machine with another order of bytes.
@@ -135,6 +137,13 @@ pub enum InvalidTree {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidScene {
+    /// A handle whose item was removed, or that is of another scene.
+    NoSuchItem {
+        /// The handle's index.
+        index: u32,
+        /// The handle's generation.
+        generation: u32,
+    },
     /// Something that moves needs a key at least.
     NoKeys,
     /// A transform with an element that is infinite or NaN.
@@ -170,6 +179,9 @@ impl From<InvalidScene> for Error {
 impl fmt::Display for InvalidScene {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoSuchItem { index, generation } => {
+                write!(f, "there is no item {index} of generation {generation}: it was removed, or is in another scene")
+            }
             Self::NoKeys => write!(f, "what moves needs a key at least, and has none"),
             Self::NotFinite { key } => write!(f, "transform {key} has an element that is infinite or not a number"),
             Self::Singular { key } => write!(
@@ -182,6 +194,55 @@ impl fmt::Display for InvalidScene {
             }
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
+            }
+        }
+    }
+}
+
+/// What is wrong with a mesh's buffers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum InvalidMesh {
+    /// Positions that would overlap.
+    BadStride {
+        /// The distance between positions in bytes.
+        stride: usize,
+        /// The length of a position in bytes.
+        least: usize,
+    },
+    /// The indices, or without them the positions, are not a multiple of three.
+    NotThrees {
+        /// How many there are.
+        count: usize,
+    },
+    /// An index of a vertex that there is not.
+    IndexOutOfRange {
+        /// The index's place among the indices.
+        place: usize,
+        /// The index.
+        index: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+}
+
+impl core::error::Error for InvalidMesh {}
+
+impl From<InvalidMesh> for Error {
+    fn from(error: InvalidMesh) -> Self {
+        Self::InvalidMesh(error)
+    }
+}
+
+impl fmt::Display for InvalidMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BadStride { stride, least } => {
+                write!(f, "positions of {least} bytes cannot lie {stride} bytes apart")
+            }
+            Self::NotThrees { count } => write!(f, "{count} corners are not three for each triangle"),
+            Self::IndexOutOfRange { place, index, count } => {
+                write!(f, "index {place} is {index}, and there are only {count} vertices")
             }
         }
     }
@@ -237,6 +298,7 @@ impl fmt::Display for Error {
             Self::InvalidTree(error) => error.fmt(f),
             Self::InvalidScene(error) => error.fmt(f),
             Self::Refit(error) => error.fmt(f),
+            Self::InvalidMesh(error) => error.fmt(f),
             Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
             Self::OtherByteOrder => {
                 let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };

@@ -4,7 +4,8 @@
 //!
 //! # What one can do
 //!
-//! Build a tree and trace a ray. Vectors are those of [glam](https://docs.rs/glam/0.34) 0.34: depend on the same version.
+//! Build a tree and trace a ray. Vectors are those of [glam](https://docs.rs/glam/0.34) 0.34, which is re-exported as
+//! [`glam`](mod@glam): use that, or depend on the same version.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -82,6 +83,7 @@
 //! | module | has |
 //! | --- | --- |
 //! | [`geometry`] | rays, hits, packets, boxes, the triangle test |
+//! | [`mesh`] | triangles as others keep them: indexed, strided, quantised |
 //! | [`bvh`] | the tree: building, refitting, validating, as bytes |
 //! | [`traverse`] | tracing rays through a tree, and the scalar reference |
 //! | [`scene`] | instances, nesting, motion, masks, spheres, quads, shapes of the caller's |
@@ -89,14 +91,16 @@
 //! | [`irradiance`] | irradiance of a point, its gradients and Hessian, from the rays of a gather |
 //! | [`columns`] | rows of memory transposed into SIMD lanes |
 //!
-//! Data flows one way: `geometry`, `bvh`, `traverse`, `scene`. `sampling`, then `irradiance`, stand beside them. No module
+//! Data flows one way: `geometry`, `mesh`, `bvh`, `traverse`, `scene`. `sampling`, then `irradiance`, stand beside them. No module
 //! imports from those after it.
 //!
 //! # Features and instruction sets
 //!
 //! - `std` (default): detects AVX2 and AVX-512 at run time, and asks for large pages; implies `alloc`.
-//! - `alloc`: builds trees and owns them.
-//! - neither: traces trees that lie in the caller's memory.
+//! - `alloc`: builds trees and scenes, and owns them.
+//! - `rayon`: builds, refits and commits on rayon's threads, by `RayonExecutor`; implies `std`.
+//! - `obvhs`: makes trees of the binary trees that the crate obvhs builds, by `Bvh::from_obvhs`; implies `std`.
+//! - none of them: traces trees that lie in the caller's memory.
 //!
 //! Without `std` the processor cannot be asked. The instruction set is then what the program is compiled for: the portable one
 //! (SSE2 on x86-64, NEON on AArch64) unless you ask for more by `-C target-cpu` or `-C target-feature`, or by
@@ -128,6 +132,7 @@ pub mod columns;
 mod error;
 pub mod geometry;
 pub mod irradiance;
+pub mod mesh;
 pub mod sampling;
 pub mod scene;
 #[allow(unsafe_code, reason = "intrinsics, and the instruction sets that they need")]
@@ -135,15 +140,24 @@ mod simd;
 pub mod traverse;
 
 pub use bvh::BvhView;
+#[cfg(feature = "rayon")]
+pub use bvh::RayonExecutor;
 #[cfg(any(feature = "alloc", test))]
 pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
-pub use error::{Error, InvalidScene, InvalidTree, RefitError};
+pub use error::{Error, InvalidMesh, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, SurfacePoint, Triangle,
-    offset_distance, offset_origin, offset_point, triangle_normal,
+    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Surface, SurfacePoint,
+    Triangle, offset_distance, offset_origin, offset_point, triangle_normal,
 };
+/// The crate of the vectors and transforms in this crate's interface, version 0.34: another version has other types.
+pub use glam;
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
 pub use scene::{Item, SceneHit, SceneRay, SceneView};
 pub use simd::{Isa, Level, Task};
 pub use traverse::{Facing, Hits, Verdict};
+
+/// Runs the examples of the crate's README.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -88,6 +88,11 @@ pub fn by_name(name: &str) -> Result<Scene, SceneError> {
     Ok(Scene { name: name.to_owned(), ..scene })
 }
 
+/// The triangles of the scene `blob`, as fine as one likes: 8 `side`².
+pub fn blob(side: u32) -> Vec<Triangle> {
+    made::blob(side)
+}
+
 /// The Cornell box, seen by its own camera.
 fn cornell() -> Scene {
     let cornell = scene::cornell_box();

@@ -253,7 +253,8 @@ mod owned {
             bytemuck::cast_slice_mut(&mut nodes).copy_from_slice(node_bytes);
             bytemuck::cast_slice_mut(&mut blocks).copy_from_slice(block_bytes);
             header.check_tree(&nodes, &blocks)?;
-            Ok(Self { nodes, blocks, cost: header.cost, built_cost: header.cost, stack: header.stack })
+            let bounds = nodes[0].bounds();
+            Ok(Self { nodes, blocks, bounds, cost: header.cost, built_cost: header.cost, stack: header.stack })
         }
     }
 }

@@ -8,7 +8,7 @@ use super::contents::{Contents, LeafShape};
 use super::executor::Executor;
 use super::options::BuildOptions;
 use super::primitive::Primitive;
-use super::{BoxTreeView, Node, fit, validate};
+use super::{BoxTreeView, Node, WIDTH, fit, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::{Aabb, MAX_COORDINATE};
 
@@ -18,6 +18,8 @@ pub struct BoxTree {
     nodes: Vec<Node>,
     items: Vec<u32>,
     keys: usize,
+    bounds: Aabb,
+    cost: f32,
 }
 
 impl BoxTree {
@@ -64,7 +66,41 @@ impl BoxTree {
             fit::fit(&mut moved, |leaf| around(leaf).fold(Aabb::EMPTY, |a, b| a.union(b)));
             nodes.append(&mut moved);
         }
-        Ok((Self { nodes, items, keys }, report))
+        let mut tree = Self { nodes, items, keys, bounds: Aabb::EMPTY, cost: 0.0 };
+        tree.measure();
+        Ok((tree, report))
+    }
+
+    /// The tree over nothing.
+    pub(crate) fn empty() -> Self {
+        Self { nodes: Vec::from([Node::EMPTY]), items: Vec::new(), keys: 1, bounds: Aabb::EMPTY, cost: 0.0 }
+    }
+
+    /// Fits the tree to boxes that have moved: `aabb` gives that of an item at a key. Those that are empty cannot be
+    /// found any more, until they are given another box.
+    pub(crate) fn fit<E: Executor>(&mut self, executor: &E, aabb: impl Fn(usize, u32) -> Aabb + Sync) {
+        let (items, count) = (&self.items, self.nodes.len() / self.keys);
+        for (key, nodes) in self.nodes.chunks_mut(count).enumerate() {
+            let leaf = |leaf: Range<usize>| items[leaf].iter().fold(Aabb::EMPTY, |a, &b| a.union(&aabb(key, b)));
+            fit::fit_on(executor, nodes, &leaf);
+        }
+        self.measure();
+    }
+
+    /// The expected number of nodes that a random ray visits which meets the box around all, as a mean over the keys.
+    pub(crate) fn cost(&self) -> f32 {
+        self.cost
+    }
+
+    fn measure(&mut self) {
+        let count = self.nodes.len() / self.keys;
+        let costs = self.nodes.chunks(count).map(|nodes| {
+            let whole = nodes[0].bounds().half_area();
+            let below = |node: &Node| (0..WIDTH).map(|slot| node.aabb(slot).half_area()).sum::<f32>();
+            if whole > 0.0 { 1.0 + nodes.iter().map(below).sum::<f32>() / whole } else { 0.0 }
+        });
+        self.cost = costs.sum::<f32>() / self.keys as f32;
+        self.bounds = self.nodes.chunks(count).fold(Aabb::EMPTY, |sum, nodes| sum.union(&nodes[0].bounds()));
     }
 
     /// Memory of nodes and numbers in bytes.
@@ -74,7 +110,7 @@ impl BoxTree {
 
     /// Borrows the tree.
     pub fn view(&self) -> BoxTreeView<'_> {
-        BoxTreeView::trusted(&self.nodes, &self.items, self.keys)
+        BoxTreeView::with_bounds(&self.nodes, &self.items, self.keys, self.bounds)
     }
 }
 

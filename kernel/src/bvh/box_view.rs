@@ -57,6 +57,12 @@ impl<'a> BoxTreeView<'a> {
         Self { nodes, items, keys, bounds: roots.fold(Aabb::EMPTY, |a, b| a.union(&b)) }
     }
 
+    /// Borrows a tree that is known to be valid, and what is around it.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) fn with_bounds(nodes: &'a [Node], items: &'a [u32], keys: usize, bounds: Aabb) -> Self {
+        Self { nodes, items, keys, bounds }
+    }
+
     /// The nodes at a key, which is less than [`keys`](Self::keys); the first one is the root.
     #[inline]
     pub fn nodes(&self, key: usize) -> &'a [Node] {

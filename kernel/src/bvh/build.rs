@@ -6,7 +6,7 @@ use core::fmt;
 
 use super::binary::MAX_DEPTH;
 use super::collapse::{self, Collapsed};
-use super::contents::Contents;
+use super::contents::{Contents, Faces};
 use super::executor::{Executor, Serial};
 use super::node::{Child, Node, TriangleBlock, WIDTH};
 use super::options::{BuildOptions, Effort, Quality};
@@ -14,12 +14,15 @@ use super::primitive::Primitive;
 use super::{BvhView, MAX_STACK, reinsertion, top_down};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
+use crate::mesh::Mesh;
 
 /// A tree that owns its memory.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<TriangleBlock>,
+    /// The box around all triangles.
+    pub(super) bounds: Aabb,
     pub(super) cost: f32,
     /// The cost before any triangle was moved.
     pub(super) built_cost: f32,
@@ -115,18 +118,40 @@ impl Bvh {
         triangles: &[Triangle],
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        check_count(triangles.len())?;
+        Self::build_mesh_on(executor, triangles, options)
+    }
+
+    /// Like [`build`](Self::build), over triangles that lie otherwise, such as an [`IndexedMesh`](crate::mesh::IndexedMesh).
+    /// The tree is that over the same triangles in a slice.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_mesh<M: Mesh + ?Sized>(mesh: &M, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
+        Self::build_mesh_on(&Serial, mesh, options)
+    }
+
+    /// Like [`build_mesh`](Self::build_mesh), where `executor` says.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_mesh_on<E: Executor, M: Mesh + ?Sized>(
+        executor: &E,
+        mesh: &M,
+        options: &BuildOptions,
+    ) -> Result<(Self, BuildReport), Error> {
+        check_count(mesh.len())?;
         let mut report = BuildReport::default();
-        let prims = || usable(triangles, &mut report);
-        let tree = build_tree(executor, triangles, prims, options.quality)?;
+        let prims = || usable(mesh, &mut report);
+        let tree = build_tree(executor, &Faces(mesh), prims, options.quality)?;
         report.too_deep = tree.too_deep;
         let Collapsed { nodes, blocks, cost } = tree.collapsed;
-        Ok((Self { nodes, blocks, cost, built_cost: cost, stack: tree.stack }, report))
+        let bounds = nodes[0].bounds();
+        Ok((Self { nodes, blocks, bounds, cost, built_cost: cost, stack: tree.stack }, report))
     }
 
     /// Borrows the tree for tracing.
     pub fn view(&self) -> BvhView<'_> {
-        BvhView::trusted(&self.nodes, &self.blocks)
+        BvhView::with_bounds(&self.nodes, &self.blocks, self.bounds)
     }
 
     /// The tree in figures.
@@ -208,10 +233,11 @@ pub(super) fn check_count(count: usize) -> Result<(), Error> {
 }
 
 /// The triangles that a ray can hit; counts them and the others.
-fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
+pub(super) fn usable<M: Mesh + ?Sized>(mesh: &M, report: &mut BuildReport) -> Vec<Primitive> {
     *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
-    let mut prims = Vec::with_capacity(triangles.len());
-    for (prim_id, triangle) in (0..).zip(triangles) {
+    let mut prims = Vec::with_capacity(mesh.len());
+    for prim_id in 0..mesh.len() {
+        let triangle = &mesh.triangle(prim_id);
         if !triangle.iter().all(|p| p.is_finite()) {
             report.not_finite += 1;
         } else if !in_range(triangle) {
@@ -219,7 +245,7 @@ fn usable(triangles: &[Triangle], report: &mut BuildReport) -> Vec<Primitive> {
         } else if is_degenerate(triangle) {
             report.degenerate += 1;
         } else {
-            prims.push(Primitive::new(&Aabb::around(triangle), prim_id));
+            prims.push(Primitive::new(&Aabb::around(triangle), prim_id as u32));
         }
     }
     report.kept = prims.len();

@@ -3,7 +3,7 @@
 use super::node::{Node, TriangleBlock, WIDTH};
 use super::validate;
 use crate::error::InvalidTree;
-use crate::geometry::Triangle;
+use crate::mesh::Mesh;
 
 /// How primitives lie in leaves.
 #[derive(Clone, Copy, Debug)]
@@ -44,13 +44,19 @@ pub(super) trait Contents: Sync {
     fn validate(&self, nodes: &[Node], blocks: &[Self::Block]) -> Result<u32, InvalidTree>;
 }
 
-impl Contents for [Triangle] {
+/// How triangles lie in leaves.
+pub(super) const TRIANGLES: LeafShape = LeafShape { lanes: WIDTH as u32, blocks: 2, cost: 0.6 };
+
+/// The triangles of a mesh.
+pub(super) struct Faces<'a, M: ?Sized>(pub &'a M);
+
+impl<M: Mesh + ?Sized> Contents for Faces<'_, M> {
     type Block = TriangleBlock;
     const EMPTY: TriangleBlock = TriangleBlock::EMPTY;
-    const SHAPE: LeafShape = LeafShape { lanes: WIDTH as u32, blocks: 2, cost: 0.6 };
+    const SHAPE: LeafShape = TRIANGLES;
 
     fn put(&self, block: &mut TriangleBlock, lane: usize, prim_id: u32) {
-        block.set(lane, &self[prim_id as usize], prim_id);
+        block.set(lane, &self.0.triangle(prim_id as usize), prim_id);
     }
 
     fn validate(&self, nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, InvalidTree> {

@@ -22,3 +22,33 @@ impl Executor for Serial {
         (a(), b())
     }
 }
+
+/// The threads of the pool of rayon that it is called in.
+#[cfg(feature = "rayon")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayonExecutor;
+
+#[cfg(feature = "rayon")]
+impl Executor for RayonExecutor {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        rayon::join(a, b)
+    }
+}
+
+/// Shows `visit` each of `items` and its index, which for the first is `first`, in pieces of up to `task`.
+pub(crate) fn for_each<E: Executor, T: Send>(
+    executor: &E,
+    task: usize,
+    first: usize,
+    items: &mut [T],
+    visit: &(impl Fn(usize, &mut T) + Sync),
+) {
+    if items.len() > task {
+        let middle = items.len() / 2;
+        let (a, b) = items.split_at_mut(middle);
+        executor
+            .join(|| for_each(executor, task, first, a, visit), || for_each(executor, task, first + middle, b, visit));
+    } else {
+        (first..).zip(items).for_each(|(index, item)| visit(index, item));
+    }
+}

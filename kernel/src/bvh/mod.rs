@@ -24,10 +24,13 @@ mod contents;
 mod executor;
 #[cfg(any(feature = "alloc", test))]
 mod fit;
+mod lookup;
 #[cfg(any(feature = "alloc", test))]
 mod moving;
 mod moving_view;
 mod node;
+#[cfg(feature = "obvhs")]
+mod obvhs;
 #[cfg(any(feature = "alloc", test))]
 mod options;
 #[cfg(any(feature = "alloc", test))]
@@ -53,8 +56,14 @@ pub use box_tree::BoxTree;
 pub use box_view::BoxTreeView;
 #[cfg(any(feature = "alloc", test))]
 pub use build::{BuildReport, Bvh, TreeStatistics};
+#[cfg(feature = "rayon")]
+pub use executor::RayonExecutor;
+#[cfg(any(feature = "alloc", test))]
+pub(crate) use executor::for_each;
 #[cfg(any(feature = "alloc", test))]
 pub use executor::{Executor, Serial};
+#[cfg(any(feature = "alloc", test))]
+pub use lookup::TriangleIndex;
 #[cfg(any(feature = "alloc", test))]
 pub use moving::MovingBvh;
 pub use moving_view::MovingView;

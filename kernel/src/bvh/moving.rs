@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::box_tree::mean;
 use super::build::{BuildReport, build_tree, check_count, in_range};
-use super::contents::{Contents, LeafShape};
+use super::contents::{Contents, LeafShape, TRIANGLES};
 use super::executor::{Executor, Serial};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
@@ -74,7 +74,7 @@ impl MovingBvh {
         };
         for triangles in keys {
             let mut blocks = first.clone();
-            blocks.iter_mut().for_each(|block| block.place(triangles));
+            blocks.iter_mut().for_each(|block| block.place(*triangles));
             let mut nodes = shape.clone();
             fit::fit(&mut nodes, |leaf| TriangleBlock::bounds_of(&blocks[leaf]));
             tree.nodes.append(&mut nodes);
@@ -105,10 +105,10 @@ struct FirstKey<'a>(&'a [Triangle]);
 impl Contents for FirstKey<'_> {
     type Block = TriangleBlock;
     const EMPTY: TriangleBlock = TriangleBlock::EMPTY;
-    const SHAPE: LeafShape = <[Triangle] as Contents>::SHAPE;
+    const SHAPE: LeafShape = TRIANGLES;
 
     fn put(&self, block: &mut TriangleBlock, lane: usize, prim_id: u32) {
-        self.0.put(block, lane, prim_id);
+        block.set(lane, &self.0[prim_id as usize], prim_id);
     }
 
     fn validate(&self, nodes: &[Node], blocks: &[TriangleBlock]) -> Result<u32, InvalidTree> {

@@ -5,6 +5,8 @@ use core::ops::Range;
 use bytemuck::{Pod, Zeroable};
 
 use crate::geometry::{Aabb, Hit, Triangle};
+#[cfg(any(feature = "alloc", test))]
+use crate::mesh::Mesh;
 
 /// Children a node, and triangles a block.
 pub const WIDTH: usize = 8;
@@ -199,9 +201,9 @@ impl TriangleBlock {
 
     /// Moves the triangles to where they are in `triangles`, which has all of them.
     #[cfg(any(feature = "alloc", test))]
-    pub(super) fn place(&mut self, triangles: &[Triangle]) {
+    pub(super) fn place<M: Mesh + ?Sized>(&mut self, triangles: &M) {
         for (lane, prim_id) in self.used_lanes() {
-            self.set(lane, &triangles[prim_id as usize], prim_id);
+            self.set(lane, &triangles.triangle(prim_id as usize), prim_id);
         }
     }
 

@@ -3,12 +3,17 @@
 //! the expected cost tells.
 
 use super::build::{Bvh, is_usable};
-use super::contents::Contents;
+use super::contents::TRIANGLES;
+use super::executor::{Executor, Serial, for_each};
 use super::fit;
 use super::node::{Child, Node, TriangleBlock};
 use super::plan::NODE;
 use crate::error::{Error, RefitError};
 use crate::geometry::{Aabb, Triangle};
+use crate::mesh::Mesh;
+
+/// Blocks that are one piece of work.
+const TASK: usize = 1 << 10;
 
 /// What became of a tree that was refitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,26 +45,37 @@ impl Bvh {
     /// of limits or has two equal corners, or one that was left out when the tree was built could be hit now. The tree
     /// is then as it was.
     pub fn refit(&mut self, triangles: &[Triangle]) -> Result<Refit, Error> {
-        self.check_refit(triangles)?;
-        self.blocks.iter_mut().for_each(|block| block.place(triangles));
+        self.refit_mesh_on(&Serial, triangles)
+    }
+
+    /// Like [`refit`](Self::refit), to triangles that lie otherwise, and where `executor` says. The tree does not depend on
+    /// it.
+    ///
+    /// # Errors
+    /// Those of [`refit`](Self::refit).
+    pub fn refit_mesh_on<E: Executor, M: Mesh + ?Sized>(&mut self, executor: &E, mesh: &M) -> Result<Refit, Error> {
+        self.check_refit(mesh)?;
+        for_each(executor, TASK, 0, &mut self.blocks, &|_, block| block.place(mesh));
         let blocks = &self.blocks;
-        fit::fit(&mut self.nodes, |leaf| TriangleBlock::bounds_of(&blocks[leaf]));
+        fit::fit_on(executor, &mut self.nodes, &|leaf| TriangleBlock::bounds_of(&blocks[leaf]));
+        self.bounds = self.nodes[0].bounds();
         self.cost = expected_cost(&self.nodes);
         let decay = if self.built_cost > 0.0 { self.cost / self.built_cost } else { 1.0 };
         Ok(Refit { cost: self.cost, decay })
     }
 
-    fn check_refit(&self, triangles: &[Triangle]) -> Result<(), RefitError> {
+    fn check_refit<M: Mesh + ?Sized>(&self, mesh: &M) -> Result<(), RefitError> {
         let mut kept = 0;
         for (_, prim_id) in self.blocks.iter().flat_map(TriangleBlock::used_lanes) {
-            let triangle =
-                triangles.get(prim_id as usize).ok_or(RefitError::Missing { prim_id, count: triangles.len() })?;
-            if !is_usable(triangle) {
+            if prim_id as usize >= mesh.len() {
+                return Err(RefitError::Missing { prim_id, count: mesh.len() });
+            }
+            if !is_usable(&mesh.triangle(prim_id as usize)) {
                 return Err(RefitError::Vanished { prim_id });
             }
             kept += 1;
         }
-        let usable = triangles.iter().filter(|triangle| is_usable(triangle)).count();
+        let usable = (0..mesh.len()).filter(|&prim_id| is_usable(&mesh.triangle(prim_id))).count();
         if usable > kept { Err(RefitError::Appeared { count: usable - kept }) } else { Ok(()) }
     }
 }
@@ -74,9 +90,7 @@ fn expected_cost(nodes: &[Node]) -> f32 {
             cost += match Child::unpack(child) {
                 Child::Empty => 0.0,
                 Child::Node(_) => f64::from(NODE) * area(node.aabb(slot)),
-                Child::Leaf { count, .. } => {
-                    f64::from(<[Triangle]>::SHAPE.cost) * f64::from(count) * area(node.aabb(slot))
-                }
+                Child::Leaf { count, .. } => f64::from(TRIANGLES.cost) * f64::from(count) * area(node.aabb(slot)),
             };
         }
     }

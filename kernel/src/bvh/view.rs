@@ -28,7 +28,13 @@ impl<'a> BvhView<'a> {
 
     /// Borrows a tree that is known to be valid.
     pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Self {
-        Self { nodes, blocks, bounds: nodes.first().map_or(Aabb::EMPTY, Node::bounds), isa: Isa::detect() }
+        Self::with_bounds(nodes, blocks, nodes.first().map_or(Aabb::EMPTY, Node::bounds))
+    }
+
+    /// Borrows a tree that is known to be valid, and the box around it.
+    #[inline]
+    pub(super) fn with_bounds(nodes: &'a [Node], blocks: &'a [TriangleBlock], bounds: Aabb) -> Self {
+        Self { nodes, blocks, bounds, isa: Isa::detect() }
     }
 
     /// The same tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].

@@ -34,6 +34,7 @@ mod ray;
 mod reference;
 pub(crate) mod setup;
 pub(crate) mod setup_lanes;
+mod side;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;
@@ -45,6 +46,7 @@ pub use ray::{Hit, Ray};
 pub(crate) use reference::intersect_side;
 pub use reference::intersect_triangle;
 pub use setup::{MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION};
+pub use side::Surface;
 
 /// Three corners; counter-clockwise when seen from the front.
 pub type Triangle = [glam::Vec3; 3];

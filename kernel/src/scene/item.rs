@@ -1,31 +1,18 @@
 //! What a scene is made of.
 
+#[cfg(any(feature = "alloc", test))]
+use alloc::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 
-use super::SceneView;
-use super::shape::Shape;
-use super::transform::{MOVING_PAD, Placement};
-use crate::bvh::{BvhView, MovingView};
+use super::object::{Object, Target};
+use super::transform::{Keys, MOVING_PAD, Placement};
 use crate::error::Error;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Aabb, MAX_COORDINATE};
 
-/// What an item is. Memory is borrowed, so that many items may share it.
-#[derive(Clone, Copy)]
-#[non_exhaustive]
-pub enum Object<'a> {
-    /// Triangles.
-    Mesh(BvhView<'a>),
-    /// Triangles that move by themselves.
-    Moving(MovingView<'a>),
-    /// Geometry of the caller's.
-    Shape(&'a dyn Shape),
-    /// A scene.
-    Scene(&'a SceneView<'a>),
-}
-
 /// An object in a scene: where it is, and who sees it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Item<'a> {
     pub(super) object: Object<'a>,
     pub(super) placement: Placement<'a>,
@@ -34,18 +21,41 @@ pub struct Item<'a> {
     pub(super) first_path: u64,
 }
 
+/// What a scene has to know of an item; see the methods of the same names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facts {
+    pub reach: Aabb,
+    pub error: Vec3,
+    pub levels: usize,
+    pub paths: u64,
+    pub keys: usize,
+    pub count: u32,
+}
+
+impl Facts {
+    /// Those of no item.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) const NOTHING: Self =
+        Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 0, keys: 1, count: 0 };
+}
+
 impl<'a> Item<'a> {
     /// An object where its own coordinates say, for all rays to see.
     pub fn new(object: impl Into<Object<'a>>) -> Self {
         Self { object: object.into(), placement: Placement::AsItIs, mask: u32::MAX, first_path: 0 }
     }
 
-    /// The item where `to_scene` takes its points.
+    /// Nothing: a place in a scene that is free.
+    pub fn nothing() -> Self {
+        Self { object: Object::Nothing, placement: Placement::AsItIs, mask: 0, first_path: 0 }
+    }
+
+    /// The item where `to_scene` takes its points. A transform that flattens them, such as a scale of zero, hides it.
     ///
     /// # Errors
     /// [`InvalidScene::NotFinite`](crate::InvalidScene::NotFinite), and
-    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if there is no inverse that is worth its name: the greatest row
-    /// sums of it and of the matrix may have a product of [`MAX_CONDITION`](super::MAX_CONDITION).
+    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if the transform nearly flattens: the greatest row sums of it
+    /// and of its inverse may have a product of [`MAX_CONDITION`](super::MAX_CONDITION).
     pub fn placed(self, to_scene: &Affine3A) -> Result<Self, Error> {
         Ok(Self { placement: Placement::still(to_scene)?, ..self })
     }
@@ -57,7 +67,16 @@ impl<'a> Item<'a> {
     /// Those of [`placed`](Self::placed), at a key or between, as halfway through half a turn; and
     /// [`InvalidScene::NoKeys`](crate::InvalidScene::NoKeys).
     pub fn moving(self, keys: &'a [Affine3A]) -> Result<Self, Error> {
-        Ok(Self { placement: Placement::moving(keys)?, ..self })
+        Ok(Self { placement: Placement::moving(Keys::Borrowed(keys))?, ..self })
+    }
+
+    /// [`moving`](Self::moving), by transforms that the item keeps.
+    ///
+    /// # Errors
+    /// Those of [`moving`](Self::moving).
+    #[cfg(any(feature = "alloc", test))]
+    pub fn moving_shared(self, keys: Arc<[Affine3A]>) -> Result<Self, Error> {
+        Ok(Self { placement: Placement::moving(Keys::Shared(keys))?, ..self })
     }
 
     /// The item with a mask: rays see it whose mask has a bit in common. Zero hides it.
@@ -67,8 +86,18 @@ impl<'a> Item<'a> {
     }
 
     /// What it is.
-    pub fn object(&self) -> Object<'a> {
-        self.object
+    pub fn object(&self) -> &Object<'a> {
+        &self.object
+    }
+
+    /// Who sees it.
+    pub fn mask(&self) -> u32 {
+        self.mask
+    }
+
+    /// Whether its transform flattens it, so that no ray hits it.
+    pub fn is_flat(&self) -> bool {
+        matches!(self.placement, Placement::Flat { .. })
     }
 
     /// The transform from the object's space to that of the scene at a time (see [`SceneRay`](super::SceneRay)); `None`
@@ -79,31 +108,35 @@ impl<'a> Item<'a> {
 
     /// The number of things that have boxes of their own in the scene's tree.
     pub(super) fn count(&self) -> u32 {
-        match self.object {
+        match &self.object {
+            Object::Nothing => 0,
             Object::Shape(shape) => shape.count(),
+            #[cfg(any(feature = "alloc", test))]
+            Object::SharedShape(shape) => shape.count(),
             _ => 1,
         }
     }
 
     /// The number of keys between which boxes move in straight lines.
     pub(super) fn keys(&self) -> usize {
-        match (self.placement.keys(), self.object) {
-            (1, Object::Moving(tree)) => tree.keys(),
+        match (self.placement.keys(), self.object.target()) {
+            (1, Target::Moving(tree)) => tree.keys(),
             (keys, _) => keys,
         }
     }
 
     /// The box of a part at a key, of which there are [`keys`](Self::keys).
     pub(super) fn aabb_at_key(&self, part: u32, key: usize) -> Aabb {
-        let (local, key) = match self.object {
-            Object::Mesh(tree) => (tree.bounds(), key),
-            Object::Moving(tree) if self.placement.keys() == 1 && tree.keys() > 1 => {
+        let (local, key) = match self.object.target() {
+            Target::Nothing => return Aabb::EMPTY,
+            Target::Mesh(tree) => (tree.bounds(), key),
+            Target::Moving(tree) if self.placement.keys() == 1 && tree.keys() > 1 => {
                 // The scene's own fraction of time is rounded otherwise than the tree's.
                 return self.placement.aabb(0, &widened(&tree.at_key(key).bounds(), &tree.bounds()));
             }
-            Object::Moving(tree) => (tree.bounds(), key),
-            Object::Shape(shape) => (shape.bounds(part), key),
-            Object::Scene(scene) => (scene.bounds(), key),
+            Target::Moving(tree) => (tree.bounds(), key),
+            Target::Shape(shape) => (shape.bounds(part), key),
+            Target::Scene(scene) => (scene.bounds(), key),
         };
         self.placement.aabb(key, &local)
     }
@@ -129,38 +162,51 @@ impl Item<'_> {
     }
 
     /// What a ray's reach has to span for this item.
-    pub(super) fn reach(&self) -> Aabb {
-        match self.object {
-            Object::Mesh(tree) => self.placement.reach(&tree.bounds()),
-            Object::Moving(tree) => self.placement.reach(&tree.bounds()),
-            Object::Shape(shape) => {
+    fn reach(&self) -> Aabb {
+        match self.object.target() {
+            Target::Nothing => Aabb::EMPTY,
+            Target::Mesh(tree) => self.placement.reach(&tree.bounds()),
+            Target::Moving(tree) => self.placement.reach(&tree.bounds()),
+            Target::Shape(shape) => {
                 let boxes = (0..shape.count()).map(|part| shape.bounds(part)).filter(is_in_range);
                 self.placement.reach(&boxes.fold(Aabb::EMPTY, |sum, aabb| sum.union(&aabb)))
             }
-            Object::Scene(scene) => self.placement.reach(&scene.reach()),
+            Target::Scene(scene) => self.placement.reach(&scene.reach()),
+        }
+    }
+
+    /// What the scene has to know of the item.
+    pub(super) fn facts(&self) -> Facts {
+        Facts {
+            reach: self.reach(),
+            error: self.error(),
+            levels: self.levels(),
+            paths: self.paths(),
+            keys: self.keys(),
+            count: self.count(),
         }
     }
 
     /// How far hits may be off the item's box, in units of a ray's reach.
-    pub(super) fn error(&self) -> Vec3 {
-        self.placement.error(match self.object {
-            Object::Scene(scene) => scene.error().max_element(),
+    fn error(&self) -> Vec3 {
+        self.placement.error(match self.object.target() {
+            Target::Scene(scene) => scene.error().max_element(),
             _ => 0.0,
         })
     }
 
     /// The number of paths through the item.
-    pub(super) fn paths(&self) -> u64 {
-        match self.object {
-            Object::Scene(scene) => scene.paths(),
+    fn paths(&self) -> u64 {
+        match self.object.target() {
+            Target::Scene(scene) => scene.paths(),
             _ => 0,
         }
     }
 
     /// The number of scenes one in the other, from here on.
-    pub(super) fn levels(&self) -> usize {
-        match self.object {
-            Object::Scene(scene) => 1 + scene.levels(),
+    fn levels(&self) -> usize {
+        match self.object.target() {
+            Target::Scene(scene) => 1 + scene.levels(),
             _ => 0,
         }
     }
@@ -177,28 +223,4 @@ fn widened(aabb: &Aabb, everywhere: &Aabb) -> Aabb {
 fn is_in_range(aabb: &Aabb) -> bool {
     let limit = Vec3::splat(MAX_COORDINATE);
     !aabb.is_empty() && aabb.min.abs().cmple(limit).all() && aabb.max.abs().cmple(limit).all()
-}
-
-impl<'a> From<BvhView<'a>> for Object<'a> {
-    fn from(tree: BvhView<'a>) -> Self {
-        Self::Mesh(tree)
-    }
-}
-
-impl<'a> From<MovingView<'a>> for Object<'a> {
-    fn from(tree: MovingView<'a>) -> Self {
-        Self::Moving(tree)
-    }
-}
-
-impl<'a, S: Shape> From<&'a S> for Object<'a> {
-    fn from(shape: &'a S) -> Self {
-        Self::Shape(shape)
-    }
-}
-
-impl<'a> From<&'a SceneView<'a>> for Object<'a> {
-    fn from(scene: &'a SceneView<'a>) -> Self {
-        Self::Scene(scene)
-    }
 }

@@ -6,8 +6,37 @@
 //! | a slice | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
 //!
-//! An [`Item`] is an object and its place. Objects are borrowed: ten thousand items may be the same million triangles. A
-//! [`Scene`] has a tree over its items' boxes, and may be an object in another.
+//! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
+//!
+//! An [`Item`] is an object and its place. Objects are borrowed or shared: ten thousand items may be the same million
+//! triangles. A `Scene` has a tree over its items' boxes, and may be an object in another.
+//!
+//! # Scenes that change
+//! With `alloc`, a `Scene` owns its items. What is inserted is named by a `Handle`, which stays valid until the item is
+//! removed. Changes are staged: rays see the scene as of its last `commit`, which checks all changes before it makes any,
+//! and fits the tree to them or builds it anew. A commit that was forgotten leaves the scene as it was, and
+//! `Scene::is_committed` tells. A `Scene<'static>`, whose items share their objects by `Arc`, is `Send` and `Sync` and can
+//! be an engine's resource.
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! # extern crate alloc;
+//! use alloc::sync::Arc;
+//!
+//! use glam::{Affine3A, Vec3};
+//! use halfdome_kernel::{Bvh, BuildOptions, Item, Ray, Scene};
+//!
+//! let (mesh, _) = Bvh::build(&[[Vec3::ZERO, Vec3::X, Vec3::Y]], &BuildOptions::default())?;
+//! let mut scene: Scene<'static> = Scene::new(BuildOptions::default());
+//! let handle = scene.insert(Item::new(Arc::new(mesh)));
+//! // Each frame:
+//! scene.set_transform(handle, &Affine3A::from_translation(Vec3::NEG_Z))?;
+//! scene.commit()?;
+//! let hit = scene.view().intersect(&Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
+//! assert_eq!((hit.hit.t, scene.handle(hit.geometry_id)), (2.0, Some(handle)));
+//! # }
+//! # Ok::<(), halfdome_kernel::Error>(())
+//! ```
 //!
 //! # What a hit is
 //! The ray is taken into the item's own space by the inverse of its transform, in `f64`, rounded once, and is there what it
@@ -35,9 +64,12 @@
 //! Nothing here allocates or panics while tracing.
 
 #[cfg(any(feature = "alloc", test))]
-mod build;
+mod handle;
 mod inverse;
 mod item;
+mod object;
+#[cfg(any(feature = "alloc", test))]
+mod owned;
 mod quad;
 mod ray;
 pub mod reference;
@@ -45,35 +77,45 @@ mod shape;
 mod sphere;
 #[cfg(test)]
 mod tests;
+#[cfg(any(feature = "alloc", test))]
+mod top_level;
 mod transform;
 mod view;
 mod walk;
 
 #[cfg(any(feature = "alloc", test))]
-pub use build::Scene;
+pub use handle::Handle;
 pub use inverse::MAX_CONDITION;
-pub use item::{Item, Object};
+pub use item::Item;
+pub use object::Object;
+#[cfg(any(feature = "alloc", test))]
+pub use owned::{Commit, Scene};
 pub use quad::Quads;
 pub use ray::{SceneHit, SceneRay};
 pub use shape::Shape;
 pub use sphere::{Sphere, Spheres};
 pub use view::{Instances, Part, SceneView};
 
+use core::ops::ControlFlow;
 use core::slice;
 
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
-use walk::Trace;
+use walk::{IntersectAll, Judge, Judged, OccludedAll};
 
 impl SceneView<'_> {
     /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.
     pub fn intersect(&self, ray: &SceneRay) -> Option<SceneHit> {
-        self.intersect_filtered(ray, |_| Verdict::Accept)
+        let mut hit = SceneHit::MISS;
+        self.intersect_many(slice::from_ref(ray), slice::from_mut(&mut hit));
+        hit.is_hit().then_some(hit)
     }
 
     /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
     pub fn occluded(&self, ray: &SceneRay) -> bool {
-        self.intersect_filtered(ray, |_| Verdict::Stop).is_some()
+        let mut occluded = false;
+        self.occluded_many(slice::from_ref(ray), slice::from_mut(&mut occluded));
+        occluded
     }
 
     /// The nearest hit of `ray` that `filter` accepts. If the filter stops the search, the hit that it stopped at.
@@ -81,10 +123,11 @@ impl SceneView<'_> {
     /// The filter sees those hits that precede the nearest one accepted so far: each triangle and each primitive of a
     /// shape at most once for each way to it, roughly from near to far. The order is the same on all instruction sets but
     /// [`Isa::SCALAR`](crate::Isa::SCALAR).
-    pub fn intersect_filtered(&self, ray: &SceneRay, mut filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
-        let mut result = None;
-        self.trace(slice::from_ref(ray), &mut filter, &mut |_, found| result = found);
-        result
+    pub fn intersect_filtered(&self, ray: &SceneRay, filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
+        match self.isa().level() {
+            Level::Scalar => reference::intersect_filtered(self, ray, filter),
+            _ => walk::filtered(self, ray, filter),
+        }
     }
 
     /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but quicker. The
@@ -97,30 +140,86 @@ impl SceneView<'_> {
         self.intersect_filtered(ray, stop).is_some()
     }
 
+    /// Gives `visit` every hit of `ray`, each once for each way to it and roughly from near to far, until it breaks off;
+    /// tells whether it did.
+    pub fn for_each_hit(&self, ray: &SceneRay, mut visit: impl FnMut(&SceneHit) -> ControlFlow<()>) -> ControlFlow<()> {
+        let mut flow = ControlFlow::Continue(());
+        let t_max = ray.ray.t_max;
+        let mut judge = |hit: &SceneHit| {
+            if flow.is_continue() {
+                flow = visit(hit);
+            }
+            flow.map_continue(|()| t_max)
+        };
+        match self.isa().level() {
+            Level::Scalar => reference::for_each_hit(self, ray, &mut |hit| {
+                let _ = judge(&hit);
+            }),
+            _ => dispatch(self.isa(), Judge { scene: self, ray, search: Judged { t_max, judge: &mut judge } }),
+        }
+        flow
+    }
+
+    /// How many hits `ray` has.
+    pub fn count_hits(&self, ray: &SceneRay) -> usize {
+        let mut count = 0;
+        let _ = self.for_each_hit(ray, |_| {
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        count
+    }
+
+    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives their
+    /// number. The rest of `hits` is of no meaning. The search leaves out what is behind the last of them.
+    pub fn nearest_hits(&self, ray: &SceneRay, hits: &mut [SceneHit]) -> usize {
+        let mut len = 0;
+        let room = hits.len();
+        if room == 0 {
+            return 0;
+        }
+        let mut judge = |hit: &SceneHit| {
+            let place = hits[..len].partition_point(|other| other.precedes(hit));
+            len = room.min(len + 1);
+            if place < len {
+                hits[place..len].rotate_right(1);
+                hits[place] = *hit;
+            }
+            ControlFlow::Continue(if len == room { hits[len - 1].hit.t } else { ray.ray.t_max })
+        };
+        match self.isa().level() {
+            Level::Scalar => reference::for_each_hit(self, ray, &mut |hit| {
+                let _ = judge(&hit);
+            }),
+            _ => {
+                let search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
+                dispatch(self.isa(), Judge { scene: self, ray, search });
+            }
+        }
+        len
+    }
+
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
-        let rays = &rays[..rays.len().min(hits.len())];
-        self.trace(rays, &mut |_| Verdict::Accept, &mut |number, found| hits[number] = found.unwrap_or(SceneHit::MISS));
+        match self.isa().level() {
+            Level::Scalar => {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = reference::intersect(self, ray).unwrap_or(SceneHit::MISS);
+                }
+            }
+            _ => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
+        }
     }
 
     /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
     pub fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
-        let rays = &rays[..rays.len().min(occluded.len())];
-        self.trace(rays, &mut |_| Verdict::Stop, &mut |number, found| occluded[number] = found.is_some());
-    }
-
-    /// Traces rays, and has `write` hear of the result of each, by its number.
-    fn trace(
-        &self,
-        rays: &[SceneRay],
-        filter: &mut dyn FnMut(&SceneHit) -> Verdict,
-        write: &mut dyn FnMut(usize, Option<SceneHit>),
-    ) {
         match self.isa().level() {
-            Level::Scalar => rays.iter().enumerate().for_each(|(number, ray)| {
-                write(number, reference::intersect_filtered(self, ray, &mut *filter));
-            }),
-            _ => dispatch(self.isa(), Trace { scene: self, rays, filter, write }),
+            Level::Scalar => {
+                for (ray, occluded) in rays.iter().zip(occluded) {
+                    *occluded = reference::intersect(self, ray).is_some();
+                }
+            }
+            _ => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
         }
     }
 }

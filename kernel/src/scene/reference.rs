@@ -1,7 +1,8 @@
 //! Scenes as plain as can be: loops over all items and all triangles, one after the other, without any tree. Slow; every
 //! other way to trace a scene gives the same hits bit for bit.
 
-use super::{Object, SceneHit, SceneRay, SceneView, shape};
+use super::object::Target;
+use super::{SceneHit, SceneRay, SceneView, shape};
 use crate::bvh::TriangleBlock;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
@@ -38,6 +39,11 @@ pub fn intersect_filtered(
     best
 }
 
+/// What [`SceneView::for_each_hit`] shows if it does not break off, in another order.
+pub fn for_each_hit(scene: &SceneView, ray: &SceneRay, see: &mut dyn FnMut(SceneHit)) {
+    all_hits(scene, ray, 0, 0, see);
+}
+
 /// Shows all hits of a ray within its interval, in a scene the first of whose paths is `first_path`.
 fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see: &mut dyn FnMut(SceneHit)) {
     let SceneRay { ray, time, mask } = *ray;
@@ -55,17 +61,18 @@ fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see:
         };
         let path = first_path + (scene.paths() - 1);
         let mut see_here = |hit| see(SceneHit { hit, geometry_id: part.item, depth, path });
-        match item.object {
-            Object::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0, &local, &mut see_here),
-            Object::Moving(tree) => {
+        match item.object.target() {
+            Target::Nothing => {}
+            Target::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0, &local, &mut see_here),
+            Target::Moving(tree) => {
                 if let Some(Moment { key, fraction }) = Moment::new(time, tree.keys()) {
                     let to = if fraction == 0.0 { key } else { key + 1 };
                     loop_over(tree.blocks(key), tree.blocks(to), fraction, &local, &mut see_here);
                 }
             }
-            Object::Shape(shape) => shape::intersect(shape, part.prim_id, &local, time).into_iter().for_each(see_here),
-            Object::Scene(inner) => {
-                all_hits(inner, &SceneRay { ray: local, time, mask }, first_path + item.first_path, depth + 1, see);
+            Target::Shape(shape) => shape::intersect(shape, part.prim_id, &local, time).into_iter().for_each(see_here),
+            Target::Scene(inner) => {
+                all_hits(&inner, &SceneRay { ray: local, time, mask }, first_path + item.first_path, depth + 1, see);
             }
         }
     }

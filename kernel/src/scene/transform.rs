@@ -20,6 +20,10 @@
 //! an instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
 //! 6e-6 at most.
 
+#[cfg(any(feature = "alloc", test))]
+use alloc::sync::Arc;
+use core::ops::Deref;
+
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use super::inverse::{Inverse, MAX_CONDITION, inverse_norm_between, linear, norm, row_sums, translation};
@@ -37,15 +41,40 @@ const ROUNDING: f64 = 32.0 / (1u32 << 24) as f64;
 /// interpolation.
 pub(super) const MOVING_PAD: f64 = 16.0 / (1u32 << 24) as f64;
 
+/// Above this condition the elements, which are rounded to `f32`, do not tell a transform from one that flattens.
+const FLAT: f64 = (1u32 << 22) as f64;
+
+/// Transforms at evenly spaced times.
+#[derive(Clone, Debug)]
+pub(super) enum Keys<'a> {
+    Borrowed(&'a [Affine3A]),
+    #[cfg(any(feature = "alloc", test))]
+    Shared(Arc<[Affine3A]>),
+}
+
+impl Deref for Keys<'_> {
+    type Target = [Affine3A];
+    #[inline(always)]
+    fn deref(&self) -> &[Affine3A] {
+        match self {
+            Self::Borrowed(keys) => keys,
+            #[cfg(any(feature = "alloc", test))]
+            Self::Shared(keys) => keys,
+        }
+    }
+}
+
 /// Where an item is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Placement<'a> {
     /// Where its own coordinates say.
     AsItIs,
+    /// Where a transform takes it that makes it flat: nowhere to be hit.
+    Flat { to_scene: Affine3A },
     /// Where a transform takes it.
     Still { to_scene: Affine3A, to_local: Inverse, inverse_norm: f32 },
     /// Where transforms at evenly spaced times take it; the inverse's norm is a bound for all times.
-    Moving { keys: &'a [Affine3A], inverse_norm: f32 },
+    Moving { keys: Keys<'a>, inverse_norm: f32 },
 }
 
 impl<'a> Placement<'a> {
@@ -57,11 +86,15 @@ impl<'a> Placement<'a> {
         if !to_scene.is_finite() {
             return Err(InvalidScene::NotFinite { key: 0 }.into());
         }
-        let singular = InvalidScene::Singular { key: 0 };
-        let to_local = Inverse::new(linear(to_scene), translation(to_scene)).ok_or(singular)?;
+        let flat = Self::Flat { to_scene: *to_scene };
+        let Some(to_local) = Inverse::new(linear(to_scene), translation(to_scene)) else {
+            return Ok(flat);
+        };
         let inverse_norm = to_local.norm();
-        if inverse_norm * norm(&linear(to_scene)) > MAX_CONDITION {
-            return Err(singular.into());
+        match inverse_norm * norm(&linear(to_scene)) {
+            condition if condition > FLAT => return Ok(flat),
+            condition if condition > MAX_CONDITION => return Err(InvalidScene::Singular { key: 0 }.into()),
+            _ => {}
         }
         Ok(Self::Still { to_scene: *to_scene, to_local, inverse_norm: round_up(inverse_norm) })
     }
@@ -71,8 +104,8 @@ impl<'a> Placement<'a> {
     /// # Errors
     /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is singular
     /// between keys, as halfway through half a turn.
-    pub(super) fn moving(keys: &'a [Affine3A]) -> Result<Self, Error> {
-        if let [only] = keys {
+    pub(super) fn moving(keys: Keys<'a>) -> Result<Self, Error> {
+        if let [only] = &*keys {
             return Self::still(only);
         }
         if keys.is_empty() {
@@ -92,15 +125,17 @@ impl<'a> Placement<'a> {
     /// The number of keys at which the transform is given.
     pub(super) fn keys(&self) -> usize {
         match self {
-            Self::AsItIs | Self::Still { .. } => 1,
+            Self::AsItIs | Self::Flat { .. } | Self::Still { .. } => 1,
             Self::Moving { keys, .. } => keys.len(),
         }
     }
 
     /// The ray in the item's space, at a time in 0..=1 or moved there; `None` if the time is NaN.
-    pub(super) fn to_local(self, ray: &Ray, time: f32) -> Option<Ray> {
+    #[inline(always)]
+    pub(super) fn to_local(&self, ray: &Ray, time: f32) -> Option<Ray> {
         match self {
             Self::AsItIs => Some(*ray),
+            Self::Flat { .. } => None,
             Self::Still { to_local, .. } => Some(to_local.ray(ray)),
             Self::Moving { keys, .. } => {
                 let (linear, translation) = between(keys, time)?;
@@ -110,10 +145,10 @@ impl<'a> Placement<'a> {
     }
 
     /// The transform to the scene's space at a time, rounded.
-    pub(super) fn to_scene(self, time: f32) -> Option<Affine3A> {
+    pub(super) fn to_scene(&self, time: f32) -> Option<Affine3A> {
         match self {
             Self::AsItIs => Some(Affine3A::IDENTITY),
-            Self::Still { to_scene, .. } => Some(to_scene),
+            Self::Flat { to_scene } | Self::Still { to_scene, .. } => Some(*to_scene),
             Self::Moving { keys, .. } => {
                 let (linear, translation) = between(keys, time)?;
                 Some(Affine3A::from_mat3_translation(linear.as_mat3(), translation.as_vec3()))
@@ -125,6 +160,7 @@ impl<'a> Placement<'a> {
     pub(super) fn aabb(&self, key: usize, local: &Aabb) -> Aabb {
         match self {
             Self::AsItIs => *local,
+            Self::Flat { .. } => Aabb::EMPTY,
             Self::Still { to_scene, .. } => image(to_scene, local, 0.0),
             Self::Moving { keys, .. } => {
                 let images = keys.iter().map(|transform| image(transform, local, 0.0));
@@ -136,8 +172,10 @@ impl<'a> Placement<'a> {
 
     /// What a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
-        if matches!(self, Self::AsItIs) {
-            return *local;
+        match self {
+            Self::AsItIs => return *local,
+            Self::Flat { .. } => return Aabb::EMPTY,
+            Self::Still { .. } | Self::Moving { .. } => {}
         }
         let with_origin = local.union(&Aabb { min: Vec3::ZERO, max: Vec3::ZERO });
         (0..self.keys()).fold(Aabb::EMPTY, |reach, key| reach.union(&self.aabb(key, &with_origin)))
@@ -149,6 +187,7 @@ impl<'a> Placement<'a> {
         let sums = |transform: &Affine3A| row_sums(&linear(transform));
         let (sums, inverse_norm) = match self {
             Self::AsItIs => return Vec3::splat(local),
+            Self::Flat { .. } => return Vec3::ZERO,
             Self::Still { to_scene, inverse_norm, .. } => (sums(to_scene), inverse_norm),
             Self::Moving { keys, inverse_norm } => (keys.iter().map(sums).fold(DVec3::ZERO, DVec3::max), inverse_norm),
         };
@@ -214,22 +253,28 @@ mod tests {
     }
 
     #[test]
-    fn transforms_without_an_inverse_are_refused() {
+    fn transforms_without_an_inverse_hide_and_are_no_keys() {
         let flat = Affine3A::from_scale(vec3(1.0, 0.0, 1.0));
         let skewed = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::Y, vec3(1.0, 1.0, 0.0)));
         let nearly = Affine3A::from_scale(vec3(1.0, 1e-5, 1.0));
-        for bad in [flat, skewed, nearly, Affine3A::from_scale(Vec3::ZERO)] {
-            assert_eq!(error_of(Placement::still(&bad)), Some(InvalidScene::Singular { key: 0 }));
+        // Flat in a way that rounding hides.
+        let turned = Affine3A::from_quat(Quat::from_rotation_x(0.7)) * flat * Affine3A::from_rotation_z(0.3);
+        for bad in [flat, skewed, turned, nearly, Affine3A::from_scale(Vec3::ZERO)] {
+            if bad == nearly {
+                assert_eq!(error_of(Placement::still(&bad)), Some(InvalidScene::Singular { key: 0 }));
+            } else {
+                assert!(matches!(Placement::still(&bad), Ok(Placement::Flat { .. })), "{bad:?}");
+            }
             let keys = [Affine3A::IDENTITY, Affine3A::IDENTITY, bad];
-            assert_eq!(error_of(Placement::moving(&keys)), Some(InvalidScene::Singular { key: 1 }));
+            assert_eq!(error_of(Placement::moving(Keys::Borrowed(&keys))), Some(InvalidScene::Singular { key: 1 }));
         }
         for bad in [f32::NAN, f32::INFINITY] {
             let bad = Affine3A::from_translation(vec3(0.0, bad, 0.0));
             assert_eq!(error_of(Placement::still(&bad)), Some(InvalidScene::NotFinite { key: 0 }));
             let keys = [Affine3A::IDENTITY, bad];
-            assert_eq!(error_of(Placement::moving(&keys)), Some(InvalidScene::NotFinite { key: 1 }));
+            assert_eq!(error_of(Placement::moving(Keys::Borrowed(&keys))), Some(InvalidScene::NotFinite { key: 1 }));
         }
-        assert_eq!(error_of(Placement::moving(&[])), Some(InvalidScene::NoKeys));
+        assert_eq!(error_of(Placement::moving(Keys::Borrowed(&[]))), Some(InvalidScene::NoKeys));
         // Small, large and mirrored ones have an inverse.
         for scale in [vec3(1e-12, 1e-12, 2e-12), Vec3::splat(1e15), vec3(-1.0, 1.0, 1e-4)] {
             assert_eq!(error_of(Placement::still(&Affine3A::from_scale(scale))), None);
@@ -240,11 +285,11 @@ mod tests {
     fn a_turn_that_collapses_between_keys_is_refused() {
         let turn = |angle: f32| Affine3A::from_quat(Quat::from_rotation_z(angle));
         let half = [turn(0.0), turn(core::f32::consts::PI)];
-        assert_eq!(error_of(Placement::moving(&half)), Some(InvalidScene::Singular { key: 0 }));
+        assert_eq!(error_of(Placement::moving(Keys::Borrowed(&half))), Some(InvalidScene::Singular { key: 0 }));
         let mirrored = [Affine3A::IDENTITY, Affine3A::from_scale(vec3(1.0, -1.0, 1.0))];
-        assert_eq!(error_of(Placement::moving(&mirrored)), Some(InvalidScene::Singular { key: 0 }));
+        assert_eq!(error_of(Placement::moving(Keys::Borrowed(&mirrored))), Some(InvalidScene::Singular { key: 0 }));
         let quarters = [turn(0.0), turn(1.5), turn(3.0)];
-        assert_eq!(error_of(Placement::moving(&quarters)), None);
+        assert_eq!(error_of(Placement::moving(Keys::Borrowed(&quarters))), None);
     }
 
     #[test]

@@ -2,8 +2,10 @@
 
 use glam::{Affine3A, Vec3};
 
+use super::item::Facts;
+use super::object::Target;
 use super::transform::MAX_ERROR;
-use super::{Item, Object, SceneHit};
+use super::{Item, SceneHit};
 use crate::bvh::{BoxTreeView, Node};
 use crate::error::{Error, InvalidScene};
 use crate::geometry::Aabb;
@@ -43,27 +45,42 @@ pub(super) struct SceneSummary {
 }
 
 impl SceneSummary {
+    /// That of nothing.
+    pub(super) const NOTHING: Self = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
+
     /// Numbers the paths through items too.
     ///
     /// # Errors
     /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
-    pub(super) fn of(items: &mut [Item]) -> Result<Self, Error> {
-        let mut summary = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
+    fn of(items: &mut [Item]) -> Result<Self, InvalidScene> {
+        let mut summary = Self::NOTHING;
         for (index, item) in items.iter_mut().enumerate() {
-            item.first_path = summary.paths - 1;
-            let paths = summary.paths.checked_add(item.paths());
-            summary.paths = paths.ok_or(InvalidScene::TooManyPaths { item: index })?;
-            let error = item.error();
-            // Not for a NaN either.
-            if !error.cmple(Vec3::splat(MAX_ERROR)).all() {
-                return Err(InvalidScene::Imprecise { item: index }.into());
-            }
-            summary.reach = summary.reach.union(&item.reach());
-            summary.error = summary.error.max(error);
-            summary.levels = summary.levels.max(item.levels());
-            summary.keys = summary.keys.max(item.keys());
+            item.first_path = summary.first_path();
+            summary.add(index, &item.facts())?;
         }
         Ok(summary)
+    }
+
+    /// The first of the paths through the item that is added next.
+    pub(super) fn first_path(&self) -> u64 {
+        self.paths - 1
+    }
+
+    /// Adds an item.
+    ///
+    /// # Errors
+    /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
+    pub(super) fn add(&mut self, index: usize, item: &Facts) -> Result<(), InvalidScene> {
+        self.paths = self.paths.checked_add(item.paths).ok_or(InvalidScene::TooManyPaths { item: index })?;
+        // Not for a NaN either.
+        if !item.error.cmple(Vec3::splat(MAX_ERROR)).all() {
+            return Err(InvalidScene::Imprecise { item: index });
+        }
+        self.reach = self.reach.union(&item.reach);
+        self.error = self.error.max(item.error);
+        self.levels = self.levels.max(item.levels);
+        self.keys = self.keys.max(item.keys);
+        Ok(())
     }
 
     /// The number of keys that the tree needs.
@@ -79,8 +96,8 @@ impl<'a> SceneView<'a> {
     ///
     /// # Errors
     /// [`InvalidTree`](crate::InvalidTree) says what is wrong with the tree, and [`InvalidScene`] what is with the items.
-    pub fn new(
-        items: &'a mut [Item<'a>],
+    pub fn new<'b: 'a>(
+        items: &'a mut [Item<'b>],
         parts: &'a [Part],
         nodes: &'a [Node],
         numbers: &'a [u32],
@@ -205,10 +222,10 @@ impl<'a> Iterator for Instances<'a> {
         // Of items with the same first path the last is the scene that has it.
         let index = scene.items.partition_point(|item| item.first_path <= self.path).checked_sub(1)?;
         let item = &scene.items[index];
-        let Object::Scene(inner) = item.object else {
+        let Target::Scene(inner) = item.object.target() else {
             return None;
         };
-        *self = Self { scene: Some(*inner), path: self.path - item.first_path };
+        *self = Self { scene: Some(inner), path: self.path - item.first_path };
         Some((index as u32, item))
     }
 }

@@ -1,95 +1,292 @@
 //! Walks through scenes: the scene's own tree, and in its leaves whatever lies there, in its own space.
 
+use core::cmp::Ordering;
 use core::ops::{ControlFlow, Range};
 
+use super::object::Target;
 use super::shape;
-use super::{Item, Object, SceneHit, SceneRay, SceneView};
-use crate::geometry::Hit;
+use super::{Item, SceneHit, SceneRay, SceneView};
+use crate::bvh::BvhView;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
+use crate::geometry::{Hit, Ray};
 use crate::simd::{Isa, Simd, Work, dispatch};
 use crate::traverse::single::{self, Collector, Intersector, moving};
 use crate::traverse::{TraversalStack, Verdict};
 
-/// Rays to be traced one after the other, and who hears of what. Not generic, so that a program has this once for each
-/// instruction set: a filter is called a few times a ray.
-pub(super) struct Trace<'a> {
-    pub scene: &'a SceneView<'a>,
-    pub rays: &'a [SceneRay],
-    pub filter: &'a mut dyn FnMut(&SceneHit) -> Verdict,
-    /// Hears of the result of each ray, by its number.
-    pub write: &'a mut dyn FnMut(usize, Option<SceneHit>),
+/// What becomes of the hits that a ray finds in a scene.
+pub(super) trait Search: Sized {
+    /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
+    fn t_max(&self) -> f32;
+
+    /// Sees a hit that is not behind [`t_max`](Self::t_max). `Break` ends the search.
+    fn report(&mut self, hit: SceneHit) -> ControlFlow<()>;
+
+    /// Looks for hits with triangles that stand still; all have in common what `common` says. `stack` is memory.
+    #[inline(always)]
+    fn visit_mesh<S: Simd>(
+        &mut self,
+        tree: &BvhView,
+        ray: &Ray,
+        common: SceneHit,
+        stack: &mut TraversalStack,
+    ) -> ControlFlow<()> {
+        single::walk::<S, _>(tree, ray, stack, &mut ItemCollector { search: self, common })
+    }
 }
 
-impl Work for Trace<'_> {
+/// The nearest hit.
+pub(super) struct Closest {
+    pub best: SceneHit,
+}
+
+impl Closest {
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Self {
+        Self { best: SceneHit { hit: Hit { t: ray.t_max, ..Hit::MISS }, ..SceneHit::MISS } }
+    }
+
+    /// What a hit of one item has to precede by `t` and `prim_id` alone, to precede the best: of equally near hits the
+    /// geometry decides, then the part, then the path.
+    #[inline(always)]
+    fn to_precede(&self, common: &SceneHit) -> Hit {
+        let best = &self.best;
+        let prim_id = match common.geometry_id.cmp(&best.geometry_id) {
+            Ordering::Less => Hit::NO_PRIM,
+            Ordering::Equal => best.hit.prim_id.saturating_add(u32::from(common.path < best.path)),
+            Ordering::Greater => 0,
+        };
+        Hit { t: best.hit.t, prim_id, ..Hit::MISS }
+    }
+}
+
+impl Search for Closest {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.best.hit.t
+    }
+
+    #[inline(always)]
+    fn report(&mut self, hit: SceneHit) -> ControlFlow<()> {
+        if hit.precedes(&self.best) {
+            self.best = hit;
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn visit_mesh<S: Simd>(
+        &mut self,
+        tree: &BvhView,
+        ray: &Ray,
+        common: SceneHit,
+        _stack: &mut TraversalStack,
+    ) -> ControlFlow<()> {
+        let before = self.to_precede(&common);
+        let hit = single::closest::<S>(tree, ray, before);
+        if hit.t != before.t || hit.prim_id != before.prim_id {
+            self.best = SceneHit { hit, ..common };
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Whether there is a hit.
+pub(super) struct Any {
+    pub t_max: f32,
+    pub found: bool,
+}
+
+impl Search for Any {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn report(&mut self, _hit: SceneHit) -> ControlFlow<()> {
+        self.found = true;
+        ControlFlow::Break(())
+    }
+
+    #[inline(always)]
+    fn visit_mesh<S: Simd>(
+        &mut self,
+        tree: &BvhView,
+        ray: &Ray,
+        _common: SceneHit,
+        _stack: &mut TraversalStack,
+    ) -> ControlFlow<()> {
+        self.found = single::occluded::<S>(tree, ray);
+        if self.found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// The hits that somebody else judges. Not generic, so that a program has this once for each instruction set: a filter is
+/// called a few times a ray.
+pub(super) struct Judged<'a> {
+    pub t_max: f32,
+    /// Gives the new [`t_max`](Search::t_max).
+    pub judge: &'a mut dyn FnMut(&SceneHit) -> ControlFlow<(), f32>,
+}
+
+impl Search for Judged<'_> {
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn report(&mut self, hit: SceneHit) -> ControlFlow<()> {
+        self.t_max = (self.judge)(&hit)?;
+        ControlFlow::Continue(())
+    }
+}
+
+/// The nearest hit that a filter accepts.
+pub(super) fn filtered(
+    scene: &SceneView,
+    ray: &SceneRay,
+    mut filter: impl FnMut(&SceneHit) -> Verdict,
+) -> Option<SceneHit> {
+    let mut best = Closest::new(&ray.ray).best;
+    let mut judge = |hit: &SceneHit| {
+        if hit.precedes(&best) {
+            let verdict = filter(hit);
+            if verdict != Verdict::Reject {
+                best = *hit;
+            }
+            if verdict == Verdict::Stop {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(best.hit.t)
+    };
+    let search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
+    dispatch(scene.isa(), Judge { scene, ray, search });
+    best.is_hit().then_some(best)
+}
+
+/// One ray, and who judges its hits.
+pub(super) struct Judge<'a> {
+    pub scene: &'a SceneView<'a>,
+    pub ray: &'a SceneRay,
+    pub search: Judged<'a>,
+}
+
+impl Work for Judge<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(mut self) {
+        Memory::new().trace::<S, _>(self.scene, self.ray, &mut self.search);
+    }
+}
+
+/// Rays whose nearest hits are written to `hits`, of which there are as many.
+pub(super) struct IntersectAll<'a> {
+    pub scene: &'a SceneView<'a>,
+    pub rays: &'a [SceneRay],
+    pub hits: &'a mut [SceneHit],
+}
+
+impl Work for IntersectAll<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let (mut items, mut triangles) = (TraversalStack::new(), TraversalStack::new());
-        for (number, ray) in self.rays.iter().enumerate() {
-            let nothing = SceneHit { hit: Hit { t: ray.ray.t_max, ..Hit::MISS }, ..SceneHit::MISS };
-            let mut search = Search { best: nothing, filter: &mut *self.filter };
-            let visit = Visit {
-                scene: self.scene,
-                isa: self.scene.isa(),
-                ray: *ray,
-                first_path: 0,
-                depth: 0,
-                search: &mut search,
-                triangles: &mut triangles,
-            };
-            // Whether the search was ended early does not matter.
-            let _ = visit.walk::<S>(&mut items);
-            (self.write)(number, search.best.is_hit().then_some(search.best));
+        let mut memory = Memory::new();
+        for (ray, hit) in self.rays.iter().zip(self.hits) {
+            let mut search = Closest::new(&ray.ray);
+            memory.trace::<S, _>(self.scene, ray, &mut search);
+            *hit = if search.best.is_hit() { search.best } else { SceneHit::MISS };
         }
     }
 }
 
-/// The nearest hit so far that is accepted.
-struct Search<'a> {
-    best: SceneHit,
-    filter: &'a mut dyn FnMut(&SceneHit) -> Verdict,
+/// Rays of which is written to `occluded` whether they hit anything; there are as many.
+pub(super) struct OccludedAll<'a> {
+    pub scene: &'a SceneView<'a>,
+    pub rays: &'a [SceneRay],
+    pub occluded: &'a mut [bool],
+}
+
+impl Work for OccludedAll<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let mut memory = Memory::new();
+        for (ray, occluded) in self.rays.iter().zip(self.occluded) {
+            let mut search = Any { t_max: ray.ray.t_max, found: false };
+            memory.trace::<S, _>(self.scene, ray, &mut search);
+            *occluded = search.found;
+        }
+    }
+}
+
+/// Stacks for the outermost scene's tree, and for trees of triangles, one at a time.
+struct Memory {
+    items: TraversalStack,
+    triangles: TraversalStack,
+}
+
+impl Memory {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { items: TraversalStack::new(), triangles: TraversalStack::new() }
+    }
+
+    #[inline(always)]
+    fn trace<S: Simd, Q: Search>(&mut self, scene: &SceneView, ray: &SceneRay, search: &mut Q) {
+        let triangles = &mut self.triangles;
+        let visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
+        // Whether it was ended early, the search knows.
+        let _ = visit.walk::<S>(&mut self.items);
+    }
 }
 
 /// A ray in a scene, on the way to which it went through others.
-struct Visit<'a, 'f> {
+struct Visit<'a, 's, Q> {
     scene: &'a SceneView<'a>,
     isa: Isa,
     ray: SceneRay,
     /// The first of the paths through this scene, in the outermost.
     first_path: u64,
     depth: u32,
-    search: &'a mut Search<'f>,
+    search: &'s mut Q,
     /// Memory for walks through trees of triangles, one at a time.
-    triangles: &'a mut TraversalStack,
+    triangles: &'s mut TraversalStack,
 }
 
-impl Visit<'_, '_> {
-    /// Shows the search the hits of the ray that may precede its best one. `Break` if the search was ended. `stack` is
+impl<Q: Search> Visit<'_, '_, Q> {
+    /// Shows the search the hits of the ray that are not behind its `t_max`. `Break` if the search was ended. `stack` is
     /// memory, whatever is in it.
     #[inline(always)]
     fn walk<S: Simd>(self, stack: &mut TraversalStack) -> ControlFlow<()> {
         let Visit { scene, ray, .. } = self;
-        let tree = scene.tree();
-        let (Some(mut setup), Some(moment)) =
-            (RaySetup::new(&ray.ray, &scene.reach()), Moment::new(ray.time, tree.keys()))
-        else {
+        let Some((slabs, moment)) = set_up(scene, &ray) else {
             return ControlFlow::Continue(());
         };
-        let reach = (scene.reach().min - ray.ray.origin).abs().max((scene.reach().max - ray.ray.origin).abs());
-        // The second term is for the rounding of this sum.
-        setup.slabs.widen(scene.error() * reach.max_element() + ray.ray.origin.abs() * NODE_ORIGIN_PAD);
-        single::traverse::<S, _>(&mut ItemIntersector { visit: self, moment }, &setup.slabs, ray.ray.t_min, stack)
+        single::traverse::<S, _>(&mut ItemIntersector { visit: self, moment }, &slabs, ray.ray.t_min, stack)
     }
+}
+
+/// What the boxes of a scene's tree are tested with, and when; `None` if the ray can hit nothing.
+#[inline(always)]
+fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(Slabs, Moment)> {
+    let mut setup = RaySetup::new(ray, &scene.reach())?;
+    let moment = Moment::new(*time, scene.tree().keys())?;
+    let reach = (scene.reach().min - ray.origin).abs().max((scene.reach().max - ray.origin).abs());
+    // The second term is for the rounding of this sum.
+    setup.slabs.widen(scene.error() * reach.max_element() + ray.origin.abs() * NODE_ORIGIN_PAD);
+    Some((setup.slabs, moment))
 }
 
 /// Enters a scene that lies in another. Not inlined: this is where the recursion turns.
 #[inline(never)]
-fn enter(visit: Visit) -> ControlFlow<()> {
+fn enter<Q: Search>(visit: Visit<Q>) -> ControlFlow<()> {
     dispatch(visit.isa, visit)
 }
 
-impl Work for Visit<'_, '_> {
+impl<Q: Search> Work for Visit<'_, '_, Q> {
     type Output = ControlFlow<()>;
     #[inline(always)]
     fn run<S: Simd>(self) -> ControlFlow<()> {
@@ -99,15 +296,15 @@ impl Work for Visit<'_, '_> {
 }
 
 /// The items of a scene at a moment.
-struct ItemIntersector<'a, 'f> {
-    visit: Visit<'a, 'f>,
+struct ItemIntersector<'a, 's, Q> {
+    visit: Visit<'a, 's, Q>,
     moment: Moment,
 }
 
-impl Intersector for ItemIntersector<'_, '_> {
+impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.visit.search.best.hit.t
+        self.visit.search.t_max()
     }
 
     #[inline(always)]
@@ -125,19 +322,25 @@ impl Intersector for ItemIntersector<'_, '_> {
     fn visit_leaf<S: Simd>(&mut self, numbers: Range<usize>) -> ControlFlow<()> {
         let scene = self.visit.scene;
         for &number in scene.tree().items().get(numbers).unwrap_or(&[]) {
-            let part = scene.parts().get(number as usize);
-            let item = part.and_then(|part| scene.items().get(part.item as usize));
-            if let (Some(part), Some(item)) = (part, item)
-                && item.mask & self.visit.ray.mask != 0
-            {
-                self.visit.meet::<S>(item, part.item, part.prim_id)?;
-            }
+            self.visit.meet_number::<S>(number)?;
         }
         ControlFlow::Continue(())
     }
 }
 
-impl Visit<'_, '_> {
+impl<Q: Search> Visit<'_, '_, Q> {
+    /// Traces the ray through what has the box of this number, if it sees that.
+    #[inline(always)]
+    fn meet_number<S: Simd>(&mut self, number: u32) -> ControlFlow<()> {
+        let scene = self.scene;
+        let part = scene.parts().get(number as usize);
+        let item = part.and_then(|part| scene.items().get(part.item as usize));
+        match (part, item) {
+            (Some(part), Some(item)) if item.mask & self.ray.mask != 0 => self.meet::<S>(item, part.item, part.prim_id),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
     /// Traces the ray through one item.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, item: &Item, index: u32, prim_id: u32) -> ControlFlow<()> {
@@ -146,47 +349,42 @@ impl Visit<'_, '_> {
             return ControlFlow::Continue(());
         };
         let path = self.first_path + (self.scene.paths() - 1);
-        let mut found = ItemCollector { search: &mut *self.search, geometry_id: index, depth: self.depth, path };
-        match item.object {
-            Object::Mesh(tree) => single::walk::<S, _>(&tree, &ray, self.triangles, &mut found),
-            Object::Moving(tree) => moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut found),
-            Object::Shape(shape) => match shape::intersect(shape, prim_id, &ray, time) {
-                Some(hit) => found.report(hit, true),
-                None => ControlFlow::Continue(()),
+        let common = SceneHit { hit: Hit::MISS, geometry_id: index, depth: self.depth, path };
+        match item.object.target() {
+            Target::Nothing => ControlFlow::Continue(()),
+            Target::Mesh(tree) => self.search.visit_mesh::<S>(&tree, &ray, common, self.triangles),
+            Target::Moving(tree) => {
+                let mut collector = ItemCollector { search: &mut *self.search, common };
+                moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut collector)
+            }
+            Target::Shape(shape) => match shape::intersect(shape, prim_id, &ray, time) {
+                Some(hit) if hit.t <= self.search.t_max() => self.search.report(SceneHit { hit, ..common }),
+                _ => ControlFlow::Continue(()),
             },
-            Object::Scene(scene) => {
+            Target::Scene(scene) => {
                 let (ray, first_path) = (SceneRay { ray, time, mask }, self.first_path + item.first_path);
                 let (search, triangles) = (&mut *self.search, &mut *self.triangles);
-                enter(Visit { scene, isa: self.isa, ray, first_path, depth: self.depth + 1, search, triangles })
+                enter(Visit { scene: &scene, isa: self.isa, ray, first_path, depth: self.depth + 1, search, triangles })
             }
         }
     }
 }
 
 /// Hits with one item, on their way to the search.
-struct ItemCollector<'a, 'f> {
-    search: &'a mut Search<'f>,
-    geometry_id: u32,
-    depth: u32,
-    path: u64,
+struct ItemCollector<'s, Q> {
+    search: &'s mut Q,
+    /// What all of them have in common.
+    common: SceneHit,
 }
 
-impl Collector for ItemCollector<'_, '_> {
+impl<Q: Search> Collector for ItemCollector<'_, Q> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.search.best.hit.t
+        self.search.t_max()
     }
 
     #[inline(always)]
     fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
-        let hit = SceneHit { hit, geometry_id: self.geometry_id, depth: self.depth, path: self.path };
-        if !hit.precedes(&self.search.best) {
-            return ControlFlow::Continue(());
-        }
-        let verdict = (self.search.filter)(&hit);
-        if verdict != Verdict::Reject {
-            self.search.best = hit;
-        }
-        if verdict == Verdict::Stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.search.report(SceneHit { hit, ..self.common })
     }
 }

@@ -5,10 +5,12 @@
 
 use std::error::Error;
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::mem;
 use std::path::Path;
 use std::ptr;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
+use glam::Affine3A;
 use halfdome_benches::tracer::Tracer;
 use halfdome_kernel::{Hit, Ray, Triangle};
 use libloading::Library;
@@ -19,10 +21,12 @@ use crate::trees::Peer;
 /// `RTC_BUILD_QUALITY_HIGH`: spatial splits.
 const QUALITY_HIGH: c_int = 2;
 const GEOMETRY_TRIANGLE: c_int = 0;
+const GEOMETRY_INSTANCE: c_int = 121;
 const BUFFER_INDEX: c_int = 0;
 const BUFFER_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
+const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
 const PROPERTY_VERSION_MAJOR: c_int = 1;
 
 /// Bytes that all devices hold: a C callback has no better place to count them.
@@ -50,6 +54,8 @@ struct Api {
     commit_geometry: unsafe extern "C" fn(Handle),
     attach_geometry: unsafe extern "C" fn(Handle, Handle) -> c_uint,
     release_geometry: unsafe extern "C" fn(Handle),
+    set_instanced_scene: unsafe extern "C" fn(Handle, Handle),
+    set_transform: unsafe extern "C" fn(Handle, c_uint, c_int, *const f32),
     intersect1: TraceOne,
     occluded1: TraceOne,
     intersect8: TracePacket<8>,
@@ -100,6 +106,8 @@ impl Embree {
             commit_geometry: symbol!("rtcCommitGeometry"),
             attach_geometry: symbol!("rtcAttachGeometry"),
             release_geometry: symbol!("rtcReleaseGeometry"),
+            set_instanced_scene: symbol!("rtcSetGeometryInstancedScene"),
+            set_transform: symbol!("rtcSetGeometryTransform"),
             intersect1: symbol!("rtcIntersect1"),
             occluded1: symbol!("rtcOccluded1"),
             intersect8: symbol!("rtcIntersect8"),
@@ -125,7 +133,7 @@ impl Embree {
             }
             (api.monitor_memory)(device, count_bytes, ptr::null_mut());
             let handle = (api.new_scene)(device);
-            let mut scene = Scene { api, device, handle, bytes: 0 };
+            let mut scene = Scene { api, device, handle, bytes: 0, instances: Vec::new(), inner: ptr::null_mut() };
             // Embree 3 has functions of the same names and other arguments.
             let version = (api.device_property)(device, PROPERTY_VERSION_MAJOR);
             if version != 4 {
@@ -159,6 +167,46 @@ impl Embree {
     }
 }
 
+impl<'a> Scene<'a> {
+    /// A scene of instances of this one, each where a transform takes it.
+    ///
+    /// # Errors
+    /// Embree's error code.
+    pub(crate) fn instances(mut self, places: &[Affine3A]) -> Result<Self, String> {
+        let Api { new_scene, new_geometry, set_instanced_scene, attach_geometry, .. } = *self.api;
+        // SAFETY: every handle comes from the library and is used as its headers say.
+        unsafe {
+            self.inner = mem::replace(&mut self.handle, new_scene(self.device));
+            for _ in places {
+                let instance = new_geometry(self.device, GEOMETRY_INSTANCE);
+                set_instanced_scene(instance, self.inner);
+                attach_geometry(self.handle, instance);
+                self.instances.push(instance);
+            }
+        }
+        self.move_instances(places);
+        // SAFETY: the device is this scene's own.
+        match unsafe { (self.api.device_error)(self.device) } {
+            0 => Ok(self),
+            error => Err(format!("error {error} when building instances")),
+        }
+    }
+
+    /// Puts each instance where a transform takes it, and commits the scene.
+    pub(crate) fn move_instances(&self, places: &[Affine3A]) {
+        for (&instance, place) in self.instances.iter().zip(places) {
+            let columns = place.to_cols_array();
+            // SAFETY: the handle is an instance's, and twelve numbers are what a matrix of three rows and four columns has.
+            unsafe {
+                (self.api.set_transform)(instance, 0, FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.as_ptr());
+                (self.api.commit_geometry)(instance);
+            }
+        }
+        // SAFETY: the handle is this scene's own.
+        unsafe { (self.api.commit_scene)(self.handle) };
+    }
+}
+
 /// Embree's memory monitor: counts what is allocated and freed, and lets it go on.
 extern "C" fn count_bytes(_user: *mut c_void, bytes: isize, _post: bool) -> bool {
     ALLOCATED.fetch_add(bytes, Ordering::Relaxed);
@@ -171,6 +219,9 @@ pub(crate) struct Scene<'a> {
     device: Handle,
     handle: Handle,
     bytes: isize,
+    instances: Vec<Handle>,
+    /// What they are instances of, or null.
+    inner: Handle,
 }
 
 impl Scene<'_> {
@@ -203,9 +254,13 @@ impl Peer for Scene<'_> {
 
 impl Drop for Scene<'_> {
     fn drop(&mut self) {
-        // SAFETY: both handles are held once, here, and nothing else uses them afterwards.
+        // SAFETY: each handle is held once, here, and nothing else uses them afterwards.
         unsafe {
+            self.instances.iter().for_each(|&instance| (self.api.release_geometry)(instance));
             (self.api.release_scene)(self.handle);
+            if !self.inner.is_null() {
+                (self.api.release_scene)(self.inner);
+            }
             (self.api.release_device)(self.device);
         }
     }

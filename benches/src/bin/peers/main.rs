@@ -5,6 +5,7 @@
 //! `RUSTFLAGS="-C target-cpu=native" cargo run --release -p halfdome-benches --features peers --bin peers`.
 
 mod embree;
+mod instances;
 mod judge;
 mod layout;
 mod locate;
@@ -37,6 +38,9 @@ struct Options {
     /// Scenes to trace; terrain:N is one of 2 N² triangles
     #[arg(value_name = "SCENE", default_values = scenes::NAMES)]
     scenes: Vec<String>,
+    /// Trace N instances of a mesh of 100,000 triangles instead, and move them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    instances: Option<u32>,
     /// How often each tracer traces all rays
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
@@ -54,6 +58,15 @@ fn main() -> ExitCode {
         locate::embree().and_then(|path| Embree::load(&path)).inspect_err(|error| eprintln!("no Embree: {error}")).ok();
     if let Some(missing) = trees::missing() {
         eprintln!("{missing}");
+    }
+    if let Some(count) = options.instances {
+        return match instances::compare(count, embree.as_ref(), &options) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
+        };
     }
     scenes::for_each(&options.scenes, |scene| compare(scene, embree.as_ref(), &options))
 }

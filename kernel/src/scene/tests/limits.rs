@@ -89,7 +89,7 @@ fn rays_beyond_the_limits_hit_nothing() {
 /// A scene with two items: `inner` moved down by one, in two copies of which the first is seen through mask 2 alone.
 fn pair_of(inner: &'static SceneView<'static>) -> &'static SceneView<'static> {
     let item = Item::new(inner).placed(&Affine3A::from_translation(Vec3::NEG_Z)).unwrap();
-    Box::leak(Box::new(Box::leak(Box::new(scene(vec![item.with_mask(2), item]))).view()))
+    Box::leak(Box::new(Box::leak(Box::new(scene(vec![item.clone().with_mask(2), item]))).view()))
 }
 
 #[test]
@@ -122,13 +122,13 @@ fn scenes_nest_until_paths_have_no_numbers() {
 fn paths_are_told_apart_among_items_of_all_kinds() {
     let triangle = bvh(&[[Vec3::NEG_ONE, vec3(1.0, -1.0, -1.0), vec3(0.0, 1.0, -1.0)]]);
     fn at<'a>(x: f32, item: &Item<'a>) -> Item<'a> {
-        item.placed(&Affine3A::from_translation(Vec3::X * x)).unwrap()
+        item.clone().placed(&Affine3A::from_translation(Vec3::X * x)).unwrap()
     }
     let mesh = Item::new(triangle.view());
-    let (leaf, empty) = (scene(vec![mesh, at(4.0, &mesh)]), scene(vec![]));
+    let (leaf, empty) = (scene(vec![mesh.clone(), at(4.0, &mesh)]), scene(vec![]));
     let (leaf, empty) = (leaf.view(), empty.view());
     let (leaf, empty) = (Item::new(&leaf), Item::new(&empty));
-    let branch = scene(vec![empty, at(8.0, &mesh), at(12.0, &leaf), empty]);
+    let branch = scene(vec![empty.clone(), at(8.0, &mesh), at(12.0, &leaf), empty.clone()]);
     let branch = branch.view();
     let root = scene(vec![leaf, at(40.0, &mesh), empty, Item::new(&branch), at(44.0, &mesh)]);
     let root = root.view();

@@ -5,6 +5,7 @@ mod motion;
 mod order;
 mod shapes;
 mod transforms;
+mod updates;
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -63,12 +64,43 @@ fn check(scene: &SceneView, rays: &[SceneRay]) -> usize {
         let (mut hits, mut occluded) = (vec![SceneHit::MISS; rays.len()], vec![false; rays.len()]);
         scene.intersect_many(rays, &mut hits);
         scene.occluded_many(rays, &mut occluded);
+        for (ray, expected) in rays.iter().zip(&expected).take(60) {
+            check_all_hits(&scene, ray, *expected);
+        }
         for ((hit, occluded), &expected) in hits.into_iter().zip(occluded).zip(&expected) {
             assert_eq!(bits(Some(hit)), bits(Some(expected.unwrap_or(SceneHit::MISS))), "{level}, many");
             assert_eq!(occluded, expected.is_some(), "{level}, many");
         }
     }
     expected.iter().flatten().count()
+}
+
+/// All hits of a ray against those of the loops, and the nearest of them.
+fn check_all_hits(scene: &SceneView, ray: &SceneRay, nearest: Option<SceneHit>) {
+    let mut expected = Vec::new();
+    reference::for_each_hit(scene, ray, &mut |hit| expected.push(hit));
+    expected.sort_by(|a, b| if a.precedes(b) { core::cmp::Ordering::Less } else { core::cmp::Ordering::Greater });
+    assert_eq!(bits(expected.first().copied()), bits(nearest));
+    let mut all = Vec::new();
+    let flow = scene.for_each_hit(ray, |hit| {
+        all.push(*hit);
+        ControlFlow::Continue(())
+    });
+    assert!(flow.is_continue());
+    all.sort_by(|a, b| if a.precedes(b) { core::cmp::Ordering::Less } else { core::cmp::Ordering::Greater });
+    assert_eq!(all, expected);
+    assert_eq!(scene.count_hits(ray), expected.len());
+    for room in [0, 1, 3, 1000] {
+        let mut few = vec![SceneHit::MISS; room];
+        let count = scene.nearest_hits(ray, &mut few);
+        assert_eq!(few[..count], expected[..room.min(expected.len())]);
+    }
+    let mut left = 2;
+    let flow = scene.for_each_hit(ray, |_| {
+        left -= 1;
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!((flow.is_break(), left.max(0)), (expected.len() >= 2, 2usize.saturating_sub(expected.len())));
 }
 
 /// A transform of about unit size: turned, stretched, perhaps mirrored, moved.
@@ -150,7 +182,7 @@ impl Stock {
                 let item = item.with_mask([u32::MAX, 1, 2, 6][random.bits() as usize % 4]);
                 match random.bits() % 4 {
                     0 => item,
-                    1 => item.moving(&self.keys[pick % self.keys.len()]).unwrap_or(item),
+                    1 => item.clone().moving(&self.keys[pick % self.keys.len()]).unwrap_or(item),
                     _ => item.placed(&transform(random)).unwrap(),
                 }
             })

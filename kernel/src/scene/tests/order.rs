@@ -68,7 +68,7 @@ fn of_equally_near_hits_the_lowest_ids_count() {
                 Some(left.remove(i))
             })
             .collect();
-        let scene = scene(order.iter().map(|&i| objects[i]).collect());
+        let scene = scene(order.iter().map(|&i| objects[i].clone()).collect());
         let found = scene.view().intersect(&ray).unwrap();
         // All have a part 0 and t = 2. In the inner scene geometry 0 is the planes.
         assert_eq!((found.hit.t, found.hit.prim_id, found.geometry_id), (2.0, 0, 0), "{order:?}");

@@ -30,6 +30,18 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, ray: &Ray) -> Opti
     }
 }
 
+/// The nearest hit of `ray`, if it precedes `best`; else `best`.
+#[inline(always)]
+pub(crate) fn closest<S: Simd>(tree: &BvhView, ray: &Ray, best: Hit) -> Hit {
+    closest::trace::<S>(tree, ray, best)
+}
+
+/// Whether `ray` hits anything.
+#[inline(always)]
+pub(crate) fn occluded<S: Simd>(tree: &BvhView, ray: &Ray) -> bool {
+    any::trace::<S>(tree, ray)
+}
+
 /// Finishes the search of a ray of which `best` has been found so far, from the root.
 pub(super) fn finish(tree: &BvhView, ray: &Ray, best: Hit, any: bool) -> Hit {
     dispatch(tree.isa(), Finish { tree, ray, best, any })

@@ -1,0 +1,124 @@
+//! What an item is an instance of: triangles, geometry of the caller's, another scene. Borrowed, or with `alloc` shared by
+//! [`Arc`].
+
+#[cfg(any(feature = "alloc", test))]
+use alloc::sync::Arc;
+
+use super::SceneView;
+use super::shape::Shape;
+#[cfg(any(feature = "alloc", test))]
+use crate::bvh::{Bvh, MovingBvh};
+use crate::bvh::{BvhView, MovingView};
+
+/// What an item is. Many items may have the same object, whose memory is there once.
+///
+/// What is shared keeps its memory alive, so an `Item<'static>` and a `Scene<'static>` are possible.
+#[derive(Clone)]
+#[non_exhaustive]
+pub enum Object<'a> {
+    /// Nothing at all: a place that is free.
+    Nothing,
+    /// Triangles.
+    Mesh(BvhView<'a>),
+    /// Triangles that move by themselves.
+    Moving(MovingView<'a>),
+    /// Geometry of the caller's.
+    Shape(&'a dyn Shape),
+    /// A scene.
+    Scene(&'a SceneView<'a>),
+    /// Triangles, shared.
+    #[cfg(any(feature = "alloc", test))]
+    SharedMesh(Arc<Bvh>),
+    /// Triangles that move by themselves, shared.
+    #[cfg(any(feature = "alloc", test))]
+    SharedMoving(Arc<MovingBvh>),
+    /// Geometry of the caller's, shared.
+    #[cfg(any(feature = "alloc", test))]
+    SharedShape(Arc<dyn Shape + Send + 'a>),
+    /// A scene as of its last commit, shared.
+    #[cfg(any(feature = "alloc", test))]
+    SharedScene(Arc<super::Scene<'a>>),
+}
+
+/// An object, borrowed from whoever has it.
+#[derive(Clone, Copy)]
+pub(super) enum Target<'a> {
+    Nothing,
+    Mesh(BvhView<'a>),
+    Moving(MovingView<'a>),
+    Shape(&'a dyn Shape),
+    Scene(SceneView<'a>),
+}
+
+impl Object<'_> {
+    #[inline(always)]
+    pub(super) fn target(&self) -> Target<'_> {
+        match self {
+            Self::Nothing => Target::Nothing,
+            Self::Mesh(tree) => Target::Mesh(*tree),
+            Self::Moving(tree) => Target::Moving(*tree),
+            Self::Shape(shape) => Target::Shape(*shape),
+            Self::Scene(scene) => Target::Scene(**scene),
+            #[cfg(any(feature = "alloc", test))]
+            Self::SharedMesh(tree) => Target::Mesh(tree.view()),
+            #[cfg(any(feature = "alloc", test))]
+            Self::SharedMoving(tree) => Target::Moving(tree.view()),
+            #[cfg(any(feature = "alloc", test))]
+            Self::SharedShape(shape) => Target::Shape(&**shape),
+            #[cfg(any(feature = "alloc", test))]
+            Self::SharedScene(scene) => Target::Scene(scene.view()),
+        }
+    }
+}
+
+impl<'a> From<BvhView<'a>> for Object<'a> {
+    fn from(tree: BvhView<'a>) -> Self {
+        Self::Mesh(tree)
+    }
+}
+
+impl<'a> From<MovingView<'a>> for Object<'a> {
+    fn from(tree: MovingView<'a>) -> Self {
+        Self::Moving(tree)
+    }
+}
+
+impl<'a, S: Shape> From<&'a S> for Object<'a> {
+    fn from(shape: &'a S) -> Self {
+        Self::Shape(shape)
+    }
+}
+
+impl<'a> From<&'a SceneView<'a>> for Object<'a> {
+    fn from(scene: &'a SceneView<'a>) -> Self {
+        Self::Scene(scene)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+impl From<Arc<Bvh>> for Object<'_> {
+    fn from(tree: Arc<Bvh>) -> Self {
+        Self::SharedMesh(tree)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+impl From<Arc<MovingBvh>> for Object<'_> {
+    fn from(tree: Arc<MovingBvh>) -> Self {
+        Self::SharedMoving(tree)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+impl<'a> From<Arc<dyn Shape + Send + 'a>> for Object<'a> {
+    fn from(shape: Arc<dyn Shape + Send + 'a>) -> Self {
+        Self::SharedShape(shape)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+impl<'a> From<Arc<super::Scene<'a>>> for Object<'a> {
+    fn from(scene: Arc<super::Scene<'a>>) -> Self {
+        Self::SharedScene(scene)
+    }
+}

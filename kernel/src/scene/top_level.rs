@@ -1,0 +1,142 @@
+//! The tree over a scene's items: built, or fitted to where they are now.
+
+use alloc::vec::Vec;
+
+use super::{Item, Part};
+use crate::bvh::{BoxTree, BuildOptions, BuildReport, Child, Executor, for_each};
+use crate::error::{Error, InvalidTree};
+use crate::geometry::{Aabb, MAX_COORDINATE};
+
+/// A tree that costs so many times what it did when it was built had better be built again. It is over boxes, of which
+/// there are few, so that a build takes no longer than some ten times a fit.
+const REBUILD: f32 = 1.2;
+
+/// Items that are one piece of work.
+pub(super) const TASK: usize = 256;
+
+/// A tree over the boxes of a scene's parts, at each key.
+#[derive(Clone, Debug)]
+pub(super) struct TopLevel {
+    pub parts: Vec<Part>,
+    pub tree: BoxTree,
+    /// The boxes of all parts at the first key, then those at the next …
+    boxes: Vec<Aabb>,
+    keys: usize,
+    /// Where the parts of each item begin, and where those of the last end.
+    firsts: Vec<u32>,
+    /// Whether a part is in the tree.
+    is_in_tree: Vec<bool>,
+    built_cost: f32,
+}
+
+impl TopLevel {
+    /// The tree over nothing.
+    pub(super) fn empty() -> Self {
+        Self {
+            parts: Vec::new(),
+            tree: BoxTree::empty(),
+            boxes: Vec::new(),
+            keys: 1,
+            firsts: Vec::from([0]),
+            is_in_tree: Vec::new(),
+            built_cost: 0.0,
+        }
+    }
+
+    /// # Errors
+    /// [`InvalidTree::TooLarge`].
+    pub(super) fn build<E: Executor>(
+        executor: &E,
+        items: &[Item],
+        keys: usize,
+        options: &BuildOptions,
+    ) -> Result<(Self, BuildReport), Error> {
+        check_count(items.iter().map(Item::count))?;
+        let (mut parts, mut firsts) = (Vec::new(), Vec::with_capacity(items.len() + 1));
+        for (index, item) in (0..).zip(items) {
+            firsts.push(parts.len() as u32);
+            parts.extend((0..item.count()).map(|prim_id| Part { item: index, prim_id }));
+        }
+        firsts.push(parts.len() as u32);
+        let mut boxes = Vec::new();
+        boxes.resize(keys * parts.len(), Aabb::EMPTY);
+        if !parts.is_empty() {
+            for (key, boxes) in boxes.chunks_mut(parts.len()).enumerate() {
+                let aabb = |part: &Part| items[part.item as usize].aabb(part.prim_id, key, keys);
+                for_each(executor, TASK, 0, boxes, &|part, place| *place = aabb(&parts[part]));
+            }
+        }
+        let (tree, report) = BoxTree::build_on(executor, &boxes, keys, options)?;
+        let mut is_in_tree = Vec::new();
+        is_in_tree.resize(parts.len(), false);
+        tree.view().items().iter().for_each(|&part| is_in_tree[part as usize] = true);
+        let built_cost = tree.cost();
+        Ok((Self { parts, tree, boxes, keys, firsts, is_in_tree, built_cost }, report))
+    }
+
+    /// Fits the tree to items some of which have changed. `None` if it has to be built again, or had better be; then it is of
+    /// no more use.
+    pub(super) fn fit<E: Executor>(
+        &mut self,
+        executor: &E,
+        items: &[Item],
+        changed: &[u32],
+        keys: usize,
+    ) -> Option<()> {
+        if keys != self.keys {
+            return None;
+        }
+        let parts = self.parts.len();
+        for &index in changed {
+            let item = &items[index as usize];
+            let (first, end) = match self.firsts.get(index as usize..) {
+                Some(&[first, end, ..]) => (first, end),
+                // A new place.
+                _ => (0, 0),
+            };
+            let count = item.count();
+            // What is gone leaves its parts behind, as boxes of nothing.
+            if count != 0 && count != end - first {
+                return None;
+            }
+            for (prim_id, part) in (0..).zip(first as usize..end as usize) {
+                let at_key = |key: usize| if count == 0 { Aabb::EMPTY } else { item.aabb(prim_id, key, keys) };
+                let is_seen = (0..keys).all(|key| is_usable(&at_key(key)));
+                if is_seen && !self.is_in_tree[part] {
+                    return None;
+                }
+                for key in 0..keys {
+                    self.boxes[key * parts + part] = if is_seen { at_key(key) } else { Aabb::EMPTY };
+                }
+            }
+        }
+        let boxes = &self.boxes;
+        self.tree.fit(executor, |key, part| boxes[key * parts + part as usize]);
+        (self.tree.cost() <= REBUILD * self.built_cost).then_some(())
+    }
+
+    /// How many parts can be seen.
+    pub(super) fn count_seen(&self) -> usize {
+        self.boxes[..self.parts.len()]
+            .iter()
+            .zip(&self.is_in_tree)
+            .filter(|(b, is_in)| **is_in && !b.is_empty())
+            .count()
+    }
+}
+
+/// Whether there are no more parts than a tree can name.
+///
+/// # Errors
+/// [`InvalidTree::TooLarge`].
+pub(super) fn check_count(counts: impl Iterator<Item = u32>) -> Result<(), Error> {
+    if counts.map(u64::from).sum::<u64>() > Child::MAX_INDEX.into() {
+        return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
+    }
+    Ok(())
+}
+
+/// Whether a box is not empty and within the limits.
+fn is_usable(aabb: &Aabb) -> bool {
+    !aabb.is_empty() && aabb.min.min_element() >= -MAX_COORDINATE && aabb.max.max_element() <= MAX_COORDINATE
+}
