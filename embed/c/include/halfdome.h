@@ -289,7 +289,7 @@ typedef struct hd_scene_ray {
      */
     float time;
     /**
-     * Which items it sees: those whose mask has a bit in common with it, at every level. 0xFFFFFFFF: all.
+     * Which items it sees: those whose mask has a bit in common with it, at every level. 0 stands for all bits.
      */
     uint32_t mask;
 } hd_scene_ray;

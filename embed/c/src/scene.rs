@@ -3,6 +3,7 @@
 //! A scene shares the memory of what is in it, so handles can be freed in any order.
 
 use std::any::Any;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -60,7 +61,7 @@ pub struct hd_scene_ray {
     pub ray: hd_ray,
     /// When, from 0 to 1; less counts as 0, and more as 1.
     pub time: f32,
-    /// Which items it sees: those whose mask has a bit in common with it, at every level. 0xFFFFFFFF: all.
+    /// Which items it sees: those whose mask has a bit in common with it, at every level. 0 stands for all bits.
     pub mask: u32,
 }
 
@@ -87,11 +88,27 @@ impl Traceable for hd_scene {
     type KernelHit = SceneHit;
 
     fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
-        self.0.view.intersect_many(rays, hits);
+        for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
+            self.0.view.intersect_many(&seeing(rays), hits);
+        }
     }
     fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
-        self.0.view.occluded_many(rays, occluded);
+        for (rays, occluded) in rays.chunks(CHUNK).zip(occluded.chunks_mut(CHUNK)) {
+            self.0.view.occluded_many(&seeing(rays), occluded);
+        }
     }
+}
+
+/// Rays that are looked at together.
+const CHUNK: usize = 4096;
+
+/// The rays, with all bits for a mask of 0, which would see nothing.
+fn seeing(rays: &[SceneRay]) -> Cow<'_, [SceneRay]> {
+    if rays.iter().all(|ray| ray.mask != 0) {
+        return rays.into();
+    }
+    let sees_all = |ray: &SceneRay| if ray.mask == 0 { ray.with_mask(u32::MAX) } else { *ray };
+    rays.iter().map(sees_all).collect()
 }
 
 /// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::cell::RefCell;
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use halfdome_kernel::{Error, InvalidScene, InvalidTree};
@@ -76,8 +76,25 @@ impl From<Error> for Failure {
     }
 }
 
+/// Room for a message and the zero behind it.
+const ROOM: usize = 512;
+
 thread_local! {
-    static LAST_ERROR: RefCell<CString> = RefCell::default();
+    /// Always at the same place, so that its address may be taken before the call that fails, as where both are arguments of
+    /// printf.
+    static LAST_ERROR: RefCell<[u8; ROOM]> = const { RefCell::new([0; ROOM]) };
+}
+
+/// Makes this the thread's message, cut off where the room ends.
+fn keep(message: &str) {
+    let end = message.char_indices().map(|(place, char)| place + char.len_utf8()).take_while(|&end| end < ROOM).last();
+    let message = &message[..end.unwrap_or(0)];
+    // A thread that is ending has no message any more.
+    let _ = LAST_ERROR.try_with(|last| {
+        let mut last = last.borrow_mut();
+        last[..message.len()].copy_from_slice(message.as_bytes());
+        last[message.len()] = 0;
+    });
 }
 
 /// Runs `work` for a caller in C. Its failure or panic becomes a status, and the thread's message.
@@ -87,9 +104,7 @@ pub(crate) fn guard(work: impl FnOnce() -> Result<(), Failure>) -> hd_status {
         Ok(Err(failure)) => failure,
         Err(panic) => Failure::of_panic(panic),
     };
-    let message = CString::new(failure.message).unwrap_or_default();
-    // A thread that is ending has no message any more.
-    let _ = LAST_ERROR.try_with(|last| last.replace(message));
+    keep(&failure.message);
     failure.status
 }
 
@@ -103,7 +118,7 @@ pub extern "C" fn hd_abi_version() -> u32 {
 /// can be read until the thread's next call that fails, and belongs to the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn hd_last_error() -> *const c_char {
-    LAST_ERROR.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+    LAST_ERROR.try_with(|last| last.borrow().as_ptr().cast()).unwrap_or(c"".as_ptr())
 }
 
 /// The name of a status, such as "HD_ERROR_NULL"; of another number "unknown status".
@@ -153,6 +168,18 @@ mod tests {
         .unwrap();
         assert_eq!(guard(|| Ok(())), HD_OK);
         assert_eq!(last_error(), "mine");
+    }
+
+    #[test]
+    fn messages_are_where_they_were_and_end() {
+        let before = hd_last_error();
+        guard(|| Err(Failure::new(HD_ERROR_VALUE, "short")));
+        assert_eq!((before, last_error().as_str()), (hd_last_error(), "short"));
+        // Two bytes each, and one before: the last does not fit as a whole.
+        guard(|| Err(Failure::new(HD_ERROR_VALUE, format!("-{}", "é".repeat(400)))));
+        assert_eq!(last_error(), format!("-{}", "é".repeat(255)));
+        guard(|| Err(Failure::new(HD_ERROR_VALUE, "")));
+        assert_eq!(last_error(), "");
     }
 
     #[test]
