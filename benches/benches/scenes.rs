@@ -48,7 +48,8 @@ fn main() -> Result<(), Error> {
     let places: Vec<_> = (0..8).map(|frame| instances::places(count, frame)).collect();
     let mut scene = instances::scene(&mesh, &places[0], Quality::Fast)?;
     let handles: Vec<_> = scene.handles().collect();
-    for set in instances::rays(&scene.view(), &triangles, RayCounts { side: 128, gathers: 4 }) {
+    let sets = instances::rays(&scene.view(), &triangles, RayCounts { side: 128, gathers: 4 });
+    for set in sets {
         let rays: Vec<SceneRay> = set.rays.iter().cycle().take(rays).map(|&ray| ray.into()).collect();
         let (mut hits, mut occluded) = (vec![SceneHit::MISS; rays.len()], vec![false; rays.len()]);
         let mut engine = || {
