@@ -73,6 +73,7 @@ mod owned;
 mod quad;
 mod ray;
 pub mod reference;
+mod search;
 mod shape;
 mod sphere;
 #[cfg(test)]
@@ -101,7 +102,8 @@ use core::slice;
 
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
-use walk::{IntersectAll, Judge, Judged, OccludedAll};
+use search::Judged;
+use walk::{IntersectAll, Judge, OccludedAll};
 
 impl SceneView<'_> {
     /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.

@@ -1,147 +1,17 @@
 //! Walks through scenes: the scene's own tree, and in its leaves whatever lies there, in its own space.
 
-use core::cmp::Ordering;
 use core::ops::{ControlFlow, Range};
 
 use super::object::Target;
+use super::search::{Any, Closest, ItemCollector, Judged, Search};
 use super::shape;
 use super::{Item, SceneHit, SceneRay, SceneView};
-use crate::bvh::BvhView;
+use crate::geometry::Hit;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
-use crate::geometry::{Hit, Ray};
 use crate::simd::{Isa, Simd, Work, dispatch};
-use crate::traverse::single::{self, Collector, Intersector, moving};
+use crate::traverse::single::{self, Intersector, moving};
 use crate::traverse::{TraversalStack, Verdict};
-
-/// What becomes of the hits that a ray finds in a scene.
-pub(super) trait Search: Sized {
-    /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
-    fn t_max(&self) -> f32;
-
-    /// Sees a hit that is not behind [`t_max`](Self::t_max). `Break` ends the search.
-    fn report(&mut self, hit: SceneHit) -> ControlFlow<()>;
-
-    /// Looks for hits with triangles that stand still; all have in common what `common` says. `stack` is memory.
-    #[inline(always)]
-    fn visit_mesh<S: Simd>(
-        &mut self,
-        tree: &BvhView,
-        ray: &Ray,
-        common: SceneHit,
-        stack: &mut TraversalStack,
-    ) -> ControlFlow<()> {
-        single::walk::<S, _>(tree, ray, stack, &mut ItemCollector { search: self, common })
-    }
-}
-
-/// The nearest hit.
-pub(super) struct Closest {
-    pub best: SceneHit,
-}
-
-impl Closest {
-    #[inline(always)]
-    pub(super) fn new(ray: &Ray) -> Self {
-        Self { best: SceneHit { hit: Hit { t: ray.t_max, ..Hit::MISS }, ..SceneHit::MISS } }
-    }
-
-    /// What a hit of one item has to precede by `t` and `prim_id` alone, to precede the best: of equally near hits the
-    /// geometry decides, then the part, then the path.
-    #[inline(always)]
-    fn to_precede(&self, common: &SceneHit) -> Hit {
-        let best = &self.best;
-        let prim_id = match common.geometry_id.cmp(&best.geometry_id) {
-            Ordering::Less => Hit::NO_PRIM,
-            Ordering::Equal => best.hit.prim_id.saturating_add(u32::from(common.path < best.path)),
-            Ordering::Greater => 0,
-        };
-        Hit { t: best.hit.t, prim_id, ..Hit::MISS }
-    }
-}
-
-impl Search for Closest {
-    #[inline(always)]
-    fn t_max(&self) -> f32 {
-        self.best.hit.t
-    }
-
-    #[inline(always)]
-    fn report(&mut self, hit: SceneHit) -> ControlFlow<()> {
-        if hit.precedes(&self.best) {
-            self.best = hit;
-        }
-        ControlFlow::Continue(())
-    }
-
-    #[inline(always)]
-    fn visit_mesh<S: Simd>(
-        &mut self,
-        tree: &BvhView,
-        ray: &Ray,
-        common: SceneHit,
-        _stack: &mut TraversalStack,
-    ) -> ControlFlow<()> {
-        let before = self.to_precede(&common);
-        let hit = single::closest::<S>(tree, ray, before);
-        if hit.t != before.t || hit.prim_id != before.prim_id {
-            self.best = SceneHit { hit, ..common };
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// Whether there is a hit.
-pub(super) struct Any {
-    pub t_max: f32,
-    pub found: bool,
-}
-
-impl Search for Any {
-    #[inline(always)]
-    fn t_max(&self) -> f32 {
-        self.t_max
-    }
-
-    #[inline(always)]
-    fn report(&mut self, _hit: SceneHit) -> ControlFlow<()> {
-        self.found = true;
-        ControlFlow::Break(())
-    }
-
-    #[inline(always)]
-    fn visit_mesh<S: Simd>(
-        &mut self,
-        tree: &BvhView,
-        ray: &Ray,
-        _common: SceneHit,
-        _stack: &mut TraversalStack,
-    ) -> ControlFlow<()> {
-        self.found = single::occluded::<S>(tree, ray);
-        if self.found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// The hits that somebody else judges. Not generic, so that a program has this once for each instruction set: a filter is
-/// called a few times a ray.
-pub(super) struct Judged<'a> {
-    pub t_max: f32,
-    /// Gives the new [`t_max`](Search::t_max).
-    pub judge: &'a mut dyn FnMut(&SceneHit) -> ControlFlow<(), f32>,
-}
-
-impl Search for Judged<'_> {
-    #[inline(always)]
-    fn t_max(&self) -> f32 {
-        self.t_max
-    }
-
-    #[inline(always)]
-    fn report(&mut self, hit: SceneHit) -> ControlFlow<()> {
-        self.t_max = (self.judge)(&hit)?;
-        ControlFlow::Continue(())
-    }
-}
 
 /// The nearest hit that a filter accepts.
 pub(super) fn filtered(
@@ -367,24 +237,5 @@ impl<Q: Search> Visit<'_, '_, Q> {
                 enter(Visit { scene: &scene, isa: self.isa, ray, first_path, depth: self.depth + 1, search, triangles })
             }
         }
-    }
-}
-
-/// Hits with one item, on their way to the search.
-struct ItemCollector<'s, Q> {
-    search: &'s mut Q,
-    /// What all of them have in common.
-    common: SceneHit,
-}
-
-impl<Q: Search> Collector for ItemCollector<'_, Q> {
-    #[inline(always)]
-    fn t_max(&self) -> f32 {
-        self.search.t_max()
-    }
-
-    #[inline(always)]
-    fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
-        self.search.report(SceneHit { hit, ..self.common })
     }
 }
