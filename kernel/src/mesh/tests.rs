@@ -1,6 +1,5 @@
 //! Trees over meshes of all layouts, against trees over the same triangles in a slice.
 
-use alloc::vec;
 use alloc::vec::Vec;
 
 use glam::{Vec3, vec3};
@@ -115,7 +114,7 @@ fn refits_do_not_depend_on_layout_or_executor() {
 
 #[test]
 fn what_is_no_mesh_is_refused() {
-    let vertices = vec![Vec3::ZERO; 4];
+    let vertices = [Vec3::ZERO; 4];
     let check = |indices| IndexedMesh::new(&vertices[..], indices).map(|mesh| mesh.len());
     assert_eq!(check(Indices::U16(&[0, 1, 2, 3, 3, 3])), Ok(2));
     assert_eq!(check(Indices::U32(&[])), Ok(0));

@@ -29,6 +29,7 @@ pub(super) struct Facts {
     pub levels: usize,
     pub paths: u64,
     pub keys: usize,
+    #[cfg(any(feature = "alloc", test))]
     pub count: u32,
 }
 
@@ -183,6 +184,7 @@ impl Item<'_> {
             levels: self.levels(),
             paths: self.paths(),
             keys: self.keys(),
+            #[cfg(any(feature = "alloc", test))]
             count: self.count(),
         }
     }
