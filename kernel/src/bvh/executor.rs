@@ -52,3 +52,26 @@ pub(crate) fn for_each<E: Executor, T: Send>(
         (first..).zip(items).for_each(|(index, item)| visit(index, item));
     }
 }
+
+// Miri would take hours.
+#[cfg(all(test, feature = "rayon", not(miri)))]
+mod tests {
+    use super::*;
+    use crate::traverse::tests::{Random, soup};
+    use crate::{Bvh, Quality};
+
+    #[test]
+    fn rayon_changes_nothing_in_the_tree() {
+        let triangles = soup(&mut Random(83), 20_000, 0.05);
+        let bits = |tree: &Bvh| bytemuck::cast_slice::<_, u32>(tree.view().nodes()).to_vec();
+        for quality in Quality::ALL {
+            let (mut one, report) = Bvh::build(&triangles, &quality.into()).unwrap();
+            let (mut many, same) = Bvh::build_on(&RayonExecutor, &triangles, &quality.into()).unwrap();
+            assert!(report == same && bits(&one) == bits(&many));
+            let moved: alloc::vec::Vec<_> = triangles.iter().map(|corners| corners.map(|p| p * 2.0 - p.x)).collect();
+            let refit = one.refit(&moved).unwrap();
+            assert_eq!(many.refit_mesh_on(&RayonExecutor, &moved[..]).unwrap(), refit);
+            assert!(bits(&one) == bits(&many));
+        }
+    }
+}

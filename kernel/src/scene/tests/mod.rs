@@ -1,5 +1,6 @@
 //! Scenes of all kinds against the loops of [`reference`], and that against answers found otherwise.
 
+mod deform;
 mod limits;
 mod motion;
 mod order;
