@@ -1,10 +1,14 @@
 //! Every call fits into 32 KiB of stack: job fibres and small threads have no more.
 
+use std::sync::Arc;
 use std::thread;
 
 use glam::{Vec3, vec3};
 use halfdome_kernel::traverse::{PacketWidth, Width};
-use halfdome_kernel::{BuildOptions, Bvh, BvhView, Facing, Hit, HitPacket, Ray, RayPacket, Triangle, Verdict};
+use halfdome_kernel::{
+    BuildOptions, Bvh, BvhView, Facing, Hit, HitPacket, Item, Ray, RayPacket, Scene, SceneHit, SceneRay, SceneView,
+    Triangle, Verdict,
+};
 use halfdome_tests::check::isas;
 
 /// What the documentation promises.
@@ -57,6 +61,47 @@ where
     let _ = tree.occluded_packet(&packet);
 }
 
+/// Asks a scene everything, and gives how many hits the batch found.
+fn ask_scene(scene: &SceneView, rays: &[SceneRay], hits: &mut [SceneHit], occluded: &mut [bool]) -> usize {
+    for ray in &rays[..4] {
+        assert_eq!(scene.intersect(ray).is_some(), scene.occluded(ray));
+        assert!(scene.intersect_filtered(ray, |_| Verdict::Reject).is_none());
+        assert!(!scene.occluded_filtered(ray, |_| Verdict::Reject));
+        let mut nearest = [SceneHit::MISS; 4];
+        assert!(scene.count_hits(ray) >= scene.nearest_hits(ray, &mut nearest));
+    }
+    scene.occluded_many(rays, occluded);
+    scene.intersect_many(rays, hits);
+    hits.iter().filter(|hit| hit.is_hit()).count()
+}
+
+/// Runs `call` on a thread that has no more stack than that.
+fn on_small_stack<R: Send>(call: impl FnOnce() -> R + Send) -> R {
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().stack_size(STACK + THREAD);
+        // A call that needs more does not return: it ends the process.
+        thread.spawn_scoped(scope, call).expect("a thread can be had").join().expect("nothing panics")
+    })
+}
+
+#[test]
+fn scenes_three_levels_deep_fit_into_32_kib_of_stack() {
+    let options = BuildOptions::default();
+    let (bvh, _) = Bvh::build(&squares(40), &options).unwrap();
+    let scene = |item: Item<'static>| Arc::new(Scene::build(vec![item], &options).unwrap().0);
+    let one: Arc<Scene<'static>> = scene(Item::new(Arc::new(bvh)));
+    let two = scene(Item::new(one));
+    let three = scene(Item::new(two));
+    assert_eq!(three.view().levels(), 2);
+    let rays: Vec<SceneRay> = rays(40).into_iter().map(SceneRay::new).collect();
+    for isa in isas() {
+        let view = three.view().with_isa(isa);
+        let (mut hits, mut occluded) = (vec![SceneHit::MISS; rays.len()], vec![false; rays.len()]);
+        let found = on_small_stack(|| ask_scene(&view, &rays, &mut hits, &mut occluded));
+        assert_eq!(found, rays.len(), "{}", isa.level());
+    }
+}
+
 #[test]
 fn every_call_fits_into_32_kib_of_stack() {
     // A tree of one node, and a tree of many.
@@ -67,13 +112,8 @@ fn every_call_fits_into_32_kib_of_stack() {
         for isa in isas() {
             let tree = bvh.view().with_isa(isa);
             let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-            thread::scope(|scope| {
-                let thread = thread::Builder::new().stack_size(STACK + THREAD);
-                let call = || ask(&tree, &rays, &mut hits, &mut occluded);
-                let found = thread.spawn_scoped(scope, call).expect("a thread can be had").join();
-                // A call that needs more does not return: it ends the process.
-                assert_eq!(found.expect("nothing panics"), rays.len(), "{}", isa.level());
-            });
+            let found = on_small_stack(|| ask(&tree, &rays, &mut hits, &mut occluded));
+            assert_eq!(found, rays.len(), "{}", isa.level());
         }
     }
 }
