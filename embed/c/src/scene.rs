@@ -3,7 +3,6 @@
 //! A scene shares the memory of what is in it, so handles can be freed in any order.
 
 use std::any::Any;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -88,27 +87,26 @@ impl Traceable for hd_scene {
     type KernelHit = SceneHit;
 
     fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
-        for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
-            self.0.view.intersect_many(&seeing(rays), hits);
-        }
+        seeing(rays, hits, |rays, hits| self.0.view.intersect_many(rays, hits));
     }
     fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
-        for (rays, occluded) in rays.chunks(CHUNK).zip(occluded.chunks_mut(CHUNK)) {
-            self.0.view.occluded_many(&seeing(rays), occluded);
-        }
+        seeing(rays, occluded, |rays, occluded| self.0.view.occluded_many(rays, occluded));
     }
 }
 
-/// Rays that are looked at together.
-const CHUNK: usize = 4096;
+/// Rays whose masks are changed at a time: 2.5 KiB of stack, so that nothing is allocated.
+const CHUNK: usize = 64;
 
-/// The rays, with all bits for a mask of 0, which would see nothing.
-fn seeing(rays: &[SceneRay]) -> Cow<'_, [SceneRay]> {
+/// Traces rays with all bits for masks of 0, which would see nothing.
+fn seeing<T>(rays: &[SceneRay], answers: &mut [T], trace: impl Fn(&[SceneRay], &mut [T])) {
     if rays.iter().all(|ray| ray.mask != 0) {
-        return rays.into();
+        return trace(rays, answers);
     }
-    let sees_all = |ray: &SceneRay| if ray.mask == 0 { ray.with_mask(u32::MAX) } else { *ray };
-    rays.iter().map(sees_all).collect()
+    for (rays, answers) in rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK)) {
+        let sees_all = |ray: &SceneRay| if ray.mask == 0 { ray.with_mask(u32::MAX) } else { *ray };
+        let changed: [SceneRay; CHUNK] = std::array::from_fn(|i| sees_all(&rays[i.min(rays.len() - 1)]));
+        trace(&changed[..rays.len()], answers);
+    }
 }
 
 /// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes

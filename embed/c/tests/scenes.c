@@ -68,10 +68,31 @@ static void check_three(const hd_scene *scene) {
     expect(scene, ray_at(5.0f, 0.5f, 0, ALL), 5, 1, NO_INSTANCE);
     expect(scene, ray_at(5.0f, 0.5f, 0, 2), 5, 1, NO_INSTANCE);
     expect(scene, ray_at(5.0f, 0.5f, 0, 5), 0, 0, 0);
+    /* A zeroed mask sees all. */
+    expect(scene, ray_at(5.0f, 0.5f, 0, 0), 5, 1, NO_INSTANCE);
     expect(scene, ray_at(-3.75f, 0.25f, 0, ALL), 8, 2, NO_INSTANCE);
     expect(scene, ray_at(-3.75f, 0.25f, 0.5f, ALL), 0, 0, 0);
     expect(scene, ray_at(-3.75f, 2.25f, 0.5f, ALL), 8, 2, NO_INSTANCE);
     expect(scene, ray_at(-3.75f, 4.25f, 7.0f, ALL), 8, 2, NO_INSTANCE);
+}
+
+/* Masks of 0 among others, in more rays than are looked at together. */
+static void zeroed_masks(void) {
+    enum { COUNT = 150 };
+    static hd_scene_ray rays[COUNT];
+    static hd_scene_hit hits[COUNT];
+    static bool occluded[COUNT];
+    hd_tree *tree = triangle_tree();
+    hd_scene *scene = three_items(tree);
+    for (int i = 0; i < COUNT; ++i) rays[i] = ray_at(5.0f, 0.5f, 0, i % 3 == 0 ? 0 : i % 3 == 1 ? 2 : 5);
+    OK(hd_scene_intersect_many(scene, rays, hits, COUNT));
+    OK(hd_scene_occluded_many(scene, rays, occluded, COUNT));
+    for (int i = 0; i < COUNT; ++i) {
+        CHECK(occluded[i] == (i % 3 != 2) && (hits[i].hit.prim_id == 0) == occluded[i]);
+        CHECK(rays[i].mask == (i % 3 == 0 ? 0u : i % 3 == 1 ? 2u : 5u));
+    }
+    hd_scene_free(scene);
+    hd_tree_free(tree);
 }
 
 static void known_hits(void) {
@@ -190,6 +211,7 @@ static void bad_scenes_are_refused(void) {
 
 int main(void) {
     known_hits();
+    zeroed_masks();
     bad_scenes_are_refused();
     puts("scenes: passed");
     return 0;
