@@ -36,7 +36,7 @@ pub struct hd_item {
     /// The scene, or NULL.
     pub scene: *const hd_scene,
     /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-    /// to the scene. NULL: where its own coordinates say.
+    /// to the scene. NULL: where its own coordinates say. A single one that flattens, such as a scale of zero, hides the item.
     pub transforms: *const f32,
     /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
     /// elements are interpolated.

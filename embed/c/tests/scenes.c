@@ -155,8 +155,15 @@ static void bad_scenes_are_refused(void) {
     items[1] = item_of(tree, NULL, matrix, 1);
     matrix[5] = NAN;
     FAILS(HD_ERROR_VALUE, "item 1", hd_scene_build(items, 2, NULL, &scene));
-    matrix[5] = 0.0f;
+    /* Nearly flat. */
+    matrix[5] = 1e-5f;
     FAILS(HD_ERROR_VALUE, "item 1", hd_scene_build(items, 2, NULL, &scene));
+    /* What is flat is hidden. */
+    matrix[5] = 0.0f;
+    OK(hd_scene_build(items, 2, NULL, &scene));
+    expect(scene, ray_at(5.0f, 0.0f, 0, ALL), 0, 0, 0);
+    hd_scene_free(scene);
+    scene = NULL;
 
     /* Each scene has the one before it twice, until there are more ways through them than numbers. */
     hd_scene *level = three_items(tree);
