@@ -224,7 +224,7 @@ mod tests {
             let [gltf, blender] =
                 [[alpha + (1.0 - alpha) * power * power, alpha], [(alpha / aspect).min(1.0), alpha * aspect]];
             for (is_by_blender, [along, across]) in [(false, gltf), (true, blender)] {
-                let mut inputs = inputs.clone();
+                let mut inputs = inputs;
                 GltfAnisotropy { strength, is_by_blender, map: None }.apply(1.0, &mut inputs);
                 let (r, a) = (f64::from(inputs.specular_roughness), f64::from(inputs.specular_anisotropy));
                 // OpenPBR: α_x = r² sqrt(2 / (1 + (1 - a)²)), α_y = (1 - a) α_x.
