@@ -15,7 +15,7 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
-use super::punctual::sample_punctual;
+use super::punctual::{PunctualSample, sample_punctual};
 use crate::bsdf::Scattering;
 use crate::light::{Light, Receiver, SampledLight, SkyPart};
 use crate::material::Bsdf;
@@ -118,7 +118,10 @@ pub(crate) fn sample_light(
     let u = Vec2::new(choice.rest, v);
     let rarer = match &world.lights.lights()[choice.index as usize] {
         Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, (*prim_id, choice.probability), u),
-        Light::Punctual(light) => sample_punctual(surface, light, choice.probability, u),
+        Light::Punctual(light) => {
+            let PunctualSample { direction, shadow, received } = sample_punctual(surface, light, u);
+            LightSample { shadow, direction, radiance: received / choice.probability, inv_density: 0.0 }
+        }
         Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.

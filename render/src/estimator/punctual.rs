@@ -14,14 +14,23 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
-use super::direct::LightSample;
 use crate::light::{PointLight, ramp};
 use crate::scene::PunctualLight;
 use crate::world::Surface;
 
+/// A direction in which light arrives from a light that no bounce can hit.
+pub(super) struct PunctualSample {
+    /// Unit vector.
+    pub direction: Vec3,
+    /// From the surface to the light.
+    pub shadow: Ray,
+    /// Radiance over density; of a delta light, irradiance on what faces it.
+    pub received: Vec3,
+}
+
 /// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean.
 #[inline(never)]
-pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, probability: f32, u: Vec2) -> LightSample {
+pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, u: Vec2) -> PunctualSample {
     let (direction, shadow, received) = match *light {
         PunctualLight::Directional { direction, irradiance, half_angle } => {
             let (sin, cos) = half_angle.sin_cos();
@@ -41,7 +50,7 @@ pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, probabil
             (direction, shadow, intensity * (part * per_intensity))
         }
     };
-    LightSample { shadow, direction: direction.normalize_or_zero(), radiance: received / probability, inv_density: 0.0 }
+    PunctualSample { direction: direction.normalize_or_zero(), shadow, received }
 }
 
 /// The unit vector from a surface to a point, and the ray in between.
