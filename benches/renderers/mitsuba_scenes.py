@@ -5,34 +5,22 @@ ask it. Diffuse materials are the same; others are Mitsuba's own principled one,
 import math
 import os
 import tempfile
-import time
 
 import gltf
+import mitsuba_serve
 import serve
+from mitsuba_serve import rgb, sensor
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 import OpenEXR
 
-VARIANT = "llvm_ad_rgb"
-
 
 def main():
-    mi.set_variant(VARIANT)
-    dr.set_thread_count(1)
     description = serve.scene()
     with tempfile.TemporaryDirectory() as directory:
         scene = Loader(gltf.Model(description["model"]), directory).scene(description)
-
-    def render(spp, seed):
-        start = time.process_time()
-        picture = mi.render(scene, spp=spp, seed=seed)
-        dr.eval(picture)
-        dr.sync_thread()
-        return np.array(picture), time.process_time() - start
-
-    serve.serve(f"Mitsuba {mi.__version__}, {VARIANT}, independent sampler", render)
+    mitsuba_serve.answer(scene)
 
 
 class Loader:
@@ -43,7 +31,10 @@ class Loader:
 
     def scene(self, description):
         scene = {"type": "scene", "integrator": {"type": "path", "max_depth": -1}}
-        scene["sensor"] = sensor(description, *self.model.cameras[0])
+        camera, matrix = self.model.cameras[0]
+        # glTF's cameras look along -z.
+        pose = mi.ScalarTransform4f(matrix @ np.diag([-1.0, 1, -1, 1]))
+        scene["sensor"] = sensor(description, pose, math.degrees(camera["perspective"]["yfov"]))
         if "sky" in description["sky"]:
             scene["sky"] = {"type": "constant", "radiance": rgb(description["sky"]["sky"])}
         if "picture" in description["sky"]:
@@ -119,26 +110,6 @@ def extension(material, name):
     return material.get("extensions", {}).get(f"KHR_materials_{name}", {})
 
 
-def sensor(description, camera, matrix):
-    """glTF's cameras look along -z, Mitsuba's along z."""
-    film = {
-        "type": "hdrfilm",
-        "width": description["width"],
-        "height": description["height"],
-        "rfilter": {"type": "box"},
-        "pixel_format": "rgb",
-        "component_format": "float32",
-    }
-    return {
-        "type": "perspective",
-        "to_world": mi.ScalarTransform4f(matrix @ np.diag([-1.0, 1, -1, 1])),
-        "fov": math.degrees(camera["perspective"]["yfov"]),
-        "fov_axis": "y",
-        "film": film,
-        "sampler": {"type": "independent"},
-    }
-
-
 def lamp(light, matrix):
     """A punctual light, which shines along its -z."""
     strength = np.array(light.get("color", (1, 1, 1))) * light.get("intensity", 1)
@@ -156,10 +127,6 @@ def lamp(light, matrix):
     profile = {"type": "bitmap", "bitmap": mi.Bitmap(np.repeat(edge[..., None], 3, 2).astype(np.float32)), "raw": True}
     angle = math.degrees(outer)
     return {"type": "spot", "to_world": pose, "intensity": rgb(strength), "cutoff_angle": angle, "beam_width": 0.999 * angle, "texture": profile}
-
-
-def rgb(value):
-    return {"type": "rgb", "value": [float(channel) for channel in value]}
 
 
 main()

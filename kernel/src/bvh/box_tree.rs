@@ -10,7 +10,7 @@ use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::{BoxTreeView, Node, WIDTH, fit, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::{Aabb, MAX_COORDINATE};
+use crate::geometry::Aabb;
 
 /// A tree over boxes that owns its memory.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl BoxTree {
             for item in 0..count {
                 if at_keys(item).any(Aabb::is_empty) {
                     report.degenerate += 1;
-                } else if !at_keys(item).all(is_in_range) {
+                } else if !at_keys(item).all(Aabb::is_usable) {
                     report.out_of_range += 1;
                 } else {
                     prims.push(Primitive::new(&mean(at_keys(item).copied(), keys), item as u32));
@@ -114,11 +114,6 @@ impl BoxTree {
     }
 }
 
-/// Whether a box is within the numeric limits.
-fn is_in_range(aabb: &Aabb) -> bool {
-    aabb.min.min_element() >= -MAX_COORDINATE && aabb.max.max_element() <= MAX_COORDINATE
-}
-
 /// The mean of boxes: where a moving one is most of the time.
 pub(super) fn mean(boxes: impl Iterator<Item = Aabb>, count: usize) -> Aabb {
     let sum = boxes.fold((glam::Vec3::ZERO, glam::Vec3::ZERO), |(min, max), aabb| (min + aabb.min, max + aabb.max));
@@ -153,6 +148,7 @@ mod tests {
 
     use super::super::{BoxTreeView, Quality, Serial};
     use super::*;
+    use crate::geometry::MAX_COORDINATE;
 
     /// Boxes along a curve, at several keys.
     fn boxes(count: usize, keys: usize) -> Vec<Aabb> {

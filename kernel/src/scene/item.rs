@@ -8,8 +8,8 @@ use glam::{Affine3A, Vec3};
 use super::object::{Object, Target};
 use super::transform::{Keys, MOVING_PAD, Placement};
 use crate::error::Error;
+use crate::geometry::Aabb;
 use crate::geometry::moment::Moment;
-use crate::geometry::{Aabb, MAX_COORDINATE};
 
 /// An object in a scene: where it is, and who sees it.
 #[derive(Clone)]
@@ -169,7 +169,7 @@ impl Item<'_> {
             Target::Mesh(tree) => self.placement.reach(&tree.bounds()),
             Target::Moving(tree) => self.placement.reach(&tree.bounds()),
             Target::Shape(shape) => {
-                let boxes = (0..shape.count()).map(|part| shape.bounds(part)).filter(is_in_range);
+                let boxes = (0..shape.count()).map(|part| shape.bounds(part)).filter(Aabb::is_usable);
                 self.placement.reach(&boxes.fold(Aabb::EMPTY, |sum, aabb| sum.union(&aabb)))
             }
             Target::Scene(scene) => self.placement.reach(&scene.reach()),
@@ -219,10 +219,4 @@ fn widened(aabb: &Aabb, everywhere: &Aabb) -> Aabb {
     let largest = everywhere.min.abs().max(everywhere.max.abs()).max_element();
     let pad = largest * MOVING_PAD as f32;
     if aabb.is_empty() { *aabb } else { Aabb { min: aabb.min - pad, max: aabb.max + pad } }
-}
-
-/// Whether a box is not empty and within the numeric limits.
-fn is_in_range(aabb: &Aabb) -> bool {
-    let limit = Vec3::splat(MAX_COORDINATE);
-    !aabb.is_empty() && aabb.min.abs().cmple(limit).all() && aabb.max.abs().cmple(limit).all()
 }

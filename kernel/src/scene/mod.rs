@@ -5,7 +5,6 @@
 //! | one | [`SceneView::intersect`] | [`SceneView::occluded`] |
 //! | a slice | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
-//!
 //! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
 //!
 //! An [`Item`] is an object and its place. Objects are borrowed or shared: ten thousand items may be the same million

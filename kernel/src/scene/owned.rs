@@ -9,6 +9,7 @@ use glam::Affine3A;
 use super::handle::{Handle, Places};
 use super::item::Facts;
 use super::top_level::{TASK, TopLevel, check_count};
+use super::transform::Placement;
 use super::view::SceneSummary;
 use super::{Item, Object, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
@@ -144,7 +145,7 @@ impl<'a> Scene<'a> {
     /// # Errors
     /// [`InvalidScene::NoSuchItem`] and those of [`Item::placed`]; the item then stays where it was.
     pub fn set_transform(&mut self, handle: Handle, to_scene: &Affine3A) -> Result<(), Error> {
-        let placement = super::transform::Placement::still(to_scene)?;
+        let placement = Placement::still(to_scene)?;
         self.item_mut(handle)?.placement = placement;
         Ok(())
     }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::{Item, Part};
 use crate::bvh::{BoxTree, BuildOptions, BuildReport, Child, Executor, for_each};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::{Aabb, MAX_COORDINATE};
+use crate::geometry::Aabb;
 
 /// A tree that costs so many times what it did when it was built had better be built again. It is over boxes, of which
 /// there are few, so that a build takes no longer than some ten times a fit.
@@ -101,7 +101,7 @@ impl TopLevel {
             }
             for (prim_id, part) in (0..).zip(first as usize..end as usize) {
                 let at_key = |key: usize| if count == 0 { Aabb::EMPTY } else { item.aabb(prim_id, key, keys) };
-                let is_seen = (0..keys).all(|key| is_usable(&at_key(key)));
+                let is_seen = (0..keys).all(|key| at_key(key).is_usable());
                 if is_seen && !self.is_in_tree[part] {
                     return None;
                 }
@@ -134,9 +134,4 @@ pub(super) fn check_count(counts: impl Iterator<Item = u32>) -> Result<(), Error
         return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
     }
     Ok(())
-}
-
-/// Whether a box is not empty and within the limits.
-fn is_usable(aabb: &Aabb) -> bool {
-    !aabb.is_empty() && aabb.min.min_element() >= -MAX_COORDINATE && aabb.max.max_element() <= MAX_COORDINATE
 }

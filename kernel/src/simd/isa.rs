@@ -142,14 +142,13 @@ const HAS_VECTOR_CODE: bool = cfg!(all(target_arch = "x86_64", target_feature = 
 
 /// Whether this processor is known to have the instructions of [`Level::Avx2`].
 fn has_avx2() -> bool {
-    HAS_VECTOR_CODE
-        && !cfg!(miri)
-        && (has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt"))
+    let features = [has!("avx2"), has!("fma"), has!("bmi1"), has!("bmi2"), has!("lzcnt"), has!("popcnt")];
+    HAS_VECTOR_CODE && !cfg!(miri) && features == [true; 6]
 }
 
 /// Whether it is known to have what [`Level::Avx512`] adds.
 fn has_avx512() -> bool {
-    has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq")
+    [has!("avx512f"), has!("avx512vl"), has!("avx512bw"), has!("avx512dq")] == [true; 4]
 }
 
 /// Code without intrinsics that [`Isa::run`] compiles for every level.
