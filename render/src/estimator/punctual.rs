@@ -14,7 +14,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
-use crate::light::{PointLight, ramp};
+use crate::light::SpotCone;
 use crate::scene::PunctualLight;
 use crate::world::Surface;
 
@@ -43,10 +43,10 @@ pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, u: Vec2)
             let (direction, shadow) = towards(surface, end);
             (direction, shadow, intensity * per_intensity)
         }
-        PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer } => {
+        PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer, edge } => {
             let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
             let (direction, shadow) = towards(surface, end);
-            let part = PointLight::part(-direction.dot(axis), cos_outer, ramp(cos_inner, cos_outer));
+            let part = SpotCone::new(cos_inner, cos_outer, edge).part(-direction.dot(axis));
             (direction, shadow, intensity * (part * per_intensity))
         }
     };

@@ -23,8 +23,8 @@ use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::cluster::Lane;
-pub(crate) use self::tree::leaf::{PointLight, TriangleLight};
-use self::tree::leaf::{Points, Triangles};
+use self::tree::leaf::{PointLight, Points, Triangles};
+pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};
 use self::tree::{Pick, RootWeights, Tree};
 use crate::scene::{Material, PunctualLight};
 use crate::settings::LightSampling;
@@ -150,11 +150,12 @@ impl LightSampler {
                 }
                 PunctualLight::Point { position, intensity, radius } => {
                     let intensity = luminance_weight(intensity);
-                    points.push(PointLight { position, axis: Vec3::Z, intensity, radius, cos_outer: -2.0, slope: 1.0 });
+                    let everywhere = SpotCone { cos_outer: -2.0, slope: 1.0, smoothness: 0.0 };
+                    points.push(PointLight { position, axis: Vec3::Z, intensity, radius, cone: everywhere });
                 }
-                PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer } => {
-                    let (intensity, slope) = (luminance_weight(intensity), ramp(cos_inner, cos_outer));
-                    points.push(PointLight { position, axis: direction, intensity, radius, cos_outer, slope });
+                PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer, edge } => {
+                    let (intensity, cone) = (luminance_weight(intensity), SpotCone::new(cos_inner, cos_outer, edge));
+                    points.push(PointLight { position, axis, intensity, radius, cone });
                 }
             }
             lights.push(Light::Punctual(light));
@@ -338,11 +339,6 @@ impl LightSampler {
     }
 }
 
-/// 1 over the length of a spot's ramp between the cosines of its cones.
-pub(crate) fn ramp(cos_inner: f32, cos_outer: f32) -> f32 {
-    (cos_inner - cos_outer).max(1e-6).recip()
-}
-
 /// What weights are made of: luminance, but never zero for what is not black.
 pub(crate) fn luminance_weight(rgb: Vec3) -> f32 {
     brightness(rgb) as f32
@@ -363,8 +359,8 @@ fn brightness(rgb: Vec3) -> f64 {
 fn flux(light: &PunctualLight, bounds: Aabb) -> (Vec3, f64) {
     match light {
         PunctualLight::Point { intensity, .. } => (*intensity, 4.0 * PI),
-        PunctualLight::Spot { intensity, cos_inner, cos_outer, .. } => {
-            (*intensity, 2.0 * PI * (1.0 - 0.5 * f64::from(cos_inner + cos_outer)))
+        PunctualLight::Spot { intensity, cos_inner, cos_outer, edge, .. } => {
+            (*intensity, edge.solid_angle(*cos_inner, *cos_outer))
         }
         PunctualLight::Directional { irradiance, .. } => (*irradiance, PI * radius(bounds).powi(2)),
     }

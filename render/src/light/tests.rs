@@ -3,7 +3,7 @@ use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 use halfdome_kernel::sampling::{Stream, unit_double};
 
 use super::*;
-use crate::scene::{Sky, SkyPicture};
+use crate::scene::{Sky, SkyPicture, SpotEdge};
 
 const PARTS: [SkyPart; 3] = [SkyPart::All, SkyPart::Bright, SkyPart::Sun];
 
@@ -40,7 +40,8 @@ fn punctual(count: u32, scale: f32) -> Vec<PunctualLight> {
             0 => PunctualLight::Point { position, intensity: color * 0.1 * scale * scale, radius: radius(i) },
             1 => {
                 let (cos_inner, cos_outer, intensity) = (0.5 + 0.5 * cone, 0.4 * cone, color * scale * scale);
-                PunctualLight::Spot { position, direction, intensity, radius: radius(i), cos_inner, cos_outer }
+                let edge = [SpotEdge::Square, SpotEdge::Smooth][i as usize / 3 % 2];
+                PunctualLight::Spot { position, direction, intensity, radius: radius(i), cos_inner, cos_outer, edge }
             }
             _ => PunctualLight::Directional { direction, irradiance: color, half_angle: 0.1 * (i % 2) as f32 },
         }
@@ -240,6 +241,40 @@ fn what_can_send_light_is_never_without_a_chance() {
         assert!((0.1..10.0).contains(&estimate), "receiver {i}: estimated {estimate} of the irradiance");
     }
     assert!(seen > 3000, "{seen}");
+}
+
+/// Where spots shine they have a weight, whatever their edge.
+#[test]
+fn points_and_spots_are_never_without_a_chance() {
+    let punctual: Vec<PunctualLight> = punctual(90, 1.0).into_iter().filter(is_delta).collect();
+    let lights = lights((Vec::new(), Vec::new()), punctual.clone(), Sky::default());
+    let tree = lights.points.as_ref().unwrap();
+    let mut lit = 0;
+    for i in 0..100 {
+        let receiver = receiver(i, 1.0);
+        for (number, light) in (0..).zip(&punctual) {
+            let (position, intensity, part) = match *light {
+                PunctualLight::Point { position, intensity, .. } => (position, intensity, 1.0),
+                PunctualLight::Spot { position, direction, intensity, cos_inner, cos_outer, edge, .. } => {
+                    let cosine = direction.dot((receiver.position - position).normalize());
+                    let ramp = ((cosine - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
+                    let square = ramp * ramp;
+                    (position, intensity, if edge == SpotEdge::Square { square } else { square * (3.0 - 2.0 * ramp) })
+                }
+                PunctualLight::Directional { .. } => unreachable!("it is far away"),
+            };
+            let way = position - receiver.position;
+            let sent = luminance_weight(intensity) * part * receiver.height(way) / way.length().powi(3);
+            let weight = tree.weight(number, &receiver);
+            assert!(weight > 0.0 || sent == 0.0, "receiver {i}, {light:?}: {weight} for {sent}");
+            lit += u32::from(sent > 0.0);
+        }
+    }
+    assert!(lit > 500, "{lit}");
+}
+
+fn is_delta(light: &PunctualLight) -> bool {
+    matches!(light, PunctualLight::Point { radius: 0.0, .. } | PunctualLight::Spot { radius: 0.0, .. })
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Material, Sky, Texture};
+use super::{Material, PunctualLight, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,45 +92,6 @@ pub struct Variant {
     pub name: String,
     /// Meshes by index, each with its material.
     pub materials: Vec<(usize, usize)>,
-}
-
-/// A light that no ray hits: cameras, mirrors and bounces do not see it. Intensities are per linear sRGB channel.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PunctualLight {
-    /// Shines alike in every direction.
-    Point {
-        /// Where it stands.
-        position: Vec3,
-        /// Radiant intensity from afar, W/sr.
-        intensity: Vec3,
-        /// Radius of the sphere that shines, in the scene's units; 0 is a delta light, with hard shadows.
-        radius: f32,
-    },
-    /// Shines into a cone, as `KHR_lights_punctual` has it.
-    Spot {
-        /// Where it stands.
-        position: Vec3,
-        /// Unit vector along the cone's axis.
-        direction: Vec3,
-        /// Radiant intensity on the axis from afar, W/sr.
-        intensity: Vec3,
-        /// Radius of the sphere that shines, as that of a point light. The cone is that of the directions in which it is
-        /// left.
-        radius: f32,
-        /// Cosine of the angle up to which the intensity is full.
-        cos_inner: f32,
-        /// Cosine of the angle from which it is zero; less than `cos_inner`.
-        cos_outer: f32,
-    },
-    /// Shines from infinitely far away.
-    Directional {
-        /// Unit vector along which the light travels.
-        direction: Vec3,
-        /// Irradiance on a surface that faces it, W/m².
-        irradiance: Vec3,
-        /// Half the angle that its disc subtends, radians, below π/2; 0 is a delta light, with hard shadows.
-        half_angle: f32,
-    },
 }
 
 /// A pinhole camera's pose.

@@ -157,8 +157,9 @@ impl Fnv {
                 [*position, *intensity].into_iter().for_each(|v| self.vector(v));
                 self.floats(&[*radius]);
             }
-            PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer } => {
+            PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer, edge } => {
                 self.word(1);
+                self.word(*edge as u32);
                 [*position, *direction, *intensity].into_iter().for_each(|v| self.vector(v));
                 self.floats(&[*radius, *cos_inner, *cos_outer]);
             }

@@ -5,7 +5,7 @@ mod sizes;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture};
+use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture, SpotEdge};
 use halfdome::settings::Settings;
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, view};
 
@@ -114,10 +114,15 @@ fn a_directional_light_gives_its_irradiance_times_the_cosine() {
     }
 }
 
-/// `KHR_lights_punctual`: full within the inner cone, zero outside the outer one, and the square of a ramp in the
-/// cosine between.
+/// Full within the inner cone, zero outside the outer one, and between them the square of a ramp in the cosine, as
+/// `KHR_lights_punctual` has it, or a smoothstep, as Blender has it.
 #[test]
 fn a_spot_light_fades_between_its_cones() {
+    check_spot(SpotEdge::Square, |ramp| ramp * ramp);
+    check_spot(SpotEdge::Smooth, |ramp| ramp * ramp * (3.0 - 2.0 * ramp));
+}
+
+fn check_spot(edge: SpotEdge, part: impl Fn(f64) -> f64) {
     let mut scene = plane();
     let direction = Vec3::new(-0.3, -1.0, 0.2).normalize();
     let (inner, outer) = (0.3f32.cos(), 0.9f32.cos());
@@ -128,12 +133,13 @@ fn a_spot_light_fades_between_its_cones() {
         radius: 0.0,
         cos_inner: inner,
         cos_outer: outer,
+        edge,
     }];
     let irradiance = |point: DVec3| {
         let to_light = POSITION.as_dvec3() - point;
         let cosine = -to_light.normalize().dot(direction.as_dvec3());
         let ramp = ((cosine - f64::from(outer)) / f64::from(inner - outer)).clamp(0.0, 1.0);
-        INTENSITY.as_dvec3() * (to_light.y / to_light.length().powi(3) * ramp * ramp)
+        INTENSITY.as_dvec3() * (to_light.y / to_light.length().powi(3) * part(ramp))
     };
     let expected = expected(&scene, 0.0, |point| reflected(irradiance(point)));
     let dark = expected.iter().filter(|pixel| **pixel == DVec3::ZERO).count();

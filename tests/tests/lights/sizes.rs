@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec3, Vec3};
 use halfdome::irradiance::{Part, Request, Sensor, by_paths};
-use halfdome::scene::{CameraPose, PunctualLight, Scene};
+use halfdome::scene::{CameraPose, PunctualLight, Scene, SpotEdge};
 use halfdome::world::World;
 use halfdome_tests::render::{NeverStops, material, mesh, quad};
 
@@ -78,9 +78,9 @@ fn halves_are_halves() {
 fn spots_with_a_radius_have_a_soft_edge() {
     let (position, direction) = (Vec3::new(0.6, 0.0, 2.0), Vec3::NEG_Z);
     let (cos_inner, cos_outer) = (0.3f32.cos(), 0.32f32.cos());
-    for radius in [0.05, 0.3, 0.6] {
+    for (radius, edge) in [(0.05, SpotEdge::Square), (0.3, SpotEdge::Smooth), (0.6, SpotEdge::Square)] {
         let intensity = Vec3::splat(INTENSITY);
-        let light = PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer };
+        let light = PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer, edge };
         let to_light = position.as_dvec3();
         let axis = to_light.normalize();
         let across = axis.any_orthonormal_vector();
@@ -92,8 +92,9 @@ fn spots_with_a_radius_have_a_soft_edge() {
             for j in 0..steps {
                 let phi = TAU * (f64::from(j) + 0.5) / f64::from(steps);
                 let way: DVec3 = axis * theta.cos() + (across * phi.cos() + other * phi.sin()) * theta.sin();
-                let ramp = (way.z - f64::from(cos_outer)) / f64::from(cos_inner - cos_outer);
-                sum += theta.sin() * ramp.clamp(0.0, 1.0).powi(2) * way.z.max(0.0);
+                let ramp = ((way.z - f64::from(cos_outer)) / f64::from(cos_inner - cos_outer)).clamp(0.0, 1.0);
+                let part = if edge == SpotEdge::Square { ramp } else { ramp * (3.0 - 2.0 * ramp) } * ramp;
+                sum += theta.sin() * part * way.z.max(0.0);
             }
         }
         let solid_angle = most * TAU / f64::from(steps * steps);

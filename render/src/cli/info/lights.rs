@@ -94,13 +94,11 @@ impl Lights {
                     lights.point += 1;
                     lights.push("point", name, 4.0 * PI * intensity.as_dvec3(), "W", key);
                 }
-                PunctualLight::Spot { intensity, cos_inner, cos_outer, .. } => {
+                PunctualLight::Spot { intensity, cos_inner, cos_outer, edge, .. } => {
                     let name = lights.spot.to_string();
                     lights.spot += 1;
-                    // A third of the ramp counts, as the intensity goes with its square.
-                    let [inner, outer] = [cos_inner, cos_outer].map(|cosine| f64::from(*cosine));
-                    let extent = 2.0 * PI * (1.0 - inner + (inner - outer) / 3.0);
-                    lights.push("spot", name, extent * intensity.as_dvec3(), "W", key);
+                    let solid_angle = edge.solid_angle(*cos_inner, *cos_outer);
+                    lights.push("spot", name, solid_angle * intensity.as_dvec3(), "W", key);
                 }
                 PunctualLight::Directional { irradiance, .. } => {
                     let name = lights.directional.to_string();
@@ -161,7 +159,7 @@ impl Lights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Sky, cornell_box};
+    use crate::scene::{Sky, SpotEdge, cornell_box};
 
     #[test]
     fn the_cornell_light_has_the_power_of_its_area() {
@@ -175,6 +173,22 @@ mod tests {
         let mut both = cornell_box();
         both.materials[3].emits_both_sides = true;
         assert_eq!(Lights::of(&both).emissive_power, lights.emissive_power.map(|power| 2.0 * power));
+    }
+
+    #[test]
+    fn spots_have_the_power_of_their_cone() {
+        let mut scene = cornell_box();
+        for edge in [SpotEdge::Square, SpotEdge::Smooth] {
+            let (position, direction, intensity) = (Vec3::ZERO, Vec3::X, Vec3::new(1.0, 2.0, 3.0));
+            let (radius, cos_inner, cos_outer) = (0.0, 0.75, 0.25);
+            let spot = PunctualLight::Spot { position, direction, intensity, radius, cos_inner, cos_outer, edge };
+            scene.lights.push(spot);
+        }
+        let lights = Lights::of(&scene);
+        // 2π times the length in cosines: 1/4 that is full, and a third or a half of the ramp's 1/2.
+        for (light, ramp) in lights.list[1..].iter().zip([1.0 / 3.0, 0.5]) {
+            assert!((light.power[1] - 4.0 * PI * (0.25 + 0.5 * ramp)).abs() < 1e-9, "{light:?}");
+        }
     }
 
     #[test]

@@ -15,6 +15,7 @@ use halfdome_kernel::Triangle;
 use crate::light::Receiver;
 use crate::light::tree::WIDTH;
 use crate::light::tree::cluster::{Lane, at, height, set, tame};
+use crate::scene::SpotEdge;
 
 /// Lights side by side.
 pub(crate) trait LeafLights: Default {
@@ -58,7 +59,18 @@ pub(crate) struct TriangleLight {
     pub both_sides: bool,
 }
 
-/// A sphere or a point that shines, the root of whose fall-off is linear in the cosine about its axis.
+/// How the intensity of a spot falls off with the cosine about its axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpotCone {
+    /// The cosine from which on the intensity is 0; -2 for what shines everywhere.
+    pub cos_outer: f32,
+    /// 1 over the length of the ramp from there to full intensity.
+    pub slope: f32,
+    /// Of the [edge](SpotEdge::smoothness).
+    pub smoothness: f32,
+}
+
+/// A sphere or a point that shines, into a cone or everywhere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointLight {
     pub position: Vec3,
@@ -68,10 +80,7 @@ pub(crate) struct PointLight {
     pub intensity: f32,
     /// Of the sphere; 0 of a delta light.
     pub radius: f32,
-    /// The cosine from which on the intensity is 0; -2 for what shines everywhere.
-    pub cos_outer: f32,
-    /// 1 over the length of the ramp from there to full intensity.
-    pub slope: f32,
+    pub cone: SpotCone,
 }
 
 impl Emits for TriangleLight {
@@ -98,13 +107,16 @@ impl Emits for TriangleLight {
     }
 }
 
-impl PointLight {
+impl SpotCone {
+    /// The cone of a spot with these cosines.
+    pub(crate) fn new(cos_inner: f32, cos_outer: f32, edge: SpotEdge) -> Self {
+        Self { cos_outer, slope: (cos_inner - cos_outer).max(1e-6).recip(), smoothness: edge.smoothness() }
+    }
+
     /// The part of the greatest intensity at this cosine about the axis.
     #[inline(always)]
-    pub(crate) fn part(cosine: f32, cos_outer: f32, slope: f32) -> f32 {
-        // The square of a linear ramp, as KHR_lights_punctual recommends.
-        let ramp = ((cosine - cos_outer) * slope).clamp(0.0, 1.0);
-        ramp * ramp
+    pub(crate) fn part(&self, cosine: f32) -> f32 {
+        SpotEdge::part(((cosine - self.cos_outer) * self.slope).clamp(0.0, 1.0), self.smoothness)
     }
 }
 
@@ -118,17 +130,17 @@ impl Emits for PointLight {
     }
 
     fn cone(&self) -> (DVec3, f64) {
-        (self.axis.as_dvec3(), f64::from(self.cos_outer.max(-1.0)).acos())
+        (self.axis.as_dvec3(), f64::from(self.cone.cos_outer.max(-1.0)).acos())
     }
 
     fn moments(&self) -> [f64; 3] {
         const STEPS: u32 = 256;
-        let first = f64::from(self.cos_outer.max(-1.0));
+        let first = f64::from(self.cone.cos_outer.max(-1.0));
         let step = (1.0 - first) / f64::from(STEPS);
         let mut moments = [0.0; 3];
         for i in 0..STEPS {
             let x = first + (f64::from(i) + 0.5) * step;
-            let power = step * f64::from(self.intensity * Self::part(x as f32, self.cos_outer, self.slope));
+            let power = step * f64::from(self.intensity * self.cone.part(x as f32));
             let harmonics = [0.5, 1.5 * x, 2.5 * (1.5 * x * x - 0.5)];
             moments.iter_mut().zip(harmonics).for_each(|(moment, harmonic)| *moment += power * harmonic);
         }
@@ -225,6 +237,7 @@ pub(crate) struct Points {
     radius: Lane,
     cos_outer: Lane,
     slope: Lane,
+    smoothness: Lane,
 }
 
 impl LeafLights for Points {
@@ -234,7 +247,8 @@ impl LeafLights for Points {
         set(&mut self.position, i, light.position);
         set(&mut self.axis, i, light.axis);
         (self.intensity[i], self.radius[i]) = (light.intensity, light.radius);
-        (self.cos_outer[i], self.slope[i]) = (light.cos_outer, light.slope);
+        let SpotCone { cos_outer, slope, smoothness } = light.cone;
+        (self.cos_outer[i], self.slope[i], self.smoothness[i]) = (cos_outer, slope, smoothness);
     }
 
     #[inline(always)]
@@ -246,7 +260,8 @@ impl LeafLights for Points {
             let inv_squared = way.length_squared().max(radius * radius).recip();
             let inv_distance = inv_squared.sqrt();
             let cosine = widened(-at(&self.axis, i).dot(way) * inv_distance, radius * inv_distance);
-            let part = PointLight::part(cosine, self.cos_outer[i], self.slope[i]);
+            let (cos_outer, slope, smoothness) = (self.cos_outer[i], self.slope[i], self.smoothness[i]);
+            let part = SpotCone { cos_outer, slope, smoothness }.part(cosine);
             let z = receiver.normal.dot(way);
             let heights = height(z, radius) + height(-z, radius) * receiver.behind;
             *weight = tame(self.intensity[i] * part * (heights * inv_distance) * inv_squared);

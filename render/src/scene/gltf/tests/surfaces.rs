@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::material::Inputs;
-use crate::scene::{CameraPose, PunctualLight};
+use crate::scene::{CameraPose, PunctualLight, SpotEdge};
 
 #[test]
 fn materials() {
@@ -128,6 +128,28 @@ fn a_cone_of_one_angle_has_a_hard_edge() {
     let scene = parse(lit(json!([{"type": "spot", "spot": cone}]))).unwrap();
     let PunctualLight::Spot { cos_inner, cos_outer, .. } = scene.lights[0] else { panic!() };
     assert!((cos_inner - 0.75_f32.sqrt()).abs() < 1e-6 && cos_outer == cos_inner.next_down());
+}
+
+/// Blender writes `(1 - blend)` times the outer angle, and means a part of the way in the cosine.
+#[test]
+fn spots_by_blender_have_blenders_edge() {
+    let spot = |inner: f32, generator: &str| {
+        let mut document =
+            lit(json!([{"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": FRAC_PI_3}}]));
+        document["asset"]["generator"] = json!(generator);
+        let PunctualLight::Spot { cos_inner, cos_outer, edge, .. } = parse(document).unwrap().lights[0] else {
+            panic!()
+        };
+        assert!((cos_outer - 0.5).abs() < 1e-6);
+        (cos_inner, edge)
+    };
+    for (blend, full_from) in [(0.0, 0.5), (0.15, 0.575), (0.5, 0.75), (1.0, 1.0)] {
+        let (cos_inner, edge) = spot(FRAC_PI_3 * (1.0 - blend), "Khronos glTF Blender I/O v5.0.21");
+        assert_eq!(edge, SpotEdge::Smooth);
+        assert!((cos_inner - full_from).abs() < 1e-6, "blend {blend}: {cos_inner}, not {full_from}");
+    }
+    let (cos_inner, edge) = spot(FRAC_PI_6, "another program");
+    assert!(edge == SpotEdge::Square && (cos_inner - 0.75_f32.sqrt()).abs() < 1e-6);
 }
 
 #[test]
