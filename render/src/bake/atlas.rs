@@ -16,7 +16,8 @@ pub const NO_CHART: u32 = u32::MAX;
 pub struct Atlas {
     /// The maps.
     pub pages: Vec<Page>,
-    /// The scene's meshes in the order of the scene, each in one part or, where it fits on no page, in several.
+    /// The scene's meshes but its lamps, in the order of the scene, each in one part or, where it fits on no page, in
+    /// several.
     pub parts: Vec<Part>,
     /// The pieces, part by part.
     pub charts: Vec<Chart>,

@@ -69,14 +69,14 @@ impl Atlas {
         let request = |mesh, repack| Request { mesh, repack };
         let has_own = |mesh: usize| !scene.meshes[mesh].lightmap_texcoords.is_empty();
         let must = options.coordinates == Coordinates::Keep;
-        if let Some(without) = (0..scene.meshes.len()).find(|&mesh| must && !has_own(mesh)) {
+        if let Some(without) = receivers(scene).find(|&mesh| must && !has_own(mesh)) {
             return Err(Invalid::new(
                 format!("{} has no second set of texture coordinates", mesh_name(scene, without)),
                 "give it one, or leave --uv out",
             ));
         }
         if options.coordinates == Coordinates::New {
-            return Ok((0..scene.meshes.len()).map(|mesh| request(mesh, false)).collect());
+            return Ok(receivers(scene).map(|mesh| request(mesh, false)).collect());
         }
         let own: Vec<usize> = own_coordinates(scene).collect();
         let given = Self::given(scene, &own, options)?;
@@ -107,7 +107,7 @@ impl Atlas {
             self.pages = given.pages;
             self.parts = given.parts.into_iter().filter(|part| usable[part.mesh]).collect();
         }
-        let others = (0..scene.meshes.len()).filter(|&mesh| is_shared || !usable[mesh]);
+        let others = receivers(scene).filter(|&mesh| is_shared || !usable[mesh]);
         Ok(others.map(|mesh| request(mesh, usable[mesh])).collect())
     }
 
@@ -137,6 +137,11 @@ impl Atlas {
         given.charts = islands(scene, &given.pages, &mut given.parts);
         Ok(given)
     }
+}
+
+/// The meshes that get light: all but lamps, which are not the model's.
+fn receivers(scene: &Scene) -> impl Iterator<Item = usize> {
+    (0..scene.meshes.len()).filter(|&mesh| !scene.meshes[mesh].is_lamp)
 }
 
 /// The meshes with lightmap coordinates.

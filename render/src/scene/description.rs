@@ -61,6 +61,8 @@ pub struct Mesh {
     pub material: usize,
     /// Where in a glTF file it stands; `None` for other formats.
     pub origin: Option<Origin>,
+    /// Whether it is a lamp of a scene file, which gets no lightmap.
+    pub is_lamp: bool,
 }
 
 /// A mesh's place in a glTF file. Its vertices are the primitive's, in their order.

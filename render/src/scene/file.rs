@@ -40,13 +40,16 @@
 //! # or, without a picture: daylight = [40, 120, 3], the sun's elevation and azimuth, and turbidity
 //! ```
 //!
-//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. Each value is checked here; what only several options together can get wrong
-//! is left to [`Overrides::apply`], since the command line may still change it.
+//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. `[[light]]` tables
+//! add lights: see `light_table.rs`. The keys `lights`, `light_radius`, `sun_angle` and `emission` are about the model's
+//! lights, and leave these as they are. Each value is checked here; what only several options together can get wrong is
+//! left to [`Overrides::apply`], since the command line may still change it.
 
 use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
+use super::light_table;
 use super::load;
 use super::material_table::{self, MaterialTable};
 use super::nearest::suggestion;
@@ -153,7 +156,11 @@ impl Parser<'_> {
                 materials = material_table::read(self.path, self.text, section.value, section.at.start)?;
                 continue;
             }
-            let sections: Vec<&str> = SECTIONS.iter().map(|&(name, _)| name).chain(["material"]).collect();
+            if section.name == "light" {
+                overrides.light.added = light_table::read(self.path, self.text, section.value, section.at.start)?;
+                continue;
+            }
+            let sections: Vec<&str> = SECTIONS.iter().map(|&(name, _)| name).chain(["light", "material"]).collect();
             let Some((_, keys)) = SECTIONS.iter().find(|(name, _)| *name == section.name) else {
                 let problem = format!("unknown section {:?}", section.name);
                 return Err(self.error(section.at.start, problem, suggestion(section.name, &sections)));

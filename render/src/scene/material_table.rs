@@ -29,8 +29,9 @@ use super::files::Disk;
 use super::files::Recorded;
 use super::material::{BumpMap, Channel, Input, Material, NormalMap, Opacity};
 use super::nearest::suggestion;
+use super::table_reader::TableReader;
 use super::texture::{ColorSpace, TextureFilter, TextureMap, TextureStore, Wrap};
-use super::toml_text::{Entry, entries, line_of, shortened, value_of};
+use super::toml_text::{Entry, entries, value_of};
 use super::value::Value;
 use super::{Scene, description::Mesh};
 
@@ -113,61 +114,42 @@ const MAP_KEYS: [&str; 13] = [
 
 /// The tables in an array called `material`, of a scene file at `path` with this text.
 pub(super) fn read(path: &Path, text: &str, tables: &DeValue<'_>, at: usize) -> Result<Vec<MaterialTable>, SceneError> {
-    let reader = Reader { path, text };
-    let DeValue::Array(tables) = tables else {
-        return Err(reader.error(at, "`material` is not a list of tables", "write [[material]] on a line"));
-    };
-    let table = |table: &toml::Spanned<DeValue<'_>>| match table.get_ref() {
-        DeValue::Table(entries) => reader.table(entries, table.span().start),
-        _ => Err(reader.error(table.span().start, "this material is not a table", "write [[material]] on a line")),
-    };
-    tables.iter().map(table).collect()
+    let reader = Reader(TableReader { path, text, name: "material" });
+    reader.0.tables(tables, at, |table, at| reader.table(table, at))
 }
 
-struct Reader<'a> {
-    path: &'a Path,
-    text: &'a str,
-}
+struct Reader<'a>(TableReader<'a>);
 
 impl Reader<'_> {
-    fn error(&self, offset: usize, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
-        SceneError::new(self.path, Place::Line(line_of(self.text.as_bytes(), offset)), problem, remedy)
-    }
-
-    fn wrong<T>(&self, entry: &Entry<'_>, expected: &str) -> Result<T, SceneError> {
-        let written = self.text.get(entry.value_at.clone()).unwrap_or_default();
-        let problem = format!("material.{} is {}", entry.name, shortened(written));
-        Err(self.error(entry.value_at.start, problem, format!("expected {expected}")))
-    }
-
     fn table(&self, table: &DeTable<'_>, at: usize) -> Result<MaterialTable, SceneError> {
-        let line = line_of(self.text.as_bytes(), at);
+        let line = self.0.line(at);
         let mut it = MaterialTable { name: String::new(), line, meshes: Vec::new(), changes: Vec::new() };
         for entry in entries(table) {
-            let line = line_of(self.text.as_bytes(), entry.at.start);
+            let line = self.0.line(entry.at.start);
             match entry.name {
-                "name" => it.name = self.text_of(&entry)?,
+                "name" => it.name = self.0.text_of(&entry)?,
                 "meshes" => it.meshes = self.names(&entry)?,
                 _ => it.changes.push((line, self.change(&entry)?)),
             }
         }
         if it.name.is_empty() {
-            return Err(self.error(at, "this material has no name", "write name = \"…\" with the model's name for it"));
+            return Err(self.0.error(
+                at,
+                "this material has no name",
+                "write name = \"…\" with the model's name for it",
+            ));
         }
         Ok(it)
     }
 
     fn change(&self, entry: &Entry<'_>) -> Result<Change, SceneError> {
-        let unit = |least: f32, greatest: f32| self.number(entry, least, greatest);
+        let unit = |least: f32, greatest: f32| self.0.number(entry, least, greatest);
         Ok(match entry.name {
             "geometry_opacity" => Change::Opacity(unit(0.0, 1.0)?),
             "geometry_opacity_cutoff" => Change::Cutoff(unit(0.0, 1.0)?),
-            "geometry_thin_walled" => match value_of(entry.value) {
-                Value::Boolean(flag) => Change::ThinWalled(flag),
-                _ => return self.wrong(entry, "true or false"),
-            },
+            "geometry_thin_walled" => Change::ThinWalled(self.0.flag(entry)?),
             "geometry_tangent_rotation" => Change::TangentRotation(unit(f32::MIN, f32::MAX)?),
-            "emission_color" => Change::EmissionColor(self.color(entry, 0.0, f32::MAX)?),
+            "emission_color" => Change::EmissionColor(self.0.color(entry, 0.0, f32::MAX)?),
             "emission_luminance" => Change::EmissionLuminance(unit(0.0, f32::MAX)?),
             "transmission_depth" => Change::TransmissionDepth(unit(f32::MIN_POSITIVE, f32::MAX)?),
             "geometry_normal_map" => Change::Map(Target::Normal, self.map(entry)?),
@@ -179,50 +161,27 @@ impl Reader<'_> {
                 let Some(input) = Input::ALL.into_iter().find(|it| it.name() == input) else {
                     let known: Vec<&str> = Input::ALL.iter().map(|it| it.name()).chain(KEYS).collect();
                     let problem = format!("unknown key {name:?} in [[material]]");
-                    return Err(self.error(entry.at.start, problem, suggestion(name, &known)));
+                    return Err(self.0.error(entry.at.start, problem, suggestion(name, &known)));
                 };
                 if is_map {
                     return Ok(Change::Map(Target::Input(input), self.map(entry)?));
                 }
                 let range = input.range();
                 match input.is_color() {
-                    true => Change::Input(input, self.color(entry, range.least, range.greatest)?),
-                    false => Change::Input(input, Vec3::splat(self.number(entry, range.least, range.greatest)?)),
+                    true => Change::Input(input, self.0.color(entry, range.least, range.greatest)?),
+                    false => Change::Input(input, Vec3::splat(self.0.number(entry, range.least, range.greatest)?)),
                 }
             }
         })
     }
 
-    fn text_of(&self, entry: &Entry<'_>) -> Result<String, SceneError> {
-        match value_of(entry.value) {
-            Value::Text(text) if !text.is_empty() => Ok(text),
-            _ => self.wrong(entry, "text"),
-        }
-    }
-
     fn names(&self, entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {
-        let Value::List(values) = value_of(entry.value) else { return self.wrong(entry, "a list of names") };
+        let Value::List(values) = value_of(entry.value) else { return self.0.wrong(entry, "a list of names") };
         let name = |value| match value {
             Value::Text(text) => Ok(text),
-            _ => self.wrong(entry, "a list of names"),
+            _ => self.0.wrong(entry, "a list of names"),
         };
         values.into_iter().map(name).collect()
-    }
-
-    fn number(&self, entry: &Entry<'_>, least: f32, greatest: f32) -> Result<f32, SceneError> {
-        match value_of(entry.value).finite() {
-            Some(number) if (least..=greatest).contains(&number) => Ok(number),
-            _ => self.wrong(entry, &format!("a number{}", range(least, greatest))),
-        }
-    }
-
-    /// Three numbers, or one for all.
-    fn color(&self, entry: &Entry<'_>, least: f32, greatest: f32) -> Result<Vec3, SceneError> {
-        let value = value_of(entry.value);
-        match value.finite().map(Vec3::splat).or_else(|| value.three()) {
-            Some(color) if color.min_element() >= least && color.max_element() <= greatest => Ok(color),
-            _ => self.wrong(entry, &format!("one number, or three for red, green and blue,{}", range(least, greatest))),
-        }
     }
 
     fn map(&self, entry: &Entry<'_>) -> Result<Box<MapFile>, SceneError> {
@@ -242,72 +201,47 @@ impl Reader<'_> {
             height: 1.0,
         };
         match entry.value {
-            DeValue::String(_) => map.file = self.file(entry)?,
+            DeValue::String(_) => map.file = self.0.file(entry)?,
             DeValue::Table(table) => {
                 for part in entries(table) {
                     self.map_part(&mut map, &part)?;
                 }
             }
-            _ => return self.wrong(entry, "the name of a file, or { file = \"…\", … }"),
+            _ => return self.0.wrong(entry, "the name of a file, or { file = \"…\", … }"),
         }
         if map.file.as_os_str().is_empty() {
-            return self.wrong(entry, "{ file = \"…\", … }");
+            return self.0.wrong(entry, "{ file = \"…\", … }");
         }
         Ok(Box::new(map))
     }
 
     fn map_part(&self, map: &mut MapFile, part: &Entry<'_>) -> Result<(), SceneError> {
         match part.name {
-            "file" => map.file = self.file(part)?,
-            "channel" => map.channel = Some(self.one_of(part, &CHANNELS)?),
+            "file" => map.file = self.0.file(part)?,
+            "channel" => map.channel = Some(self.0.one_of(part, &CHANNELS)?),
             "set" => map.set = self.one_of_numbers(part)?,
-            "wrap" => map.wrap = self.one_of(part, &WRAPS)?,
-            "filter" => map.filter = self.one_of(part, &FILTERS)?,
-            "space" => map.space = Some(self.one_of(part, &SPACES)?),
-            "scale" => map.scale = self.pair(part)?,
-            "offset" => map.offset = self.pair(part)?,
-            "rotation" => map.rotation = self.number(part, f32::MIN, f32::MAX)?,
-            "zero" => map.zero = self.number(part, 0.0, f32::MAX)?,
-            "strength" => map.strength = self.number(part, f32::MIN, f32::MAX)?,
-            "green" => map.green_is_down = self.one_of(part, &[("up", false), ("down", true)])?,
-            "height" => map.height = self.number(part, f32::MIN, f32::MAX)?,
+            "wrap" => map.wrap = self.0.one_of(part, &WRAPS)?,
+            "filter" => map.filter = self.0.one_of(part, &FILTERS)?,
+            "space" => map.space = Some(self.0.one_of(part, &SPACES)?),
+            "scale" => map.scale = self.0.pair(part, "two numbers, across and down")?,
+            "offset" => map.offset = self.0.pair(part, "two numbers, across and down")?,
+            "rotation" => map.rotation = self.0.number(part, f32::MIN, f32::MAX)?,
+            "zero" => map.zero = self.0.number(part, 0.0, f32::MAX)?,
+            "strength" => map.strength = self.0.number(part, f32::MIN, f32::MAX)?,
+            "green" => map.green_is_down = self.0.one_of(part, &[("up", false), ("down", true)])?,
+            "height" => map.height = self.0.number(part, f32::MIN, f32::MAX)?,
             name => {
                 let problem = format!("unknown key {name:?} of a map");
-                return Err(self.error(part.at.start, problem, suggestion(name, &MAP_KEYS)));
+                return Err(self.0.error(part.at.start, problem, suggestion(name, &MAP_KEYS)));
             }
         }
         Ok(())
     }
 
-    fn file(&self, entry: &Entry<'_>) -> Result<PathBuf, SceneError> {
-        Ok(self.path.parent().unwrap_or(Path::new("")).join(self.text_of(entry)?))
-    }
-
-    fn one_of<T: Copy>(&self, entry: &Entry<'_>, known: &[(&str, T)]) -> Result<T, SceneError> {
-        let text = self.text_of(entry).unwrap_or_default();
-        match known.iter().find(|(name, _)| *name == text) {
-            Some(&(_, value)) => Ok(value),
-            None => {
-                let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-                self.wrong(entry, &format!("one of {}", names.join(", ")))
-            }
-        }
-    }
-
     fn one_of_numbers(&self, entry: &Entry<'_>) -> Result<u32, SceneError> {
         match value_of(entry.value) {
             Value::Integer(set @ 0..=1) => Ok(set as u32),
-            _ => self.wrong(entry, "0 or 1, the number of a set of texture coordinates"),
-        }
-    }
-
-    fn pair(&self, entry: &Entry<'_>) -> Result<Vec2, SceneError> {
-        let Value::List(values) = value_of(entry.value) else {
-            return self.wrong(entry, "two numbers, across and down");
-        };
-        match values.iter().map(Value::finite).collect::<Option<Vec<f32>>>().as_deref() {
-            Some(&[x, y]) => Ok(Vec2::new(x, y)),
-            _ => self.wrong(entry, "two numbers, across and down"),
+            _ => self.0.wrong(entry, "0 or 1, the number of a set of texture coordinates"),
         }
     }
 }
@@ -318,16 +252,6 @@ const WRAPS: [(&str, Wrap); 3] = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mir
 const FILTERS: [(&str, TextureFilter); 2] =
     [("bilinear", TextureFilter::Bilinear), ("nearest", TextureFilter::Nearest)];
 const SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
-
-/// " from 0 to 1", " of 0 or more", or nothing.
-fn range(least: f32, greatest: f32) -> String {
-    match (least, greatest) {
-        (f32::MIN, f32::MAX) => String::new(),
-        (f32::MIN_POSITIVE, _) => " that is more than 0".to_owned(),
-        (least, f32::MAX) => format!(" of {least} or more"),
-        (least, greatest) => format!(" from {least} to {greatest}"),
-    }
-}
 
 /// Does to the scene what the tables of the scene file at `path` say.
 pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) -> Result<(), SceneError> {

@@ -74,7 +74,7 @@ impl Value {
         self.one_of(&known).map(|name| named(name).expect("every listed name has a value"))
     }
 
-    fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Reading<T> {
+    pub(super) fn one_of<T: Copy>(&self, known: &[(&str, T)]) -> Reading<T> {
         let Self::Text(text) = self else { return expected(list(known)) };
         let found = known.iter().find(|(name, _)| name == text);
         found.map_or_else(|| expected(meant(text, known)), |&(_, value)| Ok(value))

@@ -32,7 +32,7 @@ fn sphere(position: Vec3, radius: f32) -> PunctualLight {
     PunctualLight::Point { position, intensity: Vec3::splat(INTENSITY), radius }
 }
 
-fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
+pub(super) fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found}, not {expected}");
 }
 

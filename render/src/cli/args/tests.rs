@@ -78,6 +78,7 @@ fn every_override_can_be_given() {
         build: Some(halfdome_kernel::Quality::Medium),
         aov: None,
         light: LightOverrides {
+            added: Vec::new(),
             sky: Some([1.0, 2.0, 3.0].into()),
             sky_light: SkyOverrides {
                 picture: Some("a.hdr".into()),

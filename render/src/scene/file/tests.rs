@@ -128,6 +128,7 @@ fn every_key_sets_its_option() {
         build: Some(Quality::Fast),
         aov: None,
         light: LightOverrides {
+            added: Vec::new(),
             sky: Some(Vec3::new(0.1, 0.2, 0.3)),
             sky_light: SkyOverrides {
                 picture: Some(folder.path().join("models/room.obj")),
@@ -160,7 +161,7 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     let (line, problem, remedy) = error("[cammera]\nvfov = 100\n");
     assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
     assert_eq!(remedy, "did you mean `camera`?");
-    assert_eq!(error("[light]\n").2, "known are scene, camera, film, render, sky, material");
+    assert_eq!(error("[lens]\n").2, "known are scene, camera, film, render, sky, light, material");
     assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance, picture, rotation, scale, daylight");
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");

@@ -4,7 +4,7 @@ use clap::Args;
 use glam::Vec3;
 
 use super::super::value::{self, argument};
-use super::super::{LightUnits, PunctualLight, Scene};
+use super::super::{LightTable, LightUnits, PunctualLight, Scene};
 use super::SkyOverrides;
 use crate::settings::Invalid;
 
@@ -36,6 +36,9 @@ pub struct LightOverrides {
     /// light's extras.angle, or 0]
     #[arg(long, value_name = "DEGREES", value_parser = argument(value::sun_angle), allow_negative_numbers = true)]
     pub sun_angle: Option<f32>,
+    /// Lights besides the model's, which the options above leave as they are.
+    #[arg(skip)]
+    pub added: Vec<LightTable>,
 }
 
 impl LightOverrides {
@@ -48,6 +51,7 @@ impl LightOverrides {
             light_units: self.light_units.or(fallback.light_units),
             light_radius: self.light_radius.or(fallback.light_radius),
             sun_angle: self.sun_angle.or(fallback.sun_angle),
+            added: if self.added.is_empty() { fallback.added } else { self.added },
         }
     }
 
@@ -72,6 +76,7 @@ impl LightOverrides {
         if let Some(both) = self.emits_both_sides {
             scene.materials.iter_mut().for_each(|material| material.emits_both_sides = both);
         }
+        self.added.iter().for_each(|light| light.add_to(scene));
         self.sky_light.apply(scene)
     }
 
