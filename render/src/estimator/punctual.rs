@@ -49,6 +49,11 @@ pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, u: Vec2)
             let part = SpotCone::new(cos_inner, cos_outer, edge).part(-direction.dot(axis));
             (direction, shadow, intensity * (part * per_intensity))
         }
+        PunctualLight::Profiled { position, ref frame, intensity, radius, ref profile } => {
+            let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
+            let (direction, shadow) = towards(surface, end);
+            (direction, shadow, intensity * (profile.candela(frame, -direction) * per_intensity))
+        }
     };
     PunctualSample { direction: direction.normalize_or_zero(), shadow, received }
 }

@@ -151,11 +151,27 @@ impl LightSampler {
                 PunctualLight::Point { position, intensity, radius } => {
                     let intensity = luminance_weight(intensity);
                     let everywhere = SpotCone { cos_outer: -2.0, slope: 1.0, smoothness: 0.0 };
-                    points.push(PointLight { position, axis: Vec3::Z, intensity, radius, cone: everywhere });
+                    points.push(PointLight {
+                        position,
+                        axis: Vec3::Z,
+                        intensity,
+                        radius,
+                        cone: everywhere,
+                        moments: None,
+                    });
                 }
                 PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer, edge } => {
                     let (intensity, cone) = (luminance_weight(intensity), SpotCone::new(cos_inner, cos_outer, edge));
-                    points.push(PointLight { position, axis, intensity, radius, cone });
+                    points.push(PointLight { position, axis, intensity, radius, cone, moments: None });
+                }
+                PunctualLight::Profiled { position, frame, intensity, radius, ref profile } => {
+                    let per_candela = luminance_weight(intensity);
+                    let moments = Some(profile.moments().map(|moment| moment * f64::from(per_candela)));
+                    // As bright as it is anywhere, all over its cone and a little more, for what is rounded.
+                    let cos_outer = profile.cos_outer() - 1e-3;
+                    let cone = SpotCone { cos_outer, slope: 1e6, smoothness: 0.0 };
+                    let intensity = per_candela * profile.greatest();
+                    points.push(PointLight { position, axis: frame.axis, intensity, radius, cone, moments });
                 }
             }
             lights.push(Light::Punctual(light));
@@ -355,15 +371,11 @@ fn brightness(rgb: Vec3) -> f64 {
     luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
 }
 
-/// A light's colour, and what it is multiplied by to give the light's power.
+/// A light's colour, and what it is multiplied by to give the power that falls on a scene with these bounds.
 fn flux(light: &PunctualLight, bounds: Aabb) -> (Vec3, f64) {
-    match light {
-        PunctualLight::Point { intensity, .. } => (*intensity, 4.0 * PI),
-        PunctualLight::Spot { intensity, cos_inner, cos_outer, edge, .. } => {
-            (*intensity, edge.solid_angle(*cos_inner, *cos_outer))
-        }
-        PunctualLight::Directional { irradiance, .. } => (*irradiance, PI * radius(bounds).powi(2)),
-    }
+    let (color, extent) = light.power();
+    let is_distant = matches!(light, PunctualLight::Directional { .. });
+    (color, if is_distant { PI * radius(bounds).powi(2) } else { extent })
 }
 
 /// The radius of the scene's sphere.

@@ -261,7 +261,7 @@ fn points_and_spots_are_never_without_a_chance() {
                     let square = ramp * ramp;
                     (position, intensity, if edge == SpotEdge::Square { square } else { square * (3.0 - 2.0 * ramp) })
                 }
-                PunctualLight::Directional { .. } => unreachable!("it is far away"),
+                PunctualLight::Profiled { .. } | PunctualLight::Directional { .. } => unreachable!("there is none"),
             };
             let way = position - receiver.position;
             let sent = luminance_weight(intensity) * part * receiver.height(way) / way.length().powi(3);
@@ -271,6 +271,34 @@ fn points_and_spots_are_never_without_a_chance() {
         }
     }
     assert!(lit > 500, "{lit}");
+}
+
+/// Likewise lights with a profile, wherever they shine.
+#[test]
+fn profiles_are_never_without_a_chance() {
+    let path = std::path::Path::new("lamp.ies");
+    let text = "IESNA91\nTILT=NONE\n1 1 1 4 2 1 2 0 0 0\n1 1 1\n0 30 60 90\n0 180\n0 9 2 0\n1 4 0 0\n";
+    let profile = std::sync::Arc::new(crate::scene::ies::parse(path, text.as_bytes()).unwrap());
+    let punctual: Vec<PunctualLight> = (0..60)
+        .map(|i| {
+            let (position, frame) = (place(4, i), crate::scene::ProfileFrame::new(direction(4, i), i as f32));
+            PunctualLight::Profiled { position, frame, intensity: Vec3::ONE, radius: 0.0, profile: profile.clone() }
+        })
+        .collect();
+    let lights = lights((Vec::new(), Vec::new()), punctual.clone(), Sky::default());
+    let tree = lights.points.as_ref().unwrap();
+    let mut lit = 0;
+    for i in 0..100 {
+        let receiver = receiver(i, 1.0);
+        for (number, light) in (0..).zip(&punctual) {
+            let PunctualLight::Profiled { position, frame, .. } = light else { unreachable!("all have a profile") };
+            let way = position - receiver.position;
+            let sent = profile.candela(frame, -way.normalize()) * receiver.height(way);
+            assert!(tree.weight(number, &receiver) > 0.0 || sent == 0.0, "receiver {i}, light {number}: {sent}");
+            lit += u32::from(sent > 0.0);
+        }
+    }
+    assert!(lit > 300, "{lit}");
 }
 
 fn is_delta(light: &PunctualLight) -> bool {

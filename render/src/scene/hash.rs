@@ -163,6 +163,12 @@ impl Fnv {
                 [*position, *direction, *intensity].into_iter().for_each(|v| self.vector(v));
                 self.floats(&[*radius, *cos_inner, *cos_outer]);
             }
+            PunctualLight::Profiled { position, frame, intensity, radius, profile } => {
+                self.word(3);
+                [*position, frame.axis, frame.zero, *intensity].into_iter().for_each(|v| self.vector(v));
+                self.floats(&[*radius]);
+                profile.numbers().for_each(|number| self.word(number.to_bits()));
+            }
             PunctualLight::Directional { direction, irradiance, half_angle } => {
                 self.word(2);
                 [*direction, *irradiance].into_iter().for_each(|v| self.vector(v));

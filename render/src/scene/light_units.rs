@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::{LightUnits, PunctualLight, Scene};
 
 /// Luminous efficacy by which Blender's exporter multiplies.
-const LUMENS_PER_WATT: f32 = 683.0;
+pub(super) const LUMENS_PER_WATT: f32 = 683.0;
 
 /// Lights of a file by Blender that are brighter are lumens: they would be 1200 W otherwise, weaker ones 2 W.
 const MIN_PHOTOMETRIC_CANDELA: f32 = 93.0;
@@ -41,6 +41,8 @@ impl LightUnits {
             PunctualLight::Point { intensity, .. } | PunctualLight::Spot { intensity, .. } => {
                 intensity.max_element() > MIN_PHOTOMETRIC_CANDELA
             }
+            // Blender writes none.
+            PunctualLight::Profiled { .. } => false,
             PunctualLight::Directional { irradiance, .. } => irradiance.max_element() > MIN_PHOTOMETRIC_LUX,
         };
         if is_from_blender && lights.iter().any(is_bright) { Self::Photometric } else { Self::Radiometric }
@@ -54,7 +56,9 @@ impl Scene {
         if factor != 1.0 {
             let scale = |light: &mut Vec3| *light *= factor;
             self.lights.iter_mut().for_each(|light| match light {
-                PunctualLight::Point { intensity, .. } | PunctualLight::Spot { intensity, .. } => scale(intensity),
+                PunctualLight::Point { intensity, .. }
+                | PunctualLight::Spot { intensity, .. }
+                | PunctualLight::Profiled { intensity, .. } => scale(intensity),
                 PunctualLight::Directional { irradiance, .. } => scale(irradiance),
             });
         }

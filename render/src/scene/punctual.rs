@@ -1,8 +1,11 @@
 //! Lights without a surface: points, spots and suns.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::Vec3;
+
+use super::{Profile, ProfileFrame};
 
 /// A light that no ray hits: cameras, mirrors and bounces do not see it. Intensities are per linear sRGB channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,19 @@ pub enum PunctualLight {
         /// How it rises in between.
         edge: SpotEdge,
     },
+    /// Shines as was measured.
+    Profiled {
+        /// Where it stands.
+        position: Vec3,
+        /// How it is turned.
+        frame: ProfileFrame,
+        /// W/sr from afar for each candela of the profile.
+        intensity: Vec3,
+        /// Radius of the sphere that shines, as that of a spot.
+        radius: f32,
+        /// Candela by direction.
+        profile: Arc<Profile>,
+    },
     /// Shines from infinitely far away.
     Directional {
         /// Unit vector along which the light travels.
@@ -43,6 +59,20 @@ pub enum PunctualLight {
         /// Half the angle that its disc subtends, radians, below π/2; 0 is a delta light, with hard shadows.
         half_angle: f32,
     },
+}
+
+impl PunctualLight {
+    /// Its strength, and what gives its power if multiplied by it; of a directional light, which has none, the irradiance.
+    pub(crate) fn power(&self) -> (Vec3, f64) {
+        match self {
+            Self::Point { intensity, .. } => (*intensity, 4.0 * PI),
+            Self::Spot { intensity, cos_inner, cos_outer, edge, .. } => {
+                (*intensity, edge.solid_angle(*cos_inner, *cos_outer))
+            }
+            Self::Profiled { intensity, profile, .. } => (*intensity, profile.lumens()),
+            Self::Directional { irradiance, .. } => (*irradiance, 1.0),
+        }
+    }
 }
 
 /// How a spot's intensity rises from its outer to its inner cone, by the ramp `t` that is linear in the cosine.

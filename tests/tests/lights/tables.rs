@@ -14,7 +14,7 @@ use super::sizes::close;
 /// A triangle that no light of these tests reaches.
 const MODEL: &str = "v 0 -9 0\nv 1 -9 0\nv 0 -9 1\nf 1 2 3\n";
 
-fn scene(folder: &Path, text: &str) -> Scene {
+pub(super) fn scene(folder: &Path, text: &str) -> Scene {
     std::fs::write(folder.join("model.obj"), MODEL).unwrap();
     let path = folder.join("scene.toml");
     std::fs::write(&path, format!("[scene]\nfile = \"model.obj\"\n{text}")).unwrap();

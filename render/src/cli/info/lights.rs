@@ -23,6 +23,8 @@ pub(super) struct Lights {
     point: usize,
     spot: usize,
     directional: usize,
+    /// Lights with a photometric profile.
+    profile: usize,
     /// What the file's numbers of these three were taken for.
     units: Option<&'static str>,
     sky_radiance: [f32; 3],
@@ -88,24 +90,16 @@ impl Lights {
         }
         for (number, light) in scene.lights.iter().enumerate() {
             let key = Key::Punctual(number);
-            match light {
-                PunctualLight::Point { intensity, .. } => {
-                    let name = lights.point.to_string();
-                    lights.point += 1;
-                    lights.push("point", name, 4.0 * PI * intensity.as_dvec3(), "W", key);
-                }
-                PunctualLight::Spot { intensity, cos_inner, cos_outer, edge, .. } => {
-                    let name = lights.spot.to_string();
-                    lights.spot += 1;
-                    let solid_angle = edge.solid_angle(*cos_inner, *cos_outer);
-                    lights.push("spot", name, solid_angle * intensity.as_dvec3(), "W", key);
-                }
-                PunctualLight::Directional { irradiance, .. } => {
-                    let name = lights.directional.to_string();
-                    lights.directional += 1;
-                    lights.push("directional", name, irradiance.as_dvec3(), "W/m²", key);
-                }
-            }
+            let (kind, count, unit) = match light {
+                PunctualLight::Point { .. } => ("point", &mut lights.point, "W"),
+                PunctualLight::Spot { .. } => ("spot", &mut lights.spot, "W"),
+                PunctualLight::Profiled { .. } => ("profile", &mut lights.profile, "W"),
+                PunctualLight::Directional { .. } => ("directional", &mut lights.directional, "W/m²"),
+            };
+            let name = count.to_string();
+            *count += 1;
+            let (color, extent) = light.power();
+            lights.push(kind, name, extent * color.as_dvec3(), unit, key);
         }
         if sky != Vec3::ZERO {
             let kind = if scene.sky.picture.is_some() { "sky picture" } else { "sky" };
@@ -135,7 +129,9 @@ impl Lights {
     pub(super) fn rows(&self, row: &mut impl FnMut(&str, String)) {
         row("emissive triangles", format!("{}, area {:.6}", self.emissive_triangles, self.emissive_area));
         row("emitted power", format!("{} W (red, green, blue)", spaced(self.emissive_power)));
-        row("other lights", format!("{} point, {} spot, {} directional", self.point, self.spot, self.directional));
+        let profiles = if self.profile > 0 { format!(", {} with a profile", self.profile) } else { String::new() };
+        let counts = format!("{} point, {} spot, {} directional", self.point, self.spot, self.directional);
+        row("other lights", counts + &profiles);
         if let Some(units) = self.units {
             row("light units", format!("{units} in the file"));
         }
@@ -189,6 +185,20 @@ mod tests {
         for (light, ramp) in lights.list[1..].iter().zip([1.0 / 3.0, 0.5]) {
             assert!((light.power[1] - 4.0 * PI * (0.25 + 0.5 * ramp)).abs() < 1e-9, "{light:?}");
         }
+    }
+
+    /// 683 cd down and none up, linear in the angle between: ∫ (1 - θ/π) sin θ dθ = 1 over the hemispheres.
+    #[test]
+    fn profiles_have_the_power_of_their_integral() {
+        let text = "IESNA91\nTILT=NONE\n1 1 1 2 1 1 2 0 0 0\n1 1 1\n0 180\n0\n683 0\n";
+        let profile = crate::scene::ies::parse(std::path::Path::new("lamp.ies"), text.as_bytes()).unwrap();
+        let frame = crate::scene::ProfileFrame::new(Vec3::NEG_Y, 0.0);
+        let (position, intensity) = (Vec3::ZERO, Vec3::splat(1.0 / 683.0));
+        let mut scene = cornell_box();
+        scene.lights.push(PunctualLight::Profiled { position, frame, intensity, radius: 0.0, profile: profile.into() });
+        let lights = Lights::of(&scene);
+        assert!((lights.list[1].power[0] / (2.0 * PI) - 1.0).abs() < 1e-6, "{:?}", lights.list[1]);
+        assert_eq!((lights.list[1].kind, lights.profile), ("profile", 1));
     }
 
     #[test]

@@ -81,6 +81,8 @@ pub(crate) struct PointLight {
     /// Of the sphere; 0 of a delta light.
     pub radius: f32,
     pub cone: SpotCone,
+    /// What [`Emits::moments`] gives, if that does not follow from intensity and cone.
+    pub moments: Option<[f64; 3]>,
 }
 
 impl Emits for TriangleLight {
@@ -134,6 +136,9 @@ impl Emits for PointLight {
     }
 
     fn moments(&self) -> [f64; 3] {
+        if let Some(moments) = self.moments {
+            return moments;
+        }
         const STEPS: u32 = 256;
         let first = f64::from(self.cone.cos_outer.max(-1.0));
         let step = (1.0 - first) / f64::from(STEPS);

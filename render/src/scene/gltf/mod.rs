@@ -19,6 +19,7 @@ pub(crate) mod container;
 mod draco;
 mod extensions;
 mod hierarchy;
+mod ies;
 mod light;
 mod material;
 mod meshopt;
@@ -197,6 +198,7 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
             skipped.ranges += usize::from(light.range.is_some());
             scene.lights.push(light::read(&document, light, index.value(), &placed)?);
         }
+        scene.lights.extend(ies::read(&document, &placed)?);
     }
     if let Some((place, (pose, aspect))) = cameras.first() {
         (scene.camera, scene.camera_aspect) = (Some(*pose), *aspect);
@@ -235,7 +237,8 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
 }
 
 /// What is read, or is here for programs that edit the file.
-const KNOWN: [&str; 23] = [
+const KNOWN: [&str; 24] = [
+    "EXT_lights_ies",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
@@ -294,7 +297,9 @@ fn empty_nodes(document: &Document) -> Vec<String> {
     let joints: std::collections::BTreeSet<usize> = joints.collect();
     let is_empty = |&index: &usize| {
         let node = &nodes[index];
-        let light = node.extensions.as_ref().is_some_and(|extensions| extensions.khr_lights_punctual.is_some());
+        let light = node.extensions.as_ref().is_some_and(|extensions| {
+            extensions.khr_lights_punctual.is_some() || extensions.others.contains_key("EXT_lights_ies")
+        });
         let has_children = node.children.as_ref().is_some_and(|children| !children.is_empty());
         node.mesh.is_none() && node.camera.is_none() && !light && !has_children && !joints.contains(&index)
     };

@@ -142,7 +142,7 @@ fn what_is_wrong_is_told_with_its_line() {
         (
             "cone = 1",
             "unknown key \"cone\" of a point light",
-            "known are position, intensity, power, radius, type, name, color",
+            "known are position, intensity, power, radius, type, name, color, profile, profile_rotation, scale",
         ),
         ("name = 3", "light.name is 3", "expected text"),
     ] {

@@ -62,7 +62,9 @@ impl LightOverrides {
         }
         for light in &mut scene.lights {
             match light {
-                PunctualLight::Point { radius, .. } | PunctualLight::Spot { radius, .. } => {
+                PunctualLight::Point { radius, .. }
+                | PunctualLight::Spot { radius, .. }
+                | PunctualLight::Profiled { radius, .. } => {
                     *radius = self.light_radius.unwrap_or(*radius);
                 }
                 PunctualLight::Directional { half_angle, .. } => {
