@@ -1,4 +1,4 @@
-//! A clear sky and its sun: Preetham, Shirley and Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 1999.
+//! A clear sky and its sun, by one of two models: that of Hošek and Wilkie is in `hosek.rs`, and this one is of Preetham, Shirley and Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 1999.
 //!
 //! Luminance and chromaticity are `F(θ, γ) / F(0, θ_s)` times those of the zenith, with Perez's
 //! `F(θ, γ) = (1 + A e^{B / cos θ}) (1 + C e^{D γ} + E cos² γ)`, `θ` being a direction's angle from the zenith, `γ` that
@@ -11,7 +11,9 @@
 //!   percent, are left out.
 //! - Below the horizon is nothing.
 
-use glam::{DMat3, DVec3};
+mod hosek;
+
+use glam::{DMat3, DVec3, Vec3};
 
 use super::{PunctualLight, SkyPicture};
 
@@ -25,6 +27,21 @@ pub struct Daylight {
     /// Haze: 2 for very clear air, 3 for clear, 6 for a hazy day; from [`Self::MIN_TURBIDITY`] to
     /// [`Self::MAX_TURBIDITY`].
     pub turbidity: f32,
+}
+
+/// How the sky's light is spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DaylightModel {
+    /// Preetham, Shirley and Smits 1999.
+    #[default]
+    Preetham,
+    /// Hošek and Wilkie 2012, which knows the ground.
+    Hosek,
+}
+
+impl DaylightModel {
+    /// Both, by their names in scene files and on the command line.
+    pub const NAMES: [(&str, Self); 2] = [("preetham", Self::Preetham), ("hosek", Self::Hosek)];
 }
 
 /// Texels around the sky and down to its bottom.
@@ -56,14 +73,22 @@ impl Daylight {
     /// The haziest.
     pub const MAX_TURBIDITY: f32 = 10.0;
 
-    /// The sky without the sun's disc, and the sun, both multiplied by `scale`.
-    pub fn light(&self, scale: f32) -> (SkyPicture, PunctualLight) {
+    /// The sky without the sun's disc, and the sun, both multiplied by `scale`; `albedo` is the ground's, which only some
+    /// models have.
+    pub fn light(&self, scale: f32, model: DaylightModel, albedo: Vec3) -> (SkyPicture, PunctualLight) {
+        match model {
+            DaylightModel::Preetham => self.light_of(scale, |direction| self.radiance(direction)),
+            DaylightModel::Hosek => self.light_of(scale, hosek::sky(self, albedo)),
+        }
+    }
+
+    fn light_of(&self, scale: f32, radiance: impl Fn(DVec3) -> DVec3) -> (SkyPicture, PunctualLight) {
         let [width, height] = SIZE;
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
             let theta = std::f64::consts::PI * (f64::from(y) + 0.5) / f64::from(height);
             let phi = std::f64::consts::TAU * ((f64::from(x) + 0.5) / f64::from(width) - 0.5);
             let direction = DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos());
-            self.radiance(direction).as_vec3() * scale
+            radiance(direction).as_vec3() * scale
         });
         let picture = SkyPicture { width, height, texels: texels.collect(), rotation: 0.0 };
         let sun = self.sun();
@@ -127,8 +152,18 @@ fn perez([a, b, c, d, e]: [f64; 5], cos_theta: f64, gamma: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn luminance(radiance: DVec3) -> f64 {
+    pub(super) fn luminance(radiance: DVec3) -> f64 {
         radiance.dot(DVec3::new(0.2126, 0.7152, 0.0722)) / RADIANCE
+    }
+
+    /// Illuminance of a horizontal plane by a picture of the sky, klx.
+    pub(super) fn horizontal(picture: &SkyPicture) -> f64 {
+        let cosine = |row: usize| (std::f32::consts::PI * (row as f32 + 0.5) / 256.0).cos().max(0.0);
+        let of_texel = |texel: usize| {
+            let row = texel / 512;
+            f64::from(cosine(row)) * picture.solid_angle(row as u32) * luminance(picture.texels[texel].as_dvec3())
+        };
+        (0..picture.texels.len()).map(of_texel).sum()
     }
 
     #[test]
@@ -167,7 +202,7 @@ mod tests {
     #[test]
     fn the_picture_shows_the_sky_where_it_is() {
         let day = Daylight { elevation: 20.0, azimuth: 90.0, turbidity: 3.0 };
-        let (picture, light) = day.light(2.0);
+        let (picture, light) = day.light(2.0, DaylightModel::Preetham, Vec3::ZERO);
         let brightest =
             (0..picture.texels.len()).max_by(|&a, &b| picture.texels[a].y.total_cmp(&picture.texels[b].y)).unwrap();
         let (x, y) = (brightest as f32 % 512.0 / 512.0, (brightest / 512) as f32 / 256.0);
@@ -177,13 +212,7 @@ mod tests {
         assert!(direction.x < -0.9 && direction.y < 0.0);
         assert_eq!(irradiance, (2.0 * day.sun_irradiance()).as_vec3());
         // What a horizontal plane gets of a clear sky, without the sun: some klx.
-        let cosine = |row: usize| (std::f32::consts::PI * (row as f32 + 0.5) / 256.0).cos().max(0.0);
-        let received: f64 = (0..picture.texels.len())
-            .map(|texel| {
-                let row = texel / 512;
-                f64::from(cosine(row)) * picture.solid_angle(row as u32) * luminance(picture.texels[texel].as_dvec3())
-            })
-            .sum();
+        let received = horizontal(&picture);
         assert!((4.0..20.0).contains(&(received / 2.0)), "{received}");
         assert_eq!(picture.texels[512 * 200], glam::Vec3::ZERO);
     }

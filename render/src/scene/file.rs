@@ -38,6 +38,7 @@
 //! rotation = 90          # of the picture, degrees
 //! scale = 2              # of the picture or the daylight
 //! # or, without a picture: daylight = [40, 120, 3], the sun's elevation and azimuth, and turbidity
+//! # with daylight_model = "hosek" (or "preetham") and daylight_albedo = 0.3, of the ground
 //! ```
 //!
 //! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. `[[light]]` tables
@@ -102,7 +103,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "cache_bounces",
         ],
     ),
-    ("sky", &["radiance", "picture", "rotation", "scale", "daylight"]),
+    ("sky", &["radiance", "picture", "rotation", "scale", "daylight", "daylight_model", "daylight_albedo"]),
 ];
 
 /// Reads a scene: the model at `path`, or the scene file (`.toml`) and the model that it names.
@@ -214,6 +215,10 @@ impl Parser<'_> {
             "rotation" => to.light.sky_light.rotation = Some(self.read(value::degrees, section, entry)?),
             "scale" => to.light.sky_light.scale = Some(self.read(value::scale, section, entry)?),
             "daylight" => to.light.sky_light.daylight = Some(self.read(value::daylight, section, entry)?),
+            "daylight_model" => {
+                to.light.sky_light.daylight_model = Some(self.read(value::daylight_model, section, entry)?)
+            }
+            "daylight_albedo" => to.light.sky_light.daylight_albedo = Some(self.read(value::albedo, section, entry)?),
             _ => self.set_integrator(&mut to.integrator, section, entry)?,
         }
         Ok(())

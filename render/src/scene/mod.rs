@@ -34,7 +34,7 @@ mod toml_text;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
-pub use daylight::Daylight;
+pub use daylight::{Daylight, DaylightModel};
 pub use description::{CameraPose, LightUnits, Mesh, Origin, Scene, Variant};
 pub(crate) use error::count;
 pub use error::{Place, SceneError};

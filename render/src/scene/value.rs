@@ -9,7 +9,7 @@ use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
-use super::{Daylight, LightUnits};
+use super::{Daylight, DaylightModel, LightUnits};
 use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
 
@@ -196,6 +196,19 @@ pub(crate) fn daylight(value: &Value) -> Reading<Daylight> {
             TURBIDITY.start(),
             TURBIDITY.end()
         )),
+    }
+}
+
+/// How the light of daylight's sky is spread.
+pub(crate) fn daylight_model(value: &Value) -> Reading<DaylightModel> {
+    value.one_of(&DaylightModel::NAMES)
+}
+
+/// What a surface reflects: one number for all channels, or three.
+pub(crate) fn albedo(value: &Value) -> Reading<Vec3> {
+    match value.finite().map(Vec3::splat).or_else(|| value.three()) {
+        Some(albedo) if albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0 => Ok(albedo),
+        _ => expected("one number, or three for red, green and blue, from 0 to 1"),
     }
 }
 

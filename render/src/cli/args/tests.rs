@@ -85,6 +85,8 @@ fn every_override_can_be_given() {
                 rotation: Some(-90.0),
                 scale: Some(2.0),
                 daylight: Some(Daylight { elevation: 30.0, azimuth: -90.0, turbidity: 4.0 }),
+                daylight_model: None,
+                daylight_albedo: None,
             },
             emits_both_sides: Some(true),
             light_units: Some(LightUnits::Radiometric),

@@ -135,6 +135,8 @@ fn every_key_sets_its_option() {
                 rotation: Some(45.0),
                 scale: Some(0.5),
                 daylight: Some(Daylight { elevation: 30.0, azimuth: -90.5, turbidity: 3.0 }),
+                daylight_model: None,
+                daylight_albedo: None,
             },
             emits_both_sides: Some(true),
             light_units: Some(LightUnits::Photometric),
@@ -162,7 +164,10 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
     assert_eq!(remedy, "did you mean `camera`?");
     assert_eq!(error("[lens]\n").2, "known are scene, camera, film, render, sky, light, material");
-    assert_eq!(error("[sky]\ncolour = 3").2, "known are radiance, picture, rotation, scale, daylight");
+    assert_eq!(
+        error("[sky]\ncolour = 3").2,
+        "known are radiance, picture, rotation, scale, daylight, daylight_model, daylight_albedo"
+    );
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");
     let (line, problem, _) = error("[render]\nintegrator = \"pathh\"");
@@ -201,6 +206,8 @@ fn wrong_values_are_errors_with_their_line() {
         (4, "[sky]\nrotation = \"west\""),
         (4, "[sky]\nscale = -1"),
         (4, "[sky]\ndaylight = [91, 0]"),
+        (4, "[sky]\ndaylight_model = \"hosec\""),
+        (4, "[sky]\ndaylight_albedo = 1.5"),
         (4, "[sky]\nradiance = [1, 1, -1]"),
         (4, "[sky]\nradiance = [1, 1]"),
         (4, "[sky]\nradiance = 2026-01-01"),

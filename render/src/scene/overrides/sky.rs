@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use glam::Vec3;
 
 use super::super::value::{self, argument};
-use super::super::{Daylight, Scene, SkyPicture};
+use super::super::{Daylight, DaylightModel, Scene, SkyPicture};
 use crate::settings::Invalid;
 
 /// Options that are set here; the others are `None` and leave the defaults.
@@ -27,7 +28,17 @@ pub struct SkyOverrides {
     /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
     #[arg(long, value_name = "ELEVATION,AZIMUTH[,T]", value_parser = argument(value::daylight))]
     pub daylight: Option<Daylight>,
+    /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much haze
+    /// [default: preetham]
+    #[arg(long, value_name = "NAME", value_parser = argument(value::daylight_model))]
+    pub daylight_model: Option<DaylightModel>,
+    /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]
+    #[arg(long, value_name = "R[,G,B]", value_parser = argument(value::albedo), allow_negative_numbers = true)]
+    pub daylight_albedo: Option<Vec3>,
 }
+
+/// Of the ground: about that of grass and soil.
+const GROUND: Vec3 = Vec3::splat(0.3);
 
 impl SkyOverrides {
     /// These options, and those of `fallback` where these are not set. A picture or a daylight here replaces either.
@@ -40,12 +51,23 @@ impl SkyOverrides {
             rotation: self.rotation.or(fallback.rotation),
             scale: self.scale.or(fallback.scale),
             daylight: self.daylight.or(fallback.daylight),
+            daylight_model: self.daylight_model.or(fallback.daylight_model),
+            daylight_albedo: self.daylight_albedo.or(fallback.daylight_albedo),
         }
     }
 
     /// Gives `scene` the sky, and the sun.
     pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Invalid> {
         let scale = self.scale.unwrap_or(1.0);
+        let model = self.daylight_model.unwrap_or_default();
+        if self.daylight.is_none() && (self.daylight_model.is_some() || self.daylight_albedo.is_some()) {
+            let remedy = "give its sun with --daylight or daylight = [...] in [sky], or leave model and albedo out";
+            return Err(Invalid::new("there is no daylight whose model or albedo could be set", remedy));
+        }
+        if model == DaylightModel::Preetham && self.daylight_albedo.is_some() {
+            let remedy = "give --daylight-model hosek, or leave the albedo out";
+            return Err(Invalid::new("Preetham's daylight has no albedo of the ground", remedy));
+        }
         match (&self.picture, self.daylight) {
             (None, None) if self.rotation.is_some() || self.scale.is_some() => {
                 return Err(Invalid::new(
@@ -61,7 +83,7 @@ impl SkyOverrides {
             }
             (None, None) => {}
             (None, Some(daylight)) => {
-                let (picture, sun) = daylight.light(scale);
+                let (picture, sun) = daylight.light(scale, model, self.daylight_albedo.unwrap_or(GROUND));
                 scene.sky.picture = Some(picture);
                 scene.lights.push(sun);
             }
@@ -104,6 +126,11 @@ mod tests {
         let turned = SkyOverrides { rotation: Some(1.0), ..Default::default() };
         assert_eq!(problem(turned.clone()), "there is no environment map to rotate or scale");
         assert_eq!(problem(SkyOverrides { daylight, ..turned.clone() }), "daylight cannot be rotated");
+        let model = SkyOverrides { daylight_model: Some(DaylightModel::Hosek), ..Default::default() };
+        assert_eq!(problem(model.clone()), "there is no daylight whose model or albedo could be set");
+        let albedo = SkyOverrides { daylight, daylight_albedo: Some(Vec3::ONE), ..Default::default() };
+        assert_eq!(problem(albedo.clone()), "Preetham's daylight has no albedo of the ground");
+        SkyOverrides { daylight_model: model.daylight_model, ..albedo }.apply(&mut cornell_box()).unwrap();
         let picture = Some("no.hdr".into());
         let both = SkyOverrides { daylight, picture: picture.clone(), ..Default::default() };
         assert_eq!(problem(both), "the sky is both an environment map and daylight");
