@@ -158,20 +158,23 @@ impl LightSampler {
                         radius,
                         cone: everywhere,
                         moments: None,
+                        envelope: None,
                     });
                 }
                 PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer, edge } => {
                     let (intensity, cone) = (luminance_weight(intensity), SpotCone::new(cos_inner, cos_outer, edge));
-                    points.push(PointLight { position, axis, intensity, radius, cone, moments: None });
+                    points.push(PointLight { position, axis, intensity, radius, cone, moments: None, envelope: None });
                 }
                 PunctualLight::Profiled { position, frame, intensity, radius, ref profile } => {
                     let per_candela = luminance_weight(intensity);
                     let moments = Some(profile.moments().map(|moment| moment * f64::from(per_candela)));
-                    // As bright as it is anywhere, all over its cone and a little more, for what is rounded.
+                    // Of a sphere the angles differ from place to place: as bright as it is anywhere.
+                    let envelope = (radius == 0.0).then(|| profile.envelope());
+                    // A little more than its cone, for what is rounded.
                     let cos_outer = profile.cos_outer() - 1e-3;
                     let cone = SpotCone { cos_outer, slope: 1e6, smoothness: 0.0 };
                     let intensity = per_candela * profile.greatest();
-                    points.push(PointLight { position, axis: frame.axis, intensity, radius, cone, moments });
+                    points.push(PointLight { position, axis: frame.axis, intensity, radius, cone, moments, envelope });
                 }
             }
             lights.push(Light::Punctual(light));

@@ -91,6 +91,29 @@ impl Profile {
         self.vertical[(last + 1).min(self.vertical.len() - 1)].to_radians().cos()
     }
 
+    /// Bounds of the intensity at angles from the axis, as parts of the greatest: bin `i` of `N` is for sines of half the angle
+    /// from `i / N` to `(i + 1) / N`.
+    pub(crate) fn envelope<const N: usize>(&self) -> [f32; N] {
+        let per_greatest = self.greatest().max(f32::MIN_POSITIVE).recip();
+        let greatest_at = |vertical: usize| {
+            self.candela.iter().skip(vertical).step_by(self.vertical.len()).copied().fold(0.0, f32::max)
+        };
+        let angle = |bin: usize| 2.0 * (bin as f32 / N as f32).min(1.0).asin().to_degrees();
+        // A little more than its own angles, for what is rounded.
+        const SLACK: f32 = 0.1;
+        core::array::from_fn(|bin| {
+            let (from, to) = (angle(bin) - SLACK, angle(bin + 1) + SLACK);
+            let pairs = self.vertical.windows(2).enumerate();
+            let near = pairs.filter(|(_, pair)| pair[0] <= to && pair[1] >= from);
+            let bounds = near.map(|(i, pair)| {
+                let [a, b] = [greatest_at(i), greatest_at(i + 1)];
+                let at = |angle: f32| a + (b - a) * ((angle - pair[0]) / (pair[1] - pair[0])).clamp(0.0, 1.0);
+                at(from).max(at(to))
+            });
+            bounds.fold(0.0, f32::max) * per_greatest
+        })
+    }
+
     /// The integral over all directions, lumens.
     pub(crate) fn lumens(&self) -> f64 {
         self.moments()[0] * 4.0 * std::f64::consts::PI
@@ -187,6 +210,22 @@ mod tests {
         assert!((quarter.mean(1) - 55.0).abs() < 1e-9 && (other.mean(1) - 25.0).abs() < 1e-9);
         assert_eq!(quarter.greatest(), 70.0);
         assert!(quarter.cos_outer().abs() < 1e-6);
+    }
+
+    #[test]
+    fn envelopes_are_bounds_and_close() {
+        let rows = vec![vec![10.0, 8.0, 0.0, 0.0, 3.0], vec![10.0, 2.0, 1.0, 0.0, 0.0]];
+        let profile = Profile::new(vec![0.0, 12.0, 40.0, 90.0, 180.0], vec![0.0, 180.0], rows);
+        let envelope: [f32; 32] = profile.envelope();
+        for i in 0..=1800 {
+            let degrees = i as f32 / 10.0;
+            let bin = (((0.5 * degrees.to_radians()).sin() * 32.0) as usize).min(31);
+            for horizontal in [0.0, 50.0, 180.0, 300.0] {
+                let part = at(&profile, degrees, horizontal) / 10.0;
+                assert!(part <= envelope[bin] + 1e-6, "{degrees}: {part}, above {}", envelope[bin]);
+            }
+        }
+        assert!(envelope[31] < 0.31 && (0.09..0.2).contains(&envelope[11]) && envelope[21] < 0.05, "{envelope:?}");
     }
 
     #[test]

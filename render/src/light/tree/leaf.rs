@@ -83,7 +83,12 @@ pub(crate) struct PointLight {
     pub cone: SpotCone,
     /// What [`Emits::moments`] gives, if that does not follow from intensity and cone.
     pub moments: Option<[f64; 3]>,
+    /// Bounds of its intensity about the axis.
+    pub envelope: Option<Envelope>,
 }
+
+/// Bounds of an intensity as parts of the greatest, by the sine of half the angle from the axis.
+pub(crate) type Envelope = [f32; 32];
 
 impl Emits for TriangleLight {
     fn corners(&self) -> Triangle {
@@ -243,6 +248,8 @@ pub(crate) struct Points {
     cos_outer: Lane,
     slope: Lane,
     smoothness: Lane,
+    /// Of each light, if any has one.
+    envelopes: Option<Box<[Envelope; WIDTH]>>,
 }
 
 impl LeafLights for Points {
@@ -252,6 +259,9 @@ impl LeafLights for Points {
         set(&mut self.position, i, light.position);
         set(&mut self.axis, i, light.axis);
         (self.intensity[i], self.radius[i]) = (light.intensity, light.radius);
+        if let Some(envelope) = light.envelope {
+            self.envelopes.get_or_insert_with(|| Box::new([[1.0; 32]; WIDTH]))[i] = envelope;
+        }
         let SpotCone { cos_outer, slope, smoothness } = light.cone;
         (self.cos_outer[i], self.slope[i], self.smoothness[i]) = (cos_outer, slope, smoothness);
     }
@@ -271,7 +281,24 @@ impl LeafLights for Points {
             let heights = height(z, radius) + height(-z, radius) * receiver.behind;
             *weight = tame(self.intensity[i] * part * (heights * inv_distance) * inv_squared);
         }
+        if let Some(envelopes) = &self.envelopes {
+            self.bound(envelopes, receiver, &mut weights);
+        }
         weights
+    }
+}
+
+impl Points {
+    /// Multiplies weights by their envelopes.
+    #[cold]
+    fn bound(&self, envelopes: &[Envelope; WIDTH], receiver: &Receiver, weights: &mut Lane) {
+        for (i, (weight, envelope)) in weights.iter_mut().zip(envelopes).enumerate() {
+            let way = at(&self.position, i) - receiver.position;
+            let cosine = -at(&self.axis, i).dot(way.normalize_or_zero());
+            let sine = (0.5 * (1.0 - cosine)).max(0.0).sqrt();
+            let bin = (sine * envelope.len() as f32) as usize;
+            *weight *= envelope[bin.min(envelope.len() - 1)];
+        }
     }
 }
 
