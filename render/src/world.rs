@@ -3,6 +3,9 @@
 mod inputs;
 mod light_shares;
 mod light_visibility;
+mod lit_triangles;
+mod reflected;
+mod seen_points;
 mod shading_records;
 mod surface;
 mod trace;
@@ -131,6 +134,7 @@ impl World {
             surroundings_hash,
         };
         world.estimate_light_visibility();
+        world.find_lit_triangles();
         Ok(world)
     }
 

@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use super::MAX_COORDINATE;
-
 /// An axis-aligned box, faces included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -31,11 +29,6 @@ impl Aabb {
     /// Whether nothing is inside.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
-    }
-
-    /// Whether something is inside, and nothing lies beyond the numeric limits.
-    pub(crate) fn is_usable(&self) -> bool {
-        !self.is_empty() && self.min.min_element() >= -MAX_COORDINATE && self.max.max_element() <= MAX_COORDINATE
     }
 
     /// The middle.

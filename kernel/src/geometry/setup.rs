@@ -7,6 +7,13 @@ use super::{Aabb, Ray};
 /// The greatest magnitude of a coordinate: 2⁴², about 4.4e12. Products of sheared coordinates and distances to planes
 /// then stay finite.
 pub const MAX_COORDINATE: f32 = (1u64 << 42) as f32;
+
+impl Aabb {
+    /// Whether something is inside, and nothing lies beyond the numeric limits.
+    pub(crate) fn is_usable(&self) -> bool {
+        !self.is_empty() && self.min.min_element() >= -MAX_COORDINATE && self.max.max_element() <= MAX_COORDINATE
+    }
+}
 /// The least magnitude of a direction's largest component: 2⁻⁵⁰, about 8.9e-16.
 pub const MIN_DIRECTION: f32 = 1.0 / MAX_DIRECTION;
 /// The greatest magnitude of a direction's largest component: 2⁵⁰, about 1.1e15.

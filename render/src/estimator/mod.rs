@@ -5,6 +5,7 @@ mod gather;
 mod hemisphere;
 mod incident;
 mod light_warp;
+mod lit;
 mod occluders;
 mod punctual;
 mod weight;
@@ -16,5 +17,6 @@ pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gathere
 pub(crate) use hemisphere::Hemisphere;
 pub(crate) use incident::{IncidentSampler, IncidentSink};
 pub(crate) use light_warp::light_warp;
+pub(crate) use lit::{aim, aimed_density, aimed_weight};
 pub use occluders::SECTORS;
 pub(crate) use occluders::sector;

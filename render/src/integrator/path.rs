@@ -15,6 +15,8 @@
 //! in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
 //! sky and delta lights are done one by one.
 
+mod aim;
+
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
@@ -25,10 +27,10 @@ use super::emission::{emission, sky};
 use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays, clamp};
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
-use crate::estimator::{ShadowRay, sample_light};
+use crate::estimator::{ShadowRay, aimed_density, sample_light};
 use crate::light::{SampledLight, SkyPart};
 use crate::material::{Glossy, Kind, Layered, Transmissive};
-use crate::settings::{PathOptions, Stop};
+use crate::settings::{LightSampling, PathOptions, Stop};
 use crate::world::{WHITE, World};
 
 /// What of the sky light samples find: paths go on by the cosine, and find the rest.
@@ -114,6 +116,9 @@ impl Task for Steps<'_> {
     fn run(self) {
         let Self { mut step, scratch } = self;
         let Scratch { block, shadows, bounces, glossy, transmissive, layered } = scratch;
+        if step.aims() {
+            step.wave.lose_aimed();
+        }
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);
         step.advance(0..ends[0], &mut Lambert, block, shadows, bounces);
@@ -148,6 +153,9 @@ impl<'a> Advance<'a> {
                 self.draw(block);
                 self.sample_lights(closures, block, shadows);
                 self.continue_paths(closures, block, bounces);
+                if self.aims() && self.depth + 1 < self.options.max_depth {
+                    self.aim(closures, block);
+                }
             }
         }
     }
@@ -196,8 +204,15 @@ impl<'a> Advance<'a> {
         // Directions of paths are unit vectors.
         let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
         block.set(i, &facing, albedo, transmittance);
+        if path.is_aimed() {
+            return;
+        }
         let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
         self.radiance[path.index as usize] += self.clamped(block.throughput(i) * light);
+        if self.aims() && !path.is_first() {
+            let density = aimed_density(world, &path.receiver(ray.origin), &surface, ray, hit);
+            block.weigh_light_samples(i, LightSampling::Mis.bounce_weight(path.density, density));
+        }
     }
 
     /// Light that a path has found where it arrived; that was sampled at the surface before.
@@ -284,7 +299,7 @@ impl<'a> Advance<'a> {
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
-            let light = block.throughput(i) * radiance;
+            let light = block.light_throughput(i) * radiance;
             let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
             let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
             self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);

@@ -73,6 +73,8 @@ pub(super) struct PathBlock {
     /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
     pub u_roulette: Column,
     light_samples: LightSamples,
+    /// The part of what light samples find that counts: the rest is left to paths that were aimed here.
+    light_weight: Column,
 }
 
 impl PathBlock {
@@ -100,6 +102,7 @@ impl PathBlock {
         self.transmits = [0; LANES];
         self.survival = [1.0; LANES];
         self.goes_on = [1; LANES];
+        self.light_weight = [1.0; LANES];
         self.reflectance = self.materials.diffuse;
         for i in 0..LANES {
             let weights = [1.0 - self.u[i] - self.v[i], self.u[i], self.v[i]];
@@ -130,6 +133,28 @@ impl PathBlock {
         self.reflectance.set(i, albedo);
         self.transmits[i] = surface.transmits.into();
         self.paths.throughput.set(i, self.paths.throughput.get(i) * transmittance);
+    }
+
+    /// Lets light samples of path `i` count in part.
+    pub(super) fn weigh_light_samples(&mut self, i: usize, weight: f32) {
+        self.light_weight[i] = weight;
+    }
+
+    /// What path `i` multiplies by what light samples find.
+    #[inline(always)]
+    pub(super) fn light_throughput(&self, i: usize) -> Vec3 {
+        self.paths.throughput.get(i) * self.light_weight[i]
+    }
+
+    /// Whether path `i` was aimed at the lit triangle where it is, and ends here.
+    #[inline(always)]
+    pub(super) fn is_aimed(&self, i: usize) -> bool {
+        self.paths.target[i] != 0
+    }
+
+    /// The normal of path `i`'s surface, packed as receivers have it.
+    pub(super) fn packed_normal(&self, i: usize) -> u32 {
+        self.packed[i]
     }
 
     /// The surface of path `i`, as far as light is scattered by it.
@@ -173,7 +198,7 @@ impl PathBlock {
     #[inline(always)]
     pub(super) fn ended(&self, i: usize) -> Option<(u32, Vec3)> {
         let reflected = self.paths.throughput.get(i) * self.reflectance.get(i);
-        (self.goes_on[i] == 0).then_some((self.paths.index[i], reflected))
+        (self.goes_on[i] == 0 && !self.is_aimed(i)).then_some((self.paths.index[i], reflected))
     }
 
     /// The camera ray of path `i`.

@@ -21,13 +21,20 @@ pub(super) struct Path {
     pub sky_density: f32,
     /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there?
     pub normal: u32,
-    /// Fills the record up to eight words.
-    pub unused: u32,
+    /// One more than the `prim_id` of the lit triangle that it was aimed at, where it samples a light and ends; 0 for a
+    /// path that goes where its bounces lead.
+    pub target: u32,
 }
 
 impl Path {
     /// The normal of a path that has left no surface yet.
     const NOWHERE: u32 = 1 << 31;
+
+    /// Whether it was aimed at a lit triangle.
+    #[inline(always)]
+    pub(super) fn is_aimed(&self) -> bool {
+        self.target != 0
+    }
 
     /// Whether it has left no surface yet.
     #[inline(always)]
@@ -37,7 +44,7 @@ impl Path {
 
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: Self::NOWHERE, unused: 0 }
+        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: Self::NOWHERE, target: 0 }
     }
 
     /// The surface that it comes from along a ray with this origin.

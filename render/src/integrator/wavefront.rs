@@ -204,6 +204,16 @@ impl Wavefront {
         self.keep(kept);
     }
 
+    /// Lets paths that were aimed at a triangle and hit another one find nothing.
+    pub(super) fn lose_aimed(&mut self) {
+        for (path, hit) in self.paths.iter_mut().zip(&mut self.hits) {
+            if path.is_aimed() && path.target != hit.prim_id.wrapping_add(1) {
+                path.throughput = Vec3::ZERO;
+                *hit = Hit::MISS;
+            }
+        }
+    }
+
     /// Sorts the paths by the kind of closure that they have hit, and otherwise leaves them in their order. Gives where each
     /// kind ends in [`order`](Self::order); behind the last one are the paths that hit nothing.
     pub(super) fn sort_by_kind(&mut self, world: &World) -> [usize; Kind::COUNT] {
@@ -258,6 +268,8 @@ impl Wavefront {
     pub(super) fn keep_next(&mut self, count: usize) {
         std::mem::swap(&mut self.rays, &mut self.next_rays);
         std::mem::swap(&mut self.paths, &mut self.next_paths);
+        // Those that were aimed may be more than there were paths.
+        self.hits.resize(count.max(self.hits.len()), Hit::MISS);
         self.keep(count);
     }
 

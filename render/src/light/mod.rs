@@ -8,6 +8,7 @@
 mod ambient;
 mod distant;
 pub(crate) mod few;
+mod lit;
 mod receiver;
 mod sky;
 mod tree;
@@ -20,6 +21,7 @@ use halfdome_kernel::{Aabb, Triangle};
 
 use self::distant::Patches;
 use self::few::FEW;
+pub(crate) use self::lit::{LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::cluster::Lane;
@@ -42,6 +44,8 @@ pub(crate) struct LightSampler {
     /// The numbers of punctual lights in the scene, in the order of `lights`.
     punctual_numbers: Vec<u32>,
     pub(crate) sky: SkyLight,
+    /// Triangles that reflect so much that paths aim at them.
+    pub(crate) lit: LitTriangles,
     /// For each `prim_id` the number of its light, or [`NO_LIGHT`]; empty if no triangle emits.
     index_of: Vec<u32>,
     /// What is near an emissive triangle lies in this box.
@@ -192,6 +196,7 @@ impl LightSampler {
             directional,
             punctual_numbers,
             sky,
+            lit: LitTriangles::default(),
             index_of,
             surroundings,
             mean_radiance,

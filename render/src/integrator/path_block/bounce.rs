@@ -39,7 +39,7 @@ impl PathBlock {
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
             let survives = self.u_roulette[i] < self.survival[i];
-            bounces.goes_on[i] = u32::from(scatters & survives) & self.goes_on[i];
+            bounces.goes_on[i] = u32::from(scatters & survives & !self.is_aimed(i)) & self.goes_on[i];
         }
     }
 }

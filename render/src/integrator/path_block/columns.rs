@@ -42,7 +42,7 @@ pub(in crate::integrator) struct Paths {
     pub density: Column,
     pub sky_density: Column,
     pub normal: Integers,
-    unused: Integers,
+    pub target: Integers,
 }
 
 /// [`TriangleRecord`](crate::world::TriangleRecord)s.

@@ -203,7 +203,7 @@ impl PathBlock {
             shadows.rays.origin.set(i, light.shadow.origin);
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
-            shadows.waiting.light.set(i, self.paths.throughput.get(i) * radiance);
+            shadows.waiting.light.set(i, self.light_throughput(i) * radiance);
             let is_chosen = u32::from(self.light_samples.probability[i] > 0.0);
             let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
             shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;

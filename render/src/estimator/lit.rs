@@ -1,0 +1,157 @@
+//! Aiming at lit triangles (see [`light`](crate::light)): light that a lamp sends to a point `y` of such a triangle, and that to the
+//! surface at `x`.
+//!
+//! What `y` reflects of *light samples* has two estimates. A path's bounce may arrive at `y`, and samples a light there; or `x`
+//! chooses `y` as it would choose a point on a lamp, with the density `p` per solid angle, and a path goes from `x` to `y` that samples
+//! a light there and ends. Both are weighted by their densities at `x`. All else that `y` sends, what it emits and what its
+//! own bounces find, is left to the first. So nothing is counted twice, and paths do not multiply.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+use halfdome_kernel::{Hit, Ray};
+
+use super::light_warp::light_warp;
+use crate::light::{Receiver, area};
+use crate::settings::LightSampling;
+use crate::world::{Surface, World, interpolate};
+
+/// A ray to a point of a lit triangle.
+pub(crate) struct AimedRay {
+    /// With a unit direction and no end.
+    pub ray: Ray,
+    pub prim_id: u32,
+    /// The reciprocal of its density per solid angle.
+    pub inv_density: f32,
+}
+
+/// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first leaves.
+/// `None` if that is not worth it.
+pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, choice: f64, v: f32) -> Option<AimedRay> {
+    let chosen = world.lights.lit.choose(receiver, choice)?;
+    let record = &world.triangle_records()[chosen.prim_id as usize];
+    let warp = light_warp(receiver, &record.corners, LightSampling::Mis);
+    let place = warp.map(Vec2::new(chosen.rest as f32, v));
+    let point = TriangleWarp.map(place);
+    let end = interpolate(record.corners, [1.0 - point.x - point.y, point.x, point.y]);
+    let way = end - surface.position;
+    let squared = way.length_squared();
+    let direction = way * squared.sqrt().recip();
+    let cosine = record.normal.dot(direction).abs();
+    if !world.lights.lit.may_reach(chosen.prim_id, -direction, squared.sqrt()) {
+        return None;
+    }
+    let inv_density = area(&record.corners) * cosine / squared * warp.per_density(place) / chosen.probability;
+    let is_any = inv_density > 0.0 && inv_density.is_finite();
+    is_any.then(|| AimedRay {
+        ray: Ray::new(surface.origin_towards(direction), direction),
+        prim_id: chosen.prim_id,
+        inv_density,
+    })
+}
+
+/// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits `surface`.
+pub(crate) fn aimed_density(world: &World, receiver: &Receiver, surface: &Surface, ray: &Ray, hit: &Hit) -> f32 {
+    let probability = world.lights.lit.probability(surface.prim_id, receiver);
+    if probability == 0.0 || !world.lights.lit.may_reach(surface.prim_id, -ray.direction, hit.t) {
+        return 0.0;
+    }
+    let record = &world.triangle_records()[surface.prim_id as usize];
+    let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
+    let on_triangle = light_warp(receiver, &record.corners, LightSampling::Mis).density(place);
+    let cosine = record.normal.dot(ray.direction).abs();
+    probability * on_triangle * hit.t * hit.t / (area(&record.corners) * cosine)
+}
+
+/// What a path's throughput is multiplied by that was aimed: `scattered` is `f cos θ`, and `bounce` the density with which the
+/// surface's own bounce would have gone there.
+pub(crate) fn aimed_weight(scattered: Vec3, inv_density: f32, bounce: f32) -> Vec3 {
+    scattered * (inv_density * LightSampling::Mis.light_weight(inv_density, bounce))
+}
+
+#[cfg(test)]
+mod tests {
+    use halfdome_kernel::sampling::Stream;
+    use halfdome_kernel::sampling::warp::UniformSphere;
+
+    use super::*;
+    use crate::light::{LitTriangles, Reach, TriangleLight};
+    use crate::scene::{CameraPose, Material, Mesh, Scene};
+    use crate::world::TriangleRecord;
+
+    /// A floor, and above it a tilted square of two triangles, at which paths aim.
+    fn world() -> World {
+        let floor = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let plate = [[-0.1, -0.1], [-0.1, 0.1], [0.1, 0.1], [0.1, -0.1]].map(|[x, y]| Vec3::new(x, y, 2.0 + 0.3 * x));
+        let mesh = |positions: [Vec3; 4]| {
+            let positions = positions.to_vec();
+            Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+        };
+        let camera = CameraPose { eye: Vec3::new(0.0, -3.0, 1.5), target: Vec3::ZERO, up: Vec3::Z, vfov: 60.0 };
+        let mut world = World::new(Scene {
+            meshes: vec![mesh(floor), mesh(plate)],
+            materials: vec![Material::matte(Vec3::splat(0.5))],
+            camera: Some(camera),
+            ..Scene::default()
+        })
+        .unwrap();
+        let lit = [2, 3].map(|prim: u32| {
+            let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim as usize];
+            (prim, TriangleLight { corners, normal, radiance: 10.0, area: area(&corners), both_sides: true })
+        });
+        let everywhere = (0..4096).map(|i| (UniformSphere.map(Stream::new(3, i, 0).uniform2(0)), f32::INFINITY));
+        let reach = vec![Reach::of(everywhere); 2];
+        world.lights.lit = LitTriangles::new(lit.to_vec(), reach, 4);
+        world.lights.lit.aim_from(0.2);
+        world
+    }
+
+    #[test]
+    fn aimed_rays_have_the_density_that_weights_them() {
+        let world = world();
+        let mut aimed_rays = 0;
+        for i in 0..2000 {
+            let [x, y, a, b] = Stream::new(1, i, 0).uniform4(0);
+            let surface = world.surface(i % 2, x.min(1.0 - y), y.min(0.9)).facing(Vec3::NEG_Z);
+            let receiver = surface.receiver();
+            let Some(aimed) = aim(&world, &surface, &receiver, f64::from(a) * 0.02, b) else { continue };
+            let mut hits = [Hit::MISS];
+            world.intersect_many(&[aimed.ray], &mut hits);
+            assert_eq!(hits[0].prim_id, aimed.prim_id, "nothing is in between");
+            let there = world.surface_at(&hits[0]);
+            let density = aimed_density(&world, &receiver, &there, &aimed.ray, &hits[0]);
+            assert!((density * aimed.inv_density - 1.0).abs() < 0.01, "{density} and {}", aimed.inv_density);
+            aimed_rays += 1;
+        }
+        assert!(aimed_rays > 300, "{aimed_rays}");
+    }
+
+    /// From afar a small light sends `L Ω cos θ`, which samples of the triangles' solid angle have to find.
+    #[test]
+    fn aimed_rays_find_the_solid_angle() {
+        let world = world();
+        let surface = world.surface(0, 0.3, 0.3).facing(Vec3::NEG_Z);
+        let receiver = surface.receiver();
+        let mut sum = 0.0;
+        const COUNT: u32 = 20_000;
+        for i in 0..COUNT {
+            let [a, b, c, _] = Stream::new(2, i, 0).uniform4(0);
+            let choice = halfdome_kernel::sampling::unit_double(Vec2::new(a, b));
+            sum += aim(&world, &surface, &receiver, choice, c).map_or(0.0, |aimed| f64::from(aimed.inv_density));
+        }
+        let expected: f64 = (2..4)
+            .map(|prim| {
+                let corners = world.triangle_records()[prim].corners.map(|p| (p - surface.position).as_dvec3());
+                let [a, b, c] = corners.map(|p| p.normalize());
+                2.0 * (a.dot(b.cross(c)).abs()).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+            })
+            .sum();
+        let found = sum / f64::from(COUNT);
+        assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}");
+    }
+
+    #[test]
+    fn a_cornell_box_has_no_lit_triangles() {
+        let world = World::new(crate::scene::cornell_box()).unwrap();
+        assert!(!world.lights.lit.has_any());
+    }
+}

@@ -1,0 +1,152 @@
+//! Lit triangles: small ones that a lamp close by lights fiercely, so that they light the room as lamps do. The inside of a
+//! lamp's shade is made of such triangles. Bounces seldom hit them, and each time one does is a bright dot in the picture.
+//!
+//! So paths aim at them (see [`estimator`](crate::estimator)): a triangle is chosen by what it may send to a receiver,
+//! by a light tree of their own. How often that is worth a ray, the irradiance by all of them says, compared with
+//! what a surface of this scene receives on average.
+
+use glam::{Vec2Swizzles, Vec3};
+
+use super::tree::leaf::{TriangleLight, Triangles};
+use super::tree::{Tree, total};
+use super::{NO_LIGHT, Receiver};
+
+/// Bins of directions along each axis of an octahedral map.
+const SIDE: usize = 8;
+/// How much farther than any ray came, light may come.
+const SLACK: f32 = 1.1;
+
+/// Triangles that stand for all where that is good enough.
+const CHOICES: u32 = 8;
+
+/// How far light gets that leaves a triangle, by bins of directions: the inside of a shade is seen from above and from below.
+#[derive(Clone, Debug)]
+pub(crate) struct Reach([f32; SIDE * SIDE]);
+
+/// The lit triangles of a world.
+#[derive(Debug, Default)]
+pub(crate) struct LitTriangles {
+    tree: Option<Tree<Triangles>>,
+    prims: Vec<u32>,
+    reach: Vec<Reach>,
+    /// For each `prim_id` its number among them, or [`NO_LIGHT`]; empty if there are none.
+    index_of: Vec<u32>,
+    /// The irradiance from which on each path aims at them, as luminance.
+    worth: f32,
+}
+
+/// A lit triangle that was chosen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChosenTriangle {
+    pub prim_id: u32,
+    /// With which it is aimed at: the probabilities that any is, and that it is this one.
+    pub probability: f32,
+    /// What is left of the number that chose it, in [0, 1).
+    pub rest: f64,
+}
+
+impl LitTriangles {
+    /// Those with these numbers, in a scene of so many triangles.
+    pub(crate) fn new(lit: Vec<(u32, TriangleLight)>, reach: Vec<Reach>, triangles: usize) -> Self {
+        let (prims, lights): (Vec<u32>, Vec<TriangleLight>) = lit.into_iter().unzip();
+        let mut index_of = vec![NO_LIGHT; triangles];
+        for (index, &prim_id) in (0..).zip(&prims) {
+            index_of[prim_id as usize] = index;
+        }
+        Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0 }
+    }
+
+    /// Lets paths aim where the irradiance by all is this much, as luminance, and seldom where it is less.
+    pub(crate) fn aim_from(&mut self, worth: f32) {
+        self.worth = worth;
+    }
+
+    /// The `prim_id` of each.
+    pub(crate) fn prims(&self) -> &[u32] {
+        &self.prims
+    }
+
+    /// Whether there are any.
+    #[inline(always)]
+    pub(crate) fn has_any(&self) -> bool {
+        self.tree.is_some()
+    }
+
+    /// Chooses one for a receiver by a number in [0, 1). `None` if none is to be aimed at.
+    #[inline]
+    pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenTriangle> {
+        let tree = self.tree.as_ref()?;
+        let weights = tree.root_weights(receiver);
+        let sum = total(&weights);
+        let any = self.any(sum);
+        if u >= f64::from(any) {
+            return None;
+        }
+        let pick = tree.choose(receiver, &weights, (u / f64::from(any)).min(1.0 - f64::EPSILON / 2.0));
+        let prim_id = self.prims[pick.index as usize];
+        Some(ChosenTriangle { prim_id, probability: any * pick.probability, rest: pick.rest })
+    }
+
+    /// The probability with which triangle `prim_id` is aimed at.
+    #[inline]
+    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver) -> f32 {
+        match (&self.tree, self.index_of.get(prim_id as usize)) {
+            (Some(tree), Some(&index)) if index != NO_LIGHT => {
+                let weight = tree.weight(index, receiver);
+                if weight == 0.0 {
+                    return 0.0;
+                }
+                let sum = total(&tree.root_weights(receiver));
+                self.any(sum) * weight / sum
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The irradiance that those cause which `is_seen`, by their `prim_id`, about.
+    pub(crate) fn irradiance(&self, receiver: &Receiver, is_seen: impl Fn(u32) -> bool) -> f32 {
+        let Some(tree) = &self.tree else { return 0.0 };
+        let weights = tree.root_weights(receiver);
+        let sum = total(&weights);
+        if sum == 0.0 {
+            return 0.0;
+        }
+        let chosen = (0..CHOICES).map(|k| tree.choose(receiver, &weights, (f64::from(k) + 0.5) / f64::from(CHOICES)));
+        sum * chosen.filter(|pick| is_seen(self.prims[pick.index as usize])).count() as f32 / CHOICES as f32
+    }
+
+    /// The probability of aiming at any, by the irradiance that all may cause.
+    #[inline(always)]
+    fn any(&self, irradiance: f32) -> f32 {
+        (irradiance / self.worth).min(1.0)
+    }
+
+    /// Whether light of triangle `prim_id`, which must be lit, may come so far in this unit vector.
+    #[inline]
+    pub(crate) fn may_reach(&self, prim_id: u32, direction: Vec3, distance: f32) -> bool {
+        let Reach(farthest) = &self.reach[self.index_of[prim_id as usize] as usize];
+        distance <= SLACK * farthest[bin(direction)]
+    }
+}
+
+impl Reach {
+    /// That of a triangle which rays in these unit vectors have left, each as far as that.
+    pub(crate) fn of(rays: impl Iterator<Item = (Vec3, f32)>) -> Self {
+        let mut reach = Self([0.0; SIDE * SIDE]);
+        for (direction, distance) in rays {
+            let farthest = &mut reach.0[bin(direction)];
+            *farthest = farthest.max(distance);
+        }
+        reach
+    }
+}
+
+/// The bin of a unit vector.
+#[inline]
+fn bin(direction: Vec3) -> usize {
+    let flat = direction / direction.abs().element_sum();
+    let folded = (1.0 - flat.truncate().yx().abs()) * flat.truncate().signum();
+    let place = if flat.z < 0.0 { folded } else { flat.truncate() };
+    let step = |x: f32| (((0.5 * x + 0.5) * SIDE as f32) as usize).min(SIDE - 1);
+    step(place.x) + SIDE * step(place.y)
+}

@@ -1,0 +1,125 @@
+//! A lamp's shade: its inside is so fiercely lit that paths aim at it, which must not change what they find.
+
+use std::f32::consts::TAU;
+
+use glam::{DVec3, Vec3};
+use halfdome::material::Inputs;
+use halfdome::scene::{CameraPose, Material, PunctualLight, Scene};
+use halfdome::settings::{Integrator, LightSampling, PathOptions, Settings, Stop};
+use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+
+const SIZE: u32 = 24;
+const MIDDLE: Vec3 = Vec3::new(2.0, 1.2, 2.0);
+
+/// What stands in the middle of a room.
+enum Bulb {
+    Point,
+    Triangles,
+}
+
+/// A closed room of 4 by 3 by 4 metres, with a bulb in an open tube of 12 sides.
+fn room(bulb: &Bulb, shade: Material) -> Scene {
+    let at = |x: f32, y: f32, z: f32| Vec3::new(4.0 * x, 3.0 * y, 4.0 * z);
+    let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| [0.0, 1.0].map(|z| at(x, y, z))));
+    let [[[a, b], [c, d]], [[e, f], [g, h]]] = corners;
+    let walls = [[a, b, d, c], [e, g, h, f], [a, e, f, b], [c, d, h, g], [a, c, g, e], [b, f, h, d]].map(quad).concat();
+    let rim = |i: u32, y: f32| {
+        let (sin, cos) = (TAU * i as f32 / 12.0).sin_cos();
+        MIDDLE + Vec3::new(0.12 * cos, y, 0.12 * sin)
+    };
+    let tube: Vec<_> =
+        (0..12).flat_map(|i| quad([rim(i, -0.1), rim(i, 0.1), rim(i + 1, 0.1), rim(i + 1, -0.1)])).collect();
+    let [red, orange] = [Vec3::new(0.7, 0.6, 0.5), Vec3::new(30.0, 20.0, 10.0)];
+    let mut scene = Scene {
+        meshes: vec![mesh(&walls, 0), mesh(&tube, 1)],
+        materials: vec![material(red, Vec3::ZERO), shade, material(Vec3::ZERO, 10.0 * orange)],
+        camera: Some(CameraPose {
+            eye: Vec3::new(0.3, 1.6, 0.4),
+            target: Vec3::new(4.0, 1.0, 3.6),
+            up: Vec3::Y,
+            vfov: 60.0,
+        }),
+        ..Scene::default()
+    };
+    match bulb {
+        Bulb::Point => {
+            scene.lights.push(PunctualLight::Point { position: MIDDLE, intensity: 0.1 * orange, radius: 0.01 });
+        }
+        Bulb::Triangles => {
+            let r = 0.02;
+            let top = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z].map(|way| MIDDLE + r * way);
+            let faces = (0..4).flat_map(|i| {
+                let (a, b) = (top[i], top[(i + 1) % 4]);
+                [[a, MIDDLE + r * Vec3::Y, b], [b, MIDDLE - r * Vec3::Y, a]]
+            });
+            scene.meshes.push(mesh(&faces.collect::<Vec<_>>(), 2));
+        }
+    }
+    scene
+}
+
+/// The mean of the picture over seeds, and the mean over pixels of the variance of one pixel, relative to the squared mean.
+fn picture(scene: &Scene, lights: LightSampling, spp: u32) -> (Estimate, f64) {
+    let options = PathOptions { lights, max_depth: 6, stop: Stop::Depth, ..PathOptions::default() };
+    let runs: Vec<Vec<DVec3>> = (0..16)
+        .map(|seed| {
+            let integrator = Integrator::Path(options.clone());
+            let settings = Settings { width: SIZE, height: SIZE, spp, seed, integrator, ..Settings::default() };
+            pixels(&render(scene, &settings))
+        })
+        .collect();
+    let means: Vec<DVec3> = runs.iter().map(|run| run.iter().sum::<DVec3>() / run.len() as f64).collect();
+    let count = runs[0].len();
+    let variance = |i: usize| {
+        let estimate = Estimate::of(&runs.iter().map(|run| run[i]).collect::<Vec<_>>());
+        (estimate.error.y * estimate.error.y, estimate.mean.y)
+    };
+    let (variances, values): (Vec<f64>, Vec<f64>) = (0..count).map(variance).unzip();
+    let mean = values.iter().sum::<f64>() / count as f64;
+    (Estimate::of(&means), variances.iter().sum::<f64>() / count as f64 / (mean * mean))
+}
+
+/// `direct` samples lights and aims at nothing.
+fn compare(bulb: &Bulb, shade: Material, quieter: f64) {
+    let scene = room(bulb, shade);
+    let (aimed, noise) = picture(&scene, LightSampling::Mis, 32);
+    let (alone, noise_alone) = picture(&scene, LightSampling::Direct, 128);
+    let z = aimed.z(&alone, 0.0);
+    assert!(z.max_element() < 4.0, "{} and {}: {z}", aimed.mean, alone.mean);
+    assert!(aimed.error.max_element() < 0.02 * aimed.mean.max_element(), "{} of {}", aimed.error, aimed.mean);
+    let ratio = 4.0 * noise_alone / noise;
+    assert!(ratio > quieter, "{ratio} times the variance without");
+}
+
+#[test]
+fn aiming_at_a_matte_shade_makes_no_difference_but_for_noise() {
+    compare(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO), 2.0);
+}
+
+#[test]
+fn aiming_at_a_shade_around_a_lamp_that_rays_can_hit() {
+    compare(&Bulb::Triangles, material(Vec3::splat(0.8), Vec3::ZERO), 2.0);
+}
+
+#[test]
+fn aiming_at_a_glossy_shade_that_glows() {
+    let inputs = Inputs {
+        base_color: Vec3::new(0.9, 0.7, 0.4),
+        specular_weight: 1.0,
+        specular_roughness: 0.4,
+        ..Inputs::default()
+    };
+    let shade = Material { inputs, emission: Vec3::new(0.3, 0.2, 0.1), emits_both_sides: true, ..Material::default() };
+    compare(&Bulb::Point, shade, 1.5);
+}
+
+#[test]
+fn aiming_at_a_shade_that_lets_light_through() {
+    let inputs = Inputs {
+        base_color: Vec3::splat(0.6),
+        diffuse_transmission_weight: 0.5,
+        diffuse_transmission_color: Vec3::new(0.9, 0.8, 0.6),
+        ..Inputs::default()
+    };
+    compare(&Bulb::Point, Material { inputs, ..Material::default() }, 1.5);
+}
