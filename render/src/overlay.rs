@@ -4,22 +4,26 @@ use glam::Vec2;
 use halfdome_kernel::Ray;
 
 use crate::cache::{Cache, Record};
-use crate::camera::Camera;
 use crate::world::World;
 
 /// How far a record may be behind what the camera sees, as a part of its distance.
 const BEHIND: f32 = 1e-3;
 
 /// The records that the camera sees from the side that they light, each with the point of the film at which it is seen, in
-/// pixels from the top left corner of a picture of `width` by `height`, which may be beyond its border.
+/// pixels from the top left corner of a picture of `width` by `height`, which may be beyond its border; once for each eye of a
+/// picture for two. What a file of rays sees is not known.
 pub fn visible_records<'c>(world: &World, cache: &'c Cache, width: u32, height: u32) -> Vec<(&'c Record, Vec2)> {
-    let camera = Camera::new(&world.camera, width, height);
-    let visible = cache.records().iter().filter(|record| is_visible(world, record));
-    visible.filter_map(|record| Some((record, camera.project(record.position)?))).collect()
+    let camera = world.camera_on(width, height);
+    let seen = |record: &'c Record| {
+        let sights = (0..camera.views()).filter_map(|view| camera.sight(record.position, view));
+        let visible = sights.filter(|sight| is_visible(world, record, &sight.ray));
+        visible.map(|sight| (record, sight.film)).collect::<Vec<_>>()
+    };
+    cache.records().iter().flat_map(seen).collect()
 }
 
-fn is_visible(world: &World, record: &Record) -> bool {
-    let ray = Ray { t_max: 1.0 - BEHIND, ..Ray::between(world.camera.eye, record.position) };
+fn is_visible(world: &World, record: &Record, sight: &Ray) -> bool {
+    let ray = Ray { t_max: 1.0 - BEHIND, ..*sight };
     ray.direction.dot(record.normal) < 0.0 && !world.occluded(&ray)
 }
 

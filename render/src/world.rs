@@ -16,10 +16,11 @@ use halfdome_kernel::{
     BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
 };
 
+use crate::camera::Camera;
 use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
-use crate::scene::{CameraPose, Material, Mesh, Scene, Texture};
+use crate::scene::{CameraPose, Material, Mesh, Optics, Scene, Texture};
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
@@ -48,6 +49,7 @@ pub struct World {
     /// All that emits and can be aimed at.
     pub(crate) lights: LightSampler,
     pub(crate) camera: CameraPose,
+    optics: Optics,
     surroundings_hash: u64,
 }
 
@@ -80,7 +82,7 @@ impl World {
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
         scene.complete_tangents();
         let surroundings_hash = scene.surroundings_hash();
-        let Scene { meshes, materials, textures, lights, sky, .. } = scene;
+        let Scene { meshes, materials, textures, lights, sky, optics, .. } = scene;
         let triangles: Vec<Triangle> =
             meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
         let has_colors = |mesh: &Mesh| materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty();
@@ -131,6 +133,7 @@ impl World {
             report,
             lights,
             camera,
+            optics,
             surroundings_hash,
         };
         world.estimate_light_visibility();
@@ -161,7 +164,7 @@ impl World {
 
     /// A hash of all in the scene that a picture depends on.
     pub fn hash(&self) -> u64 {
-        self.camera.hash_in(self.surroundings_hash)
+        self.optics.hash_in(self.camera.hash_in(self.surroundings_hash))
     }
 
     /// A hash of all in the scene that light depends on: all but the camera.
@@ -172,6 +175,16 @@ impl World {
     /// Where pictures are taken from.
     pub fn camera(&self) -> CameraPose {
         self.camera
+    }
+
+    /// How pictures are taken from there.
+    pub fn optics(&self) -> &Optics {
+        &self.optics
+    }
+
+    /// The camera for a picture of `width` by `height` pixels.
+    pub(crate) fn camera_on(&self, width: u32, height: u32) -> Camera {
+        Camera::new(&self.camera, &self.optics, width, height)
     }
 
     /// Takes pictures from another pose, one that [`Overrides::apply`](crate::scene::Overrides::apply) has let pass.

@@ -1,5 +1,6 @@
 //! `halfdome info`: what is in a scene.
 
+mod camera;
 mod lights;
 
 use std::fmt::Write as _;
@@ -11,6 +12,7 @@ use halfdome_kernel::Isa;
 use halfdome_kernel::bvh::WIDTH;
 use serde::Serialize;
 
+use self::camera::Camera;
 use self::lights::Lights;
 use super::args::InfoArguments;
 use super::error::{CliError, EXIT_DONE, invalid};
@@ -34,14 +36,6 @@ struct Info {
     /// What rays are traced with.
     instruction_set: &'static str,
     warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Camera {
-    eye: Vec3,
-    target: Vec3,
-    up: Vec3,
-    vfov: f32,
 }
 
 #[derive(Serialize)]
@@ -88,7 +82,7 @@ pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
 
 impl Info {
     fn of(name: String, mut scene: Scene) -> Result<Self, CliError> {
-        let pose = scene.camera.expect("overrides give every scene a camera");
+        let camera = Camera::of(&scene);
         let mut lights = Lights::of(&scene);
         let (meshes, triangles, materials) = (scene.meshes.len(), scene.triangle_count(), scene.materials.len());
         let bounds = scene.bounds().map(|(lower, upper)| Bounds { lower, upper });
@@ -101,7 +95,7 @@ impl Info {
             triangles,
             materials,
             lights,
-            camera: Camera { eye: pose.eye, target: pose.target, up: pose.up, vfov: pose.vfov },
+            camera,
             bounds,
             instruction_set: Isa::detect().level().name(),
             warnings,
@@ -121,10 +115,7 @@ impl Info {
         row("triangles", format!("{} ({} degenerate, dropped)", self.triangles, tree.degenerate_triangles));
         row("materials", self.materials.to_string());
         lights.rows(&mut row);
-        row("camera eye", coordinates(camera.eye));
-        row("camera target", coordinates(camera.target));
-        row("camera up", coordinates(camera.up));
-        row("camera vfov", format!("{}°", camera.vfov));
+        camera.rows(&mut row);
         match &self.bounds {
             Some(Bounds { lower, upper }) => {
                 row("bounds", format!("{}  to  {}", coordinates(*lower), coordinates(*upper)));
@@ -183,6 +174,7 @@ mod tests {
         assert_eq!(json["triangles"], 32);
         assert_eq!(json["meshes"], 8);
         assert_eq!(json["camera"]["up"], serde_json::json!([0.0, 1.0, 0.0]));
+        assert_eq!(json["camera"]["type"], "perspective");
         assert_eq!(json["warnings"], serde_json::json!([]));
     }
 }

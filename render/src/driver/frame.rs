@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::{Address, Sampler, fill2};
 use halfdome_kernel::{Hit, Ray};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, FilmPoint, FilmSample};
 use crate::film::{Features, FilterSample, FilterSampler, Tile};
 use crate::integrator::{self, Prepared, RayBatch, Scratch};
 use crate::settings::Settings;
@@ -14,6 +14,8 @@ use crate::world::World;
 
 /// The set of random numbers that places a sample on the film.
 const FILM_SET: u32 = 0;
+/// The set that places it on the lens: one that no integrator comes to, so that a lens changes no other number.
+const LENS_SET: u32 = u32::MAX;
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]
@@ -24,8 +26,9 @@ pub(super) struct TileScratch {
     addresses: Vec<Address>,
     /// Numbers for the place in the pixel.
     u_film: Vec<Vec2>,
-    /// Points of the film, in pixels.
-    points: Vec<Vec2>,
+    /// Numbers for the place on the lens; empty without one.
+    u_lens: Vec<Vec2>,
+    film: Vec<FilmSample>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
@@ -43,7 +46,7 @@ pub(super) struct FrameRender {
 impl FrameRender {
     /// A picture of `world` as its camera sees it.
     pub(super) fn new(world: &World, settings: Settings, prepared: Prepared) -> Self {
-        let camera = Camera::new(&world.camera, settings.width, settings.height);
+        let camera = world.camera_on(settings.width, settings.height);
         let filter = FilterSampler::new(&settings.filter);
         Self { settings, prepared, camera, filter }
     }
@@ -57,7 +60,7 @@ impl FrameRender {
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let TileScratch { places, samplers, addresses, u_film, points, rays, hits, radiance, scratch } = scratch;
+        let TileScratch { places, samplers, addresses, u_film, u_lens, film, rays, hits, radiance, scratch } = scratch;
         let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
         for sample in samples.clone() {
@@ -67,16 +70,29 @@ impl FrameRender {
         addresses.extend(samplers.iter().map(Sampler::address));
         u_film.resize(addresses.len(), Vec2::ZERO);
         fill2(world.isa(), pattern, seed, FILM_SET, addresses, u_film);
+        if self.camera.has_lens() {
+            u_lens.resize(addresses.len(), Vec2::ZERO);
+            fill2(world.isa(), pattern, seed, LENS_SET, addresses, u_lens);
+        }
         places.clear();
-        points.clear();
+        film.clear();
         let pixels = samples.flat_map(|_| pixels);
-        for (&(number, (x, y)), u) in pixels.zip(u_film.iter()) {
+        for (i, (&(number, (x, y)), u)) in pixels.zip(u_film.iter()).enumerate() {
             let filter = self.filter.sample(u.to_array());
-            points.push(Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]));
+            let point = Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]);
+            let point = FilmPoint { pixel: (x, y), point };
+            if !self.camera.covers(&point) {
+                tile.add_blind(number, &filter);
+                continue;
+            }
+            // Those that see something move up.
+            samplers[film.len()] = samplers[i];
+            film.push(FilmSample { film: point, lens: u_lens.get(i).copied().unwrap_or_default() });
             places.push((number, filter));
         }
-        rays.resize(points.len(), Ray::new(Vec3::ZERO, Vec3::ZERO));
-        self.camera.rays(world.isa(), points, rays);
+        samplers.truncate(film.len());
+        rays.resize(film.len(), Ray::new(Vec3::ZERO, Vec3::ZERO));
+        self.camera.rays(world.isa(), film, rays);
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_side_by_side(rays, hits);

@@ -120,7 +120,7 @@ impl Renderer<'_> {
             scene_hash: self.world.hash(),
             integrator: integrator.name().to_owned(),
         };
-        Picture { width, height, channels: channels(tiles, width, height), metadata }
+        Picture { width, height, channels: channels(tiles, width, height, self.frame.camera.has_border()), metadata }
     }
 
     /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.

@@ -15,7 +15,8 @@ pub struct Picture {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// At least `R`, `G` and `B`, linear sRGB radiance; further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
+    /// At least `R`, `G` and `B`, linear sRGB radiance; `A`, the part of each pixel that sees anything, if the film has a
+    /// border (then colours are multiplied by it); further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
     pub channels: Vec<Channel>,
     /// How the picture came about.
     pub metadata: Metadata,
@@ -37,8 +38,8 @@ pub struct Metadata {
     pub samples_per_pixel: u32,
     /// Wall-clock seconds, the only part that differs between two equal renders; 0 if they are to be left out.
     pub render_time_seconds: f32,
-    /// Rows of the matrix that takes world points to camera space (right, up, backwards).
-    pub world_to_camera: [[f32; 4]; 4],
+    /// Rows of the matrix that takes world points to camera space (right, up, backwards), if the camera has a pose.
+    pub world_to_camera: Option<[[f32; 4]; 4]>,
     /// The seed.
     pub seed: u64,
     /// A hash of all that the picture depends on in the scene.

@@ -27,6 +27,8 @@ pub(crate) struct Tile {
     pixels: Vec<Pixel>,
     /// Weighted sums of [`Features`] for each pixel; empty if they are not asked for.
     features: Vec<[f64; FEATURE_NAMES.len()]>,
+    /// For each pixel the weights of samples that see nothing; empty if there are none.
+    blind: Vec<f64>,
     /// Samples that every pixel has.
     pub samples: u32,
 }
@@ -58,7 +60,7 @@ pub(crate) fn tiles(width: u32, height: u32, features: bool) -> Vec<Tile> {
         let (x, y) = (range(x, width), range(y, height));
         let pixels = vec![Pixel::default(); x.len() * y.len()];
         let features = if features { vec![[0.0; FEATURE_NAMES.len()]; pixels.len()] } else { Vec::new() };
-        Tile { x, y, pixels, features, samples: 0 }
+        Tile { x, y, pixels, features, blind: Vec::new(), samples: 0 }
     };
     starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect()
 }
@@ -79,6 +81,19 @@ impl Tile {
         for (channel, value) in radiance.to_array().into_iter().enumerate() {
             sums.radiance[channel] += weight * f64::from(value);
         }
+    }
+
+    /// Adds a sample at which the film sees nothing to the pixel of this number.
+    pub(crate) fn add_blind(&mut self, pixel: usize, filter: &FilterSample) {
+        self.blind.resize(self.pixels.len(), 0.0);
+        self.blind[pixel] += f64::from(filter.weight);
+        self.pixels[pixel].weight += f64::from(filter.weight);
+    }
+
+    /// The part of a pixel that sees anything, 1 without samples.
+    fn alpha(&self, pixel: usize) -> f64 {
+        let blind = self.blind.get(pixel).map_or(0.0, |&weight| self.pixels[pixel].mean(weight));
+        (1.0 - blind).clamp(0.0, 1.0)
     }
 
     /// The linear radiance of the pixel of this number; black without samples.
@@ -105,8 +120,8 @@ impl Tile {
     }
 }
 
-/// The channels of a film of `width` by `height` pixels.
-pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32) -> Vec<Channel> {
+/// The channels of a film of `width` by `height` pixels, with alpha if it `has_border`.
+pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32, has_border: bool) -> Vec<Channel> {
     let plane = |name: &str, value: &dyn Fn(&Tile, usize) -> f64| {
         let mut values = vec![0.0; width as usize * height as usize];
         for tile in tiles {
@@ -119,6 +134,9 @@ pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32) -> Vec<Channel> 
     let colors = ["R", "G", "B"].into_iter().enumerate();
     let mut channels: Vec<Channel> =
         colors.clone().map(|(c, name)| plane(name, &|tile, pixel| f64::from(tile.radiance(pixel)[c]))).collect();
+    if has_border {
+        channels.push(plane("A", &Tile::alpha));
+    }
     if tiles.iter().any(|tile| !tile.features.is_empty()) {
         for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
             channels.push(plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.features[pixel][f])));

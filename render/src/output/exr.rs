@@ -140,7 +140,7 @@ mod tests {
         let metadata = Metadata {
             samples_per_pixel: 64,
             render_time_seconds: 1.25,
-            world_to_camera: core::array::from_fn(|i| core::array::from_fn(|j| (1 + 4 * i + j) as f32)),
+            world_to_camera: Some(core::array::from_fn(|i| core::array::from_fn(|j| (1 + 4 * i + j) as f32))),
             seed: u64::MAX,
             scene_hash: 0x0123_4567_89ab_cdef,
             integrator: "path".to_owned(),

@@ -1,4 +1,4 @@
-//! PNG for looking at: 8 bits per channel, sRGB, marked as such by an `sRGB` chunk.
+//! PNG for looking at: 8 bits per channel, sRGB, marked as such by an `sRGB` chunk; with alpha if the picture has it.
 
 use std::path::Path;
 
@@ -17,12 +17,24 @@ pub(super) fn encode(path: &Path, picture: &Picture, tone_mapping: &ToneMapping)
         }
     };
     let pixels = red.iter().zip(green).zip(blue);
-    let (height, codes) = if picture.metadata.integrator == "heat" {
-        false_color::encode(red, picture.width)
-    } else {
-        (picture.height, pixels.flat_map(|((&r, &g), &b)| tone_mapping.to_srgb8([r, g, b])).collect())
+    if picture.metadata.integrator == "heat" {
+        let (height, codes) = false_color::encode(red, picture.width);
+        return encode_rgb8(path, picture.width, height, &codes);
+    }
+    let colors = pixels.map(|((&r, &g), &b)| [r, g, b]);
+    let (color, codes): (_, Vec<u8>) = match picture.channel("A") {
+        None => (ColorType::Rgb, colors.flat_map(|color| tone_mapping.to_srgb8(color)).collect()),
+        Some(alpha) => {
+            // Colours are multiplied by alpha, and PNG's are not.
+            let pixel = |(color, &alpha): ([f32; 3], &f32)| {
+                let whole = if alpha > 0.0 { color.map(|value| value / alpha) } else { [0.0; 3] };
+                let [r, g, b] = tone_mapping.to_srgb8(whole);
+                [r, g, b, (255.0 * alpha + 0.5) as u8]
+            };
+            (ColorType::Rgba, colors.zip(&alpha.values).flat_map(pixel).collect())
+        }
     };
-    encode_rgb8(path, picture.width, height, &codes)
+    encode_codes(path, (picture.width, picture.height), color, &codes)
 }
 
 /// The bytes of a PNG whose pixels have these sRGB codes, three each, row by row from the top; `path` is for messages.
@@ -30,15 +42,19 @@ pub(super) fn encode(path: &Path, picture: &Picture, tone_mapping: &ToneMapping)
 /// # Errors
 /// If the picture has no pixels, or not as many codes as its size says.
 pub fn encode_rgb8(path: &Path, width: u32, height: u32, codes: &[u8]) -> Result<Vec<u8>, OutputError> {
-    compress(width, height, codes).map_err(|error| {
+    encode_codes(path, (width, height), ColorType::Rgb, codes)
+}
+
+fn encode_codes(path: &Path, size: (u32, u32), color: ColorType, codes: &[u8]) -> Result<Vec<u8>, OutputError> {
+    compress(size, color, codes).map_err(|error| {
         OutputError::new(path, format!("PNG cannot hold the picture: {error}"), "write it to an .exr file")
     })
 }
 
-fn compress(width: u32, height: u32, codes: &[u8]) -> Result<Vec<u8>, EncodingError> {
+fn compress((width, height): (u32, u32), color: ColorType, codes: &[u8]) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
-    encoder.set_color(ColorType::Rgb);
+    encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
@@ -94,6 +110,17 @@ mod tests {
         let mut codes = vec![0; 3];
         reader.next_frame(&mut codes).unwrap();
         assert_eq!(codes, [188; 3], "0.5 brightened to 1 and halved to 0.5");
+    }
+
+    #[test]
+    fn colours_are_divided_by_alpha() {
+        let mut half = picture(&[[0.25; 3], [0.0; 3], [0.5; 3]], 3);
+        half.channels.push(Channel { name: "A".to_owned(), values: vec![0.5, 0.0, 1.0] });
+        let bytes = encode(Path::new("a.png"), &half, &ToneMapping::default()).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut codes = vec![0; reader.output_buffer_size().unwrap()];
+        assert_eq!(reader.next_frame(&mut codes).unwrap().color_type, ColorType::Rgba);
+        assert_eq!(codes, [188, 188, 188, 128, 0, 0, 0, 0, 188, 188, 188, 255]);
     }
 
     #[test]

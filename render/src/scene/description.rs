@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Material, PunctualLight, Sky, Texture};
+use super::{Clip, Material, Optics, PunctualLight, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +29,10 @@ pub struct Scene {
     pub camera: Option<CameraPose>,
     /// The width of the camera's picture by its height, if the file says.
     pub camera_aspect: Option<f32>,
+    /// How the picture is taken from there.
+    pub optics: Optics,
+    /// The clipping planes of the file's camera, which are not used unless somebody asks for them.
+    pub camera_clip: Option<Clip>,
     /// What rays see that leave the scene.
     pub sky: Sky,
     /// What the loader skipped or changed: shown to the user, one line each.
@@ -96,16 +100,16 @@ pub struct Variant {
     pub materials: Vec<(usize, usize)>,
 }
 
-/// A pinhole camera's pose.
+/// A camera's pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraPose {
-    /// The pinhole.
+    /// The pinhole, or the middle of the lens.
     pub eye: Vec3,
     /// A point in the middle of the picture.
     pub target: Vec3,
     /// A vector that points up in the picture; not parallel to the view.
     pub up: Vec3,
-    /// Vertical field of view in degrees, between 0 and 180.
+    /// Vertical field of view in degrees, between 0 and 180, of perspective cameras.
     pub vfov: f32,
 }
 

@@ -14,6 +14,7 @@
 //! target = [0.0, 1.0, 0.0]
 //! up = [0.0, 1.0, 0.0]
 //! vfov = 40.0            # degrees
+//! # or type = "orthographic", "panorama", "fisheye", "cube", "rays"; these and lenses: see docs/render.md
 //!
 //! [film]
 //! width = 1280
@@ -72,7 +73,37 @@ pub struct SceneFile {
 /// The sections of a scene file with their keys.
 const SECTIONS: [(&str, &[&str]); 5] = [
     ("scene", &["file", "emission", "lights", "light_radius", "sun_angle", "variant"]),
-    ("camera", &["eye", "target", "up", "vfov"]),
+    (
+        "camera",
+        &[
+            "type",
+            "eye",
+            "target",
+            "up",
+            "vfov",
+            "focal_length",
+            "sensor",
+            "sensor_fit",
+            "shift",
+            "aperture",
+            "f_number",
+            "focus",
+            "focus_at",
+            "blades",
+            "blade_rotation",
+            "anamorphic",
+            "mm_per_unit",
+            "ortho_height",
+            "ortho_width",
+            "ipd",
+            "fisheye",
+            "fov",
+            "near",
+            "far",
+            "model_clip",
+            "rays",
+        ],
+    ),
     ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
     (
         "render",
@@ -189,6 +220,7 @@ impl Parser<'_> {
     /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
         match entry.name {
+            _ if section == "camera" => self.set_camera(to, section, entry)?,
             "lights" if section == "scene" => {
                 to.light.light_units = Some(self.read(value::light_units, section, entry)?)
             }
@@ -196,10 +228,6 @@ impl Parser<'_> {
             "sun_angle" => to.light.sun_angle = Some(self.read(value::sun_angle, section, entry)?),
             "variant" => to.variant = Some(self.read(value::text, section, entry)?),
             "emission" => to.light.emits_both_sides = Some(self.read(value::emission, section, entry)?),
-            "eye" => to.eye = Some(self.read(value::point, section, entry)?),
-            "target" => to.target = Some(self.read(value::point, section, entry)?),
-            "up" => to.up = Some(self.read(value::direction, section, entry)?),
-            "vfov" => to.vfov = Some(self.read(value::vfov, section, entry)?),
             "width" => to.width = Some(self.read(value::side, section, entry)?),
             "height" => to.height = Some(self.read(value::side, section, entry)?),
             "filter" => to.filter = Some(self.read(value::filter, section, entry)?),
@@ -220,6 +248,41 @@ impl Parser<'_> {
             }
             "daylight_albedo" => to.light.sky_light.daylight_albedo = Some(self.read(value::albedo, section, entry)?),
             _ => self.set_integrator(&mut to.integrator, section, entry)?,
+        }
+        Ok(())
+    }
+
+    /// Sets an option of the camera.
+    fn set_camera(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
+        let camera = &mut to.camera;
+        match entry.name {
+            "eye" => to.eye = Some(self.read(value::point, section, entry)?),
+            "target" => to.target = Some(self.read(value::point, section, entry)?),
+            "up" => to.up = Some(self.read(value::direction, section, entry)?),
+            "vfov" => to.vfov = Some(self.read(value::vfov, section, entry)?),
+            "type" => camera.kind = Some(self.read(value::camera_kind, section, entry)?),
+            "focal_length" => camera.focal_length = Some(self.read(value::length, section, entry)?),
+            "sensor" => camera.sensor = Some(self.read(value::sensor, section, entry)?),
+            "sensor_fit" => camera.sensor_fit = Some(self.read(value::sensor_fit, section, entry)?),
+            "shift" => camera.shift = Some(self.read(value::shift, section, entry)?),
+            "aperture" => camera.aperture = Some(self.read(value::aperture, section, entry)?),
+            "f_number" => camera.f_number = Some(self.read(value::length, section, entry)?),
+            "focus" => camera.focus = Some(self.read(value::length, section, entry)?),
+            "focus_at" => camera.focus_at = Some(self.read(value::point, section, entry)?),
+            "blades" => camera.blades = Some(self.read(value::blades, section, entry)?),
+            "blade_rotation" => camera.blade_rotation = Some(self.read(value::degrees, section, entry)?),
+            "anamorphic" => camera.anamorphic = Some(self.read(value::anamorphic, section, entry)?),
+            "mm_per_unit" => camera.mm_per_unit = Some(self.read(value::length, section, entry)?),
+            "ortho_height" => camera.ortho_height = Some(self.read(value::length, section, entry)?),
+            "ortho_width" => camera.ortho_width = Some(self.read(value::length, section, entry)?),
+            "ipd" => camera.ipd = Some(self.read(value::aperture, section, entry)?),
+            "fisheye" => camera.fisheye = Some(self.read(value::fisheye, section, entry)?),
+            "fov" => camera.fov = Some(self.read(value::fisheye_fov, section, entry)?),
+            "near" => camera.near = Some(self.read(value::near, section, entry)?),
+            "far" => camera.far = Some(self.read(value::length, section, entry)?),
+            "model_clip" => camera.model_clip = Some(self.read(value::flag, section, entry)?),
+            "rays" => camera.rays = Some(self.file(section, "a file of rays", entry)?),
+            name => unreachable!("[{section}] {name} is listed, but sets nothing"),
         }
         Ok(())
     }

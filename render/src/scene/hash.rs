@@ -3,8 +3,8 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::{
-    BumpMap, CameraPose, GltfAnisotropy, Input, InputMap, Material, Mesh, NormalMap, Opacity, PunctualLight, Scene,
-    Sky, SkyPicture, Target, TextureMap,
+    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Lens, Material, Mesh, NormalMap, Opacity, Optics,
+    Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
 };
 
 impl Scene {
@@ -12,7 +12,7 @@ impl Scene {
     /// with different hashes may give equal pictures, too: an unused material counts.
     pub fn hash(&self) -> u64 {
         let surroundings = self.surroundings_hash();
-        self.camera.map_or(surroundings, |camera| camera.hash_in(surroundings))
+        self.camera.map_or(surroundings, |camera| self.optics.hash_in(camera.hash_in(surroundings)))
     }
 
     /// The same without the camera.
@@ -67,6 +67,41 @@ impl CameraPose {
         let mut hash = Fnv(surroundings);
         [eye, target, up].into_iter().for_each(|v| hash.vector(v));
         hash.floats(&[vfov]);
+        hash.0
+    }
+}
+
+impl Optics {
+    /// The hash with that of the pose, which is the whole of a pinhole's.
+    pub(crate) fn hash_in(&self, posed: u64) -> u64 {
+        if *self == Self::default() {
+            return posed;
+        }
+        let Self { projection, lens, shift, clip: Clip { near, far } } = self;
+        let mut hash = Fnv(posed);
+        hash.bytes(projection.name().as_bytes());
+        match projection {
+            Projection::Perspective | Projection::Cube => {}
+            Projection::Orthographic { height } => hash.floats(&[*height]),
+            Projection::Panorama { eye_distance } => {
+                hash.word(eye_distance.is_some().into());
+                hash.floats(&[eye_distance.unwrap_or(0.0)]);
+            }
+            Projection::Fisheye { mapping, field_of_view } => {
+                hash.word(*mapping as u32);
+                hash.floats(&[*field_of_view]);
+            }
+            Projection::Rays(table) => {
+                [table.width, table.height].into_iter().for_each(|size| hash.word(size));
+                table.rays.iter().flatten().for_each(|&v| hash.vector(v));
+            }
+        }
+        hash.word(lens.is_some().into());
+        if let Some(Lens { radius, focus, blades, rotation, ratio }) = lens {
+            hash.word(*blades);
+            hash.floats(&[*radius, *focus, *rotation, *ratio]);
+        }
+        hash.floats(&[shift.x, shift.y, *near, *far]);
         hash.0
     }
 }
@@ -181,7 +216,7 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Texture, cornell_box};
+    use crate::scene::{FisheyeMapping, RayTable, Texture, cornell_box};
 
     #[test]
     fn the_hash_follows_what_is_seen_and_nothing_else() {
@@ -216,5 +251,46 @@ mod tests {
         let hashes = all.map(|scene| scene.hash());
         assert!((0..all.len()).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
         assert_eq!(scene.surroundings_hash(), turned.surroundings_hash());
+    }
+
+    /// Everything that a camera has changes the hash, and a pinhole's is that of its pose.
+    #[test]
+    fn the_hash_follows_the_optics() {
+        let scene = cornell_box();
+        assert_eq!(scene.hash(), scene.camera.unwrap().hash_in(scene.surroundings_hash()));
+        let lens = Lens { radius: 0.1, focus: 1.0, blades: 0, rotation: 0.0, ratio: 1.0 };
+        let of = |projection: Projection| Optics { projection, ..Optics::default() };
+        let with = |lens: Lens| Optics { lens: Some(lens), ..Optics::default() };
+        let fisheye = |mapping, field_of_view| of(Projection::Fisheye { mapping, field_of_view });
+        let rays = |x: f32| {
+            let table = RayTable { width: 1, height: 1, rays: vec![[Vec3::ZERO, Vec3::new(x, 0.0, 0.0)]] };
+            of(Projection::Rays(std::sync::Arc::new(table)))
+        };
+        let all = [
+            Optics::default(),
+            of(Projection::Orthographic { height: 1.0 }),
+            of(Projection::Orthographic { height: 2.0 }),
+            of(Projection::Panorama { eye_distance: None }),
+            of(Projection::Panorama { eye_distance: Some(0.0) }),
+            of(Projection::Panorama { eye_distance: Some(0.1) }),
+            fisheye(FisheyeMapping::Equidistant, 180.0),
+            fisheye(FisheyeMapping::Equisolid, 180.0),
+            fisheye(FisheyeMapping::Equidistant, 190.0),
+            of(Projection::Cube),
+            rays(1.0),
+            rays(-1.0),
+            with(lens),
+            with(Lens { radius: 0.2, ..lens }),
+            with(Lens { focus: 2.0, ..lens }),
+            with(Lens { blades: 5, ..lens }),
+            with(Lens { rotation: 5.0, ..lens }),
+            with(Lens { ratio: 2.0, ..lens }),
+            Optics { shift: Vec2::X, ..Optics::default() },
+            Optics { shift: Vec2::Y, ..Optics::default() },
+            Optics { clip: Clip { near: 1.0, ..Clip::NONE }, ..Optics::default() },
+            Optics { clip: Clip { far: 1.0, ..Clip::NONE }, ..Optics::default() },
+        ];
+        let hashes = all.map(|optics| Scene { optics, ..scene.clone() }.hash());
+        assert!((0..hashes.len()).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
     }
 }

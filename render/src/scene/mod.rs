@@ -21,10 +21,12 @@ mod model;
 mod mtl;
 mod nearest;
 mod obj;
+mod optics;
 mod overrides;
 mod ply;
 mod profile;
 mod punctual;
+mod ray_file;
 mod sky;
 mod statement;
 mod table_reader;
@@ -46,7 +48,11 @@ pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, 
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};
-pub use overrides::{CachedOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SkyOverrides};
+pub use optics::{Clip, FisheyeMapping, Lens, Optics, Projection, RayTable};
+pub use overrides::{
+    CachedOverrides, CameraKind, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SensorFit,
+    SkyOverrides,
+};
 pub use profile::{Profile, ProfileFrame};
 pub use punctual::{PunctualLight, SpotEdge};
 pub use sky::{Sky, SkyPicture};

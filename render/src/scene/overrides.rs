@@ -3,8 +3,11 @@
 //! The command line wins over the scene file, the scene file over the model, the model over the defaults.
 
 mod cached;
+mod camera;
 mod integrator;
 mod light;
+mod optics;
+mod pose;
 mod sky;
 
 use std::fmt;
@@ -12,17 +15,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::Vec3;
+use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
-use halfdome_kernel::{MAX_COORDINATE, Quality};
 
-use super::framing::{frame, frame_inside};
+use super::Scene;
 use super::nearest::suggestion;
 use super::value::{self, argument};
-use super::{CameraPose, Scene};
 use crate::settings::Filter;
 use crate::settings::{Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
+pub use camera::{CameraKind, CameraOverrides, SensorFit};
 pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
 pub use sky::SkyOverrides;
@@ -46,6 +49,9 @@ pub struct Overrides {
     #[arg(long, value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
     #[arg(value_parser = argument(value::vfov))]
     pub vfov: Option<f32>,
+    /// The kind of camera and what it has.
+    #[command(flatten)]
+    pub camera: CameraOverrides,
 
     /// Width of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
     #[arg(long, value_name = "PIXELS", help_heading = "Film")]
@@ -105,11 +111,18 @@ impl Overrides {
         if self.filter.is_some() {
             (fallback.filter_width, fallback.sharpness) = (None, None);
         }
+        if self.vfov.is_some() {
+            fallback.camera.focal_length = None;
+        }
+        if self.camera.replaces_vfov() {
+            fallback.vfov = None;
+        }
         Self {
             eye: self.eye.or(fallback.eye),
             target: self.target.or(fallback.target),
             up: self.up.or(fallback.up),
             vfov: self.vfov.or(fallback.vfov),
+            camera: self.camera.or(fallback.camera),
             width: self.width.or(fallback.width),
             height: self.height.or(fallback.height),
             filter: self.filter.or(fallback.filter),
@@ -136,16 +149,16 @@ impl Overrides {
         if let Some(name) = &self.variant {
             choose_variant(scene, name).map_err(|error| Conflict::new(Group::Variant, error))?;
         }
-        let aspect = f64::from(settings.width) / f64::from(settings.height);
-        scene.camera = Some(self.camera(scene, aspect).map_err(|error| Conflict::new(Group::Camera, error))?);
+        self.apply_camera(scene, (settings.width, settings.height))
+            .map_err(|error| Conflict::new(Group::Camera, error))?;
         self.light.apply(scene).map_err(|error| Conflict::new(Group::Sky, error))?;
         Ok(settings)
     }
 
-    /// Pixels across and down: what is not set follows from the aspect of the camera that is used, if it has one.
+    /// Pixels across and down: what is not set follows from the kind of camera, or the aspect of the model's if that is used.
     fn size(&self, scene: &Scene, default: &Settings) -> (u32, u32) {
-        let is_new = self.eye.is_some() && self.target.is_some();
-        let aspect = scene.camera_aspect.filter(|_| !is_new && scene.camera.is_some()).map(f64::from);
+        let of_model = scene.camera_aspect.filter(|_| !self.is_new_camera() && scene.camera.is_some()).map(f64::from);
+        let aspect = self.natural_aspect(self.camera_kind(&scene.optics)).or(of_model);
         let scaled = |side: u32, by: f64| ((f64::from(side) * by).round() as u32).clamp(1, MAX_SIDE);
         match (self.width, self.height, aspect) {
             (None, None, Some(aspect)) => (scaled(default.height, aspect), default.height),
@@ -176,7 +189,10 @@ impl Overrides {
     /// Whether any option is set that a conflict in `group` may be about.
     fn sets_any(&self, group: Group) -> bool {
         match group {
-            Group::Camera => self.eye.is_some() || self.target.is_some() || self.up.is_some(),
+            Group::Camera => {
+                let poses = [self.eye, self.target, self.up];
+                poses.iter().any(Option::is_some) || self.vfov.is_some() || self.camera.sets_any()
+            }
             Group::Size => self.width.is_some() || self.height.is_some(),
             Group::Filter => self.filter.is_some() || self.filter_width.is_some() || self.sharpness.is_some(),
             Group::Integrator => self.integrator.sets_any(),
@@ -190,39 +206,6 @@ impl Overrides {
         let name = self.filter.as_deref().unwrap_or("box");
         Filter::from_name(name, self.filter_width, self.sharpness)
             .map_err(|error| Invalid::new(error.problem, error.remedy))
-    }
-
-    /// With both eye and target given, a new camera; else the scene's, or without one the framing one, with what is
-    /// given replaced.
-    fn camera(&self, scene: &mut Scene, aspect: f64) -> Result<CameraPose, Invalid> {
-        let new = self.eye.is_some() && self.target.is_some();
-        let base = match scene.camera.filter(|_| !new) {
-            Some(pose) => pose,
-            None => {
-                let up = self.up.unwrap_or(Vec3::Y);
-                let inside = if new { None } else { frame_inside(scene, up, self.vfov) };
-                if !new {
-                    let what = if inside.is_some() { "that stands in its closed room" } else { "that shows all of it" };
-                    let how = if scene.meshes.iter().any(|mesh| mesh.origin.is_some()) {
-                        "set --eye and --target, or export one: Blender leaves cameras out unless Include > Cameras is on"
-                    } else {
-                        "set --eye and --target"
-                    };
-                    scene.warnings.push(format!("the model has no camera; one {what} is used ({how})"));
-                }
-                let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
-                inside.unwrap_or_else(|| frame(bounds, up, self.vfov.unwrap_or(DEFAULT_VFOV), aspect))
-            }
-        };
-        let pose = CameraPose {
-            eye: self.eye.unwrap_or(base.eye),
-            target: self.target.unwrap_or(base.target),
-            up: self.up.unwrap_or(base.up),
-            vfov: self.vfov.unwrap_or(base.vfov),
-        };
-        check_pose(&pose)?;
-        // A very long or short vector would not survive the squares of 32-bit arithmetic.
-        Ok(CameraPose { up: pose.up.as_dvec3().normalize().as_vec3(), ..pose })
     }
 }
 
@@ -284,40 +267,6 @@ impl fmt::Display for Conflict {
 }
 
 impl std::error::Error for Conflict {}
-
-/// Degrees; what a camera has whose vertical field of view is not given.
-const DEFAULT_VFOV: f32 = 40.0;
-
-/// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
-const MIN_SIN_UP: f64 = 1e-4;
-
-/// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.
-const MIN_VIEW_LENGTH: f64 = 1e-18;
-
-/// Refuses a pose from which no picture follows.
-fn check_pose(pose: &CameraPose) -> Result<(), Invalid> {
-    let CameraPose { eye, target, up, .. } = *pose;
-    if eye.abs().max(target.abs()).max_element() > MAX_COORDINATE {
-        return Err(Invalid::new(
-            format!("the camera at {eye}, looking at {target}, is too far away"),
-            format!("coordinates go up to {MAX_COORDINATE:e}; scale the model down"),
-        ));
-    }
-    let view = target.as_dvec3() - eye.as_dvec3();
-    if view.length() < MIN_VIEW_LENGTH {
-        return Err(Invalid::new(
-            format!("the camera's eye {eye} and target {target} are the same point"),
-            "give two different points: eye is where the camera stands, target what it looks at",
-        ));
-    }
-    if view.normalize().cross(up.as_dvec3().normalize()).length() < MIN_SIN_UP {
-        return Err(Invalid::new(
-            format!("the camera's up vector {up} points along its view"),
-            "give an up vector across the view, for example 0,0,-1 to look straight down",
-        ));
-    }
-    Ok(())
-}
 
 #[cfg(test)]
 mod tests;

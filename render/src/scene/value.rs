@@ -3,8 +3,9 @@
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
 mod integrating;
+mod optical;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
@@ -14,6 +15,7 @@ use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
 
 pub(super) use integrating::*;
+pub(super) use optical::*;
 
 /// A value whose meaning is not known yet.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +63,13 @@ impl Value {
         let Self::List(values) = self else { return None };
         let [x, y, z] = values.as_slice() else { return None };
         Some(Vec3::new(x.finite()?, y.finite()?, z.finite()?))
+    }
+
+    /// Two numbers.
+    fn two(&self) -> Option<Vec2> {
+        let Self::List(values) = self else { return None };
+        let [x, y] = values.as_slice() else { return None };
+        Some(Vec2::new(x.finite()?, y.finite()?))
     }
 
     fn integer<T: TryFrom<i128>>(&self) -> Option<T> {

@@ -6,7 +6,7 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::{Surface, World};
-use crate::camera::Camera;
+use crate::camera::FilmPoint;
 
 /// Camera rays, along each side of the picture.
 const SIDE: u32 = 32;
@@ -35,9 +35,9 @@ impl SeenPoints<'_> {
 impl World {
     /// Points that paths come to; `None` if the camera sees nothing.
     pub(super) fn seen_points(&self) -> Option<SeenPoints<'_>> {
-        let camera = Camera::new(&self.camera, SIDE, SIDE);
-        let rays: Vec<Ray> =
-            (0..SIDE * SIDE).map(|i| camera.ray((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5)).collect();
+        let camera = self.camera_on(SIDE, SIDE);
+        let pixels = (0..SIDE * SIDE).map(|i| FilmPoint::middle(i % SIDE, i / SIDE));
+        let rays: Vec<Ray> = pixels.filter_map(|pixel| camera.central_ray(&pixel)).collect();
         let seen = self.surfaces_along(&rays);
         let (rays, next) = self.scatter(&seen, 0);
         let (further, last) = self.scatter(&next, 1);

@@ -7,7 +7,10 @@ use clap::Parser;
 
 use super::super::command::{Arguments, Command};
 use super::*;
-use crate::scene::{CachedOverrides, Daylight, IntegratorOverrides, LightOverrides, LightUnits, SkyOverrides};
+use crate::scene::{
+    CachedOverrides, CameraKind, CameraOverrides, Daylight, FisheyeMapping, IntegratorOverrides, LightOverrides,
+    LightUnits, SensorFit, SkyOverrides,
+};
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
 };
@@ -29,7 +32,10 @@ fn the_definition_is_consistent() {
 
 #[test]
 fn every_override_can_be_given() {
-    let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --width 10 --height 20 --filter tent \
+    let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --camera perspective --focal-length 35 --sensor 23.6,15.6 \
+                     --sensor-fit vertical --shift -.1,.2 --aperture 8 --f-number 2.8 --focus 1.5 --focus-at -1,2,3 \
+                     --blades 7 --blade-rotation -10 --anamorphic 2 --mm-per-unit 10 --ortho-height 3 --ortho-width 4 \
+                     --ipd 64 --fisheye equisolid --fov 360 --near 0 --far 100 --model-clip --camera-rays a.csv --width 10 --height 20 --filter tent \
                      --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
                      --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 --clamp-indirect 8 \
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
@@ -43,6 +49,30 @@ fn every_override_can_be_given() {
         target: Some([0.0, -0.5, 0.0].into()),
         up: Some([0.0, 0.0, 1.0].into()),
         vfov: Some(30.0),
+        camera: CameraOverrides {
+            kind: Some(CameraKind::Perspective),
+            focal_length: Some(35.0),
+            sensor: Some([23.6, 15.6].into()),
+            sensor_fit: Some(SensorFit::Vertical),
+            shift: Some([-0.1, 0.2].into()),
+            aperture: Some(8.0),
+            f_number: Some(2.8),
+            focus: Some(1.5),
+            focus_at: Some([-1.0, 2.0, 3.0].into()),
+            blades: Some(7),
+            blade_rotation: Some(-10.0),
+            anamorphic: Some(2.0),
+            mm_per_unit: Some(10.0),
+            ortho_height: Some(3.0),
+            ortho_width: Some(4.0),
+            ipd: Some(64.0),
+            fisheye: Some(FisheyeMapping::Equisolid),
+            fov: Some(360.0),
+            near: Some(0.0),
+            far: Some(100.0),
+            model_clip: Some(true),
+            rays: Some("a.csv".into()),
+        },
         width: Some(10),
         height: Some(20),
         filter: Some("tent".into()),

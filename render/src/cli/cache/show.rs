@@ -100,7 +100,7 @@ fn extension(path: &Path) -> Option<String> {
 
 /// Draws the records that the camera sees over the picture: rings first, so that they hide no dot.
 fn draw(picture: &mut Picture, world: &World, cache: &Cache, rings: bool) {
-    let camera = Camera::new(&world.camera, picture.width, picture.height);
+    let camera = world.camera_on(picture.width, picture.height);
     let visible = visible_records(world, cache, picture.width, picture.height);
     if rings {
         for (record, _) in &visible {
@@ -126,7 +126,17 @@ fn corner(record: &Record, turn: f32) -> Vec3 {
 
 /// A line between two points in space, a pixel wide, cut off where the camera does not see it.
 fn line(picture: &mut Picture, camera: &Camera, from: Vec3, to: Vec3) {
-    let (Some(from), Some(to)) = (camera.project(from), camera.project(to)) else { return };
+    for view in 0..camera.views() {
+        if let (Some(from), Some(to)) = (camera.sight(from, view), camera.sight(to, view))
+            && camera.joins(from.film, to.film)
+        {
+            stroke(picture, from.film, to.film);
+        }
+    }
+}
+
+/// A line between two points of the film.
+fn stroke(picture: &mut Picture, from: Vec2, to: Vec2) {
     let steps = (to - from).abs().max_element().ceil().clamp(1.0, 4096.0);
     for step in 0..steps as u32 {
         let point = from.lerp(to, step as f32 / steps);

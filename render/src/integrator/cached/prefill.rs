@@ -13,7 +13,6 @@ use super::level::RecordSite;
 use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::{FrozenCache, GatherSource, Level, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
-use crate::camera::Camera;
 use crate::estimator::{GatherPoint, Gatherer};
 use crate::settings::{CachedOptions, Gradients, Metric, Settings};
 use crate::watch::Watch;
@@ -39,7 +38,7 @@ pub(crate) fn fill_for_camera(
     cache: Cache,
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
-    let camera = Camera::new(&world.camera, settings.width, settings.height);
+    let camera = world.camera_on(settings.width, settings.height);
     let (sites, passes, rays) = camera_sites(world, settings, &camera, cache.options().error);
     let prefill = Prefill { world, seed: settings.seed, source: None, log: &NoLog, watch };
     let (frozen, traced) = prefill.fill(cache, &sites, &passes);

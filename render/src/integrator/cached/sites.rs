@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::level::RecordSite;
 use super::spacing::spacings;
 use crate::cache::{Bounds, Pass, Place};
-use crate::camera::Camera;
+use crate::camera::{Camera, FilmPoint};
 use crate::estimator::GatherPoint;
 use crate::settings::Settings;
 use crate::world::{Surface, World};
@@ -73,6 +73,7 @@ pub(super) fn camera_sites<'w>(
 
 /// A ray from the camera, or what mirrors and glass made of it.
 struct View {
+    film: FilmPoint,
     pixel: u64,
     ray: Ray,
     /// The way from the camera to where the ray begins.
@@ -88,12 +89,12 @@ fn visible_sites<'w>(
     error: f32,
     pixels: &[(u32, u32)],
 ) -> (Vec<RecordSite<'w>>, u64) {
-    let view = |&(x, y): &(u32, u32)| View {
-        pixel: u64::from(y) * u64::from(settings.width) + u64::from(x),
-        ray: camera.ray(x as f32 + 0.5, y as f32 + 0.5),
-        distance: 0.0,
+    let view = |&(x, y): &(u32, u32)| {
+        let film = FilmPoint::middle(x, y);
+        let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
+        Some(View { film, pixel, ray: camera.central_ray(&film)?, distance: 0.0 })
     };
-    let mut views: Vec<View> = pixels.iter().map(view).collect();
+    let mut views: Vec<View> = pixels.iter().filter_map(view).collect();
     let (mut sites, mut traced) = (Vec::new(), 0);
     for depth in 0..MAX_SURFACES {
         let rays: Vec<Ray> = views.iter().map(|view| view.ray).collect();
@@ -101,19 +102,19 @@ fn visible_sites<'w>(
         world.intersect_many(&rays, &mut hits);
         traced += rays.len() as u64;
         let mut next = Vec::new();
-        for (View { pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        for (View { film, pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
             let mut surface = world.surface_at(hit).facing(ray.direction);
             let scattering = world.scattering(&mut surface);
             let distance = distance + hit.t;
             if surface.diffuse != Vec3::ZERO {
                 let key = u64::from(depth) << DEPTH_SHIFT | pixel;
-                sites.push(camera_site(camera, error, surface, ray, distance, key));
+                sites.push(camera_site(camera.pixel_width(film, distance), error, surface, ray, key));
             }
             let sampler = Sampler::new(Pattern::Sobol, !settings.seed, *pixel as u32, depth);
             let bounce = scattering.sample(sampler.uniform2(0));
             if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
                 let ray = Ray::new(surface.origin_towards(bounce.direction), bounce.direction);
-                next.push(View { pixel: *pixel, ray, distance });
+                next.push(View { film: *film, pixel: *pixel, ray, distance });
             }
         }
         if next.is_empty() {
@@ -124,19 +125,12 @@ fn visible_sites<'w>(
     (sites, traced)
 }
 
-/// The site that is seen at this distance from the camera.
-fn camera_site<'w>(
-    camera: &Camera,
-    error: f32,
-    surface: Surface<'w>,
-    ray: &Ray,
-    distance: f32,
-    key: u64,
-) -> RecordSite<'w> {
+/// The site that is seen where a pixel is so wide.
+fn camera_site<'w>(pixel_width: f32, error: f32, surface: Surface<'w>, ray: &Ray, key: u64) -> RecordSite<'w> {
     // The root of the area that a pixel covers; at most that of a surface seen under 6 degrees. What is seen in a mirror
     // counts as if it stood as far behind the mirror: a curved one would make of a pixel anything from nothing to all.
     let cosine = surface.normal.dot(ray.direction).abs().max(0.1);
-    let spacing = distance * camera.pixel_angle() / cosine.sqrt();
+    let spacing = pixel_width / cosine.sqrt();
     RecordSite {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },

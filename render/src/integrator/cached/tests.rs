@@ -4,7 +4,7 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::*;
-use crate::camera::Camera;
+use crate::camera::FilmPoint;
 use crate::integrator::FIRST_SET;
 use crate::scene::{CameraPose, Material, Mesh, Scene, cornell_box};
 use crate::settings::Settings;
@@ -62,14 +62,14 @@ impl Watch for NeverStops {
 fn few_points_have_no_record() {
     let world = World::new(cornell_box()).unwrap();
     let settings = Settings { width: 128, height: 128, ..Settings::default() };
-    let camera = Camera::new(&world.camera, settings.width, settings.height);
+    let camera = world.camera_on(settings.width, settings.height);
     for error in [0.6, 0.2, 0.1] {
         let options = CachedOptions { error, rays: 48, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
         let (frozen, _) = fill_for_camera(&world, &settings, cache, &NeverStops);
-        let rays = (0..1 << 15).map(|i| {
+        let rays = (0..1 << 15).filter_map(|i| {
             let place = Sampler::new(Pattern::Sobol, 2, 0, i).uniform2(0) * 128.0;
-            camera.ray(place.x, place.y)
+            camera.central_ray(&FilmPoint::within(place))
         });
         let points: Vec<_> = rays
             .filter_map(|ray| Some(world.surface_at(&world.tree().intersect(&ray)?).facing(ray.direction)))

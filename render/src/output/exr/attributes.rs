@@ -26,7 +26,7 @@ pub(super) fn from_metadata(path: &Path, metadata: &Metadata) -> Result<LayerAtt
     })?;
     let mut attributes = LayerAttributes {
         software_name: Some(Text::from(concat!("halfdome ", env!("CARGO_PKG_VERSION")))),
-        world_to_camera: Some(to_imath(metadata.world_to_camera)),
+        world_to_camera: metadata.world_to_camera.map(to_imath),
         ..LayerAttributes::default()
     };
     attributes.other.extend([
@@ -67,7 +67,7 @@ pub(super) fn to_metadata(path: &Path, attributes: &LayerAttributes) -> Result<M
             Some(&AttributeValue::F32(seconds)) => seconds,
             Some(_) => return Err(wrong("renderTimeSeconds", "store a float")),
         },
-        world_to_camera: attributes.world_to_camera.map(from_imath).unwrap_or_default(),
+        world_to_camera: attributes.world_to_camera.map(from_imath),
         seed: number("seed", 10, "store a decimal number of up to 64 bits as a string")?,
         scene_hash: number("sceneHash", 16, "store up to 16 hexadecimal digits as a string")?,
         integrator: match other("integrator") {

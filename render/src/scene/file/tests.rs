@@ -1,9 +1,12 @@
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::*;
-use crate::scene::{CachedOverrides, CameraPose, Daylight, LightOverrides, LightUnits, SkyOverrides};
+use crate::scene::{
+    CachedOverrides, CameraKind, CameraOverrides, CameraPose, Daylight, FisheyeMapping, LightOverrides, LightUnits,
+    SensorFit, SkyOverrides,
+};
 use crate::settings::Filter;
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Settings, Stop,
@@ -93,6 +96,7 @@ fn every_key_sets_its_option() {
         target: Some(Vec3::new(0.0, -1.0, 0.0)),
         up: Some(Vec3::Z),
         vfov: Some(45.0),
+        camera: CameraOverrides::default(),
         width: Some(320),
         height: Some(200),
         filter: Some("mitchell".into()),
@@ -278,4 +282,63 @@ fn the_command_line_wins_and_the_rest_is_combined() {
     let pose = CameraPose { eye: Vec3::new(0.0, 0.0, 9.0), target: Vec3::ZERO, up: Vec3::Y, vfov: 50.0 };
     assert_eq!(scene.camera, Some(pose));
     assert_eq!(scene.warnings, [""; 0], "nothing was made up");
+}
+
+#[test]
+fn every_key_of_the_camera_sets_its_option() {
+    let camera = overrides(
+        r#"
+        [camera]
+        type = "fisheye"
+        focal_length = 35
+        sensor = [23.6, 15.6]
+        sensor_fit = "vertical"
+        shift = [0.1, -0.2]
+        aperture = 8
+        f_number = 2.8
+        focus = 1.5
+        focus_at = [1, 2, 3]
+        blades = 7
+        blade_rotation = -10
+        anamorphic = 2
+        mm_per_unit = 10
+        ortho_height = 3
+        ortho_width = 4
+        ipd = 64
+        fisheye = "equisolid"
+        fov = 360
+        near = 0
+        far = 100
+        model_clip = true
+        rays = "room.obj"
+        "#,
+    )
+    .camera;
+    let rays = camera.rays.clone();
+    assert!(rays.as_ref().is_some_and(|path| path.ends_with("room.obj")), "relative to the folder of the file");
+    let expected = CameraOverrides {
+        kind: Some(CameraKind::Fisheye),
+        focal_length: Some(35.0),
+        sensor: Some(Vec2::new(23.6, 15.6)),
+        sensor_fit: Some(SensorFit::Vertical),
+        shift: Some(Vec2::new(0.1, -0.2)),
+        aperture: Some(8.0),
+        f_number: Some(2.8),
+        focus: Some(1.5),
+        focus_at: Some(Vec3::new(1.0, 2.0, 3.0)),
+        blades: Some(7),
+        blade_rotation: Some(-10.0),
+        anamorphic: Some(2.0),
+        mm_per_unit: Some(10.0),
+        ortho_height: Some(3.0),
+        ortho_width: Some(4.0),
+        ipd: Some(64.0),
+        fisheye: Some(FisheyeMapping::Equisolid),
+        fov: Some(360.0),
+        near: Some(0.0),
+        far: Some(100.0),
+        model_clip: Some(true),
+        rays,
+    };
+    assert_eq!(camera, expected);
 }

@@ -1,39 +1,62 @@
-//! Perspective cameras: they look along their node's -Z axis, with +Y up.
+//! Cameras: they look along their node's -Z axis, with +Y up.
 //!
-//! Deviation: orthographic cameras are skipped with a warning. glTF has no lens shift and no depth of field.
+//! The magnifications of an orthographic camera are half the width and half the height of what it sees. Clipping planes
+//! are kept, but not used unless somebody asks. glTF has no lens shift and no depth of field.
 
 use ::gltf::json::Camera;
+use ::gltf::json::camera::{Orthographic, Perspective};
 use glam::DVec3;
 
 use super::Document;
 use super::hierarchy::Placed;
-use crate::scene::{CameraPose, SceneError};
+use crate::scene::{CameraPose, Clip, Optics, Projection, SceneError};
 
-/// The camera with the number `index` at a node, and its picture's width over its height if it says; `None`, and a warning,
-/// for an orthographic one. The target is one unit ahead. Clipping planes do not matter.
+/// A camera of a file.
+#[derive(Clone, Debug)]
+pub(super) struct FileCamera {
+    pub(super) pose: CameraPose,
+    pub(super) optics: Optics,
+    /// The width of its picture over the height, if it says.
+    pub(super) aspect: Option<f32>,
+    pub(super) clip: Clip,
+}
+
+/// Degrees; an orthographic camera has none, but an option may make a perspective one of it.
+const DEFAULT_VFOV: f32 = 40.0;
+
+/// The camera with the number `index` at a node. The target is one unit ahead.
 pub(super) fn read(
     document: &Document,
     camera: &Camera,
     index: usize,
     placed: &Placed,
-    warnings: &mut Vec<String>,
-) -> Result<Option<(CameraPose, Option<f32>)>, SceneError> {
-    let Some(perspective) = &camera.perspective else {
-        warnings.push(format!(
-            "{}: camera {index} is orthographic, which cannot be rendered yet, so it is skipped; --eye, --target and --vfov \
-             make a perspective one",
-            document.path.display()
-        ));
-        return Ok(None);
+) -> Result<FileCamera, SceneError> {
+    let wrong = |problem: String, remedy: &str| document.error(format!("camera {index}"), problem, remedy);
+    let (vfov, projection, aspect, clip) = match (&camera.perspective, &camera.orthographic) {
+        (Some(Perspective { yfov, aspect_ratio, znear, zfar, .. }), _) => {
+            let vfov = yfov.to_degrees();
+            if !(vfov > 0.0 && vfov < 180.0) {
+                return Err(wrong(format!("its yfov is {yfov} radians"), "write an angle between 0 and pi"));
+            }
+            let clip = Clip { near: *znear, far: zfar.unwrap_or(f32::INFINITY) };
+            (vfov, Projection::Perspective, *aspect_ratio, clip)
+        }
+        (None, Some(Orthographic { xmag, ymag, znear, zfar, .. })) => {
+            // Some writers flip an axis by a negative magnification, which the specification says not to do.
+            let [half_width, half_height] = [xmag.abs(), ymag.abs()];
+            let is_size = |length: f32| length > 0.0 && length.is_finite();
+            if !is_size(half_width) || !is_size(half_height) {
+                let problem = format!("its xmag and ymag are {xmag} and {ymag}");
+                return Err(wrong(problem, "write half the width and half the height of what it sees"));
+            }
+            let projection = Projection::Orthographic { height: 2.0 * half_height };
+            (DEFAULT_VFOV, projection, Some(half_width / half_height), Clip { near: *znear, far: *zfar })
+        }
+        (None, None) => {
+            let problem = "it is neither perspective nor orthographic".to_owned();
+            return Err(wrong(problem, "give it one of these properties"));
+        }
     };
-    let vfov = perspective.yfov.to_degrees();
-    if !(vfov > 0.0 && vfov < 180.0) {
-        return Err(document.error(
-            format!("camera {index}"),
-            format!("its yfov is {} radians", perspective.yfov),
-            "write an angle between 0 and pi",
-        ));
-    }
     let eye = placed.to_world.w_axis.truncate();
     let (forward, up) = (placed.direction(DVec3::NEG_Z), placed.direction(DVec3::Y));
     let pose = CameraPose { eye: eye.as_vec3(), target: (eye + forward).as_vec3(), up: up.as_vec3(), vfov };
@@ -45,6 +68,6 @@ pub(super) fn read(
             "use a scale without shear, and stay within 1e7 units of the origin",
         ));
     }
-    let aspect = perspective.aspect_ratio.filter(|aspect| aspect.is_finite() && (1e-2..=1e2).contains(aspect));
-    Ok(Some((pose, aspect)))
+    let aspect = aspect.filter(|aspect| aspect.is_finite() && (1e-2..=1e2).contains(aspect));
+    Ok(FileCamera { pose, optics: Optics { projection, ..Optics::default() }, aspect, clip })
 }

@@ -188,9 +188,7 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
         }
         if let Some(index) = node.camera {
             let camera = document.object(index, "camera", &place)?;
-            if let Some(pose) = camera::read(&document, camera, index.value(), &placed, &mut warnings)? {
-                cameras.push((place.clone(), pose));
-            }
+            cameras.push((place.clone(), camera::read(&document, camera, index.value(), &placed)?));
         }
         let lights = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
         if let Some(index) = lights.map(|lights| lights.light) {
@@ -200,8 +198,9 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
         }
         scene.lights.extend(ies::read(&document, &placed)?);
     }
-    if let Some((place, (pose, aspect))) = cameras.first() {
-        (scene.camera, scene.camera_aspect) = (Some(*pose), *aspect);
+    if let Some((place, camera)) = cameras.first() {
+        (scene.camera, scene.camera_aspect) = (Some(camera.pose), camera.aspect);
+        (scene.optics, scene.camera_clip) = (camera.optics.clone(), Some(camera.clip));
         if cameras.len() > 1 {
             warnings.push(format!("{}: of {} cameras, that of {place} is used", path.display(), cameras.len()));
         }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{LightUnits, Mesh, PunctualLight, Variant};
+use crate::scene::{CameraPose, LightUnits, Mesh, PunctualLight, Variant};
 
 /// A scene of one triangle with `camera` after `overrides` are applied, and the settings.
 fn applied(overrides: &Overrides, camera: Option<CameraPose>) -> Result<(Scene, Settings), Conflict> {
@@ -27,7 +27,7 @@ fn one_option_changes_the_models_camera_and_two_points_make_a_new_one() {
 #[test]
 fn a_model_without_a_camera_is_framed_and_the_user_told() {
     let (scene, _) = applied(&Overrides { vfov: Some(20.0), width: Some(1024), ..Default::default() }, None).unwrap();
-    let framed = frame((Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)), Vec3::Y, 20.0, 2.0);
+    let framed = crate::scene::frame((Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)), Vec3::Y, 20.0, 2.0);
     assert_eq!(scene.camera, Some(framed));
     assert_eq!(scene.warnings.len(), 1);
 }

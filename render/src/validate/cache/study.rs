@@ -9,7 +9,7 @@ use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::sampling::Stream;
 
 use crate::cache::{Cache, Reading};
-use crate::camera::Camera;
+use crate::camera::FilmPoint;
 use crate::integrator::{fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
 use crate::settings::{CachedOptions, Settings};
@@ -156,21 +156,19 @@ impl<'a> Study<'a> {
 
 /// A surface that the camera sees at random in each of `side`² equal parts of the picture, if it sees one that scatters light.
 fn sensors(world: &World, places: Places, side: u32) -> Vec<Sensor> {
-    let camera = Camera::new(&world.camera, SIDE, SIDE);
+    let camera = world.camera_on(SIDE, SIDE);
     let part = SIDE as f32 / side as f32;
     let rays = (0..side * side).map(|i| {
         let random = Stream::new(PLACES_SEED, i, 0).uniform2(0);
         let place = (Vec2::new((i % side) as f32, (i / side) as f32) + random) * part;
-        match places {
-            Places::Anywhere => camera.ray(place.x, place.y),
+        let place = match places {
+            Places::Anywhere => place,
             // Every other pixel is a candidate; what is an odd multiple of 2 along both axes is only in the last pass.
-            Places::Candidates => {
-                let [x, y] = [place.x, place.y].map(|along| (along as u32 & !3) as f32 + 2.5);
-                camera.ray(x, y)
-            }
-        }
+            Places::Candidates => Vec2::from_array([place.x, place.y].map(|along| (along as u32 & !3) as f32 + 2.5)),
+        };
+        camera.central_ray(&FilmPoint::within(place))
     });
-    let surfaces = rays.filter_map(|ray| {
+    let surfaces = rays.flatten().filter_map(|ray| {
         let hit = world.tree().intersect(&ray)?;
         Some(world.surface_at(&hit).facing(ray.direction))
     });

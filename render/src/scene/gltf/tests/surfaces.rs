@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::material::Inputs;
-use crate::scene::{CameraPose, PunctualLight, SpotEdge};
+use crate::scene::{CameraPose, Clip, Optics, Projection, PunctualLight, SpotEdge};
 
 #[test]
 fn materials() {
@@ -183,22 +183,17 @@ fn cameras() {
         {"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}
     ]);
     document["nodes"] = json!([
-        {"mesh": 0, "camera": 0},
+        {"mesh": 0},
         {"camera": 1, "name": "shot", "translation": [1, 2, 3], "scale": [5, 5, 5]},
-        {"camera": 2}
+        {"camera": 2},
+        {"camera": 0}
     ]);
     let scene = parse(document.clone()).unwrap();
     let CameraPose { eye, target, up, vfov } = scene.camera.unwrap();
     assert_eq!((eye, target, up), (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 2.0), Vec3::Y));
     assert!((vfov - 60.0).abs() < 1e-4);
-    assert_eq!(
-        scene.warnings,
-        [
-            "model.gltf: camera 0 is orthographic, which cannot be rendered yet, so it is skipped; --eye, --target and \
-             --vfov make a perspective one",
-            "model.gltf: of 2 cameras, that of node 1 (\"shot\") is used",
-        ]
-    );
+    assert_eq!(scene.warnings, ["model.gltf: of 3 cameras, that of node 1 (\"shot\") is used"]);
+    assert_eq!((scene.optics, scene.camera_clip), (Optics::default(), Some(Clip { near: 1.0, far: f32::INFINITY })));
     let wide = changed(document.clone(), "/cameras/2/perspective/yfov", json!(4));
     assert_eq!(problem(wide), "camera 2: its yfov is 4 radians");
     let far = changed(document.clone(), "/nodes/1/translation", json!([0, 0, 1e9]));
@@ -207,4 +202,23 @@ fn cameras() {
     let flat = parse(changed(document, "/nodes/1/scale", json!([1, 0, 0]))).unwrap();
     assert_eq!(flat.camera.map(|pose| (pose.target, pose.up)), Some((target, up)));
     assert_eq!(parse(triangle()).unwrap().camera, None);
+}
+
+/// The magnifications are half of what is seen.
+#[test]
+fn orthographic_cameras() {
+    let mut document = triangle();
+    document["cameras"] =
+        json!([{"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 1.5, "znear": 0.5, "zfar": 20}}]);
+    document["nodes"] = json!([{"mesh": 0, "camera": 0, "translation": [1, 2, 3]}]);
+    let scene = parse(document.clone()).unwrap();
+    assert_eq!(scene.warnings, [""; 0]);
+    assert_eq!(scene.optics, Optics { projection: Projection::Orthographic { height: 3.0 }, ..Optics::default() });
+    let clip = Clip { near: 0.5, far: 20.0 };
+    assert_eq!((scene.camera_aspect, scene.camera_clip), (Some(2.0), Some(clip)));
+    assert_eq!(scene.camera.unwrap().target, Vec3::new(1.0, 2.0, 2.0));
+    let none = changed(document.clone(), "/cameras/0/orthographic/ymag", json!(0));
+    assert_eq!(problem(none), "camera 0: its xmag and ymag are 3 and 0");
+    let bare = changed(document, "/cameras/0", json!({"type": "orthographic"}));
+    assert_eq!(problem(bare), "camera 0: it is neither perspective nor orthographic");
 }
