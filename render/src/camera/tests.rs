@@ -99,6 +99,12 @@ fn sights_undo_rays() {
         for (x, y) in (0..height).step_by(7).flat_map(|y| (0..width).step_by(7).map(move |x| (x, y))) {
             let film = FilmPoint { pixel: (x, y), point: Vec2::new(x as f32 + 0.3, y as f32 + 0.6) };
             let Some(ray) = camera.central_ray(&film) else { continue };
+            // The border of a whole sphere is a single direction.
+            if matches!(camera.kind, Kind::Fisheye(_))
+                && ray.direction.dot((POSE.target - POSE.eye).normalize()) < -0.9999
+            {
+                continue;
+            }
             let view = u32::from(camera.views() == 2 && 2 * y >= height);
             let sight = camera.sight(ray.at(7.0), view).expect("it is before the camera");
             assert!((sight.film - film.point).length() < 1e-3, "{:?}: {} {}", camera.kind, sight.film, film.point);
@@ -348,12 +354,12 @@ fn the_rays_of_a_lens_meet_in_the_sharp_plane() {
         let central = camera.central_ray(&film).unwrap();
         let sharp = central.at(4.0 / central.direction.dot(forward));
         let mut squares = 0.0;
-        for i in 0..64 {
-            let u = Vec2::new((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5) / 8.0;
+        for i in 0..1024 {
+            let u = Vec2::new((i % 32) as f32 + 0.5, (i / 32) as f32 + 0.5) / 32.0;
             let ray = camera.ray(&FilmSample { film, lens: u });
             let offset = ray.origin - central.origin;
             assert!(offset.dot(forward).abs() < 1e-6 && offset.length() <= 0.25);
-            squares += offset.length_squared() / 64.0;
+            squares += offset.length_squared() / 1024.0;
             assert!((ray.direction.length() - 1.0).abs() < 1e-6);
             assert!((sharp - ray.origin).normalize().cross(ray.direction).length() < 1e-6);
         }

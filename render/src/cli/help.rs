@@ -28,6 +28,8 @@ Examples:
   halfdome render hall.obj --eye 0,1.7,4 --target 0,1,0 --sky 0.5,0.6,0.8
   halfdome render hall.toml --integrator normals -o normals.exr
   halfdome render hall.glb --exposure -1 --tone reinhard --progress none
+  halfdome render hall.glb --f-number 2.8 --focus 3 --blades 6
+  halfdome render hall.glb --camera panorama --ipd 64 -o hall.png
 
 Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
 one of them changes the model's camera.";

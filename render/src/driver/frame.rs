@@ -70,7 +70,8 @@ impl FrameRender {
         addresses.extend(samplers.iter().map(Sampler::address));
         u_film.resize(addresses.len(), Vec2::ZERO);
         fill2(world.isa(), pattern, seed, FILM_SET, addresses, u_film);
-        if self.camera.has_lens() {
+        let (has_lens, has_border) = (self.camera.has_lens(), self.camera.has_border());
+        if has_lens {
             u_lens.resize(addresses.len(), Vec2::ZERO);
             fill2(world.isa(), pattern, seed, LENS_SET, addresses, u_lens);
         }
@@ -81,13 +82,15 @@ impl FrameRender {
             let filter = self.filter.sample(u.to_array());
             let point = Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]);
             let point = FilmPoint { pixel: (x, y), point };
-            if !self.camera.covers(&point) {
-                tile.add_blind(number, &filter);
-                continue;
+            if has_border {
+                if !self.camera.covers(&point) {
+                    tile.add_blind(number, &filter);
+                    continue;
+                }
+                // Those that see something move up.
+                samplers[film.len()] = samplers[i];
             }
-            // Those that see something move up.
-            samplers[film.len()] = samplers[i];
-            film.push(FilmSample { film: point, lens: u_lens.get(i).copied().unwrap_or_default() });
+            film.push(FilmSample { film: point, lens: if has_lens { u_lens[i] } else { Vec2::ZERO } });
             places.push((number, filter));
         }
         samplers.truncate(film.len());

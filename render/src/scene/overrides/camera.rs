@@ -51,7 +51,7 @@ named!(SensorFit: Auto = "auto", Horizontal = "horizontal", Vertical = "vertical
 #[command(next_help_heading = "Camera")]
 pub struct CameraOverrides {
     /// Kind of camera: perspective, orthographic, panorama, fisheye, cube or rays [default: the model's, or perspective]
-    #[arg(long = "camera", value_name = "KIND", value_parser = argument(value::camera_kind))]
+    #[arg(id = "camera", long, value_name = "KIND", value_parser = argument(value::camera_kind))]
     pub kind: Option<CameraKind>,
     /// perspective: focal length in mm, in place of --vfov
     #[arg(long, value_name = "MM", value_parser = argument(value::length), allow_negative_numbers = true)]
@@ -119,7 +119,7 @@ pub struct CameraOverrides {
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub model_clip: Option<bool>,
     /// rays: the ray of each pixel, a line `ox oy oz dx dy dz` for each, or an EXR with channels of these names
-    #[arg(long = "camera-rays", value_name = "FILE")]
+    #[arg(id = "camera-rays", long, value_name = "FILE")]
     pub rays: Option<PathBuf>,
 }
 
