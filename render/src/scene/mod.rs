@@ -48,10 +48,9 @@ pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, 
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from};
-pub use optics::{Clip, FisheyeMapping, Lens, Optics, Projection, RayTable};
+pub use optics::{CameraKind, Clip, FisheyeMapping, Lens, Optics, Projection, RayTable, SensorFit};
 pub use overrides::{
-    CachedOverrides, CameraKind, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SensorFit,
-    SkyOverrides,
+    CachedOverrides, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SkyOverrides,
 };
 pub use profile::{Profile, ProfileFrame};
 pub use punctual::{PunctualLight, SpotEdge};

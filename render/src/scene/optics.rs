@@ -97,6 +97,40 @@ pub struct RayTable {
     pub rays: Vec<[Vec3; 2]>,
 }
 
+/// A kind of camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CameraKind {
+    /// A pinhole or a thin lens.
+    #[default]
+    Perspective,
+    /// Parallel rays.
+    Orthographic,
+    /// Equirectangular, all directions.
+    Panorama,
+    /// A disc of up to all directions.
+    Fisheye,
+    /// Six faces.
+    Cube,
+    /// A file of rays.
+    Rays,
+}
+
+named!(CameraKind: Perspective = "perspective", Orthographic = "orthographic", Panorama = "panorama", Fisheye = "fisheye", Cube = "cube", Rays = "rays");
+
+/// Which side of the picture the sensor's size is about, as Blender has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SensorFit {
+    /// The sensor's width is the picture's longer side.
+    #[default]
+    Auto,
+    /// The sensor's width is the picture's.
+    Horizontal,
+    /// The sensor's height is the picture's.
+    Vertical,
+}
+
+named!(SensorFit: Auto = "auto", Horizontal = "horizontal", Vertical = "vertical");
+
 impl Projection {
     /// As the option `--camera` calls it.
     pub fn name(&self) -> &'static str {

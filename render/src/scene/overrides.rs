@@ -25,7 +25,7 @@ use crate::settings::Filter;
 use crate::settings::{Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
-pub use camera::{CameraKind, CameraOverrides, SensorFit};
+pub use camera::CameraOverrides;
 pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
 pub use sky::SkyOverrides;

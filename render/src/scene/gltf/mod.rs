@@ -9,8 +9,8 @@
 //! like its node.
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Skins, morph targets, lights' ranges, orthographic
-//! cameras, points and lines are left out with a warning, animations without one.
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Skins, morph targets, lights' ranges,
+//! points and lines are left out with a warning, animations without one.
 
 pub(crate) mod accessor;
 mod attributes;

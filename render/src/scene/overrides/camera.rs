@@ -8,43 +8,9 @@ use clap::Args;
 use glam::{Vec2, Vec3};
 
 use super::super::value::{self, argument};
-use super::super::{FisheyeMapping, Optics, Projection};
+use super::super::{CameraKind, FisheyeMapping, Optics, Projection, SensorFit};
 use super::Overrides;
-use crate::settings::{Invalid, named};
-
-/// A kind of camera.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CameraKind {
-    /// A pinhole or a thin lens.
-    #[default]
-    Perspective,
-    /// Parallel rays.
-    Orthographic,
-    /// Equirectangular, all directions.
-    Panorama,
-    /// A disc of up to all directions.
-    Fisheye,
-    /// Six faces.
-    Cube,
-    /// A file of rays.
-    Rays,
-}
-
-named!(CameraKind: Perspective = "perspective", Orthographic = "orthographic", Panorama = "panorama", Fisheye = "fisheye", Cube = "cube", Rays = "rays");
-
-/// Which side of the picture the sensor's size is about, as Blender has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SensorFit {
-    /// The sensor's width is the picture's longer side.
-    #[default]
-    Auto,
-    /// The sensor's width is the picture's.
-    Horizontal,
-    /// The sensor's height is the picture's.
-    Vertical,
-}
-
-named!(SensorFit: Auto = "auto", Horizontal = "horizontal", Vertical = "vertical");
+use crate::settings::Invalid;
 
 /// Options that are set here; the others are `None` and leave the model's camera, or a new one's defaults.
 #[derive(Args, Clone, Debug, Default, PartialEq)]

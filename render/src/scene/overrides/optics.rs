@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::super::{CameraPose, Clip, Lens, Optics, Place, Projection, RayTable, Scene, SceneError};
-use super::camera::{CameraKind, SensorFit};
+use super::super::{
+    CameraKind, CameraPose, Clip, Lens, Optics, Place, Projection, RayTable, Scene, SceneError, SensorFit,
+};
 use super::{CameraOverrides, Overrides};
 use crate::settings::Invalid;
 
