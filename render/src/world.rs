@@ -21,6 +21,7 @@ use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
 use crate::scene::{CameraPose, Material, Mesh, Optics, Scene, Texture};
+pub use seen_points::LookFrom;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
@@ -71,14 +72,38 @@ impl World {
     /// # Errors
     /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
-        Self::build(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)
+        Self::looking_from(scene, LookFrom::Camera)
+    }
+
+    /// Likewise, to find light elsewhere than in a picture of its camera.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn looking_from(scene: Scene, from: LookFrom) -> Result<Self, WorldError> {
+        let mut world = Self::assemble(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)?;
+        world.look(from);
+        Ok(world)
     }
 
     /// Makes a scene ready, with a tree that is built where `executor` says.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn build<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
+    pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
+        let mut world = Self::assemble(scene, options, executor)?;
+        world.look(LookFrom::Camera);
+        Ok(world)
+    }
+
+    /// Finds out how far lights reach, and what they light fiercely.
+    fn look(&mut self, from: LookFrom) {
+        if let Some(points) = self.seen_points(from) {
+            self.estimate_light_visibility(&points);
+            self.find_lit_triangles(&points);
+        }
+    }
+
+    fn assemble<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
         scene.complete_tangents();
         let surroundings_hash = scene.surroundings_hash();
@@ -117,7 +142,7 @@ impl World {
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
-        let mut world = Self {
+        Ok(Self {
             meshes,
             materials,
             textures,
@@ -135,10 +160,7 @@ impl World {
             camera,
             optics,
             surroundings_hash,
-        };
-        world.estimate_light_visibility();
-        world.find_lit_triangles();
-        Ok(world)
+        })
     }
 
     /// The tree, for tracing.

@@ -23,8 +23,8 @@ pub struct BoxTree {
 }
 
 impl BoxTree {
-    /// Builds a tree over `boxes`, which come in groups of equal length, one for each of `keys`. Boxes that are empty, at
-    /// any key, or reach beyond the [numeric limits](crate#numeric-limits) are left out and counted.
+    /// Builds a tree over `boxes`, which come in groups of equal length, one for each of `keys`. Boxes that are empty,
+    /// at any key, or reach beyond the [numeric limits](crate#numeric-limits) are left out and counted.
     ///
     /// # Errors
     /// [`InvalidTree::BadKeys`] if there are no keys or they do not divide the boxes, and [`InvalidTree::TooLarge`] if

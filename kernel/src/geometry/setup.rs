@@ -7,6 +7,10 @@ use super::{Aabb, Ray};
 /// The greatest magnitude of a coordinate: 2⁴², about 4.4e12. Products of sheared coordinates and distances to planes
 /// then stay finite.
 pub const MAX_COORDINATE: f32 = (1u64 << 42) as f32;
+/// The least magnitude of a direction's largest component: 2⁻⁵⁰, about 8.9e-16.
+pub const MIN_DIRECTION: f32 = 1.0 / MAX_DIRECTION;
+/// The greatest magnitude of a direction's largest component: 2⁵⁰, about 1.1e15.
+pub const MAX_DIRECTION: f32 = (1u64 << 50) as f32;
 
 impl Aabb {
     /// Whether something is inside, and nothing lies beyond the numeric limits.
@@ -14,10 +18,6 @@ impl Aabb {
         !self.is_empty() && self.min.min_element() >= -MAX_COORDINATE && self.max.max_element() <= MAX_COORDINATE
     }
 }
-/// The least magnitude of a direction's largest component: 2⁻⁵⁰, about 8.9e-16.
-pub const MIN_DIRECTION: f32 = 1.0 / MAX_DIRECTION;
-/// The greatest magnitude of a direction's largest component: 2⁵⁰, about 1.1e15.
-pub const MAX_DIRECTION: f32 = (1u64 << 50) as f32;
 
 /// The box of a triangle is widened by this times its reach from the origin; see the module's error bounds.
 pub(crate) const OWN_PAD: f32 = 8.0 / (1u32 << 24) as f32;
@@ -25,7 +25,8 @@ pub(crate) const OWN_PAD: f32 = 8.0 / (1u32 << 24) as f32;
 pub(crate) const NODE_PAD: f32 = 16.0 / (1u32 << 24) as f32;
 /// … and by this times the origin itself.
 pub(crate) const NODE_ORIGIN_PAD: f32 = 4.0 / (1u32 << 24) as f32;
-/// Distances to nodes are widened by this besides: it changes only numbers so small that the pads above are rounded away.
+/// Distances to nodes are widened by this besides: it changes only numbers so small that the pads above are rounded
+/// away.
 pub(crate) const UNDERFLOW_PAD: f32 = 4.0 * f32::MIN_POSITIVE;
 /// Components of the direction smaller than this times the largest one count as this, which keeps reciprocals finite.
 /// Over the whole scene the ray strays from its class by less than the boxes are widened.

@@ -16,14 +16,12 @@ use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::Hessian;
 use super::accumulate::{Above, LEAST_DISTANCE, Samples, bound, bound_lanes};
 use super::edge::{Ends, Sums};
 use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, NEXT, Row, parts};
+use super::{Hessian, LUMINANCE};
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
-/// Luminance of linear Rec. 709 radiance.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// The part of the mean radiance that is added to every light.
 const BASE: f32 = 0.01;
 

@@ -67,6 +67,7 @@ mod hemicube;
 mod hessian;
 mod mesh;
 pub mod reference;
+mod source;
 mod stratified;
 mod strip;
 #[cfg(test)]
@@ -76,11 +77,15 @@ pub use accumulate::LEAST_DISTANCE;
 pub use gather::Gather;
 pub use hemicube::Hemicube;
 pub use hessian::{Ellipse, Hessian};
+pub use source::PointSource;
 pub use stratified::Stratified;
 
 use core::fmt;
 
 use glam::{Vec2, Vec3};
+
+/// Luminance of linear Rec. 709 radiance.
+const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// A hemisphere cut into cells.
 pub trait Layout {

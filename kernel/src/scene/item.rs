@@ -55,14 +55,15 @@ impl<'a> Item<'a> {
     ///
     /// # Errors
     /// [`InvalidScene::NotFinite`](crate::InvalidScene::NotFinite), and
-    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if the transform nearly flattens: the greatest row sums of it
-    /// and of its inverse may have a product of [`MAX_CONDITION`](super::MAX_CONDITION).
+    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if the transform nearly flattens: the greatest row
+    /// sums of it and of its inverse may have a product of [`MAX_CONDITION`](super::MAX_CONDITION).
     pub fn placed(self, to_scene: &Affine3A) -> Result<Self, Error> {
         Ok(Self { placement: Placement::still(to_scene)?, ..self })
     }
 
-    /// The item where transforms take its points, each at its time; times are evenly spaced over 0..=1, and in between the
-    /// elements are interpolated, so that points move in straight lines. Wheels want a key every eighth of a turn or so.
+    /// The item where transforms take its points, each at its time; times are evenly spaced over 0..=1, and in between
+    /// the elements are interpolated, so that points move in straight lines. Wheels want a key every eighth of a turn
+    /// or so.
     ///
     /// # Errors
     /// Those of [`placed`](Self::placed), at a key or between, as halfway through half a turn; and

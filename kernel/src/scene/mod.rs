@@ -1,4 +1,5 @@
-//! Scenes: triangles, geometry of the caller's and other scenes, each where a transform puts it, standing still or moving.
+//! Scenes: triangles, geometry of the caller's and other scenes, each where a transform puts it, standing still or
+//! moving.
 //!
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
@@ -12,10 +13,10 @@
 //!
 //! # Scenes that change
 //! With `alloc`, a `Scene` owns its items. What is inserted is named by a `Handle`, which stays valid until the item is
-//! removed. Changes are staged: rays see the scene as of its last `commit`, which checks all changes before it makes any,
-//! and fits the tree to them or builds it anew. A commit that was forgotten leaves the scene as it was, and
-//! `Scene::is_committed` tells. A `Scene<'static>`, whose items share their objects by `Arc`, is `Send` and `Sync` and can
-//! be an engine's resource.
+//! removed. Changes are staged: rays see the scene as of its last `commit`, which checks all changes before it makes
+//! any, and fits the tree to them or builds it anew. A commit that was forgotten leaves the scene as it was, and
+//! `Scene::is_committed` tells. A `Scene<'static>`, whose items share their objects by `Arc`, is `Send` and `Sync` and
+//! can be an engine's resource.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -38,27 +39,29 @@
 //! ```
 //!
 //! # What a hit is
-//! The ray is taken into the item's own space by the inverse of its transform, in `f64`, rounded once, and is there what it
-//! would be in a tree of its own: the hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with that local ray. Its
-//! direction is not normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `geometry_id`
-//! counts, then the lowest `prim_id`, then the lowest `path`. So what is hit does not depend on the order of
-//! the tree, and is equal bit for bit on every instruction set and to the loop in [`mod@reference`].
+//! The ray is taken into the item's own space by the inverse of its transform, in `f64`, rounded once, and is there
+//! what it would be in a tree of its own: the hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with
+//! that local ray. Its direction is not normalised, so that `t` is the same in all spaces. Of equally near hits that
+//! with the lowest `geometry_id` counts, then the lowest `prim_id`, then the lowest `path`. So what is hit does not
+//! depend on the order of the tree, and is equal bit for bit on every instruction set and to the loop in
+//! [`mod@reference`].
 //!
-//! The [numeric limits](crate#numeric-limits) hold in every space: where a transform takes a ray beyond them, it hits nothing
-//! there.
+//! The [numeric limits](crate#numeric-limits) hold in every space: where a transform takes a ray beyond them, it hits
+//! nothing there.
 //!
 //! # Instances
-//! A scene has a path for itself and those of each scene in it, as often as that is in it. They are numbered depth first: those
-//! through the first item, those through the second and so on, and last the scene's own. So one number says which items a
-//! hit lies in, however deep. Tracing recurses once a level, with some 3 KB of stack each; how deep that will be
-//! [`SceneView::levels`] says.
+//! A scene has a path for itself and those of each scene in it, as often as that is in it. They are numbered depth
+//! first: those through the first item, those through the second and so on, and last the scene's own. So one number
+//! says which items a hit lies in, however deep. Tracing recurses once a level, with some 3 KB of stack each; how deep
+//! that will be [`SceneView::levels`] says.
 //!
 //! # Motion
-//! Times are 0..=1; what lies beyond counts as the nearer end, and at a time that is NaN a ray hits nothing. What moves has
-//! keys, evenly spaced over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are interpolated as
-//! `(1 - f) a + f b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a key
-//! both are exactly what stands still there. A scene's tree has as many keys as the item that has most; its boxes are
-//! interpolated, and an item whose own keys do not fall on the tree's has one box around all places that it gets to.
+//! Times are 0..=1; what lies beyond counts as the nearer end, and at a time that is NaN a ray hits nothing. What moves
+//! has keys, evenly spaced over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are
+//! interpolated as `(1 - f) a + f b` with each operation rounded, and items ([`Item::moving`]), whose transform's
+//! elements are. At a key both are exactly what stands still there. A scene's tree has as many keys as the item that
+//! has most; its boxes are interpolated, and an item whose own keys do not fall on the tree's has one box around all
+//! places that it gets to.
 //!
 //! Nothing here allocates or panics while tracing.
 
@@ -122,8 +125,8 @@ impl SceneView<'_> {
     /// The nearest hit of `ray` that `filter` accepts. If the filter stops the search, the hit that it stopped at.
     ///
     /// The filter sees those hits that precede the nearest one accepted so far: each triangle and each primitive of a
-    /// shape at most once for each way to it, roughly from near to far. The order is the same on all instruction sets but
-    /// [`Isa::SCALAR`](crate::Isa::SCALAR).
+    /// shape at most once for each way to it, roughly from near to far. The order is the same on all instruction sets
+    /// but [`Isa::SCALAR`](crate::Isa::SCALAR).
     pub fn intersect_filtered(&self, ray: &SceneRay, filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
         match self.isa().level() {
             Level::Scalar => reference::intersect_filtered(self, ray, filter),
@@ -141,8 +144,8 @@ impl SceneView<'_> {
         self.intersect_filtered(ray, stop).is_some()
     }
 
-    /// Gives `visit` every hit of `ray`, each once for each way to it and roughly from near to far, until it breaks off;
-    /// tells whether it did.
+    /// Gives `visit` every hit of `ray`, each once for each way to it and roughly from near to far, until it breaks
+    /// off; tells whether it did.
     pub fn for_each_hit(&self, ray: &SceneRay, mut visit: impl FnMut(&SceneHit) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut flow = ControlFlow::Continue(());
         let t_max = ray.ray.t_max;
@@ -171,8 +174,8 @@ impl SceneView<'_> {
         count
     }
 
-    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives their
-    /// number. The rest of `hits` is of no meaning. The search leaves out what is behind the last of them.
+    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives
+    /// their number. The rest of `hits` is of no meaning. The search leaves out what is behind the last of them.
     pub fn nearest_hits(&self, ray: &SceneRay, hits: &mut [SceneHit]) -> usize {
         let mut len = 0;
         let room = hits.len();

@@ -15,8 +15,8 @@ use super::{Item, Object, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
 use crate::error::{Error, InvalidScene};
 
-/// A scene that owns its list of items and their tree. What items are is borrowed or shared; where all of it is shared, by
-/// [`Arc`](alloc::sync::Arc), this is a `Scene<'static>`.
+/// A scene that owns its list of items and their tree. What items are is borrowed or shared; where all of it is shared,
+/// by [`Arc`](alloc::sync::Arc), this is a `Scene<'static>`.
 ///
 /// Changes are staged until [`commit`](Self::commit): [`view`](Self::view) shows the scene as of the last one.
 #[derive(Clone)]
@@ -50,8 +50,8 @@ pub struct Commit {
     pub changed: usize,
     /// Whether the scene's tree was built anew, or else fitted to the changes.
     pub is_rebuilt: bool,
-    /// How many items, or primitives of items that are shapes, rays can see if their masks allow; others have no summary, as
-    /// they are empty, flat or removed, or reach beyond the [numeric limits](crate#numeric-limits).
+    /// How many items, or primitives of items that are shapes, rays can see if their masks allow; others have no
+    /// summary, as they are empty, flat or removed, or reach beyond the [numeric limits](crate#numeric-limits).
     pub seen: usize,
     /// The expected number of the tree's nodes that a random ray visits which meets the scene's box.
     pub cost: f32,
@@ -87,8 +87,8 @@ impl<'a> Scene<'a> {
     }
 
     /// Builds a scene of `items`, on this thread. A hit names an item by its index. The report counts parts, which are
-    /// items, or primitives of items that are shapes: those with an empty box as degenerate, and those that reach beyond the
-    /// [numeric limits](crate#numeric-limits) at some time as out of range. Neither are in the scene.
+    /// items, or primitives of items that are shapes: those with an empty box as degenerate, and those that reach
+    /// beyond the [numeric limits](crate#numeric-limits) at some time as out of range. Neither are in the scene.
     ///
     /// # Errors
     /// Those of [`commit`](Self::commit).
@@ -159,8 +159,8 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Says what an item is, from the next commit on; its place and mask stay. So a mesh that deforms has two trees, of which
-    /// one is in the scene and the other one is refitted: after the commit nobody else shares the first.
+    /// Says what an item is, from the next commit on; its place and mask stay. So a mesh that deforms has two trees, of
+    /// which one is in the scene and the other one is refitted: after the commit nobody else shares the first.
     ///
     /// # Errors
     /// [`InvalidScene::NoSuchItem`].
@@ -204,14 +204,14 @@ impl<'a> Scene<'a> {
         self.staged.is_empty()
     }
 
-    /// Makes all changes since the last commit, on this thread: from now on rays see them. The scene's tree is fitted to
-    /// where its items are now; where there are new ones, or fitting makes it worse by a fifth than it was when built, it is
-    /// built again.
+    /// Makes all changes since the last commit, on this thread: from now on rays see them. The scene's tree is fitted
+    /// to where its items are now; where there are new ones, or fitting makes it worse by a fifth than it was when
+    /// built, it is built again.
     ///
     /// # Errors
     /// [`InvalidScene::Imprecise`] if distorting transforms lie one in the other so that rounding gets out of hand,
-    /// [`InvalidScene::TooManyPaths`], and [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then is as of the
-    /// last commit, and the changes wait still.
+    /// [`InvalidScene::TooManyPaths`], and [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then is
+    /// as of the last commit, and the changes wait still.
     pub fn commit(&mut self) -> Result<Commit, Error> {
         self.commit_on(&Serial)
     }

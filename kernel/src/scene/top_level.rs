@@ -74,8 +74,8 @@ impl TopLevel {
         Ok((Self { parts, tree, boxes, keys, firsts, is_in_tree, built_cost }, report))
     }
 
-    /// Fits the tree to items some of which have changed. `None` if it has to be built again, or had better be; then it is of
-    /// no more use.
+    /// Fits the tree to items some of which have changed. `None` if it has to be built again, or had better be; then it
+    /// is of no more use.
     pub(super) fn fit<E: Executor>(
         &mut self,
         executor: &E,

@@ -105,8 +105,8 @@ impl Isa {
         Self::best()
     }
 
-    /// Runs `task` with the instructions of this level: plain loops in it, and in what is inlined into it, become as wide
-    /// as those are. Results do not depend on the level, as the compiler fuses nothing.
+    /// Runs `task` with the instructions of this level: plain loops in it, and in what is inlined into it, become as
+    /// wide as those are. Results do not depend on the level, as the compiler fuses nothing.
     #[inline]
     pub fn run<T: Task>(self, task: T) -> T::Output {
         dispatch(self, Plain(task))
@@ -119,16 +119,16 @@ impl Isa {
     /// The proof for `level` on the caller's word; for where nothing can be detected. Where the target has no code for
     /// that level, the proof is for [`Level::Portable`].
     ///
-    /// There is code for AVX2 and AVX-512 on x86-64 if floats are passed in registers. `x86_64-unknown-none` passes them
-    /// in integers, so that a system's kernel need not save the vector registers, and the compiler makes no vector
+    /// There is code for AVX2 and AVX-512 on x86-64 if floats are passed in registers. `x86_64-unknown-none` passes
+    /// them in integers, so that a system's kernel need not save the vector registers, and the compiler makes no vector
     /// instruction for it at all: the kernel runs there in software floats, with the same hits. A program without an
     /// operating system that may use the registers is built without the standard library for a target that has them,
     /// such as `x86_64-unknown-linux-musl`.
     ///
     /// # Safety
     /// The processor must support every extension that [`Level`] names for `level` and those below it, and whoever
-    /// switches contexts (an operating system; the start-up code by `CR4.OSXSAVE` and `XCR0`) must have enabled and keep
-    /// the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
+    /// switches contexts (an operating system; the start-up code by `CR4.OSXSAVE` and `XCR0`) must have enabled and
+    /// keep the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
     pub const unsafe fn assume(level: Level) -> Self {
         match level {
             Level::Avx2 | Level::Avx512 if !HAS_VECTOR_CODE => Self::PORTABLE,
@@ -172,7 +172,8 @@ impl<T: Task> Work for Plain<T> {
     }
 }
 
-/// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it calls.
+/// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it
+/// calls.
 pub(crate) trait Work {
     type Output;
     fn run<S: Simd>(self) -> Self::Output;

@@ -1,5 +1,5 @@
-//! Lays out an atlas: which meshes keep the coordinates that they have, which get new places for their charts, and which are
-//! unwrapped.
+//! Lays out an atlas: which meshes keep the coordinates that they have, which get new places for their charts, and
+//! which are unwrapped.
 
 use super::atlas::{Atlas, Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::check::{Check, check};
@@ -46,8 +46,8 @@ impl Atlas {
         Ok(atlas)
     }
 
-    /// The coordinates that the scene's meshes have, right or wrong, on one page; `None` if none has any or they are not to
-    /// be used.
+    /// The coordinates that the scene's meshes have, right or wrong, on one page; `None` if none has any or they are
+    /// not to be used.
     ///
     /// # Errors
     /// If the density that is asked for makes too large a page of them.

@@ -57,6 +57,7 @@ use covered::uncover;
 use denoise::denoise;
 use dilate::PageTexels;
 use edges::shared_edges;
+pub use errors::ErrorSummary;
 use errors::errors;
 use moments::DirectionalBasis;
 use seams::{Seams, cuts};
@@ -93,8 +94,9 @@ pub struct Map {
     pub owners: Vec<u32>,
     /// Where each texel's value comes from.
     pub sources: Vec<TexelSource>,
-    /// An estimate of the relative error of irradiance at each texel with light of its own, 0 for others. It knows noise,
-    /// and how far the cache's records disagree, but no bias.
+    /// An estimate of the error of irradiance at each texel with light of its own, 0 for others, relative to its
+    /// irradiance or to a tenth of the mean of all, whichever is more. It knows noise, and how far the cache's records
+    /// disagree, but no bias.
     pub errors: Vec<f32>,
 }
 
@@ -134,11 +136,11 @@ pub struct Statistics {
 }
 
 impl Bake {
-    /// The root mean square of the relative errors that are estimated for texels with light of their own.
-    pub fn error(&self) -> f32 {
-        let errors = || self.maps.iter().flat_map(|map| &map.errors).filter(|error| **error > 0.0);
-        let squares: f64 = errors().map(|error| f64::from(error * error)).sum();
-        (squares / errors().count().max(1) as f64).sqrt() as f32
+    /// The relative errors that are estimated for texels with light of their own.
+    pub fn error(&self) -> ErrorSummary {
+        let texels = self.maps.iter().flat_map(|map| map.errors.iter().zip(&map.sources));
+        let own = texels.filter(|(_, source)| **source == TexelSource::Light).map(|(error, _)| *error);
+        ErrorSummary::of(own.collect())
     }
 }
 

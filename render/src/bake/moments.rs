@@ -16,8 +16,8 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use halfdome_kernel::{Hit, Ray};
 
 use super::options::Directional;
-use crate::estimator::Hemisphere;
-use crate::integrator::{RayBatch, Wavefront, indirect};
+use crate::estimator::{AimedFrom, AimedRays, Follow, Hemisphere};
+use crate::integrator::{Follower, GatherSource};
 use crate::settings::{CachedOptions, HemisphereSampling};
 use crate::world::{Surface, World};
 
@@ -89,7 +89,7 @@ pub(super) struct Moments {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    wave: Wavefront,
+    aimed: AimedRays,
 }
 
 impl Moments {
@@ -103,7 +103,7 @@ impl Moments {
             rays: Vec::new(),
             hits: Vec::new(),
             radiance: Vec::new(),
-            wave: Wavefront::default(),
+            aimed: AimedRays::default(),
         }
     }
 
@@ -119,7 +119,15 @@ impl Moments {
     ) -> u64 {
         let frame = surface.frame();
         let solid_angle = 2.0 * PI / self.hemisphere.rays() as f32;
-        let mut traced = 0;
+        let mut follower = Follower::new(world, GatherSource::Paths(self.max_depth), DIRECTION_SET + 1);
+        let from = AimedFrom::new(world, surface, self.hemisphere.rays() as usize);
+        self.aimed.clear();
+        let sampler = |seed, i| Sampler::new(Pattern::Sobol, seed, number, i);
+        self.aimed.push(world, (surface, &from), (0, self.seed), sampler, |_| 1.0 / solid_angle);
+        let mut traced = self.aimed.trace(world, &mut follower);
+        for lit in self.aimed.found(world, 0) {
+            basis.add(lit.direction, lit.flux, sums);
+        }
         for first in (0..self.hemisphere.rays()).step_by(BATCH) {
             let end = self.hemisphere.rays().min(first + BATCH as u32);
             self.samplers.clear();
@@ -136,12 +144,11 @@ impl Moments {
             self.hits.resize(self.rays.len(), Hit::MISS);
             self.radiance.resize(self.rays.len(), Vec3::ZERO);
             world.intersect_many(&self.rays, &mut self.hits);
-            let (rays, hits, samplers) = (&self.rays, &self.hits, &self.samplers);
-            let camera = RayBatch { rays, hits, samplers, first_set: DIRECTION_SET + 1, density: 0.0 };
-            traced += indirect(world, self.max_depth, &camera, &mut self.wave, &mut self.radiance);
+            traced += follower.follow(&self.rays, &self.hits, &self.samplers, &mut self.radiance);
             traced += self.rays.len() as u64;
-            for (ray, radiance) in self.rays.iter().zip(&self.radiance) {
-                basis.add(ray.direction, *radiance * solid_angle, sums);
+            for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&self.radiance) {
+                let kept = if hit.is_hit() { from.kept(world, ray, hit, 1.0 / solid_angle) } else { 1.0 };
+                basis.add(ray.direction, *radiance * (kept * solid_angle), sums);
             }
         }
         traced

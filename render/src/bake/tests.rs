@@ -9,6 +9,7 @@ use super::filter::footprint;
 use super::*;
 use crate::scene::{Material, Mesh, cornell_box};
 use crate::settings::GatherLayout;
+use crate::world::LookFrom;
 
 mod accuracy;
 mod seams;
@@ -58,7 +59,7 @@ fn glowing(emission: f32, diffuse: f32) -> Material {
 
 fn baked(scene: &Scene, options: &BakeOptions) -> Bake {
     let atlas = Atlas::new(scene, options).unwrap();
-    let world = World::new(scene.clone()).unwrap();
+    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap();
     bake(scene, &world, atlas, options, &Checkpoint::new(0), &NeverStops).unwrap()
 }
 
@@ -124,7 +125,7 @@ fn a_furnace_has_its_light_and_no_steps() {
         let error = (squares / values.len() as f32).sqrt();
         assert!(error < 0.015, "{error}");
         // Each texel has noise of its own, or shares that of records with others.
-        let (estimate, most) = (bake.error(), if brute { 1.5 } else { 4.0 });
+        let (estimate, most) = (bake.error().root_mean_square, if brute { 1.5 } else { 4.0 });
         assert!(estimate > 0.5 * error && estimate < most * error, "{error} is estimated as {estimate}, {layout:?}");
         let (step, pairs) = greatest_step(&furnace, &bake, sampling, true);
         assert!(step < 0.005 && pairs > 500, "{sampling:?}, {layout:?}: {step}");
@@ -261,6 +262,28 @@ fn ambient_occlusion_of_an_open_floor_and_of_a_corner() {
     let least = open.iter().map(|open| open.x).fold(1.0, f32::min);
     // In an edge half is open, in a corner a quarter.
     assert!(most == 1.0 && (0.2..0.4).contains(&least), "{least} to {most}");
+}
+
+/// The irradiance under a disc is `π L r² / (r² + h²)`, and a lamp gets no texels.
+#[test]
+fn lamps_of_a_scene_file_light_maps_and_are_on_none() {
+    let text = "[scene]\nfile = \"room.obj\"\n[[light]]\ntype = \"disc\"\nposition = [0, 1, 0]\n\
+        direction = [0, -1, 0]\nradius = 0.5\nradiance = 3";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("room.obj"), "").unwrap();
+    let file = crate::scene::SceneFile::parse(&folder.path().join("room.toml"), text).unwrap();
+    let floor = Mesh {
+        positions: [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(|[x, z]| vec3(x, 0.0, z)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let mut room = scene(vec![floor], vec![glowing(0.0, 0.5)]);
+    file.overrides.apply(&mut room).unwrap();
+    let bake = baked(&room, &quick());
+    assert_eq!(bake.atlas.parts.iter().map(|part| part.mesh).collect::<Vec<_>>(), [0]);
+    let most = lit(&bake).iter().map(|light| light.x).fold(0.0, f32::max);
+    let expected = PI * 3.0 * 0.25 / 1.25;
+    assert!((most / expected - 1.0).abs() < 0.02, "{most}, not {expected}");
 }
 
 #[test]

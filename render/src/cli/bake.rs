@@ -21,7 +21,7 @@ use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Scene, SceneFile};
-use crate::world::World;
+use crate::world::{LookFrom, World};
 use files::Files;
 
 /// How often the state of a bake is written.
@@ -212,7 +212,7 @@ fn bake(
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
     memory::require(&format!("a bake of {texels} texels"), bytes, "use a lower --density or a smaller --size")?;
-    let world = World::new(scene.clone()).map_err(CliError::input)?;
+    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
     let baked = bake::bake(&scene, &world, atlas, options, &checkpoint, &progress);

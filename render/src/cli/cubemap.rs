@@ -4,6 +4,7 @@ mod files;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use clap::Args;
 use glam::Vec3;
@@ -21,6 +22,7 @@ use super::progress::Progress;
 use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping, Options, Seams, measure};
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::{PunctualLight, Scene, Sky, value};
+use crate::world::LookFrom;
 use files::Files;
 
 /// The name of the options' sky in place of a path.
@@ -153,10 +155,12 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
         }
         None => {
             let options = arguments.options(0)?;
+            let (place, light) = (arguments.at.unwrap_or_default(), arguments.light.overrides());
+            let from = LookFrom::Places(slice::from_ref(&place));
             let (world, settings, pool) =
-                prepare_world(&arguments.source, arguments.light.overrides(), &arguments.common, &files.paths())?;
+                prepare_world(&arguments.source, light, &arguments.common, &files.paths(), from)?;
             let options = Options { seed: settings.seed, ..options };
-            let source = Environment::point(&world, arguments.at.unwrap_or_default(), arguments.spp, settings.seed);
+            let source = Environment::point(&world, place, arguments.spp, settings.seed);
             finish(arguments, &source, &options, &pool, &files, style)
         }
     }

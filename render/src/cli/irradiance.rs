@@ -22,6 +22,7 @@ use super::progress::Progress;
 use crate::irradiance::{self, Part, Request, Sensor};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
+use crate::world::LookFrom;
 
 /// What `halfdome irradiance` takes.
 #[derive(Args, Clone, Debug)]
@@ -73,8 +74,10 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     inputs::refuse(arguments.output.as_slice(), &inputs)?;
     let sensors = read_sensors(&arguments.points)?;
     let overrides = with_cache(arguments.overrides());
+    let places: Vec<(Vec3, Vec3)> = sensors.iter().map(|sensor| (sensor.position, sensor.normal)).collect();
+    let from = LookFrom::Sensors(&places);
     let (world, settings, pool) =
-        prepare_world(&arguments.scene, overrides, &arguments.common, arguments.output.as_slice())?;
+        prepare_world(&arguments.scene, overrides, &arguments.common, arguments.output.as_slice(), from)?;
     let options = cached_options(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;
 

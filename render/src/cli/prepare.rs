@@ -9,7 +9,7 @@ use super::inputs;
 use super::messages::print_warning;
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
-use crate::world::World;
+use crate::world::{LookFrom, World};
 
 /// The built-in scene's name in place of a path.
 pub(super) const CORNELL: &str = "cornell";
@@ -28,19 +28,21 @@ pub(super) fn prepare<P: AsRef<Path>>(
     Ok((scene, settings))
 }
 
-/// The world of the scene called `name` with its settings, and the threads to work with; warnings are printed.
+/// The world of the scene called `name`, to find light where it is said, with its settings, and the threads to work
+/// with; warnings are printed.
 pub(super) fn prepare_world<P: AsRef<Path>>(
     name: &Path,
     overrides: Overrides,
     arguments: &CommonArguments,
     outputs: &[P],
+    from: LookFrom,
 ) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
     let (mut scene, settings) = prepare(name, overrides, outputs)?;
     let style = arguments.progress.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     scene.warnings.clear();
     let pool = thread_pool(arguments)?;
-    let world = pool.install(|| World::new(scene)).map_err(CliError::input)?;
+    let world = pool.install(|| World::looking_from(scene, from)).map_err(CliError::input)?;
     Ok((world, settings, pool))
 }
 

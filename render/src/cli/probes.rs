@@ -21,6 +21,7 @@ use super::progress::Progress;
 use crate::irradiance;
 use crate::probes::{self, Options, ProbeGrid, Probes, State};
 use crate::scene::{count, value};
+use crate::world::LookFrom;
 use crate::world::World;
 use files::Files;
 
@@ -106,8 +107,9 @@ pub(super) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     inputs::refuse(&arguments.outputs, arguments.points.as_slice())?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
+    let from = points.as_deref().map_or(LookFrom::Surfaces, LookFrom::Places);
     let (world, settings, pool) =
-        prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common, &arguments.outputs)?;
+        prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common, &arguments.outputs, from)?;
     let places = match (points, arguments.grid) {
         (Some(points), _) => Places::Points(points),
         (None, Some(count)) => Places::Grid(arguments.grid(count, &world)?),

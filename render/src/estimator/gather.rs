@@ -1,15 +1,21 @@
 //! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
 //!
 //! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its sun, which is as
-//! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to find, by paths
-//! or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays travel in
-//! large batches.
+//! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to
+//! find, by paths or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays
+//! travel in large batches.
+//!
+//! Lit triangles, which few cells would find, are [aimed at](super::aimed_rays) besides, and what is found there has
+//! gradients and second derivatives of its own.
+
+use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified};
+use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, PointSource, Stratified};
 use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use halfdome_kernel::{Hit, Ray};
 
+use super::aimed_rays::{AimedFrom, AimedRays};
 use super::occluders::OccluderSectors;
 use crate::settings::GatherLayout;
 use crate::world::{Surface, World};
@@ -70,6 +76,9 @@ struct GatherScratch {
     jitter: Vec<Vec2>,
     radiance: Vec<Vec3>,
     distance: Vec<f32>,
+    /// How each point aims at lit triangles, and what that finds.
+    aimed_from: Vec<AimedFrom>,
+    aimed: AimedRays,
 }
 
 impl Gatherer {
@@ -109,7 +118,7 @@ impl Gatherer {
             rays += batch.trace(self, world, points, follow);
             let cells = self.layout.cells();
             let gathers: Vec<_> =
-                points.iter().enumerate().map(|(i, point)| batch.sum(self, world, point, i * cells)).collect();
+                points.iter().enumerate().map(|(i, point)| batch.sum(self, world, point, (i, i * cells))).collect();
             gathers
         });
         (gathers.collect(), rays)
@@ -158,7 +167,10 @@ impl GatherScratch {
         self.radiance.clear();
         self.radiance.resize(self.rays.len(), Vec3::ZERO);
         world.intersect_many(&self.rays, &mut self.hits);
-        let further = follow.follow(&self.rays, &self.hits, &self.samplers, &mut self.radiance);
+        let mut further = follow.follow(&self.rays, &self.hits, &self.samplers, &mut self.radiance);
+        if world.lights.lit.has_any() {
+            further += self.aim(gatherer, world, points, follow);
+        }
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
@@ -169,8 +181,58 @@ impl GatherScratch {
         self.rays.len() as u64 + further
     }
 
-    /// Sums up the rays of the gather that begin with number `first`.
-    fn sum(&self, gatherer: &Gatherer, world: &World, point: &GatherPoint, first: usize) -> Gathered {
+    /// Aims at lit triangles, and leaves to these rays what they find better; gives the number of rays.
+    fn aim(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
+        let cells = gatherer.layout.cells();
+        // Rays that are expected a steradian, as those of a cosine distribution.
+        let others = |normal: Vec3, direction: Vec3| normal.dot(direction).max(0.0) * FRAC_1_PI * cells as f32;
+        self.aimed.clear();
+        self.aimed_from.clear();
+        let rays = self.rays.chunks_exact(cells).zip(self.hits.chunks_exact(cells));
+        for (i, ((point, (rays, hits)), radiance)) in
+            points.iter().zip(rays).zip(self.radiance.chunks_exact_mut(cells)).enumerate()
+        {
+            let (surface, pixel) = (&point.surface, address(point.key));
+            let others = |direction| others(surface.shading_normal, direction);
+            let from = AimedFrom::new(world, surface, cells);
+            for ((ray, hit), radiance) in rays.iter().zip(hits).zip(radiance).filter(|((_, hit), _)| hit.is_hit()) {
+                *radiance *= from.kept(world, ray, hit, others(ray.direction));
+            }
+            let sampler = |seed, number| Sampler::new(Pattern::Sobol, seed, pixel, number);
+            self.aimed.push(world, (surface, &from), (i, gatherer.seed), sampler, others);
+            self.aimed_from.push(from);
+        }
+        self.aimed.trace(world, follow)
+    }
+
+    /// Adds what rays found that were aimed at lit triangles.
+    fn add_aimed(&self, world: &World, point: &GatherPoint, number: usize, found: &mut (Gather, Option<Hessian>)) {
+        let (frame, count) = (point.surface.frame(), self.aimed_from[number].count() as f32);
+        let (mut sum, mut squares) = (Vec3::ZERO, Vec3::ZERO);
+        for lit in self.aimed.found(world, number) {
+            let direction = frame.to_local(lit.direction);
+            let irradiance = lit.flux * direction.z;
+            let source =
+                PointSource { to_point: direction * lit.distance, normal: frame.to_local(lit.normal), irradiance };
+            found.0.add_source(&source);
+            if let Some(hessian) = &mut found.1 {
+                hessian.add_source(&source);
+            }
+            (sum, squares) = (sum + irradiance, squares + irradiance * irradiance);
+        }
+        // The variance of a sum of so many independent samples.
+        let variance = (squares - sum * sum / count.max(1.0)).max_element().max(0.0);
+        found.0.deviation = found.0.deviation.hypot(variance.sqrt());
+    }
+
+    /// Sums up the rays of gather `number`, which begin with number `first`.
+    fn sum(
+        &self,
+        gatherer: &Gatherer,
+        world: &World,
+        point: &GatherPoint,
+        (number, first): (usize, usize),
+    ) -> Gathered {
         let range = first..first + gatherer.layout.cells();
         let (directions, hits) = (&self.directions[range.clone()], &self.hits[range.clone()]);
         let (radiance, distance) = (&self.radiance[range.clone()], &self.distance[range]);
@@ -179,6 +241,11 @@ impl GatherScratch {
         let hessian = gatherer
             .with_hessian
             .then(|| gatherer.layout.hessian(directions, radiance, distance).expect("a value for each cell"));
+        let mut found = (gather, hessian);
+        if world.lights.lit.has_any() {
+            self.add_aimed(world, point, number, &mut found);
+        }
+        let (gather, hessian) = found;
         let mut occluders = OccluderSectors::OPEN;
         for (&direction, hit) in
             directions.iter().zip(hits).filter(|(direction, _)| OccluderSectors::is_flat(**direction))

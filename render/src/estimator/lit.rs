@@ -1,17 +1,17 @@
-//! Aiming at lit triangles (see [`light`](crate::light)): light that a lamp sends to a point `y` of such a triangle, and that to the
-//! surface at `x`.
+//! Aiming at lit triangles (see [`light`](crate::light)): light that a lamp sends to a point `y` of such a triangle,
+//! and that to the surface at `x`.
 //!
-//! What `y` reflects of *light samples* has two estimates. A path's bounce may arrive at `y`, and samples a light there; or `x`
-//! chooses `y` as it would choose a point on a lamp, with the density `p` per solid angle, and a path goes from `x` to `y` that samples
-//! a light there and ends. Both are weighted by their densities at `x`. All else that `y` sends, what it emits and what its
-//! own bounces find, is left to the first. So nothing is counted twice, and paths do not multiply.
+//! What `y` reflects has two estimates. A path's bounce may arrive at `y`, or `x` chooses `y` as it would choose a point
+//! on a lamp, with the density `p` per solid angle, and another path goes from `x` to `y` and on. Both are weighted by
+//! their densities at `x` (Veach 1997). What `y` emits is left to the first, so that nothing is counted twice. Lit
+//! triangles themselves do not aim, as their bounces find each other: so paths do not multiply in a shade.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
-use crate::light::{Receiver, area};
+use crate::light::{Aim, Receiver, area};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World, interpolate};
 
@@ -24,10 +24,16 @@ pub(crate) struct AimedRay {
     pub inv_density: f32,
 }
 
-/// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first leaves.
-/// `None` if that is not worth it.
-pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, choice: f64, v: f32) -> Option<AimedRay> {
-    let chosen = world.lights.lit.choose(receiver, choice)?;
+/// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first
+/// leaves. `None` if that is not worth it.
+pub(crate) fn aim(
+    world: &World,
+    surface: &Surface,
+    receiver: &Receiver,
+    how: Aim,
+    (choice, v): (f64, f32),
+) -> Option<AimedRay> {
+    let chosen = world.lights.lit.choose(receiver, how, choice)?;
     let record = &world.triangle_records()[chosen.prim_id as usize];
     let warp = light_warp(receiver, &record.corners, LightSampling::Mis);
     let place = warp.map(Vec2::new(chosen.rest as f32, v));
@@ -49,21 +55,22 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, choice:
     })
 }
 
-/// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits `surface`.
-pub(crate) fn aimed_density(world: &World, receiver: &Receiver, surface: &Surface, ray: &Ray, hit: &Hit) -> f32 {
-    let probability = world.lights.lit.probability(surface.prim_id, receiver);
-    if probability == 0.0 || !world.lights.lit.may_reach(surface.prim_id, -ray.direction, hit.t) {
+/// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
+/// something.
+pub(crate) fn aimed_density(world: &World, receiver: &Receiver, how: Aim, ray: &Ray, hit: &Hit) -> f32 {
+    let probability = world.lights.lit.probability(hit.prim_id, receiver, how);
+    if probability == 0.0 || !world.lights.lit.may_reach(hit.prim_id, -ray.direction, hit.t) {
         return 0.0;
     }
-    let record = &world.triangle_records()[surface.prim_id as usize];
+    let record = &world.triangle_records()[hit.prim_id as usize];
     let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
     let on_triangle = light_warp(receiver, &record.corners, LightSampling::Mis).density(place);
     let cosine = record.normal.dot(ray.direction).abs();
     probability * on_triangle * hit.t * hit.t / (area(&record.corners) * cosine)
 }
 
-/// What a path's throughput is multiplied by that was aimed: `scattered` is `f cos θ`, and `bounce` the density with which the
-/// surface's own bounce would have gone there.
+/// What a path's throughput is multiplied by that was aimed: `scattered` is `f cos θ`, and `bounce` the density with
+/// which the surface's own bounce would have gone there.
 pub(crate) fn aimed_weight(scattered: Vec3, inv_density: f32, bounce: f32) -> Vec3 {
     scattered * (inv_density * LightSampling::Mis.light_weight(inv_density, bounce))
 }
@@ -101,24 +108,29 @@ mod tests {
         let everywhere = (0..4096).map(|i| (UniformSphere.map(Stream::new(3, i, 0).uniform2(0)), f32::INFINITY));
         let reach = vec![Reach::of(everywhere); 2];
         world.lights.lit = LitTriangles::new(lit.to_vec(), reach, 4);
-        world.lights.lit.aim_from(0.2);
+        world.lights.lit.aim_from(0.2, 1.0);
         world
     }
 
     #[test]
     fn aimed_rays_have_the_density_that_weights_them() {
+        check_density(Aim::ByWorth, 0.02);
+        check_density(Aim::Always, 1.0);
+    }
+
+    /// `part` of the numbers that choose are used.
+    fn check_density(how: Aim, part: f64) {
         let world = world();
         let mut aimed_rays = 0;
         for i in 0..2000 {
             let [x, y, a, b] = Stream::new(1, i, 0).uniform4(0);
             let surface = world.surface(i % 2, x.min(1.0 - y), y.min(0.9)).facing(Vec3::NEG_Z);
             let receiver = surface.receiver();
-            let Some(aimed) = aim(&world, &surface, &receiver, f64::from(a) * 0.02, b) else { continue };
+            let Some(aimed) = aim(&world, &surface, &receiver, how, (f64::from(a) * part, b)) else { continue };
             let mut hits = [Hit::MISS];
             world.intersect_many(&[aimed.ray], &mut hits);
             assert_eq!(hits[0].prim_id, aimed.prim_id, "nothing is in between");
-            let there = world.surface_at(&hits[0]);
-            let density = aimed_density(&world, &receiver, &there, &aimed.ray, &hits[0]);
+            let density = aimed_density(&world, &receiver, how, &aimed.ray, &hits[0]);
             assert!((density * aimed.inv_density - 1.0).abs() < 0.01, "{density} and {}", aimed.inv_density);
             aimed_rays += 1;
         }
@@ -136,7 +148,8 @@ mod tests {
         for i in 0..COUNT {
             let [a, b, c, _] = Stream::new(2, i, 0).uniform4(0);
             let choice = halfdome_kernel::sampling::unit_double(Vec2::new(a, b));
-            sum += aim(&world, &surface, &receiver, choice, c).map_or(0.0, |aimed| f64::from(aimed.inv_density));
+            sum += aim(&world, &surface, &receiver, Aim::ByWorth, (choice, c))
+                .map_or(0.0, |aimed| f64::from(aimed.inv_density));
         }
         let expected: f64 = (2..4)
             .map(|prim| {

@@ -1,5 +1,6 @@
 //! What a point of a surface receives, estimated. Knows no cache and no path.
 
+mod aimed_rays;
 mod direct;
 mod gather;
 mod hemisphere;
@@ -10,6 +11,7 @@ mod occluders;
 mod punctual;
 mod weight;
 
+pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_light, scattered_weight, sky_density,
 };

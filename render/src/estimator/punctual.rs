@@ -1,9 +1,10 @@
 //! Samples of point, spot and directional lights, delta lights or not.
 //!
-//! A point light of radius `r` is a sphere of even radiance `L = I / (π r²)`, of which a receiver at the distance `d` sees a
-//! cap of directions with `sin θ_max = r / d`. Directions are spread evenly over it, so that radiance over density is
-//! `2π (1 - cos θ_max) L = 2 I / (d² (1 + cos θ_max))`, which is `I / d²` for a delta light. A sun that causes the
-//! irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere, with `4π L`.
+//! A point light of radius `r` is a sphere of even radiance `L = I / (π r²)`, of which a receiver at the distance `d`
+//! sees a cap of directions with `sin θ_max = r / d`. Directions are spread evenly over it, so that radiance over
+//! density is `2π (1 - cos θ_max) L = 2 I / (d² (1 + cos θ_max))`, which is `I / d²` for a delta light. A sun that
+//! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
+//! with `4π L`.
 //!
 //! No bounce can hit any of these: mirrors do not show them.
 

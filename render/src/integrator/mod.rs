@@ -27,8 +27,8 @@ use crate::world::World;
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
-    FrozenCache, GatherSource, IrradianceMap, RecordLog, Uncached, fill_for_camera, fill_for_surfaces, fill_for_texels,
-    indirect, max_depth,
+    Follower, FrozenCache, GatherSource, IrradianceMap, RecordLog, Uncached, fill_for_camera, fill_for_surfaces,
+    fill_for_texels, max_depth,
 };
 pub(crate) use wavefront::Wavefront;
 

@@ -11,24 +11,25 @@
 //!
 //! `clamp_indirect` scales down what a light adds after two reflections and more.
 //!
-//! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are computed
-//! in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission, textures, mirrors, glass, the
-//! sky and delta lights are done one by one.
+//! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are
+//! computed in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission,
+//! textures, mirrors, glass, the sky and delta lights are done one by one.
 
 mod aim;
 
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Task;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::{Hit, Ray, Task};
 
 use super::emission::{emission, sky};
 use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays, clamp};
+use super::state::Path;
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::estimator::{ShadowRay, aimed_density, sample_light};
-use crate::light::{SampledLight, SkyPart};
+use crate::light::{Aim, SampledLight, SkyPart};
 use crate::material::{Glossy, Kind, Layered, Transmissive};
 use crate::settings::{LightSampling, PathOptions, Stop};
 use crate::world::{WHITE, World};
@@ -204,15 +205,22 @@ impl<'a> Advance<'a> {
         // Directions of paths are unit vectors.
         let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
         block.set(i, &facing, albedo, transmittance);
-        if path.is_aimed() {
-            return;
+        if !path.is_aimed() {
+            let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
+            self.radiance[path.index as usize] += self.clamped(block.throughput(i) * light);
         }
-        let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
-        self.radiance[path.index as usize] += self.clamped(block.throughput(i) * light);
-        if self.aims() && !path.is_first() {
-            let density = aimed_density(world, &path.receiver(ray.origin), &surface, ray, hit);
-            block.weigh_light_samples(i, LightSampling::Mis.bounce_weight(path.density, density));
+        if self.aims() && world.lights.lit.contains(hit.prim_id) {
+            block.set_lit(i, self.kept_beside_aimed(path, ray, hit));
         }
+    }
+
+    /// The part of what a path finds from a lit triangle on that is not left to those that were aimed there.
+    fn kept_beside_aimed(&self, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
+        if path.target != 0 || path.is_first() {
+            return 1.0;
+        }
+        let density = aimed_density(self.world, &path.receiver(ray.origin), Aim::ByWorth, ray, hit);
+        LightSampling::Mis.bounce_weight(path.density, density)
     }
 
     /// Light that a path has found where it arrived; that was sampled at the surface before.
@@ -299,7 +307,7 @@ impl<'a> Advance<'a> {
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
-            let light = block.light_throughput(i) * radiance;
+            let light = block.throughput(i) * radiance;
             let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
             let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
             self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);

@@ -1,14 +1,14 @@
-//! A path-state block: what a few paths need to know of their surfaces, in columns, so that plain loops over them, compiled
-//! for each instruction set, do as many at once as its registers hold.
+//! A path-state block: what a few paths need to know of their surfaces, in columns, so that plain loops over them,
+//! compiled for each instruction set, do as many at once as its registers hold.
 //!
-//! Whatever is looked up, paths, rays, triangles, materials and lights, lies in records of eight words, which are turned
-//! into columns eight at a time; and so are shadow rays and next rays turned into records again. A loop here calls the functions
-//! that a single path would call, on surfaces put together from the columns; what they do is inlined and has no branch. So
-//! results are equal bit for bit to those of one path at a time, on every instruction set. All lanes are computed, those
-//! behind the last path for nothing.
+//! Whatever is looked up, paths, rays, triangles, materials and lights, lies in records of eight words, which are
+//! turned into columns eight at a time; and so are shadow rays and next rays turned into records again. A loop here
+//! calls the functions that a single path would call, on surfaces put together from the columns; what they do is
+//! inlined and has no branch. So results are equal bit for bit to those of one path at a time, on every instruction
+//! set. All lanes are computed, those behind the last path for nothing.
 //!
-//! What is not the same for all, as textures, mirrors and emission, is *general*: a block says which paths need it, and the
-//! integrator shades these one by one (the slow path), and tells the block.
+//! What is not the same for all, as textures, mirrors and emission, is *general*: a block says which paths need it, and
+//! the integrator shades these one by one (the slow path), and tells the block.
 
 mod bounce;
 mod closures;
@@ -73,8 +73,8 @@ pub(super) struct PathBlock {
     /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
     pub u_roulette: Column,
     light_samples: LightSamples,
-    /// The part of what light samples find that counts: the rest is left to paths that were aimed here.
-    light_weight: Column,
+    /// The `target` of paths that leave: 0, or of lit triangles [`Path::UNAIMED`].
+    target: Integers,
 }
 
 impl PathBlock {
@@ -102,7 +102,7 @@ impl PathBlock {
         self.transmits = [0; LANES];
         self.survival = [1.0; LANES];
         self.goes_on = [1; LANES];
-        self.light_weight = [1.0; LANES];
+        self.target = [0; LANES];
         self.reflectance = self.materials.diffuse;
         for i in 0..LANES {
             let weights = [1.0 - self.u[i] - self.v[i], self.u[i], self.v[i]];
@@ -135,21 +135,16 @@ impl PathBlock {
         self.paths.throughput.set(i, self.paths.throughput.get(i) * transmittance);
     }
 
-    /// Lets light samples of path `i` count in part.
-    pub(super) fn weigh_light_samples(&mut self, i: usize, weight: f32) {
-        self.light_weight[i] = weight;
+    /// Lets path `i` stand at a lit triangle, and keep this part of what it finds from there on.
+    pub(super) fn set_lit(&mut self, i: usize, kept: f32) {
+        self.target[i] = Path::UNAIMED;
+        self.paths.throughput.set(i, self.paths.throughput.get(i) * kept);
     }
 
-    /// What path `i` multiplies by what light samples find.
+    /// Whether the surface of path `i` aims at lit triangles: all but those do.
     #[inline(always)]
-    pub(super) fn light_throughput(&self, i: usize) -> Vec3 {
-        self.paths.throughput.get(i) * self.light_weight[i]
-    }
-
-    /// Whether path `i` was aimed at the lit triangle where it is, and ends here.
-    #[inline(always)]
-    pub(super) fn is_aimed(&self, i: usize) -> bool {
-        self.paths.target[i] != 0
+    pub(super) fn aims(&self, i: usize) -> bool {
+        self.target[i] == 0
     }
 
     /// The normal of path `i`'s surface, packed as receivers have it.
@@ -186,11 +181,13 @@ impl PathBlock {
         }
     }
 
-    /// Leaves it to chance which paths go on.
+    /// Leaves it to chance which paths go on. Those at lit triangles do, whatever their throughput: it is likely that they
+    /// find more light than others do.
     #[inline(always)]
     pub(super) fn roulette(&mut self, survival: Survival) {
         for i in 0..LANES {
-            self.survival[i] = survive(survival, self.paths.throughput.get(i) * self.reflectance.get(i));
+            let by_chance = survive(survival, self.paths.throughput.get(i) * self.reflectance.get(i));
+            self.survival[i] = if self.aims(i) { by_chance } else { 1.0 };
         }
     }
 
@@ -198,7 +195,7 @@ impl PathBlock {
     #[inline(always)]
     pub(super) fn ended(&self, i: usize) -> Option<(u32, Vec3)> {
         let reflected = self.paths.throughput.get(i) * self.reflectance.get(i);
-        (self.goes_on[i] == 0 && !self.is_aimed(i)).then_some((self.paths.index[i], reflected))
+        (self.goes_on[i] == 0).then_some((self.paths.index[i], reflected))
     }
 
     /// The camera ray of path `i`.

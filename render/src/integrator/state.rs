@@ -21,8 +21,8 @@ pub(super) struct Path {
     pub sky_density: f32,
     /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there?
     pub normal: u32,
-    /// One more than the `prim_id` of the lit triangle that it was aimed at, where it samples a light and ends; 0 for a
-    /// path that goes where its bounces lead.
+    /// One more than the `prim_id` of the lit triangle that it was aimed at; 0 for a path that has left a surface that
+    /// aims, and [`UNAIMED`](Self::UNAIMED) for one that has left another.
     pub target: u32,
 }
 
@@ -30,10 +30,13 @@ impl Path {
     /// The normal of a path that has left no surface yet.
     const NOWHERE: u32 = 1 << 31;
 
+    /// The `target` of a path that has left a lit triangle: these do not aim, as their own bounces find the others.
+    pub(super) const UNAIMED: u32 = u32::MAX;
+
     /// Whether it was aimed at a lit triangle.
     #[inline(always)]
     pub(super) fn is_aimed(&self) -> bool {
-        self.target != 0
+        self.target.wrapping_add(1) > 1
     }
 
     /// Whether it has left no surface yet.

@@ -37,8 +37,8 @@ pub(super) trait VertexStep {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
 
-    /// Takes a path from its hit to its next ray, or ends it. Light that it finds on the way is added to `radiance`, and
-    /// light that waits for a shadow ray to `shadow_queue`.
+    /// Takes a path from its hit to its next ray, or ends it. Light that it finds on the way is added to `radiance`,
+    /// and light that waits for a shadow ray to `shadow_queue`.
     fn step(
         &mut self,
         path: Path,
@@ -214,8 +214,8 @@ impl Wavefront {
         }
     }
 
-    /// Sorts the paths by the kind of closure that they have hit, and otherwise leaves them in their order. Gives where each
-    /// kind ends in [`order`](Self::order); behind the last one are the paths that hit nothing.
+    /// Sorts the paths by the kind of closure that they have hit, and otherwise leaves them in their order. Gives where
+    /// each kind ends in [`order`](Self::order); behind the last one are the paths that hit nothing.
     pub(super) fn sort_by_kind(&mut self, world: &World) -> [usize; Kind::COUNT] {
         self.order.resize(self.hits.len(), 0);
         if !world.has_closures() {

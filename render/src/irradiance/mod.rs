@@ -4,6 +4,8 @@
 //! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp`
 //! paths at each.
 //!
+//! Lit triangles are aimed at besides, as gathers of records do.
+//!
 //! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
 //! camera; both are weighted by the power heuristic (Veach 1997).
 
@@ -18,9 +20,9 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::estimator::{sample_direct, scattered_weight};
+use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_weight};
 use crate::integrator::CacheUse;
-use crate::integrator::{FrozenCache, RayBatch, Wavefront, fill_for_surfaces, indirect, max_depth};
+use crate::integrator::{Follower, FrozenCache, GatherSource, fill_for_surfaces, max_depth};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::watch::Watch;
@@ -74,7 +76,7 @@ enum Component {
 
 /// The set of random numbers that says which light is sampled, and where on it.
 const LIGHT_SET: u32 = 0;
-/// The set of a path's direction; those after it are the path's.
+/// The set of a path's direction; those after it are for whoever follows the path.
 const DIRECTION_SET: u32 = 1;
 /// Samples that are traced together, about.
 const BATCH: usize = 2048;
@@ -143,10 +145,11 @@ impl Irradiance {
                 if watch.stop() {
                     return (None, rays);
                 }
-                let samples = first..request.spp.min(first.saturating_add(BATCH as u32));
+                let end = request.spp.min(first.saturating_add(BATCH as u32));
+                let samples = Samples { seed: request.seed, sensor: number as u32, first };
                 batch.samplers.clear();
-                batch.samplers.extend(samples.map(|i| Sampler::new(Pattern::Sobol, request.seed, number as u32, i)));
-                let traced = batch.sample(world, &surface, component, &mut sum);
+                batch.samplers.extend((0..end - first).map(|i| samples.sampler(request.seed, i)));
+                let traced = batch.sample(world, &surface, component, &samples, &mut sum);
                 watch.advance(batch.samplers.len() as u64, traced);
                 rays += traced;
             }
@@ -161,6 +164,19 @@ impl Irradiance {
     }
 }
 
+/// Where the random numbers of samples come from that are traced together.
+struct Samples {
+    seed: u64,
+    sensor: u32,
+    first: u32,
+}
+
+impl Samples {
+    fn sampler(&self, seed: u64, i: u32) -> Sampler {
+        Sampler::new(Pattern::Sobol, seed, self.sensor, self.first + i)
+    }
+}
+
 /// Samples of one sensor that are traced together, and their memory.
 #[derive(Default)]
 struct SensorScratch {
@@ -170,12 +186,19 @@ struct SensorScratch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     values: Vec<Vec3>,
-    wave: Wavefront,
+    aimed: AimedRays,
 }
 
 impl SensorScratch {
     /// Adds a sample of a component for each sampler; gives the number of rays.
-    fn sample(&mut self, world: &World, surface: &Surface, component: Component, sum: &mut DVec3) -> u64 {
+    fn sample(
+        &mut self,
+        world: &World,
+        surface: &Surface,
+        component: Component,
+        samples: &Samples,
+        sum: &mut DVec3,
+    ) -> u64 {
         let lights = match component {
             Component::Indirect(_) => None,
             Component::Direct => Some(world.lights.techniques_at(surface.position)),
@@ -192,8 +215,8 @@ impl SensorScratch {
         }
         match component {
             Component::Direct => rays,
-            Component::Indirect(max_depth) => rays + self.follow(world, max_depth, sum),
-            Component::All => rays + self.follow(world, None, sum),
+            Component::Indirect(max_depth) => rays + self.follow(world, surface, max_depth, samples, sum),
+            Component::All => rays + self.follow(world, surface, None, samples, sum),
         }
     }
 
@@ -242,18 +265,33 @@ impl SensorScratch {
         }
     }
 
-    /// Adds what paths find along the scattered rays: `E = π` times the mean of their radiance.
-    fn follow(&mut self, world: &World, max_depth: Option<u32>, sum: &mut DVec3) -> u64 {
-        let rays = RayBatch {
-            rays: &self.rays,
-            hits: &self.hits,
-            samplers: &self.samplers,
-            first_set: DIRECTION_SET + 1,
-            density: 0.0,
-        };
+    /// Adds what paths find along the scattered rays, `E = π` times the mean of their radiance, and along those that are
+    /// aimed at lit triangles.
+    fn follow(
+        &mut self,
+        world: &World,
+        surface: &Surface,
+        max_depth: Option<u32>,
+        samples: &Samples,
+        sum: &mut DVec3,
+    ) -> u64 {
+        let mut follower = Follower::new(world, GatherSource::Paths(max_depth), DIRECTION_SET + 1);
         self.values.resize(self.rays.len(), Vec3::ZERO);
-        let traced = indirect(world, max_depth, &rays, &mut self.wave, &mut self.values);
-        *sum += self.values.iter().map(|radiance| (*radiance * PI).as_dvec3()).sum::<DVec3>();
+        let mut traced = follower.follow(&self.rays, &self.hits, &self.samplers, &mut self.values);
+        let count = self.rays.len();
+        let from = AimedFrom::new(world, surface, count);
+        let others = |direction: Vec3| surface.shading_normal.dot(direction).max(0.0) / PI * count as f32;
+        for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&self.values) {
+            let kept = if hit.is_hit() { from.kept(world, ray, hit, others(ray.direction)) } else { 1.0 };
+            *sum += (*radiance * (PI * kept)).as_dvec3();
+        }
+        self.aimed.clear();
+        self.aimed.push(world, (surface, &from), (0, samples.seed), |seed, i| samples.sampler(seed, i), others);
+        traced += self.aimed.trace(world, &mut follower);
+        for lit in self.aimed.found(world, 0) {
+            // The caller takes the mean.
+            *sum += (lit.flux * (count as f32 * surface.shading_normal.dot(lit.direction))).as_dvec3();
+        }
         traced
     }
 }

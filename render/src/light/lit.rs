@@ -1,5 +1,6 @@
-//! Lit triangles: small ones that a lamp close by lights fiercely, so that they light the room as lamps do. The inside of a
-//! lamp's shade is made of such triangles. Bounces seldom hit them, and each time one does is a bright dot in the picture.
+//! Lit triangles: small ones that a lamp close by lights fiercely, so that they light the room as lamps do. The inside
+//! of a lamp's shade is made of such triangles. Bounces seldom hit them, and each time one does is a bright dot in the
+//! picture.
 //!
 //! So paths aim at them (see [`estimator`](crate::estimator)): a triangle is chosen by what it may send to a receiver,
 //! by a light tree of their own. How often that is worth a ray, the irradiance by all of them says, compared with
@@ -8,20 +9,29 @@
 use glam::{Vec2Swizzles, Vec3};
 
 use super::tree::leaf::{TriangleLight, Triangles};
-use super::tree::{Tree, total};
+use super::tree::{RootWeights, Tree, total};
 use super::{NO_LIGHT, Receiver};
 
 /// Bins of directions along each axis of an octahedral map.
 const SIDE: usize = 8;
 /// How much farther than any ray came, light may come.
 const SLACK: f32 = 1.1;
-
 /// Triangles that stand for all where that is good enough.
-const CHOICES: u32 = 8;
+const REPRESENTATIVES: u32 = 8;
 
-/// How far light gets that leaves a triangle, by bins of directions: the inside of a shade is seen from above and from below.
+/// How far light gets that leaves a triangle, by bins of directions: the inside of a shade is seen from above and from
+/// below.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
+
+/// Whether to aim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Aim {
+    /// Where it is worth a path's ray, by chance.
+    ByWorth,
+    /// Wherever any light may come from.
+    Always,
+}
 
 /// The lit triangles of a world.
 #[derive(Debug, Default)]
@@ -33,6 +43,8 @@ pub(crate) struct LitTriangles {
     index_of: Vec<u32>,
     /// The irradiance from which on each path aims at them, as luminance.
     worth: f32,
+    /// What surfaces receive on average besides, likewise.
+    elsewhere: f32,
 }
 
 /// A lit triangle that was chosen.
@@ -53,12 +65,25 @@ impl LitTriangles {
         for (index, &prim_id) in (0..).zip(&prims) {
             index_of[prim_id as usize] = index;
         }
-        Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0 }
+        Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0, elsewhere: 0.0 }
     }
 
-    /// Lets paths aim where the irradiance by all is this much, as luminance, and seldom where it is less.
-    pub(crate) fn aim_from(&mut self, worth: f32) {
-        self.worth = worth;
+    /// Lets paths aim where the irradiance by all is `worth`, as luminance, and seldom where it is less; `elsewhere` is
+    /// the mean irradiance by all other surfaces.
+    pub(crate) fn aim_from(&mut self, worth: f32, elsewhere: f32) {
+        (self.worth, self.elsewhere) = (worth, elsewhere);
+    }
+
+    /// About what part of the irradiance at a receiver they cause if nothing is in between.
+    pub(crate) fn share(&self, receiver: &Receiver) -> f32 {
+        let irradiance = self.tree.as_ref().map_or(0.0, |tree| total(&tree.root_weights(receiver)));
+        if irradiance > 0.0 { irradiance / (irradiance + self.elsewhere) } else { 0.0 }
+    }
+
+    /// Whether triangle `prim_id` is one.
+    #[inline]
+    pub(crate) fn contains(&self, prim_id: u32) -> bool {
+        self.index_of.get(prim_id as usize).is_some_and(|&index| index != NO_LIGHT)
     }
 
     /// The `prim_id` of each.
@@ -74,11 +99,11 @@ impl LitTriangles {
 
     /// Chooses one for a receiver by a number in [0, 1). `None` if none is to be aimed at.
     #[inline]
-    pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenTriangle> {
+    pub(crate) fn choose(&self, receiver: &Receiver, aim: Aim, u: f64) -> Option<ChosenTriangle> {
         let tree = self.tree.as_ref()?;
         let weights = tree.root_weights(receiver);
         let sum = total(&weights);
-        let any = self.any(sum);
+        let any = self.any(aim, sum);
         if u >= f64::from(any) {
             return None;
         }
@@ -89,7 +114,7 @@ impl LitTriangles {
 
     /// The probability with which triangle `prim_id` is aimed at.
     #[inline]
-    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver) -> f32 {
+    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver, aim: Aim) -> f32 {
         match (&self.tree, self.index_of.get(prim_id as usize)) {
             (Some(tree), Some(&index)) if index != NO_LIGHT => {
                 let weight = tree.weight(index, receiver);
@@ -97,28 +122,32 @@ impl LitTriangles {
                     return 0.0;
                 }
                 let sum = total(&tree.root_weights(receiver));
-                self.any(sum) * weight / sum
+                self.any(aim, sum) * weight / sum
             }
             _ => 0.0,
         }
     }
 
-    /// The irradiance that those cause which `is_seen`, by their `prim_id`, about.
-    pub(crate) fn irradiance(&self, receiver: &Receiver, is_seen: impl Fn(u32) -> bool) -> f32 {
-        let Some(tree) = &self.tree else { return 0.0 };
-        let weights = tree.root_weights(receiver);
+    /// A few of them that stand for all, and the irradiance that each of these stands for if nothing is in between.
+    pub(crate) fn representatives(&self, receiver: &Receiver) -> (f32, impl Iterator<Item = u32>) {
+        let weights = self.tree.as_ref().map_or_else(RootWeights::default, |tree| tree.root_weights(receiver));
         let sum = total(&weights);
-        if sum == 0.0 {
-            return 0.0;
-        }
-        let chosen = (0..CHOICES).map(|k| tree.choose(receiver, &weights, (f64::from(k) + 0.5) / f64::from(CHOICES)));
-        sum * chosen.filter(|pick| is_seen(self.prims[pick.index as usize])).count() as f32 / CHOICES as f32
+        let tree = self.tree.as_ref().filter(|_| sum > 0.0);
+        let chosen = tree.into_iter().flat_map(move |tree| {
+            let number = |k: u32| (f64::from(k) + 0.5) / f64::from(REPRESENTATIVES);
+            (0..REPRESENTATIVES).map(move |k| self.prims[tree.choose(receiver, &weights, number(k)).index as usize])
+        });
+        (sum / REPRESENTATIVES as f32, chosen)
     }
 
     /// The probability of aiming at any, by the irradiance that all may cause.
     #[inline(always)]
-    fn any(&self, irradiance: f32) -> f32 {
-        (irradiance / self.worth).min(1.0)
+    fn any(&self, aim: Aim, irradiance: f32) -> f32 {
+        match aim {
+            Aim::ByWorth => (irradiance / self.worth).min(1.0),
+            Aim::Always if irradiance > 0.0 => 1.0,
+            Aim::Always => 0.0,
+        }
     }
 
     /// Whether light of triangle `prim_id`, which must be lit, may come so far in this unit vector.

@@ -1,9 +1,10 @@
 //! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen by what each can
 //! send to a point.
 //!
-//! Triangles are in one light tree, points and spots in another (see [`tree`]). What shines from infinitely far away has no
-//! place in a tree: of directional lights the irradiance at the receiver is known, of the sky there is an estimate by its
-//! normal (see [`distant`]). All these weights are irradiances, and a light's probability is its part of their sum.
+//! Triangles are in one light tree, points and spots in another (see [`tree`]). What shines from infinitely far away
+//! has no place in a tree: of directional lights the irradiance at the receiver is known, of the sky there is an
+//! estimate by its normal (see [`distant`]). All these weights are irradiances, and a light's probability is its part
+//! of their sum.
 
 mod ambient;
 mod distant;
@@ -21,7 +22,7 @@ use halfdome_kernel::{Aabb, Triangle};
 
 use self::distant::Patches;
 use self::few::FEW;
-pub(crate) use self::lit::{LitTriangles, Reach};
+pub(crate) use self::lit::{Aim, LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::cluster::Lane;
@@ -110,8 +111,9 @@ fn luminance(rgb: Vec3) -> f64 {
 }
 
 impl LightSampler {
-    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the scene's.
-    /// Of a triangle `front` gives the unit normal of its front, `None` if that is not the same side everywhere.
+    /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the
+    /// scene's. Of a triangle `front` gives the unit normal of its front, `None` if that is not the same side
+    /// everywhere.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
@@ -184,7 +186,8 @@ impl LightSampler {
             lights.push(Light::Punctual(light));
         }
         lights.push(Light::Sky);
-        // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of light.
+        // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of
+        // light.
         let reach = Vec3::splat((areas * std::f32::consts::FRAC_1_PI).sqrt());
         let surroundings = Aabb { min: box_of_lights.min - reach, max: box_of_lights.max + reach };
         let are_few = emitting.len() <= FEW && punctual_numbers.is_empty();
@@ -274,8 +277,8 @@ impl LightSampler {
         self.directional.direction(index)
     }
 
-    /// Multiplies weights by the part of the scene that each directional light and each part of the sky reaches; `open` is
-    /// the part of scattered rays that see the sky.
+    /// Multiplies weights by the part of the scene that each directional light and each part of the sky reaches; `open`
+    /// is the part of scattered rays that see the sky.
     pub(crate) fn set_visibility(&mut self, directional: &[f32], sky: [f32; 3], open: f32) {
         for (index, &visibility) in directional.iter().enumerate() {
             self.directional.scale(index, visibility);
@@ -326,6 +329,11 @@ impl LightSampler {
         self.triangles.as_ref().map_or(0, Tree::bytes) + self.points.as_ref().map_or(0, Tree::bytes)
     }
 
+    /// Whether any light has a place.
+    pub(crate) fn has_lamps(&self) -> bool {
+        self.triangles.is_some() || self.points.is_some()
+    }
+
     /// Whether a surface emits.
     pub(crate) fn has_emitters(&self) -> bool {
         self.triangles.is_some()
@@ -336,7 +344,8 @@ impl LightSampler {
         self.lights.len() > 1 || self.sky.has(part)
     }
 
-    /// The probability with which triangle `prim_id` is chosen for a receiver, among all lights and this part of the sky.
+    /// The probability with which triangle `prim_id` is chosen for a receiver, among all lights and this part of the
+    /// sky.
     #[inline(always)]
     pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver, part: SkyPart) -> f32 {
         match (&self.triangles, self.index_of.get(prim_id as usize)) {
@@ -348,9 +357,9 @@ impl LightSampler {
         }
     }
 
-    /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it that
-    /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined with
-    /// scattered rays; elsewhere such rays would find nothing.
+    /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it
+    /// that samples of its area, whose density per solid angle falls with the square of the distance, are better
+    /// combined with scattered rays; elsewhere such rays would find nothing.
     #[inline]
     pub(crate) fn techniques_at(&self, point: Vec3) -> LightSampling {
         let are_near = (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all();

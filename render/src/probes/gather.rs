@@ -1,9 +1,11 @@
 //! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
 //!
 //! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to
-//! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a [`Quadrature`] that is turned
-//! at random, so that noise has no pattern from probe to probe, and light without fine detail has none at all.
+//! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a
+//! [`Quadrature`] that is turned at random, so that noise has no pattern from probe to probe, and light without fine
+//! detail has none at all. The sensors aim at lit triangles besides.
 
+use std::f32::consts::PI;
 use std::slice;
 
 use glam::{DQuat, DVec3, Vec3};
@@ -13,8 +15,8 @@ use halfdome_kernel::{Hit, Ray};
 use super::Options;
 use super::harmonics::basis;
 use super::quadrature::Quadrature;
-use crate::estimator::{IncidentSampler, IncidentSink};
-use crate::integrator::{RayBatch, Wavefront, indirect};
+use crate::estimator::{AimedFrom, AimedRays, Follow, IncidentSampler, IncidentSink};
+use crate::integrator::{Follower, GatherSource};
 use crate::world::World;
 
 /// The set of random numbers by which a probe's directions are turned.
@@ -82,7 +84,7 @@ pub(super) struct ProbeGatherer<'a> {
     samplers: Vec<Sampler>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    wave: Wavefront,
+    aimed: AimedRays,
     incident: IncidentSampler,
 }
 
@@ -97,7 +99,7 @@ impl<'a> ProbeGatherer<'a> {
             samplers: Vec::new(),
             hits: Vec::new(),
             radiance: Vec::new(),
-            wave: Wavefront::default(),
+            aimed: AimedRays::default(),
             incident: IncidentSampler::default(),
         }
     }
@@ -109,13 +111,25 @@ impl<'a> ProbeGatherer<'a> {
         let mut sums = Sums::default();
         let mut traced = 0;
         let axis = (turn * DVec3::Z).as_vec3();
-        for (side, normal) in [axis, -axis].into_iter().enumerate() {
-            sums.normal = normal;
-            let sensor = self.world.sensor(position, normal);
-            let address = (seed, number.wrapping_mul(2).wrapping_add(side as u32));
-            traced += self.incident.sample(self.world, slice::from_ref(&sensor), address, self.options.spp, &mut sums);
-        }
         let directions: Vec<(DVec3, f64)> = self.sphere.points().collect();
+        let others = directions.len() as f32 / (4.0 * PI);
+        let sides = [axis, -axis].map(|normal| self.world.sensor(position, normal));
+        let aims = sides.each_ref().map(|side| AimedFrom::new(self.world, side, directions.len()));
+        for (side, sensor) in sides.iter().enumerate() {
+            sums.normal = sensor.normal;
+            let address = number.wrapping_mul(2).wrapping_add(side as u32);
+            let incident = &mut self.incident;
+            traced +=
+                incident.sample(self.world, slice::from_ref(sensor), (seed, address), self.options.spp, &mut sums);
+            self.aimed.clear();
+            let sampler = |seed, i| Sampler::new(Pattern::Sobol, seed, address, i);
+            self.aimed.push(self.world, (sensor, &aims[side]), (0, seed), sampler, |_| others);
+            let source = GatherSource::Paths(None);
+            traced += self.aimed.trace(self.world, &mut Follower::new(self.world, source, TURN_SET + 1));
+            for lit in self.aimed.found(self.world, 0) {
+                sums.add(lit.direction.as_dvec3(), lit.flux.as_dvec3());
+            }
+        }
         for (batch, directions) in (0..).zip(directions.chunks(BATCH)) {
             self.rays.clear();
             self.rays.extend(directions.iter().map(|(d, _)| Ray::new(position, (turn * *d).as_vec3().normalize())));
@@ -126,24 +140,28 @@ impl<'a> ProbeGatherer<'a> {
             self.samplers.extend(
                 (first..first + directions.len() as u32).map(|ray| Sampler::new(Pattern::Sobol, seed, number, ray)),
             );
-            traced += self.gather(&mut sums);
+            let kept = |ray: &Ray, hit: &Hit| {
+                let side = usize::from(axis.dot(ray.direction) <= 0.0);
+                if hit.is_hit() { aims[side].kept(self.world, ray, hit, others) } else { 1.0 }
+            };
+            traced += self.rays.len() as u64 + self.gather(&mut sums, kept);
         }
         (sums.light(), traced)
     }
 
-    /// Adds what a batch of rays finds.
-    fn gather(&mut self, sums: &mut Sums) -> u64 {
-        let Self { world, rays, hits, samplers, wave, radiance, .. } = self;
+    /// Adds what a batch of rays finds, of which each keeps a part; gives the number of further rays.
+    fn gather(&mut self, sums: &mut Sums, kept: impl Fn(&Ray, &Hit) -> f32) -> u64 {
+        let Self { world, rays, hits, samplers, radiance, .. } = self;
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_many(rays, hits);
-        let camera = RayBatch { rays, hits, samplers, first_set: TURN_SET + 1, density: 0.0 };
-        let traced = indirect(world, None, &camera, wave, radiance);
-        for ((ray, weight), seen) in rays.iter().zip(&self.weights).zip(radiance) {
+        let mut follower = Follower::new(world, GatherSource::Paths(None), TURN_SET + 1);
+        let traced = follower.follow(rays, hits, samplers, radiance);
+        for (((ray, hit), weight), seen) in rays.iter().zip(&*hits).zip(&self.weights).zip(radiance) {
             let seen = if seen.is_finite() { seen.as_dvec3() } else { DVec3::ZERO };
-            sums.add(ray.direction.as_dvec3(), seen * *weight);
+            sums.add(ray.direction.as_dvec3(), seen * (*weight * f64::from(kept(ray, hit))));
         }
-        rays.len() as u64 + traced
+        traced
     }
 }
 

@@ -1,14 +1,15 @@
-//! A clear sky and its sun, by one of two models: that of Hošek and Wilkie is in `hosek.rs`, and this one is of Preetham, Shirley and Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 1999.
+//! A clear sky and its sun, by one of two models: that of Hošek and Wilkie is in `hosek.rs`, and this one is of
+//! Preetham, Shirley and Smits, "A Practical Analytic Model for Daylight", SIGGRAPH 1999.
 //!
 //! Luminance and chromaticity are `F(θ, γ) / F(0, θ_s)` times those of the zenith, with Perez's
-//! `F(θ, γ) = (1 + A e^{B / cos θ}) (1 + C e^{D γ} + E cos² γ)`, `θ` being a direction's angle from the zenith, `γ` that
-//! from the sun, and the letters linear in turbidity.
+//! `F(θ, γ) = (1 + A e^{B / cos θ}) (1 + C e^{D γ} + E cos² γ)`, `θ` being a direction's angle from the zenith, `γ`
+//! that from the sun, and the letters linear in turbidity.
 //!
 //! # Deviations
 //! - Radiance is luminance over 683 lm/W: as much as green light of that luminance has.
-//! - The sun is an even disc of half a degree, without limb darkening, which cameras and mirrors do not see. Its colour is white, dimmed by air and haze
-//!   (the paper's Rayleigh and Ångström terms) at one wavelength a channel; ozone, other gases and vapour, which take a few
-//!   percent, are left out.
+//! - The sun is an even disc of half a degree, without limb darkening, which cameras and mirrors do not see. Its
+//!   colour is white, dimmed by air and haze (the paper's Rayleigh and Ångström terms) at one wavelength a channel;
+//!   ozone, other gases and vapour, which take a few percent, are left out.
 //! - Below the horizon is nothing.
 
 mod hosek;
@@ -73,8 +74,8 @@ impl Daylight {
     /// The haziest.
     pub const MAX_TURBIDITY: f32 = 10.0;
 
-    /// The sky without the sun's disc, and the sun, both multiplied by `scale`; `albedo` is the ground's, which only some
-    /// models have.
+    /// The sky without the sun's disc, and the sun, both multiplied by `scale`; `albedo` is the ground's, which only
+    /// some models have.
     pub fn light(&self, scale: f32, model: DaylightModel, albedo: Vec3) -> (SkyPicture, PunctualLight) {
         match model {
             DaylightModel::Preetham => self.light_of(scale, |direction| self.radiance(direction)),

@@ -42,10 +42,10 @@
 //! # with daylight_model = "hosek" (or "preetham") and daylight_albedo = 0.3, of the ground
 //! ```
 //!
-//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. `[[light]]` tables
-//! add lights: see `light_table.rs`. The keys `lights`, `light_radius`, `sun_angle` and `emission` are about the model's
-//! lights, and leave these as they are. Each value is checked here; what only several options together can get wrong is
-//! left to [`Overrides::apply`], since the command line may still change it.
+//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. `[[light]]`
+//! tables add lights: see `light_table.rs`. The keys `lights`, `light_radius`, `sun_angle` and `emission` are about the
+//! model's lights, and leave these as they are. Each value is checked here; what only several options together can get
+//! wrong is left to [`Overrides::apply`], since the command line may still change it.
 
 use std::path::{Path, PathBuf};
 

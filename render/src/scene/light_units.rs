@@ -2,8 +2,9 @@
 //!
 //! `KHR_lights_punctual` is photometric: candela and lux. Blender's exporter multiplies watts by 683 lm/W for it by default
 //! ("Standard"), but writes emission of surfaces as it is; so in such a file lights are 683 times too bright beside
-//! emitters. Its modes "Unitless" and "Raw" leave watts as they are, and nothing in the file says which mode it was. In files
-//! of other programs lights and emission have the same units, whichever these are, and numbers are taken as they are.
+//! emitters. Its modes "Unitless" and "Raw" leave watts as they are, and nothing in the file says which mode it was. In
+//! files of other programs lights and emission have the same units, whichever these are, and numbers are taken as they
+//! are.
 
 use glam::Vec3;
 

@@ -1,8 +1,9 @@
 //! How strongly a measured light shines in each direction: a table over angles, as photometric files (IES) have it.
 //!
-//! Directions are those of type C photometry: the *vertical* angle is that from the light's axis, which of a ceiling light
-//! points down; the *horizontal* angle is the turn about it, from the zero half plane, counter-clockwise as seen from behind
-//! the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the table there is no light.
+//! Directions are those of type C photometry: the *vertical* angle is that from the light's axis, which of a ceiling
+//! light points down; the *horizontal* angle is the turn about it, from the zero half plane, counter-clockwise as seen
+//! from behind the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the table
+//! there is no light.
 
 use glam::Vec3;
 
@@ -17,7 +18,8 @@ pub struct Profile {
     candela: Vec<f32>,
 }
 
-/// The half plane of a light's profile: a right angle apart, unit vectors along its axis and towards the horizontal angle 0.
+/// The half plane of a light's profile: a right angle apart, unit vectors along its axis and towards the horizontal
+/// angle 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileFrame {
     /// Where the vertical angle is 0.
@@ -27,8 +29,8 @@ pub struct ProfileFrame {
 }
 
 impl Profile {
-    /// A table whose angles are in order; `rows` has one for each horizontal angle. What it says of a part of the circle, a
-    /// quarter (0 to 90 degrees) or a half (0 to 180, 90 to 270), holds for the others mirrored.
+    /// A table whose angles are in order; `rows` has one for each horizontal angle. What it says of a part of the
+    /// circle, a quarter (0 to 90 degrees) or a half (0 to 180, 90 to 270), holds for the others mirrored.
     pub(super) fn new(vertical: Vec<f32>, horizontal: Vec<f32>, mut rows: Vec<Vec<f32>>) -> Self {
         let mut angles = horizontal;
         // Mirrored about an angle, its own row left out.
@@ -91,8 +93,8 @@ impl Profile {
         self.vertical[(last + 1).min(self.vertical.len() - 1)].to_radians().cos()
     }
 
-    /// Bounds of the intensity at angles from the axis, as parts of the greatest: bin `i` of `N` is for sines of half the angle
-    /// from `i / N` to `(i + 1) / N`.
+    /// Bounds of the intensity at angles from the axis, as parts of the greatest: bin `i` of `N` is for sines of half
+    /// the angle from `i / N` to `(i + 1) / N`.
     pub(crate) fn envelope<const N: usize>(&self) -> [f32; N] {
         let per_greatest = self.greatest().max(f32::MIN_POSITIVE).recip();
         let greatest_at = |vertical: usize| {
@@ -125,7 +127,8 @@ impl Profile {
         for (i, pair) in self.vertical.windows(2).enumerate() {
             let [a, b] = [self.mean(i), self.mean(i + 1)];
             let [from, to] = [pair[0], pair[1]].map(|degrees| f64::from(degrees).to_radians());
-            // Gauss and Legendre's three points: exact enough for what is linear in the angle, in parts of a degree or so.
+            // Gauss and Legendre's three points: exact enough for what is linear in the angle, in parts of a degree or
+            // so.
             let parts = ((to - from).to_degrees().ceil() as u32).max(1);
             for part in 0..parts {
                 let half = 0.5 * (to - from) / f64::from(parts);

@@ -27,8 +27,8 @@ pub enum PunctualLight {
         direction: Vec3,
         /// Radiant intensity on the axis from afar, W/sr.
         intensity: Vec3,
-        /// Radius of the sphere that shines, as that of a point light. The cone is that of the directions in which it is
-        /// left.
+        /// Radius of the sphere that shines, as that of a point light. The cone is that of the directions in which it
+        /// is left.
         radius: f32,
         /// Cosine of the angle up to which the intensity is full.
         cos_inner: f32,
@@ -62,7 +62,8 @@ pub enum PunctualLight {
 }
 
 impl PunctualLight {
-    /// Its strength, and what gives its power if multiplied by it; of a directional light, which has none, the irradiance.
+    /// Its strength, and what gives its power if multiplied by it; of a directional light, which has none, the
+    /// irradiance.
     pub(crate) fn power(&self) -> (Vec3, f64) {
         match self {
             Self::Point { intensity, .. } => (*intensity, 4.0 * PI),
@@ -100,16 +101,16 @@ impl SpotEdge {
         ramp * ramp * (1.0 + smoothness * (2.0 - 2.0 * ramp))
     }
 
-    /// The cosines of the inner and outer cone of a smooth edge, for half the angle of a spot of Blender's and its blend: the
-    /// ramp is this part of the way in the cosine from the edge to the axis.
+    /// The cosines of the inner and outer cone of a smooth edge, for half the angle of a spot of Blender's and its
+    /// blend: the ramp is this part of the way in the cosine from the edge to the axis.
     pub(super) fn blended(half_angle: f32, blend: f32) -> (f32, f32) {
         // 1 - cos, without the rounding of a cosine near 1.
         let depth = 2.0 * (0.5 * half_angle).sin().powi(2);
         (1.0 - depth * (1.0 - blend), 1.0 - depth)
     }
 
-    /// Cosines as spots need them: not negative, and the outer one less, though equal angles are a hard edge, and cosines
-    /// of narrow cones may round to the same number.
+    /// Cosines as spots need them: not negative, and the outer one less, though equal angles are a hard edge, and
+    /// cosines of narrow cones may round to the same number.
     pub(super) fn apart(cos_inner: f32, cos_outer: f32) -> (f32, f32) {
         let cos_inner = cos_inner.max(f32::MIN_POSITIVE);
         (cos_inner, cos_outer.max(0.0).min(cos_inner.next_down()))

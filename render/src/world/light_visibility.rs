@@ -1,13 +1,14 @@
 //! How much of what shines from infinitely far away reaches the surfaces that a picture shows, estimated.
 //!
-//! In a room the sky and the sun could send more to each point than all lamps, but walls stand in between, and the lamps would
-//! get a few samples in a hundred. So their weights are multiplied by the part of the points that they reach: of those that
-//! the camera sees and those that these see, by the cosine. It says how often a light is chosen, not what it is worth, so that a
-//! poor estimate makes noise and no bias.
+//! In a room the sky and the sun could send more to each point than all lamps, but walls stand in between, and the
+//! lamps would get a few samples in a hundred. So their weights are multiplied by the part of the points that they
+//! reach: of those that the camera sees and those that these see, by the cosine. It says how often a light is chosen,
+//! not what it is worth, so that a poor estimate makes noise and no bias.
 
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
+use super::seen_points::SeenPoints;
 use super::{Surface, World};
 use crate::light::SkyPart;
 
@@ -16,21 +17,20 @@ const LEAST: f32 = 0.05;
 
 impl World {
     /// Tells the lights how far they reach.
-    pub(super) fn estimate_light_visibility(&mut self) {
+    pub(super) fn estimate_light_visibility(&mut self, points: &SeenPoints) {
         if !self.lights.has_distant() {
             return;
         }
-        let Some(points) = self.seen_points() else { return };
         let open = points.escaped;
-        let points: Vec<&Surface> = points.all().collect();
+        let points: Vec<Surface> = points.all(self).collect();
         let directional: Vec<f32> = (0..self.lights.directional_count())
             .map(|i| {
                 let towards = self.lights.towards_directional(i);
-                self.reached(points.iter().map(|&point| (point, towards)))
+                self.reached(points.iter().map(|point| (point, towards)))
             })
             .collect();
         let sky = [SkyPart::All, SkyPart::Bright, SkyPart::Sun].map(|part| {
-            let directions = points.iter().zip(0..).map(|(&point, number)| {
+            let directions = points.iter().zip(0..).map(|(point, number)| {
                 let u = Sampler::new(Pattern::Sobol, 0, 2, number).uniform2(0);
                 (point, self.lights.sky.sample(&point.receiver(), part, u).direction)
             });

@@ -1,9 +1,9 @@
 //! Which triangles are so fiercely lit that paths had better aim at them.
 //!
-//! A triangle counts as lit if lights give one of its sides many times the radiance that bounces find on average where the picture's
-//! paths come, and if it is so small that they seldom find it. Of those the fiercest are kept, if they are worth it: if what
-//! they send makes much of the variance, and if most of the rays that are aimed at them arrive. As all of this only says
-//! where to aim, an error costs time and makes no bias.
+//! A triangle counts as lit if lights give one of its sides many times the radiance that bounces find on average where
+//! the picture's paths come, and if it is so small that they seldom find it. Of those the fiercest are kept, if they
+//! are worth it: if what they send makes much of the variance, and if most of the rays that are aimed at them arrive.
+//! As all of this only says where to aim, an error costs time and makes no bias.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -23,22 +23,22 @@ const FIERCE: f32 = 8.0;
 const SMALL: f64 = 1e-3;
 const ALL_SMALL: f64 = 0.02;
 /// The part of their power that those have which are kept, and their number.
-const MOST_POWER: f64 = 0.9;
-const MOST: usize = 1 << 10;
-/// The part of the scene's light that they send, times how much brighter than the mean they are, is about the variance that
-/// bounces have by them. Where it is less than this, bounces do.
+const MOST_POWER: f64 = 0.995;
+const MOST: usize = 1 << 11;
+/// The part of the scene's light that they send, times how much brighter than the mean they are, is about the variance
+/// that bounces have by them. Where it is less than this, bounces do.
 const LEAST_GAIN: f32 = 0.5;
 /// The part of the aimed rays that must arrive.
 const LEAST_SEEN: f32 = 0.25;
 /// Paths are sure to aim from this multiple of the mean irradiance on: found by trial, as a ray has its price.
-const AIM_FROM: f32 = 16.0;
+const AIM_FROM: f32 = 4.0;
 /// By which one finds out how far light gets that leaves a triangle.
 const REACH_RAYS: u32 = 512;
 
 impl World {
     /// Looks for lit triangles.
-    pub(super) fn find_lit_triangles(&mut self) {
-        let Some(lit) = self.worthy_lit_triangles() else { return };
+    pub(super) fn find_lit_triangles(&mut self, points: &SeenPoints) {
+        let Some(lit) = self.worthy_lit_triangles(points) else { return };
         for prim_id in lit.prims() {
             self.triangle_records[*prim_id as usize].is_plain = 0;
         }
@@ -46,9 +46,9 @@ impl World {
     }
 
     /// Those that are worth aiming at.
-    fn worthy_lit_triangles(&self) -> Option<LitTriangles> {
-        let points = self.seen_points()?;
-        let mean = self.mean_reflected(&points);
+    fn worthy_lit_triangles(&self, points: &SeenPoints) -> Option<LitTriangles> {
+        // What is far away lights nothing fiercely.
+        let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
         let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
         if lit.is_empty() {
             return None;
@@ -57,11 +57,11 @@ impl World {
         let radiance = (sum(&lit, |light| light.radiance * light.radiance) / sum(&lit, |light| light.radiance)) as f32;
         let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
         let mut lit = LitTriangles::new(lit, reach, self.triangle_records.len());
-        let [received, reached] = self.mean_received(&lit, &points);
+        let [received, reached] = self.mean_received(&lit, points);
         // What bounces find, and how much of it and how much brighter than it lit triangles are.
         let found = mean + received * FRAC_1_PI;
         let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
-        lit.aim_from(AIM_FROM * PI * found);
+        lit.aim_from(AIM_FROM * PI * found, PI * mean);
         (part * fierceness >= LEAST_GAIN && received >= LEAST_SEEN * reached).then_some(lit)
     }
 
@@ -70,12 +70,11 @@ impl World {
         let areas: Vec<f32> = self.triangle_records.par_iter().map(|record| area(&record.corners)).collect();
         let all: f64 = areas.iter().map(|&area| f64::from(area)).sum();
         let is_small = |area: f32| area > 0.0 && f64::from(area) < SMALL * all;
-        let mut lit: Vec<(u32, TriangleLight)> = (0..)
-            .zip(areas)
-            .collect::<Vec<_>>()
+        let mut lit: Vec<(u32, TriangleLight)> = areas
             .into_par_iter()
+            .enumerate()
             .filter(|&(_, area)| is_small(area))
-            .filter_map(|(prim_id, area)| Some((prim_id, self.lit(prim_id, area, least)?)))
+            .filter_map(|(prim, area)| Some((prim as u32, self.lit(prim as u32, area, least)?)))
             .collect();
         // Of equals the first.
         lit.sort_by(|(a, first), (b, second)| second.radiance.total_cmp(&first.radiance).then(a.cmp(b)));
@@ -92,22 +91,25 @@ impl World {
         lit
     }
 
-    /// The mean irradiance that lit triangles cause where paths come, and what it would be if aimed rays met nothing else.
+    /// The mean irradiance that lit triangles cause where paths come, and what it would be if aimed rays met nothing
+    /// else.
     fn mean_received(&self, lit: &LitTriangles, points: &SeenPoints) -> [f32; 2] {
         let (mut received, mut reached, mut count) = (0.0, 0.0, 0);
-        for point in points.all() {
+        for point in points.all(self) {
             let receiver = Receiver::new(point.position, point.normal, false);
-            let middle = |prim_id| self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
-            let may_reach = |prim_id: u32| {
-                let way = point.position - middle(prim_id).position;
-                lit.may_reach(prim_id, way.normalize_or(Vec3::Z), way.length())
-            };
-            let is_seen = |prim_id: u32| {
-                let end = middle(prim_id).end_from(point.position);
-                may_reach(prim_id) && !self.occluded(&Ray::between(point.origin_towards(end - point.position), end))
-            };
-            reached += lit.irradiance(&receiver, may_reach);
-            received += lit.irradiance(&receiver, is_seen);
+            let (each, chosen) = lit.representatives(&receiver);
+            for prim_id in chosen {
+                let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
+                let way = point.position - middle.position;
+                if !lit.may_reach(prim_id, way.normalize_or(Vec3::Z), way.length()) {
+                    continue;
+                }
+                reached += each;
+                let end = middle.end_from(point.position);
+                if !self.occluded(&Ray::between(point.origin_towards(-way), end)) {
+                    received += each;
+                }
+            }
             count += 1;
         }
         [received, reached].map(|sum| sum / count.max(1) as f32)

@@ -1,7 +1,7 @@
 //! What triangles reflect of the lights' own light, about.
 //!
-//! Irradiance is estimated as lights are chosen, without shadows, times the part of a few shadow rays that are free. What
-//! comes from the sky is left out, and a material counts by its mean albedo.
+//! Irradiance is estimated as lights are chosen, without shadows, times the part of a few shadow rays that are free.
+//! What comes from the sky is left out, and a material counts by its mean albedo.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -25,8 +25,8 @@ const OUTLIER: f32 = 8.0;
 impl World {
     /// The mean radiance that bounces find, of light that was reflected once.
     pub(super) fn mean_reflected(&self, points: &SeenPoints) -> f32 {
-        let reflected = |point: &Surface| self.reflected(point, self.albedo(point.prim_id), 0.0, POINT_SHADOW_RAYS);
-        let found: Vec<f32> = points.scattered().map(reflected).collect();
+        let reflected = |point: Surface| self.reflected(&point, self.albedo(point.prim_id), 0.0, POINT_SHADOW_RAYS);
+        let found: Vec<f32> = points.scattered(self).map(reflected).collect();
         let mean =
             |most: f32| found.iter().map(|&radiance| radiance.min(most)).sum::<f32>() / found.len().max(1) as f32;
         // A few of them may be lit triangles.

@@ -9,6 +9,7 @@
 //! | 2 | the variance of roulette in a furnace | `halfdome validate furnace-variance`, `furnace-survival` |
 //! | 3 | a furnace has no translational gradient | `figures.rs` |
 //! | 4 | E, ∇_r and ∇_t of random polygon lights, ever better as cells double | `polygons.rs` |
+//! | 4b | the same, and the Hessian, of points that were chosen on a light | `sources.rs` |
 //! | 5 | a sphere light | `figures.rs` |
 //! | 6 | the sky over a wall | `figures.rs` |
 //! | 7 | the shadow's edge of an occluder that moves | `figures.rs`; traced, within 3%, in `irradiance_cache/opening.rs` |
@@ -22,4 +23,5 @@ mod figures;
 mod hessian;
 mod polygons;
 mod scene;
+mod sources;
 mod symmetry;

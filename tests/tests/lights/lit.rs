@@ -58,9 +58,10 @@ fn room(bulb: &Bulb, shade: Material) -> Scene {
     scene
 }
 
-/// The mean of the picture over seeds, and the mean over pixels of the variance of one pixel, relative to the squared mean.
-fn picture(scene: &Scene, lights: LightSampling, spp: u32) -> (Estimate, f64) {
-    let options = PathOptions { lights, max_depth: 6, stop: Stop::Depth, ..PathOptions::default() };
+/// The mean of the picture over seeds, and the mean over pixels of the variance of one pixel, relative to the squared
+/// mean.
+fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u32) -> (Estimate, f64) {
+    let options = PathOptions { lights, max_depth: 6, stop: stop.clone(), ..PathOptions::default() };
     let runs: Vec<Vec<DVec3>> = (0..16)
         .map(|seed| {
             let integrator = Integrator::Path(options.clone());
@@ -82,8 +83,8 @@ fn picture(scene: &Scene, lights: LightSampling, spp: u32) -> (Estimate, f64) {
 /// `direct` samples lights and aims at nothing.
 fn compare(bulb: &Bulb, shade: Material, quieter: f64) {
     let scene = room(bulb, shade);
-    let (aimed, noise) = picture(&scene, LightSampling::Mis, 32);
-    let (alone, noise_alone) = picture(&scene, LightSampling::Direct, 128);
+    let (aimed, noise) = picture(&scene, LightSampling::Mis, &Stop::Depth, 32);
+    let (alone, noise_alone) = picture(&scene, LightSampling::Direct, &Stop::Depth, 128);
     let z = aimed.z(&alone, 0.0);
     assert!(z.max_element() < 4.0, "{} and {}: {z}", aimed.mean, alone.mean);
     assert!(aimed.error.max_element() < 0.02 * aimed.mean.max_element(), "{} of {}", aimed.error, aimed.mean);
@@ -122,4 +123,25 @@ fn aiming_at_a_shade_that_lets_light_through() {
         ..Inputs::default()
     };
     compare(&Bulb::Point, Material { inputs, ..Material::default() }, 1.5);
+}
+
+/// Aimed paths and others to one point would end at different throughputs.
+#[test]
+fn a_threshold_ends_paths_as_without_aiming() {
+    let scene = room(&Bulb::Triangles, material(Vec3::splat(0.8), Vec3::ZERO));
+    let stop = Stop::Threshold { cutoff: 0.3, add_back: false };
+    let [mis, direct] = [LightSampling::Mis, LightSampling::Direct].map(|lights| picture(&scene, lights, &stop, 128).0);
+    let z = mis.z(&direct, 0.0);
+    assert!(z.max_element() < 4.0, "{} and {}: {z}", mis.mean, direct.mean);
+}
+
+#[test]
+fn pictures_with_aimed_paths_do_not_depend_on_threads() {
+    let scene = room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO));
+    let settings = Settings { width: 40, height: 40, spp: 4, ..Settings::default() };
+    let [one, four] = [1, 4].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| pixels(&render(&scene, &settings)))
+    });
+    assert_eq!(one, four);
 }

@@ -194,8 +194,8 @@ fn under_a_constant_sky_a_plane_has_its_reflectance_times_the_sky() {
     }
 }
 
-/// A picture of a constant sky is sampled otherwise than the sky itself, and lights alike; so does one in which all light
-/// comes from a cap of 45 degrees about the zenith, whose irradiance is `π L sin² 45°`.
+/// A picture of a constant sky is sampled otherwise than the sky itself, and lights alike; so does one in which all
+/// light comes from a cap of 45 degrees about the zenith, whose irradiance is `π L sin² 45°`.
 #[test]
 fn a_picture_lights_as_its_sky_does() {
     let radiance = Vec3::new(0.5, 1.0, 3.0);
@@ -213,8 +213,8 @@ fn a_picture_lights_as_its_sky_does() {
 }
 
 /// Irradiance at a point with the normal `n` from a polygon of radiance one that faces it, wholly above the horizon:
-/// half the sum over edges of the angle that the edge subtends, times the cosine between `n` and the normal of the edge's
-/// triangle with the point (Lambert, "Photometria", 1760).
+/// half the sum over edges of the angle that the edge subtends, times the cosine between `n` and the normal of the
+/// edge's triangle with the point (Lambert, "Photometria", 1760).
 fn form_factor(point: DVec3, n: DVec3, polygon: &[DVec3]) -> f64 {
     let edges = (0..polygon.len()).map(|i| [polygon[i] - point, polygon[(i + 1) % polygon.len()] - point]);
     let sum: f64 = edges.map(|[a, b]| a.angle_between(b) * a.cross(b).normalize().dot(n)).sum();

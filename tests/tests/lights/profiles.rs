@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use halfdome::scene::{PunctualLight, open};
 
 use super::sizes::close;
-use super::tables::{irradiance, irradiance_in, scene};
+use super::tables::{gltf, irradiance, irradiance_in, scene};
 
 /// 683 cd everywhere.
 const EVEN: &str = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 180\n0\n683 683\n";
@@ -93,17 +93,14 @@ fn what_is_wrong_with_a_profile_names_its_file_and_line() {
 fn profiles_of_gltf_are_those_of_tables() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a lamp.ies"), cosine()).unwrap();
-    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
-        "nodes": [{"mesh": 0}, {"translation": [1, 2, 3], "rotation": [-0.7071068, 0, 0, 0.7071068],
-            "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 2, "color": [1, 0.5, 0]}}}],
-        "extensionsUsed": ["EXT_lights_ies"], "extensionsRequired": ["EXT_lights_ies"],
-        "extensions": {"EXT_lights_ies": {"lights": [{"uri": "a%20lamp.ies"}]}},
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 0]}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+    let gltf = gltf(
+        r#"{"translation": [1, 2, 3], "rotation": [-0.7071068, 0, 0, 0.7071068],
+            "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 2, "color": [1, 0.5, 0]}}}"#,
+        r#""extensionsUsed": ["EXT_lights_ies"], "extensionsRequired": ["EXT_lights_ies"],
+        "extensions": {"EXT_lights_ies": {"lights": [{"uri": "a%20lamp.ies"}]}}"#,
+    );
     let path = folder.path().join("model.gltf");
-    std::fs::write(&path, gltf).unwrap();
+    std::fs::write(&path, &gltf).unwrap();
     let (by_gltf, _) = open(&path).unwrap();
     assert!(by_gltf.warnings.is_empty(), "{:?}", by_gltf.warnings);
     let [PunctualLight::Profiled { position, frame, intensity, profile, .. }] = &by_gltf.lights[..] else { panic!() };
@@ -125,7 +122,7 @@ fn profiles_of_gltf_are_those_of_tables() {
     std::fs::write(&path, gltf.replace("\"light\": 0", "\"light\": 1")).unwrap();
     assert!(open(&path).unwrap_err().problem.contains("light profile 1, which does not exist"));
     std::fs::write(folder.path().join("a lamp.ies"), "IESNA91\nTILT=NONE\n1 2").unwrap();
-    std::fs::write(&path, gltf).unwrap();
+    std::fs::write(&path, &gltf).unwrap();
     let error = open(&path).unwrap_err().to_string();
     assert!(error.contains("lamp.ies:3: the file ends before the multiplier of candela"), "{error}");
 }

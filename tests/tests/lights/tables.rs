@@ -83,24 +83,35 @@ fn points_spots_and_suns_light_by_their_intensity() {
     close(irradiance(sun), 4.0, 1e-3, "a sun");
 }
 
+/// A glTF file of a triangle and such nodes and extensions.
+pub(super) fn gltf(nodes: &str, extensions: &str) -> String {
+    const POSITIONS: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let numbers: Vec<usize> = (0..=nodes.matches("\"extensions\"").count()).collect();
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": {numbers:?}}}],
+        "nodes": [{{"mesh": 0}}, {nodes}], {extensions},
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 0, 0]}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+        "buffers": [{{"byteLength": 36, "uri": "data:application/octet-stream;base64,{POSITIONS}"}}]}}"#
+    )
+}
+
 /// Lights of a glTF file, and the tables that say the same.
 #[test]
 fn tables_say_the_same_as_gltf() {
     let folder = tempfile::tempdir().unwrap();
-    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2, 3]}],
-        "nodes": [{"mesh": 0},
-            {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
-            {"translation": [0, 4, 0], "rotation": [-0.7071068, 0, 0, 0.7071068], "extensions": {"KHR_lights_punctual": {"light": 1}}},
-            {"extensions": {"KHR_lights_punctual": {"light": 2}}}],
-        "extensionsUsed": ["KHR_lights_punctual"],
-        "extensions": {"KHR_lights_punctual": {"lights": [
+    let gltf = gltf(
+        r#"{"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"translation": [0, 4, 0], "rotation": [-0.7071068, 0, 0, 0.7071068],
+                "extensions": {"KHR_lights_punctual": {"light": 1}}},
+            {"extensions": {"KHR_lights_punctual": {"light": 2}}}"#,
+        r#""extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
             {"type": "point", "intensity": 8, "color": [1, 0.5, 0.25], "extras": {"radius": 0.25}},
             {"type": "spot", "intensity": 5, "spot": {"innerConeAngle": 0.5235988, "outerConeAngle": 0.7853982}},
-            {"type": "directional", "intensity": 2}]}},
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 0]}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+            {"type": "directional", "intensity": 2}]}}"#,
+    );
     let path = folder.path().join("model.gltf");
     std::fs::write(&path, gltf).unwrap();
     let (by_gltf, _) = open(&path).unwrap();

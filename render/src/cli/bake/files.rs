@@ -292,7 +292,7 @@ impl Files {
             statistics: figures
                 .iter()
                 .map(|(name, number)| ((*name).to_owned(), number.to_string()))
-                .chain([("relative error, estimated".to_owned(), format!("{:.2}%", 100.0 * bake.error()))])
+                .chain([("relative error, estimated".to_owned(), bake.error().text())])
                 .collect(),
             warnings: bake.warnings.iter().chain(warnings).cloned().collect(),
             pages: (0..bake.maps.len()).map(page).collect(),
@@ -301,7 +301,7 @@ impl Files {
 
     /// Says how it went.
     pub(super) fn print(&self, style: Style, bake: &Bake, written: &[PathBuf]) {
-        let s = &bake.statistics;
+        let (s, error) = (&bake.statistics, bake.error());
         let share = 100.0 * s.gathers as f64 / s.texels.max(1) as f64;
         match style {
             Style::Silent => {}
@@ -316,7 +316,12 @@ impl Files {
                 "covered": s.covered,
                 "seams": s.seams,
                 "misses": s.misses,
-                "error": bake.error(),
+                "error": {
+                    "root_mean_square": error.root_mean_square,
+                    "median": error.median,
+                    "percentile_95": error.percentile_95,
+                    "above_5_percent": error.above_5_percent,
+                },
                 "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             })),
             Style::Bar => {
@@ -325,6 +330,7 @@ impl Files {
                 let covered =
                     format!("{} texels moved out from under other objects, {} covered completely", s.moved, s.covered);
                 print_text(style, &format!("{texels}, {} rays\n{covered}", s.rays));
+                print_text(style, &format!("relative error, estimated: {}", error.text()));
                 written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
             }
         }

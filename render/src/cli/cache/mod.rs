@@ -24,7 +24,7 @@ use crate::output::OutputFile;
 use crate::scene::Overrides;
 use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
 use crate::watch::Watch;
-use crate::world::World;
+use crate::world::{LookFrom, World};
 
 /// What `halfdome cache` takes.
 #[derive(Subcommand, Clone, Debug)]
@@ -136,7 +136,8 @@ pub(super) fn with_cache(mut overrides: Overrides) -> Overrides {
 fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     let file = OutputFile::check(&arguments.output).map_err(CliError::input)?;
     let overrides = with_cache(arguments.overriding.overrides());
-    let (world, settings, pool) = prepare_world(&arguments.scene, overrides, &arguments.common, &[&arguments.output])?;
+    let (world, settings, pool) =
+        prepare_world(&arguments.scene, overrides, &arguments.common, &[&arguments.output], LookFrom::Camera)?;
     let options = cached_options(&settings)?;
     memory::check(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;

@@ -71,7 +71,7 @@ impl<'a> Uncached<'a> {
 
     /// Irradiance at points, in their order, and the number of rays.
     pub(crate) fn irradiance(&self, points: &[GatherPoint]) -> (Vec<Vec3>, u64) {
-        let mut follower = Follower { world: self.world, source: self.source, scratch: Default::default() };
+        let mut follower = Follower::new(self.world, self.source, GATHER_FIRST_SET);
         let (found, rays) = self.gatherer.gather(self.world, points, &mut follower);
         (found.into_iter().map(|found| found.gather.irradiance).collect(), rays)
     }
@@ -115,7 +115,7 @@ impl Level<'_> {
                     return None;
                 }
                 let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| sites[i].point).collect();
-                let mut follower = Follower { world: self.world, source: self.source, scratch: Default::default() };
+                let mut follower = Follower::new(self.world, self.source, GATHER_FIRST_SET);
                 let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
                 let records: Vec<Record> =
                     new.iter().zip(found).map(|(&(_, i), found)| self.record(&sites[i], &found)).collect();
@@ -175,16 +175,24 @@ impl Level<'_> {
     }
 }
 
-/// Follows a gather's rays.
-struct Follower<'a> {
+/// Follows rays that were sent or aimed from points.
+pub(crate) struct Follower<'a> {
     world: &'a World,
     source: GatherSource<'a>,
+    first_set: u32,
     scratch: (Wavefront, Misses, UnmappedHits),
+}
+
+impl<'a> Follower<'a> {
+    /// By what a source knows of their light, with the sets of random numbers from this one on.
+    pub(crate) fn new(world: &'a World, source: GatherSource<'a>, first_set: u32) -> Self {
+        Self { world, source, first_set, scratch: Default::default() }
+    }
 }
 
 impl Follow for Follower<'_> {
     fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
-        let batch = RayBatch { rays, hits, samplers, first_set: GATHER_FIRST_SET, density: 0.0 };
+        let batch = RayBatch { rays, hits, samplers, first_set: self.first_set, density: 0.0 };
         let (wave, misses, unmapped) = &mut self.scratch;
         match self.source {
             GatherSource::Paths(max_depth) => indirect(self.world, max_depth, &batch, wave, radiance),

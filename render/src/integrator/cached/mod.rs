@@ -26,7 +26,7 @@ use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
 pub(crate) use irradiance_map::IrradianceMap;
-pub(crate) use level::{GatherSource, RecordLog, Uncached};
+pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
 use level::{Level, NoLog};
 pub(crate) use lookup::Misses;
 pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
@@ -83,9 +83,10 @@ impl FrozenCache {
     }
 }
 
-/// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth` surfaces: all that is
-/// not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of further rays.
-pub(crate) fn indirect(
+/// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth`
+/// surfaces: all that is not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of
+/// further rays.
+pub(super) fn indirect(
     world: &World,
     max_depth: Option<u32>,
     rays: &RayBatch,

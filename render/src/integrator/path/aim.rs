@@ -1,4 +1,4 @@
-//! Paths that are aimed at lit triangles (see [`aim`]): each samples a light where it arrives, and ends.
+//! Paths that are aimed at lit triangles (see [`aim`]), and go on from there as others do.
 
 use glam::Vec2;
 use halfdome_kernel::sampling::unit_double;
@@ -8,26 +8,30 @@ use crate::estimator::{aim, aimed_weight};
 use crate::integrator::path_block::{BlockClosures, PathBlock};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
-use crate::settings::LightSampling;
+use crate::light::Aim;
+use crate::settings::{LightSampling, Stop};
 use crate::world::WHITE;
 
 impl Advance<'_> {
-    /// Whether paths aim at lit triangles, and weigh what they find there.
+    /// Whether paths aim at lit triangles, and weigh what they find there. A threshold would end the two paths to one
+    /// point at different throughputs, and what only one of them finds would be lost.
     #[inline(always)]
     pub(super) fn aims(&self) -> bool {
-        self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis
+        let ends_by_chance = !matches!(self.options.stop, Stop::Threshold { .. });
+        self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis && ends_by_chance
     }
 
     /// Aims from the block's surfaces at lit triangles, and puts such paths behind the others that go on.
     #[inline(never)]
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
         let first_set = first_set(self.batch, self.depth);
-        for i in (0..block.len).filter(|&i| !block.is_aimed(i)) {
+        for i in (0..block.len).filter(|&i| block.aims(i)) {
             let index = block.index(i);
             // What light samples and bounces have left of their sets.
             let [[.., a, b], [.., c, _]] = [0, 1].map(|set| self.batch.samplers[index].uniform4(first_set + set));
             let (surface, receiver) = (block.surface(i, &WHITE), block.receiver(i));
-            let Some(aimed) = aim(self.world, &surface, &receiver, unit_double(Vec2::new(a, b)), c) else { continue };
+            let numbers = (unit_double(Vec2::new(a, b)), c);
+            let Some(aimed) = aim(self.world, &surface, &receiver, Aim::ByWorth, numbers) else { continue };
             let (scattered, density) = closures.eval(i, &surface, aimed.ray.direction);
             let throughput = block.throughput(i) * aimed_weight(scattered, aimed.inv_density, density);
             if throughput.max_element() > 0.0 {

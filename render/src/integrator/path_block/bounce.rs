@@ -30,6 +30,7 @@ impl PathBlock {
     ) {
         bounces.paths.index = self.paths.index;
         bounces.paths.normal = self.packed;
+        bounces.paths.target = self.target;
         for i in 0..if C::IN_LANES { LANES } else { self.len } {
             let surface = self.surface(i, matte);
             let (bounce, scatters) = closures.sample(i, &surface, self.u_direction[i], self.cosine[i]);
@@ -39,7 +40,7 @@ impl PathBlock {
             bounces.paths.throughput.set(i, throughput * bounce.weight);
             bounces.paths.density[i] = bounce.density;
             let survives = self.u_roulette[i] < self.survival[i];
-            bounces.goes_on[i] = u32::from(scatters & survives & !self.is_aimed(i)) & self.goes_on[i];
+            bounces.goes_on[i] = u32::from(scatters & survives) & self.goes_on[i];
         }
     }
 }
@@ -57,8 +58,8 @@ impl Bounces {
         self.rays.direction.get(i)
     }
 
-    /// Writes those of the first `len` paths that go on to the start of `paths`, and their rays to that of `rays`; gives
-    /// their number.
+    /// Writes those of the first `len` paths that go on to the start of `paths`, and their rays to that of `rays`;
+    /// gives their number.
     #[inline(always)]
     pub(in crate::integrator) fn keep(&self, isa: Isa, len: usize, rays: &mut [Ray], paths: &mut [Path]) -> usize {
         let goes_on = &self.goes_on[..len];

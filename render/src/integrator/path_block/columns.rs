@@ -108,7 +108,8 @@ pub(super) fn gather<const PARTS: usize, R: Pod, C: Pod>(isa: Isa, rows: &[R], n
     columns::load(isa, rows, numbers, columns);
 }
 
-/// Writes those of the first columns that `keeps` names to the start of `rows`, of `WIDTH` words each, and gives their number.
+/// Writes those of the first columns that `keeps` names to the start of `rows`, of `WIDTH` words each, and gives their
+/// number.
 #[inline(always)]
 pub(super) fn keep<const WIDTH: usize, R: Pod, C: Pod>(isa: Isa, columns: &C, keeps: &[u32], rows: &mut [R]) -> usize {
     let columns: &[[f32; LANES]; WIDTH] = bytemuck::cast_ref(columns);

@@ -91,7 +91,8 @@ impl PathBlock {
         Receiver { position: self.position.get(i), normal: self.receiving.get(i), behind: self.behind[i] }
     }
 
-    /// Chooses a light for each path by the numbers drawn, among all lights and this part of the sky; whether there is any.
+    /// Chooses a light for each path by the numbers drawn, among all lights and this part of the sky; whether there is
+    /// any.
     #[inline(always)]
     pub(in crate::integrator) fn choose_lights(&mut self, world: &World, part: SkyPart) -> bool {
         for i in 0..LANES {
@@ -203,7 +204,7 @@ impl PathBlock {
             shadows.rays.origin.set(i, light.shadow.origin);
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
-            shadows.waiting.light.set(i, self.light_throughput(i) * radiance);
+            shadows.waiting.light.set(i, self.throughput(i) * radiance);
             let is_chosen = u32::from(self.light_samples.probability[i] > 0.0);
             let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
             shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;
@@ -227,8 +228,8 @@ impl ShadowRays {
         }
     }
 
-    /// Writes those of the first `len` shadow rays that have any light to the start of `rays`, and which camera ray's light
-    /// it is, and how much, to that of `waiting`; gives their number.
+    /// Writes those of the first `len` shadow rays that have any light to the start of `rays`, and which camera ray's
+    /// light it is, and how much, to that of `waiting`; gives their number.
     #[inline(always)]
     pub(in crate::integrator) fn keep<W: Pod>(
         &self,

@@ -1,9 +1,9 @@
-//! What up to eight lights send to a point: the leaves of a light tree. Of delta lights it is exact but for shadows. A spot with
-//! a radius counts as if it shone into a cone that is wider by the angle that its sphere subtends.
+//! What up to eight lights send to a point: the leaves of a light tree. Of delta lights it is exact but for shadows. A
+//! spot with a radius counts as if it shone into a cone that is wider by the angle that its sphere subtends.
 //!
-//! The irradiance by a triangle of radiance `L` is estimated as `L Ω` times the mean cosine at the receiver of its corners
-//! and its centroid: its solid angle `Ω` is exact, however near it is. The estimate is 0 only if all corners lie below the
-//! receiver's horizon, or the receiver lies behind the triangle, and `π L` at most.
+//! The irradiance by a triangle of radiance `L` is estimated as `L Ω` times the mean cosine at the receiver of its
+//! corners and its centroid: its solid angle `Ω` is exact, however near it is. The estimate is 0 only if all corners
+//! lie below the receiver's horizon, or the receiver lies behind the triangle, and `π L` at most.
 
 use std::f32::consts::PI;
 
@@ -25,8 +25,8 @@ pub(crate) trait LeafLights: Default {
     /// Puts a light into a place that is free.
     fn put(&mut self, i: usize, light: &Self::Light);
 
-    /// The irradiance that each causes at the receiver if nothing is in between, about, as luminance; 0 in places that are
-    /// free.
+    /// The irradiance that each causes at the receiver if nothing is in between, about, as luminance; 0 in places that
+    /// are free.
     fn weights(&self, receiver: &Receiver) -> Lane;
 }
 
@@ -209,8 +209,8 @@ pub(crate) fn triangle(
     let before = -normal.dot(middle);
     let before = if both_sides > 0.0 { before.abs() } else { before };
     let [per_a, per_b, per_c, per_middle] = [a, b, c, middle].map(|way| way.length_squared().sqrt().recip());
-    // Van Oosterom and Strackee's tangent of half the solid angle; six times the volume of the tetrahedron is its height
-    // times twice the area, as no product of far corners is that exact.
+    // Van Oosterom and Strackee's tangent of half the solid angle; six times the volume of the tetrahedron is its
+    // height times twice the area, as no product of far corners is that exact.
     let volume = (2.0 * area * per_a * per_b) * (before * per_c);
     let cosines = a.dot(b) * (per_a * per_b) + b.dot(c) * (per_b * per_c) + c.dot(a) * (per_c * per_a);
     let solid_angle = 2.0 * angle(volume, 1.0 + cosines);
@@ -302,7 +302,8 @@ impl Points {
     }
 }
 
-/// The greatest cosine with an axis of a direction that differs from one of this cosine by an angle of this sine, at most.
+/// The greatest cosine with an axis of a direction that differs from one of this cosine by an angle of this sine, at
+/// most.
 #[inline(always)]
 fn widened(cosine: f32, sine: f32) -> f32 {
     let rim = (1.0 - sine * sine).max(0.0).sqrt();

@@ -5,8 +5,8 @@
 //!
 //! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
 //! first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
-//! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space, named
-//! like its node.
+//! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space,
+//! named like its node.
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
 //! radiance, a light's candela are W/sr and its lux W/m², one to one. Skins, morph targets, lights' ranges,
@@ -266,7 +266,8 @@ const KNOWN: [&str; 24] = [
 /// Those whose geometry is not where accessors say: files with them are read, but not edited.
 const COMPRESSED: [&str; 2] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression"];
 
-/// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the notes.
+/// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the
+/// notes.
 fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
     const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
     let is_known = |name: &&str| KNOWN.contains(name) || HARMLESS.iter().any(|prefix| name.starts_with(prefix));

@@ -28,8 +28,8 @@ pub struct SkyOverrides {
     /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
     #[arg(long, value_name = "ELEVATION,AZIMUTH[,T]", value_parser = argument(value::daylight))]
     pub daylight: Option<Daylight>,
-    /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much haze
-    /// [default: preetham]
+    /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much
+    /// haze [default: preetham]
     #[arg(long, value_name = "NAME", value_parser = argument(value::daylight_model))]
     pub daylight_model: Option<DaylightModel>,
     /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]

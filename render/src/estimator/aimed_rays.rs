@@ -1,0 +1,145 @@
+//! Rays that points aim at lit triangles, besides those that they send over a hemisphere, for what these seldom find.
+//!
+//! What both may find is weighted by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
+//! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and one
+//! of the aimed rays the rest. All that a lit triangle reflects counts, not light samples alone as in [`lit`](super::lit),
+//! as what is gathered is to have no noise.
+
+use glam::Vec3;
+use halfdome_kernel::sampling::{Sampler, power, unit_double};
+use halfdome_kernel::{Hit, Ray};
+
+use super::gather::Follow;
+use super::lit::{aim, aimed_density};
+use crate::light::{Aim, Receiver};
+use crate::world::{Surface, World};
+
+/// The set of random numbers that says where a ray is aimed. Those after it are for whoever
+/// follows the ray.
+const AIM_SET: u32 = 0;
+/// Keeps the numbers of aimed rays apart from others.
+const SALT: u64 = 0x1f83_d9ab_fb41_bd6b;
+
+/// How one point aims.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AimedFrom {
+    receiver: Receiver,
+    count: u32,
+}
+
+/// Aimed rays of some points, and their memory.
+#[derive(Default)]
+pub(crate) struct AimedRays {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    samplers: Vec<Sampler>,
+    radiance: Vec<Vec3>,
+    aimed: Vec<Aimed>,
+}
+
+/// What is known of a ray before it is traced.
+struct Aimed {
+    point: usize,
+    prim_id: u32,
+    /// What its radiance is multiplied by.
+    solid_angle: f32,
+}
+
+/// What an aimed ray found.
+pub(crate) struct FoundLit {
+    /// A unit vector.
+    pub direction: Vec3,
+    pub distance: f32,
+    /// Of the triangle, towards the point.
+    pub normal: Vec3,
+    /// Radiance times solid angle; its mean over many rays is what they all find.
+    pub flux: Vec3,
+}
+
+impl AimedFrom {
+    /// From a surface that sends so many rays by other means: the more, the more of its light comes from lit triangles.
+    pub(crate) fn new(world: &World, surface: &Surface, others: usize) -> Self {
+        let receiver = Receiver::new(surface.position, surface.shading_normal, false);
+        let share = world.lights.lit.share(&receiver);
+        Self { receiver, count: (share * others as f32).ceil() as u32 }
+    }
+
+    /// The rays that it aims.
+    pub(crate) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The part of its radiance that another ray keeps where it hit something; `others` such rays are expected a
+    /// steradian there.
+    #[inline]
+    pub(crate) fn kept(&self, world: &World, ray: &Ray, hit: &Hit, others: f32) -> f32 {
+        match self.count {
+            0 => 1.0,
+            count => power(others, count as f32 * aimed_density(world, &self.receiver, Aim::Always, ray, hit)),
+        }
+    }
+}
+
+impl AimedRays {
+    /// Forgets all rays.
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.samplers.clear();
+        self.aimed.clear();
+    }
+
+    /// Aims from `surface`, point number `point`; `sampler(seed, i)` has the random numbers of ray `i`, for a `seed` that
+    /// is not that of others, and `others(direction)` rays are expected a steradian.
+    pub(crate) fn push(
+        &mut self,
+        world: &World,
+        (surface, from): (&Surface, &AimedFrom),
+        (point, seed): (usize, u64),
+        sampler: impl Fn(u64, u32) -> Sampler,
+        others: impl Fn(Vec3) -> f32,
+    ) {
+        for i in 0..from.count {
+            let sampler = sampler(seed ^ SALT, i);
+            let [a, b, c, _] = sampler.uniform4(AIM_SET);
+            let numbers = (unit_double(glam::Vec2::new(a, b)), c);
+            let Some(aimed) = aim(world, surface, &from.receiver, Aim::Always, numbers) else { continue };
+            let direction = aimed.ray.direction;
+            if surface.normal.dot(direction) > 0.0 && surface.shading_normal.dot(direction) > 0.0 {
+                let density = from.count as f32 / aimed.inv_density;
+                let solid_angle = power(density, others(direction)) / density;
+                self.rays.push(aimed.ray);
+                self.samplers.push(sampler);
+                self.aimed.push(Aimed { point, prim_id: aimed.prim_id, solid_angle });
+            }
+        }
+    }
+
+    /// Traces all rays, and has those followed that arrive; gives the number of rays.
+    pub(crate) fn trace(&mut self, world: &World, follow: &mut dyn Follow) -> u64 {
+        if self.rays.is_empty() {
+            return 0;
+        }
+        let Self { rays, hits, samplers, radiance, aimed } = self;
+        hits.resize(rays.len(), Hit::MISS);
+        radiance.clear();
+        radiance.resize(rays.len(), Vec3::ZERO);
+        world.intersect_many(rays, hits);
+        for (hit, aimed) in hits.iter_mut().zip(aimed) {
+            if hit.prim_id != aimed.prim_id {
+                *hit = Hit::MISS;
+            }
+        }
+        rays.len() as u64 + follow.follow(rays, hits, samplers, radiance)
+    }
+
+    /// What the rays of a point found.
+    pub(crate) fn found<'a>(&'a self, world: &'a World, point: usize) -> impl Iterator<Item = FoundLit> + 'a {
+        let hits = self.hits.iter().zip(&self.rays).zip(&self.radiance).zip(&self.aimed);
+        hits.filter(move |(((hit, _), _), aimed)| aimed.point == point && hit.is_hit()).map(
+            |(((hit, ray), radiance), aimed)| {
+                let normal = world.surface_at(hit).facing(ray.direction).normal;
+                FoundLit { direction: ray.direction, distance: hit.t, normal, flux: *radiance * aimed.solid_angle }
+            },
+        )
+    }
+}
