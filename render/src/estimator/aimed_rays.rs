@@ -11,7 +11,7 @@ use halfdome_kernel::{Hit, Ray};
 
 use super::gather::Follow;
 use super::lit::{aim, aimed_density};
-use crate::light::{Aim, Receiver};
+use crate::light::Receiver;
 use crate::world::{Surface, World};
 
 /// The set of random numbers that says where a ray is aimed. Those after it are for whoever
@@ -75,7 +75,7 @@ impl AimedFrom {
     pub(crate) fn kept(&self, world: &World, ray: &Ray, hit: &Hit, others: f32) -> f32 {
         match self.count {
             0 => 1.0,
-            count => power(others, count as f32 * aimed_density(world, &self.receiver, Aim::Always, ray, hit)),
+            count => power(others, count as f32 * aimed_density(world, &self.receiver, ray, hit)),
         }
     }
 }
@@ -102,7 +102,7 @@ impl AimedRays {
             let sampler = sampler(seed ^ SALT, i);
             let [a, b, c, _] = sampler.uniform4(AIM_SET);
             let numbers = (unit_double(glam::Vec2::new(a, b)), c);
-            let Some(aimed) = aim(world, surface, &from.receiver, Aim::Always, numbers) else { continue };
+            let Some(aimed) = aim(world, surface, &from.receiver, numbers) else { continue };
             let direction = aimed.ray.direction;
             if surface.normal.dot(direction) > 0.0 && surface.shading_normal.dot(direction) > 0.0 {
                 let density = from.count as f32 / aimed.inv_density;

@@ -11,7 +11,7 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
-use crate::light::{Aim, Receiver, area};
+use crate::light::{Receiver, area};
 use crate::settings::LightSampling;
 use crate::world::{Surface, World, interpolate};
 
@@ -26,14 +26,8 @@ pub(crate) struct AimedRay {
 
 /// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first
 /// leaves. `None` if that is not worth it.
-pub(crate) fn aim(
-    world: &World,
-    surface: &Surface,
-    receiver: &Receiver,
-    how: Aim,
-    (choice, v): (f64, f32),
-) -> Option<AimedRay> {
-    let chosen = world.lights.lit.choose(receiver, how, choice)?;
+pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
+    let chosen = world.lights.lit.choose(receiver, choice)?;
     let record = &world.triangle_records()[chosen.prim_id as usize];
     let warp = light_warp(receiver, &record.corners, LightSampling::Mis);
     let place = warp.map(Vec2::new(chosen.rest as f32, v));
@@ -57,8 +51,8 @@ pub(crate) fn aim(
 
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
 /// something.
-pub(crate) fn aimed_density(world: &World, receiver: &Receiver, how: Aim, ray: &Ray, hit: &Hit) -> f32 {
-    let probability = world.lights.lit.probability(hit.prim_id, receiver, how);
+pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: &Hit) -> f32 {
+    let probability = world.lights.lit.probability(hit.prim_id, receiver);
     if probability == 0.0 || !world.lights.lit.may_reach(hit.prim_id, -ray.direction, hit.t) {
         return 0.0;
     }
@@ -114,23 +108,17 @@ mod tests {
 
     #[test]
     fn aimed_rays_have_the_density_that_weights_them() {
-        check_density(Aim::ByWorth, 0.02);
-        check_density(Aim::Always, 1.0);
-    }
-
-    /// `part` of the numbers that choose are used.
-    fn check_density(how: Aim, part: f64) {
         let world = world();
         let mut aimed_rays = 0;
         for i in 0..2000 {
             let [x, y, a, b] = Stream::new(1, i, 0).uniform4(0);
             let surface = world.surface(i % 2, x.min(1.0 - y), y.min(0.9)).facing(Vec3::NEG_Z);
             let receiver = surface.receiver();
-            let Some(aimed) = aim(&world, &surface, &receiver, how, (f64::from(a) * part, b)) else { continue };
+            let Some(aimed) = aim(&world, &surface, &receiver, (f64::from(a), b)) else { continue };
             let mut hits = [Hit::MISS];
             world.intersect_many(&[aimed.ray], &mut hits);
             assert_eq!(hits[0].prim_id, aimed.prim_id, "nothing is in between");
-            let density = aimed_density(&world, &receiver, how, &aimed.ray, &hits[0]);
+            let density = aimed_density(&world, &receiver, &aimed.ray, &hits[0]);
             assert!((density * aimed.inv_density - 1.0).abs() < 0.01, "{density} and {}", aimed.inv_density);
             aimed_rays += 1;
         }
@@ -148,8 +136,7 @@ mod tests {
         for i in 0..COUNT {
             let [a, b, c, _] = Stream::new(2, i, 0).uniform4(0);
             let choice = halfdome_kernel::sampling::unit_double(Vec2::new(a, b));
-            sum += aim(&world, &surface, &receiver, Aim::ByWorth, (choice, c))
-                .map_or(0.0, |aimed| f64::from(aimed.inv_density));
+            sum += aim(&world, &surface, &receiver, (choice, c)).map_or(0.0, |aimed| f64::from(aimed.inv_density));
         }
         let expected: f64 = (2..4)
             .map(|prim| {

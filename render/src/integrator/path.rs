@@ -29,7 +29,7 @@ use super::state::Path;
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::estimator::{ShadowRay, aimed_density, sample_light};
-use crate::light::{Aim, SampledLight, SkyPart};
+use crate::light::{SampledLight, SkyPart};
 use crate::material::{Glossy, Kind, Layered, Transmissive};
 use crate::settings::{LightSampling, PathOptions, Stop};
 use crate::world::{WHITE, World};
@@ -219,7 +219,8 @@ impl<'a> Advance<'a> {
         if path.target != 0 || path.is_first() {
             return 1.0;
         }
-        let density = aimed_density(self.world, &path.receiver(ray.origin), Aim::ByWorth, ray, hit);
+        let receiver = path.receiver(ray.origin);
+        let density = aimed_density(self.world, &receiver, ray, hit) * self.world.lights.lit.chance(&receiver);
         LightSampling::Mis.bounce_weight(path.density, density)
     }
 
@@ -262,10 +263,12 @@ impl<'a> Advance<'a> {
         let draw = |set: u32, numbers: &mut [Vec2; LANES]| {
             sampler.fill2(isa, first_set + set, addresses, &mut numbers[..len]);
         };
-        if matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after) {
+        let ends_by_chance = matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after);
+        if ends_by_chance || self.aims() {
             draw(2, &mut block.u_direction);
-            for (chance, numbers) in block.u_roulette.iter_mut().zip(&block.u_direction) {
-                *chance = numbers.x;
+            for i in 0..LANES {
+                let numbers = block.u_direction[i];
+                (block.u_roulette[i], block.u_aim[i]) = (if ends_by_chance { numbers.x } else { 0.0 }, numbers.y);
             }
         }
         draw(0, &mut block.u_light);

@@ -72,6 +72,8 @@ pub(super) struct PathBlock {
     pub cosine: [Vec3; LANES],
     /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
     pub u_roulette: Column,
+    /// Numbers that decide whether paths aim at lit triangles, if there are any.
+    pub u_aim: Column,
     light_samples: LightSamples,
     /// The `target` of paths that leave: 0, or of lit triangles [`Path::UNAIMED`].
     target: Integers,

@@ -24,15 +24,6 @@ const REPRESENTATIVES: u32 = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
 
-/// Whether to aim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Aim {
-    /// Where it is worth a path's ray, by chance.
-    ByWorth,
-    /// Wherever any light may come from.
-    Always,
-}
-
 /// The lit triangles of a world.
 #[derive(Debug, Default)]
 pub(crate) struct LitTriangles {
@@ -51,7 +42,7 @@ pub(crate) struct LitTriangles {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChosenTriangle {
     pub prim_id: u32,
-    /// With which it is aimed at: the probabilities that any is, and that it is this one.
+    /// With which it was chosen of all.
     pub probability: f32,
     /// What is left of the number that chose it, in [0, 1).
     pub rest: f64,
@@ -97,32 +88,35 @@ impl LitTriangles {
         self.tree.is_some()
     }
 
-    /// Chooses one for a receiver by a number in [0, 1). `None` if none is to be aimed at.
+    /// The probability with which a path's surface aims at any, by the irradiance that all may cause.
     #[inline]
-    pub(crate) fn choose(&self, receiver: &Receiver, aim: Aim, u: f64) -> Option<ChosenTriangle> {
-        let tree = self.tree.as_ref()?;
-        let weights = tree.root_weights(receiver);
-        let sum = total(&weights);
-        let any = self.any(aim, sum);
-        if u >= f64::from(any) {
-            return None;
-        }
-        let pick = tree.choose(receiver, &weights, (u / f64::from(any)).min(1.0 - f64::EPSILON / 2.0));
-        let prim_id = self.prims[pick.index as usize];
-        Some(ChosenTriangle { prim_id, probability: any * pick.probability, rest: pick.rest })
+    pub(crate) fn chance(&self, receiver: &Receiver) -> f32 {
+        self.tree.as_ref().map_or(0.0, |tree| (total(&tree.root_weights(receiver)) / self.worth).min(1.0))
     }
 
-    /// The probability with which triangle `prim_id` is aimed at.
+    /// Chooses one for a receiver by a number in [0, 1). `None` if none may send light there.
     #[inline]
-    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver, aim: Aim) -> f32 {
+    pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenTriangle> {
+        let tree = self.tree.as_ref()?;
+        let weights = tree.root_weights(receiver);
+        if total(&weights) == 0.0 {
+            return None;
+        }
+        let pick = tree.choose(receiver, &weights, u);
+        let prim_id = self.prims[pick.index as usize];
+        Some(ChosenTriangle { prim_id, probability: pick.probability, rest: pick.rest })
+    }
+
+    /// The probability with which triangle `prim_id` is chosen.
+    #[inline]
+    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver) -> f32 {
         match (&self.tree, self.index_of.get(prim_id as usize)) {
             (Some(tree), Some(&index)) if index != NO_LIGHT => {
                 let weight = tree.weight(index, receiver);
                 if weight == 0.0 {
                     return 0.0;
                 }
-                let sum = total(&tree.root_weights(receiver));
-                self.any(aim, sum) * weight / sum
+                weight / total(&tree.root_weights(receiver))
             }
             _ => 0.0,
         }
@@ -138,16 +132,6 @@ impl LitTriangles {
             (0..REPRESENTATIVES).map(move |k| self.prims[tree.choose(receiver, &weights, number(k)).index as usize])
         });
         (sum / REPRESENTATIVES as f32, chosen)
-    }
-
-    /// The probability of aiming at any, by the irradiance that all may cause.
-    #[inline(always)]
-    fn any(&self, aim: Aim, irradiance: f32) -> f32 {
-        match aim {
-            Aim::ByWorth => (irradiance / self.worth).min(1.0),
-            Aim::Always if irradiance > 0.0 => 1.0,
-            Aim::Always => 0.0,
-        }
     }
 
     /// Whether light of triangle `prim_id`, which must be lit, may come so far in this unit vector.

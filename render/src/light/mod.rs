@@ -22,7 +22,7 @@ use halfdome_kernel::{Aabb, Triangle};
 
 use self::distant::Patches;
 use self::few::FEW;
-pub(crate) use self::lit::{Aim, LitTriangles, Reach};
+pub(crate) use self::lit::{LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::cluster::Lane;

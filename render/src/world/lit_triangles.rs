@@ -29,9 +29,9 @@ const MOST: usize = 1 << 11;
 /// that bounces have by them. Where it is less than this, bounces do.
 const LEAST_GAIN: f32 = 0.5;
 /// The part of the aimed rays that must arrive.
-const LEAST_SEEN: f32 = 0.25;
+const LEAST_SEEN: f32 = 0.3;
 /// Paths are sure to aim from this multiple of the mean irradiance on: found by trial, as a ray has its price.
-const AIM_FROM: f32 = 4.0;
+const AIM_FROM: f32 = 8.0;
 /// By which one finds out how far light gets that leaves a triangle.
 const REACH_RAYS: u32 = 512;
 

@@ -3,10 +3,14 @@
 use std::f32::consts::TAU;
 
 use glam::{DVec3, Vec3};
+use halfdome::cache::Cache;
+use halfdome::irradiance::{Part, Request, Sensor, by_cache, by_paths};
 use halfdome::material::Inputs;
+use halfdome::probes::{self, Options};
 use halfdome::scene::{CameraPose, Material, PunctualLight, Scene};
-use halfdome::settings::{Integrator, LightSampling, PathOptions, Settings, Stop};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome::settings::{CachedOptions, GatherLayout, Integrator, LightSampling, PathOptions, Settings, Stop};
+use halfdome::world::{LookFrom, World};
+use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad, render};
 
 const SIZE: u32 = 24;
 const MIDDLE: Vec3 = Vec3::new(2.0, 1.2, 2.0);
@@ -144,4 +148,73 @@ fn pictures_with_aimed_paths_do_not_depend_on_threads() {
         pool.install(|| pixels(&render(&scene, &settings)))
     });
     assert_eq!(one, four);
+}
+
+/// Sensors on the ceiling, the floor and a wall.
+const SENSORS: [([f32; 3], Vec3); 3] =
+    [([2.6, 2.9, 1.5], Vec3::NEG_Y), ([1.0, 0.1, 3.0], Vec3::Y), ([0.1, 1.0, 2.0], Vec3::X)];
+
+/// The mean at each sensor over seeds, by a world that looks for lit triangles from sensors or, from nowhere, finds none.
+fn sensed(from: LookFrom, seeds: u64, sense: impl Fn(&World, &Sensor, u64) -> Vec3) -> Vec<Estimate> {
+    let world = World::looking_from(room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO)), from).unwrap();
+    let at = |(position, normal): ([f32; 3], Vec3)| {
+        let sensor = Sensor { position: position.into(), normal };
+        let values: Vec<DVec3> = (0..seeds).map(|seed| sense(&world, &sensor, seed).as_dvec3()).collect();
+        Estimate::of(&values)
+    };
+    SENSORS.map(at).to_vec()
+}
+
+/// Gathers of records and paths from sensors aim, too, and have much less noise than as many paths that do not.
+#[test]
+fn gathers_that_aim_find_what_others_do() {
+    let request = |seed, spp| Request { spp, seed, part: Part::Indirect };
+    let places = SENSORS.map(|(position, normal)| (Vec3::from(position), normal));
+    let paths = |spp| {
+        move |world: &World, sensor: &Sensor, seed| {
+            by_paths(world, &[*sensor], &request(seed, spp), &NeverStops).values[0]
+        }
+    };
+    let (rays, times) = (512, 64);
+    let truth = sensed(LookFrom::Places(&[]), 32, paths(times * rays));
+    let gathers = |layout| {
+        move |world: &World, sensor: &Sensor, seed| {
+            let options = CachedOptions { rays, layout, ..CachedOptions::default() };
+            let cache = Cache::new(options, world.surroundings_hash());
+            by_cache(world, &[*sensor], cache, &request(seed, 1), &NeverStops).values[0]
+        }
+    };
+    let check = |name: &str, found: Vec<Estimate>| {
+        let mut quieter = 0.0;
+        for (i, (found, truth)) in found.iter().zip(&truth).enumerate() {
+            let z = found.z(truth, 0.0).max_element();
+            assert!(z < 4.0, "{name}, sensor {i}: {} and {}: {z}", found.mean, truth.mean);
+            // Errors of means over seeds, of which the truth has half as many.
+            let ratio = 0.5 * f64::from(times) * (truth.error.y / found.error.y).powi(2);
+            println!("{name}, sensor {i}: {ratio} times quieter");
+            quieter += ratio / 3.0;
+        }
+        assert!(quieter > 10.0, "{name}: {quieter} times the variance without");
+    };
+    check("paths", sensed(LookFrom::Sensors(&places), 64, paths(rays)));
+    check("strata", sensed(LookFrom::Sensors(&places), 64, gathers(GatherLayout::Stratified)));
+    check("hemicube", sensed(LookFrom::Sensors(&places), 64, gathers(GatherLayout::Hemicube)));
+}
+
+/// Probes likewise.
+#[test]
+fn probes_that_aim_find_what_others_do() {
+    let places = SENSORS.map(|(position, _)| Vec3::from(position));
+    let sense = |spp, rays| {
+        move |world: &World, sensor: &Sensor, seed| {
+            let options = Options { rays, spp, seed };
+            probes::at_points(world, &[sensor.position], &options, &NeverStops).unwrap().probes[0].light.harmonics[0]
+        }
+    };
+    let truth = sensed(LookFrom::Places(&[]), 16, sense(4096, 16384));
+    let found = sensed(LookFrom::Places(&places), 64, sense(512, 512));
+    for (i, (found, truth)) in found.iter().zip(&truth).enumerate() {
+        let z = found.z(truth, 0.0).max_element();
+        assert!(z < 4.0, "sensor {i}: {} and {}: {z}", found.mean, truth.mean);
+    }
 }

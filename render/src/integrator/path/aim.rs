@@ -8,7 +8,6 @@ use crate::estimator::{aim, aimed_weight};
 use crate::integrator::path_block::{BlockClosures, PathBlock};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
-use crate::light::Aim;
 use crate::settings::{LightSampling, Stop};
 use crate::world::WHITE;
 
@@ -26,14 +25,18 @@ impl Advance<'_> {
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
         let first_set = first_set(self.batch, self.depth);
         for i in (0..block.len).filter(|&i| block.aims(i)) {
+            let receiver = block.receiver(i);
+            let chance = self.world.lights.lit.chance(&receiver);
+            if block.u_aim[i] >= chance {
+                continue;
+            }
             let index = block.index(i);
             // What light samples and bounces have left of their sets.
             let [[.., a, b], [.., c, _]] = [0, 1].map(|set| self.batch.samplers[index].uniform4(first_set + set));
-            let (surface, receiver) = (block.surface(i, &WHITE), block.receiver(i));
-            let numbers = (unit_double(Vec2::new(a, b)), c);
-            let Some(aimed) = aim(self.world, &surface, &receiver, Aim::ByWorth, numbers) else { continue };
+            let (surface, numbers) = (block.surface(i, &WHITE), (unit_double(Vec2::new(a, b)), c));
+            let Some(aimed) = aim(self.world, &surface, &receiver, numbers) else { continue };
             let (scattered, density) = closures.eval(i, &surface, aimed.ray.direction);
-            let throughput = block.throughput(i) * aimed_weight(scattered, aimed.inv_density, density);
+            let throughput = block.throughput(i) * aimed_weight(scattered, aimed.inv_density / chance, density);
             if throughput.max_element() > 0.0 {
                 let (normal, target) = (block.packed_normal(i), aimed.prim_id + 1);
                 let index = index as u32;
