@@ -1,5 +1,6 @@
 //! The world: a scene made ready for tracing.
 
+mod bodies;
 mod inputs;
 mod light_shares;
 mod light_visibility;
@@ -21,6 +22,7 @@ use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
 use crate::scene::{CameraPose, Material, Mesh, Optics, Scene, Texture};
+pub(crate) use bodies::Bodies;
 pub use seen_points::LookFrom;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};

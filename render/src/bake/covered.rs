@@ -3,7 +3,7 @@
 //! chart; where there is none, the texel is left out, and is filled later from others of its chart.
 //!
 //! Castaño tells such texels of a hemicube by the backs that it sees. Here rays tell, evenly spread over the hemisphere.
-//! Surfaces that are meant to be seen from both sides have no back, and glass is no body.
+//! What a body is the world says ([`Bodies`]).
 
 use glam::Vec2;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
@@ -12,7 +12,7 @@ use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::texels::{Point, Surfaces, Texel};
-use crate::world::World;
+use crate::world::{Bodies, World};
 
 /// Rays of a point.
 const RAYS: u32 = 32;
@@ -32,17 +32,18 @@ pub(crate) struct Uncovered {
 
 /// Moves covered texels to free points of their charts; gives for each texel whether it has one.
 pub(crate) fn uncover(world: &World, surfaces: &Surfaces, texels: &mut [Texel]) -> (Vec<bool>, Uncovered) {
+    let bodies = world.bodies();
     let outcome: Vec<Option<bool>> = texels
         .par_chunks_mut(64)
         .flat_map_iter(|texels| {
             let points: Vec<Point> = texels.iter().map(|texel| texel.point).collect();
-            let covered = are_covered(world, &points);
+            let covered = are_covered(world, &bodies, &points);
             let settle = |(texel, covered): (&mut Texel, bool)| {
                 if !covered {
                     return None;
                 }
                 let others = surfaces.points_within(texel, GRID);
-                let free = are_covered(world, &others).into_iter().position(|covered| !covered);
+                let free = are_covered(world, &bodies, &others).into_iter().position(|covered| !covered);
                 if let Some(free) = free {
                     (texel.point, texel.is_moved) = (others[free], true);
                 }
@@ -57,7 +58,7 @@ pub(crate) fn uncover(world: &World, surfaces: &Surfaces, texels: &mut [Texel]) 
 }
 
 /// Whether each point sees backs for the most part.
-fn are_covered(world: &World, points: &[Point]) -> Vec<bool> {
+fn are_covered(world: &World, bodies: &Bodies, points: &[Point]) -> Vec<bool> {
     let rays: Vec<Ray> = points
         .iter()
         .flat_map(|point| {
@@ -75,7 +76,7 @@ fn are_covered(world: &World, points: &[Point]) -> Vec<bool> {
         .collect();
     let mut hits = vec![Hit::MISS; rays.len()];
     world.intersect_many(&rays, &mut hits);
-    let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && world.surface_at(hit).is_back_of_body(ray.direction);
+    let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && bodies.is_back(world, ray, hit);
     let count = RAYS as usize;
     let backs = rays.chunks(count).zip(hits.chunks(count));
     backs

@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 
-use super::position::{Key, key};
 use super::t_junctions::corners_on;
+use crate::scene::{Key, key};
 use crate::scene::{Mesh, Scene};
 
 /// Shading normals this far apart at both ends of an edge, or less, are those of one smooth surface: cos 37°.

@@ -32,7 +32,6 @@ mod noise;
 pub mod obj;
 mod options;
 mod picture;
-mod position;
 mod raster;
 pub mod report;
 mod seams;

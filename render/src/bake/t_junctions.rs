@@ -6,7 +6,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::position::key;
+use crate::scene::key;
 
 /// How far from a side a corner may be, over the greatest coordinate of the side's ends: some units in the last place.
 const SLACK: f64 = 8.0 * f32::EPSILON as f64;

@@ -33,6 +33,7 @@ pub(super) fn is_covered(backs: f32) -> bool {
 pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option<Vec<f32>> {
     let sphere: Vec<(Vec3, f32)> =
         Quadrature::new(RINGS).points().map(|(direction, weight)| (direction.as_vec3(), weight as f32)).collect();
+    let bodies = world.bodies();
     let share = |point: &Vec3| {
         if watch.stop() {
             return None;
@@ -40,7 +41,7 @@ pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option
         let rays: Vec<Ray> = sphere.iter().map(|(direction, _)| Ray::new(*point, *direction)).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         world.intersect_many(&rays, &mut hits);
-        let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && world.surface_at(hit).is_back_of_body(ray.direction);
+        let is_back = |(ray, hit): (&Ray, &Hit)| hit.is_hit() && bodies.is_back(world, ray, hit);
         let seen = rays.iter().zip(&hits).zip(&sphere).filter(|(pair, _)| is_back(*pair));
         Some(seen.map(|(_, (_, weight))| weight).sum::<f32>() / (4.0 * std::f32::consts::PI))
     };

@@ -24,6 +24,7 @@ mod obj;
 mod optics;
 mod overrides;
 mod ply;
+mod position;
 mod profile;
 mod punctual;
 mod ray_file;
@@ -52,6 +53,7 @@ pub use optics::{CameraKind, Clip, FisheyeMapping, Lens, Optics, Projection, Ray
 pub use overrides::{
     CachedOverrides, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SkyOverrides,
 };
+pub(crate) use position::{Key, key};
 pub use profile::{Profile, ProfileFrame};
 pub use punctual::{PunctualLight, SpotEdge};
 pub use sky::{Sky, SkyPicture};

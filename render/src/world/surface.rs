@@ -218,12 +218,6 @@ impl Surface<'_> {
         Frame::from_normal(self.shading_normal)
     }
 
-    /// Whether a ray in `direction` hits the back of a body here, coming from within. Surfaces that are meant to be seen from
-    /// both sides have no back, and glass is no body.
-    pub(crate) fn is_back_of_body(&self, direction: Vec3) -> bool {
-        !self.material.emits_both_sides && !self.material.is_glass() && self.normal.dot(direction) > 0.0
-    }
-
     /// Radiance emitted towards the origin of a ray in `direction`.
     #[inline(always)]
     pub(crate) fn emitted(&self, direction: Vec3) -> Vec3 {

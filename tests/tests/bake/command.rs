@@ -8,7 +8,7 @@ use halfdome::output::read_exr;
 use halfdome_tests::program::{Outcome, Program};
 use serde_json::{Value, json};
 
-use crate::level::level;
+use crate::level::{double_sided, level, open_crates, outwards};
 
 const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
 
@@ -141,6 +141,28 @@ fn maps_are_finite_lit_and_the_same_for_any_number_of_threads() {
             assert!(all.iter().filter(|value| **value > 0.0).count() > 3000, "{options}");
         }
         assert!(run("--seed 1") != run("--seed 2"));
+    });
+}
+
+#[test]
+fn closed_bodies_cover_the_texels_below_them_whatever_their_material_says() {
+    in_folder(|program| {
+        let covered = |level: Value| {
+            program.put("level.gltf", level.to_string());
+            let line = format!("bake level.gltf -o out.gltf {SMALL}").replace("none", "json");
+            let outcome = program.run_line(&line);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            let end: Value = serde_json::from_str(outcome.stderr.lines().last().unwrap()).unwrap();
+            ["covered", "moved"].map(|count| end[count].as_u64().unwrap())
+        };
+        let single_sided = covered(level());
+        assert!(single_sided.iter().sum::<u64>() > 20, "{single_sided:?}");
+        assert_eq!(covered(double_sided(level())), single_sided);
+        // Nothing hides in a crate that can be looked into.
+        assert_eq!(covered(double_sided(open_crates(level()))), [0, 0]);
+        // A room that was modelled from outside is no body: there is something inside. Its floor's front is below it.
+        assert_eq!(covered(double_sided(outwards())), [0, 0]);
+        assert!(covered(outwards())[0] > single_sided[0], "a material of one side has a back");
     });
 }
 

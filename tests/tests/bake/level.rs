@@ -28,7 +28,7 @@ pub(crate) fn level() -> Value {
 }
 
 /// The level with a room whose fronts look outwards.
-fn outwards() -> Value {
+pub(crate) fn outwards() -> Value {
     let (positions, indices) = cube();
     let mut bytes: Vec<u8> = positions.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     let split = bytes.len();
@@ -70,5 +70,24 @@ fn inwards(mut level: Value) -> Value {
     push("bufferViews", json!({"buffer": 1, "byteLength": bytes.len()}));
     push("accessors", json!({"bufferView": 2, "componentType": 5123, "count": indices.len(), "type": "SCALAR"}));
     level["meshes"][0]["primitives"][0]["indices"] = json!(2);
+    level
+}
+
+/// The level with all materials seen from both sides, as exporters call most of them.
+pub(crate) fn double_sided(mut level: Value) -> Value {
+    for material in level["materials"].as_array_mut().expect("a list") {
+        material["doubleSided"] = json!(true);
+    }
+    level
+}
+
+/// The level with crates that lack their last triangle.
+pub(crate) fn open_crates(mut level: Value) -> Value {
+    let count = level["accessors"][1]["count"].as_u64().expect("a number") - 3;
+    level["accessors"]
+        .as_array_mut()
+        .expect("a list")
+        .push(json!({"bufferView": 1, "componentType": 5123, "count": count, "type": "SCALAR"}));
+    level["meshes"][1]["primitives"][0]["indices"] = json!(3);
     level
 }

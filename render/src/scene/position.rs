@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 /// The bits of a position; both zeros are one.
-pub(super) type Key = [u32; 3];
+pub(crate) type Key = [u32; 3];
 
 /// The key of a position.
-pub(super) fn key(position: Vec3) -> Key {
+pub(crate) fn key(position: Vec3) -> Key {
     position.to_array().map(|coordinate| (coordinate + 0.0).to_bits())
 }

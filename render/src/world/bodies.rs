@@ -1,0 +1,165 @@
+//! Bodies: what has an inside, so that whoever sees its back from within is covered by it.
+//!
+//! Of a material that is seen from one side alone the back is that of a body. Exporters call most materials double-sided
+//! without need, so there the geometry decides: a body is a closed mesh, each edge of which is passed as often one way as
+//! the other, wound outwards, and solid, which it is not if a light or all of another mesh is inside: then it is a room.
+//! Edges are joined where their ends are equal bit for bit. Glass is no body.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use halfdome_kernel::{Aabb, Hit, Ray};
+
+use super::World;
+use crate::light::Light;
+use crate::scene::{Key, PunctualLight, key};
+
+/// Corners of a mesh that must be inside of another, spread over it.
+const PROBES: usize = 4;
+
+/// Which double-sided triangles belong to solid bodies.
+#[derive(Debug)]
+pub(crate) struct Bodies {
+    /// By `prim_id`; empty if there are none.
+    is_solid: Vec<bool>,
+}
+
+/// Triangles that hang together.
+struct Piece {
+    triangles: Vec<u32>,
+    bounds: Aabb,
+}
+
+impl Bodies {
+    /// Whether `ray`, which hits something, comes from within a body.
+    pub(crate) fn is_back(&self, world: &World, ray: &Ray, hit: &Hit) -> bool {
+        let surface = world.surface_at(hit);
+        let has_back = !surface.material.emits_both_sides || self.is_solid.get(hit.prim_id as usize) == Some(&true);
+        has_back && !surface.material.is_glass() && surface.normal.dot(ray.direction) > 0.0
+    }
+}
+
+impl World {
+    /// Finds the bodies among what is double-sided.
+    pub(crate) fn bodies(&self) -> Bodies {
+        let materials = || self.triangle_records.iter().map(|record| &self.materials[record.material as usize]);
+        if !materials().any(|material| material.emits_both_sides) {
+            return Bodies { is_solid: Vec::new() };
+        }
+        let mut pieces = self.pieces();
+        pieces.sort_by(|a, b| a.bounds.min.x.total_cmp(&b.bounds.min.x));
+        let place = |light: &Light| match light {
+            Light::Punctual(PunctualLight::Directional { .. }) | Light::Triangle(_) | Light::Sky => None,
+            Light::Punctual(
+                PunctualLight::Point { position, .. }
+                | PunctualLight::Spot { position, .. }
+                | PunctualLight::Profiled { position, .. },
+            ) => Some(*position),
+        };
+        let lights: Vec<Vec3> = self.lights.lights().iter().filter_map(place).collect();
+        let mut is_solid = vec![false; self.triangle_records.len()];
+        for piece in &pieces {
+            let has_back = |&prim: &u32| {
+                let material = &self.materials[self.triangle_records[prim as usize].material as usize];
+                material.emits_both_sides && !material.is_glass()
+            };
+            if piece.triangles.iter().all(has_back) && self.is_closed(piece) && !self.is_room(piece, &pieces, &lights) {
+                piece.triangles.iter().for_each(|&prim| is_solid[prim as usize] = true);
+            }
+        }
+        Bodies { is_solid }
+    }
+
+    /// All triangles by what they hang together with.
+    fn pieces(&self) -> Vec<Piece> {
+        let mut numbers: HashMap<Key, u32> = HashMap::new();
+        let mut roots: Vec<u32> = Vec::new();
+        fn root(roots: &mut [u32], mut number: u32) -> u32 {
+            while roots[number as usize] != number {
+                roots[number as usize] = roots[roots[number as usize] as usize];
+                number = roots[number as usize];
+            }
+            number
+        }
+        let mut first_corners = Vec::with_capacity(self.triangle_records.len());
+        for record in &self.triangle_records {
+            let corners = record.corners.map(|corner| {
+                let next = roots.len() as u32;
+                let number = *numbers.entry(key(corner)).or_insert(next);
+                if number == next {
+                    roots.push(number);
+                }
+                number
+            });
+            let [a, b, c] = corners.map(|corner| root(&mut roots, corner));
+            // The least stays, so that nothing depends on the map's order.
+            let least = a.min(b).min(c);
+            [a, b, c].into_iter().for_each(|corner| roots[corner as usize] = least);
+            first_corners.push(corners[0]);
+        }
+        let mut of_root: HashMap<u32, usize> = HashMap::new();
+        let mut pieces: Vec<Piece> = Vec::new();
+        for ((prim, record), corner) in (0..).zip(&self.triangle_records).zip(first_corners) {
+            let place = *of_root.entry(root(&mut roots, corner)).or_insert(pieces.len());
+            if place == pieces.len() {
+                pieces.push(Piece { triangles: Vec::new(), bounds: Aabb::EMPTY });
+            }
+            pieces[place].triangles.push(prim);
+            pieces[place].bounds = pieces[place].bounds.union(&Aabb::around(&record.corners));
+        }
+        pieces
+    }
+
+    /// Whether each edge is passed as often in both directions, and the triangles are wound outwards.
+    fn is_closed(&self, piece: &Piece) -> bool {
+        let mut balance: HashMap<[Key; 2], i32> = HashMap::new();
+        let origin = piece.bounds.min.as_dvec3();
+        let mut volume = 0.0;
+        for &prim in &piece.triangles {
+            let corners = self.triangle_records[prim as usize].corners;
+            let keys = corners.map(key);
+            for side in 0..3 {
+                let (start, end) = (keys[side], keys[(side + 1) % 3]);
+                match start.cmp(&end) {
+                    std::cmp::Ordering::Less => *balance.entry([start, end]).or_insert(0) += 1,
+                    std::cmp::Ordering::Greater => *balance.entry([end, start]).or_insert(0) -= 1,
+                    std::cmp::Ordering::Equal => {}
+                }
+            }
+            let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
+            volume += a.dot(b.cross(c));
+        }
+        volume > 0.0 && balance.values().all(|&count| count == 0)
+    }
+
+    /// Whether a light or all of another piece lies inside. The pieces are in the order of their least x.
+    fn is_room(&self, piece: &Piece, pieces: &[Piece], lights: &[Vec3]) -> bool {
+        let has = |point: Vec3| contains(&piece.bounds, point) && self.is_inside(piece, point);
+        let holds = |other: &Piece| {
+            let is_within = contains(&piece.bounds, other.bounds.min) && contains(&piece.bounds, other.bounds.max);
+            let step = other.triangles.len().div_ceil(PROBES);
+            let corner = |&prim: &u32| self.triangle_records[prim as usize].corners[0];
+            is_within && other.triangles.iter().step_by(step).map(corner).all(has)
+        };
+        let first = pieces.partition_point(|other| other.bounds.min.x < piece.bounds.min.x);
+        let end = pieces.partition_point(|other| other.bounds.min.x <= piece.bounds.max.x);
+        let mut others = pieces[first..end].iter().filter(|other| !std::ptr::eq(*other, piece));
+        lights.iter().copied().any(has) || others.any(holds)
+    }
+
+    /// Whether a closed piece goes round a point, by its solid angle (van Oosterom and Strackee 1983).
+    fn is_inside(&self, piece: &Piece, point: Vec3) -> bool {
+        let solid_angle = |&prim: &u32| {
+            let corners = self.triangle_records[prim as usize].corners;
+            let [a, b, c] = corners.map(|corner| (corner.as_dvec3() - point.as_dvec3()).normalize_or(DVec3::ZERO));
+            2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+        };
+        piece.triangles.iter().map(solid_angle).sum::<f64>() > 2.0 * PI
+    }
+}
+
+/// Whether a box has a point.
+fn contains(bounds: &Aabb, point: Vec3) -> bool {
+    point.cmpge(bounds.min).all() && point.cmple(bounds.max).all()
+}
