@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn aimed_rays_have_the_density_that_weights_them() {
         let world = world();
-        let mut aimed_rays = 0;
+        let (mut aimed_rays, mut missed) = (0, 0);
         for i in 0..2000 {
             let [x, y, a, b] = Stream::new(1, i, 0).uniform4(0);
             let surface = world.surface(i % 2, x.min(1.0 - y), y.min(0.9)).facing(Vec3::NEG_Z);
@@ -117,12 +117,17 @@ mod tests {
             let Some(aimed) = aim(&world, &surface, &receiver, (f64::from(a), b)) else { continue };
             let mut hits = [Hit::MISS];
             world.intersect_many(&[aimed.ray], &mut hits);
-            assert_eq!(hits[0].prim_id, aimed.prim_id, "nothing is in between");
+            // Nothing is in between, but a ray to the very border may pass it by rounding.
+            if !hits[0].is_hit() {
+                missed += 1;
+                continue;
+            }
+            assert_eq!(hits[0].prim_id, aimed.prim_id);
             let density = aimed_density(&world, &receiver, &aimed.ray, &hits[0]);
             assert!((density * aimed.inv_density - 1.0).abs() < 0.01, "{density} and {}", aimed.inv_density);
             aimed_rays += 1;
         }
-        assert!(aimed_rays > 300, "{aimed_rays}");
+        assert!(aimed_rays > 300 && missed <= 1, "{aimed_rays}, {missed}");
     }
 
     /// From afar a small light sends `L Ω cos θ`, which samples of the triangles' solid angle have to find.
