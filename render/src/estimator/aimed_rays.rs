@@ -9,7 +9,7 @@ use glam::Vec3;
 use halfdome_kernel::sampling::{Sampler, power, unit_double};
 use halfdome_kernel::{Hit, Ray};
 
-use super::gather::Follow;
+use super::follow::Follow;
 use super::lit::{aim, aimed_density};
 use crate::light::Receiver;
 use crate::world::{Surface, World};

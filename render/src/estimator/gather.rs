@@ -16,6 +16,7 @@ use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use halfdome_kernel::{Hit, Ray};
 
 use super::aimed_rays::{AimedFrom, AimedRays};
+use super::follow::Follow;
 use super::occluders::OccluderSectors;
 use crate::settings::GatherLayout;
 use crate::world::{Surface, World};
@@ -47,13 +48,6 @@ pub(crate) struct Gathered {
     pub(crate) hessian: Option<Hessian>,
     /// What stands around.
     pub(crate) occluders: OccluderSectors,
-}
-
-/// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
-/// must not count.
-pub(crate) trait Follow {
-    /// Writes radiance for each ray that hit something.
-    fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64;
 }
 
 /// Makes gathers of one kind.

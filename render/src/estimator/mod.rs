@@ -2,6 +2,7 @@
 
 mod aimed_rays;
 mod direct;
+mod follow;
 mod gather;
 mod hemisphere;
 mod incident;
@@ -15,7 +16,8 @@ pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_light, scattered_weight, sky_density,
 };
-pub(crate) use gather::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
+pub(crate) use follow::Follow;
+pub(crate) use gather::{GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 pub(crate) use hemisphere::Hemisphere;
 pub(crate) use incident::{IncidentSampler, IncidentSink};
 pub(crate) use light_warp::light_warp;

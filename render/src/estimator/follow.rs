@@ -1,0 +1,12 @@
+//! Who follows rays on from what they hit: paths, or a coarser irradiance cache.
+
+use glam::Vec3;
+use halfdome_kernel::sampling::Sampler;
+use halfdome_kernel::{Hit, Ray};
+
+/// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
+/// must not count.
+pub(crate) trait Follow {
+    /// Writes radiance for each ray that hit something.
+    fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64;
+}
