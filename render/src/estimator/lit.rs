@@ -42,11 +42,9 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
     }
     let inv_density = area(&record.corners) * cosine / squared * warp.per_density(place) / chosen.probability;
     let is_any = inv_density > 0.0 && inv_density.is_finite();
-    is_any.then(|| AimedRay {
-        ray: Ray::new(surface.origin_towards(direction), direction),
-        prim_id: chosen.prim_id,
-        inv_density,
-    })
+    // From where it leaves, beside the surface: otherwise it might pass a small triangle far away.
+    let origin = surface.origin_towards(direction);
+    is_any.then(|| AimedRay { ray: Ray::new(origin, (end - origin).normalize()), prim_id: chosen.prim_id, inv_density })
 }
 
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
@@ -117,16 +115,18 @@ mod tests {
             let Some(aimed) = aim(&world, &surface, &receiver, (f64::from(a), b)) else { continue };
             let mut hits = [Hit::MISS];
             world.intersect_many(&[aimed.ray], &mut hits);
-            // Nothing is in between, but as rays leave beside their surface, one to the very border may pass it.
+            // Nothing is in between, but a ray to the very border may pass it by rounding.
             if hits[0].prim_id != aimed.prim_id {
                 missed += 1;
                 continue;
             }
             let density = aimed_density(&world, &receiver, &aimed.ray, &hits[0]);
-            assert!((density * aimed.inv_density - 1.0).abs() < 0.01, "{density} and {}", aimed.inv_density);
+            // What is seen edge-on turns with the place that it is seen from.
+            let slack = 0.01 + 1e-8 / aimed.inv_density;
+            assert!((density * aimed.inv_density - 1.0).abs() < slack, "{density} and {}", aimed.inv_density);
             aimed_rays += 1;
         }
-        assert!(aimed_rays > 300 && missed <= 3, "{aimed_rays}, {missed}");
+        assert!(aimed_rays > 300 && missed <= 1, "{aimed_rays}, {missed}");
     }
 
     /// From afar a small light sends `L Ω cos θ`, which samples of the triangles' solid angle have to find.
