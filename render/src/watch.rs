@@ -1,6 +1,6 @@
 //! Who watches long work: hears how far it is, sees early pictures, and may stop it.
 
-use crate::film::Picture;
+use crate::film::{Film, Picture};
 
 /// The greatest side of the squares of a preview, in pixels.
 pub const MAX_PREVIEW_SIDE: u32 = 256;
@@ -27,4 +27,12 @@ pub trait Watch: Sync {
     /// Sees the picture of each level from [`coarsest`](Self::coarsest) on down to 1, if it is more than 1: one sample for
     /// each square of `side` pixels. Called from the thread that renders, which waits.
     fn level(&self, _side: u32, _picture: &Picture) {}
+
+    /// Whether the film is wanted now; asked often. All threads then wait until it was [given](Self::film).
+    fn wants_film(&self) -> bool {
+        false
+    }
+
+    /// Takes the film so far. Called from the thread that renders.
+    fn film(&self, _film: &Film) {}
 }

@@ -65,6 +65,11 @@ impl Cache {
         OutputFile::check(path)?.write(&self.encode())
     }
 
+    /// A hash of all that it has: equal caches have equal ones.
+    pub fn hash(&self) -> u64 {
+        fnv(&self.encode())
+    }
+
     /// Refuses options or a scene that are not this cache's.
     pub(super) fn check(&self, options: &CachedOptions, scene: u64) -> Result<(), CacheFileError> {
         if scene != self.scene {

@@ -1,5 +1,7 @@
 //! Arguments that commands share, and those of `render` and `info`.
 
+mod film;
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +13,7 @@ use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
 use crate::watch::MAX_PREVIEW_SIDE;
+pub(super) use film::{FilmArguments, is_film};
 
 /// What overrides the scene, with the picture's size in one word.
 #[derive(Args, Clone, Debug)]
@@ -40,8 +43,8 @@ pub(super) struct RenderArguments {
     /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
     pub(super) scene: PathBuf,
 
-    /// Picture to write: .exr (linear radiance) or .png (tone mapped); can be given several times [default: the scene's
-    /// name with .exr and .png, in the current folder]
+    /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to go on with or to
+    /// merge); can be given several times [default: the scene's name with .exr and .png, in the current folder]
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
 
@@ -64,6 +67,18 @@ pub(super) struct RenderArguments {
     #[arg(value_parser = square)]
     pub(super) progressive: Option<u32>,
 
+    /// How PNG pictures are made.
+    #[command(flatten)]
+    tone: ToneArguments,
+
+    /// When it ends, and how it goes on.
+    #[command(flatten)]
+    pub(super) film: FilmArguments,
+}
+
+/// How PNG pictures are made.
+#[derive(Args, Clone, Debug)]
+pub(super) struct ToneArguments {
     /// Exposure of PNG pictures in stops: each doubles the brightness
     #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
     #[arg(value_parser = exposure)]
@@ -126,6 +141,12 @@ impl RenderArguments {
     }
 
     /// How PNG pictures are made.
+    pub(super) fn tone_mapping(&self) -> ToneMapping {
+        self.tone.tone_mapping()
+    }
+}
+
+impl ToneArguments {
     pub(super) fn tone_mapping(&self) -> ToneMapping {
         ToneMapping { exposure: self.exposure, curve: self.tone }
     }

@@ -7,9 +7,11 @@ use super::bake::BakeArguments;
 use super::cache::CacheCommand;
 use super::cubemap::CubemapArguments;
 use super::help::{
-    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, PROBES_EXAMPLES, RENDER_EXAMPLES, VALIDATE_EXAMPLES,
+    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES, RENDER_EXAMPLES,
+    VALIDATE_EXAMPLES,
 };
 use super::irradiance::IrradianceArguments;
+use super::merge::MergeArguments;
 use super::prepare::CORNELL;
 use super::probes::ProbesArguments;
 use super::tree::TreeArguments;
@@ -32,6 +34,9 @@ pub(super) enum Command {
     /// Render a scene to pictures
     #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
     Render(Box<RenderArguments>),
+    /// Make the picture of films that are parts of it, rendered by several runs or machines
+    #[command(after_help = format!("{MERGE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Merge(MergeArguments),
     /// Show what is in a scene, or in a tree that `halfdome tree` wrote
     #[command(after_help = EXIT_CODES)]
     Info(Box<InfoArguments>),

@@ -17,6 +17,8 @@ pub(super) const EXIT_INPUT: u8 = 1;
 pub(super) const EXIT_SYSTEM: u8 = 2;
 /// Interrupted, with a valid partial picture.
 pub(super) const EXIT_INTERRUPTED: u8 = 3;
+/// A limit ended the render before its target.
+pub(super) const EXIT_LIMIT: u8 = 4;
 /// An experiment failed.
 pub(super) const EXIT_FAILED: u8 = 5;
 

@@ -9,6 +9,9 @@ Exit codes:
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
      `bake` the state for --resume; `cubemap`, `probes` and
      `irradiance` write nothing
+  4  `render` ended at a limit and not at its target: --time before all
+     samples, or --spp or --time before the error of --noise; the picture
+     is written
   5  an experiment of `validate` or a check of `bake --check-uv` failed
   A second Ctrl-C ends the program at once, with code 130 and no picture.";
 
@@ -30,9 +33,19 @@ Examples:
   halfdome render hall.glb --exposure -1 --tone reinhard --progress none
   halfdome render hall.glb --f-number 2.8 --focus 3 --blades 6
   halfdome render hall.glb --camera panorama --ipd 64 -o hall.png
+  halfdome render hall.glb --noise 2% --spp 65536 --checkpoint --resume
 
 Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
 one of them changes the model's camera.";
+
+/// Of `halfdome merge`.
+pub(super) const MERGE_EXAMPLES: &str = "\
+Examples:
+  halfdome render hall.glb --spp 4096 --shard 1/2 -o part1.hdf     on one machine
+  halfdome render hall.glb --spp 4096 --shard 2/2 -o part2.hdf     on another
+  halfdome merge part1.hdf part2.hdf -o hall.exr -o hall.png
+
+The picture is that of a single run, byte for byte, but for the time that is noted in it.";
 
 /// Of `halfdome bake`.
 pub(super) const BAKE_EXAMPLES: &str = "\

@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod build_progress;
 mod cache;
+mod checkpoint;
 mod command;
 mod cubemap;
 mod error;
@@ -16,13 +17,14 @@ mod job;
 mod light;
 mod materials;
 mod memory;
+mod merge;
 mod messages;
 mod prepare;
-mod preview;
 mod print;
 mod probes;
 mod progress;
 mod render;
+mod render_watch;
 mod summary;
 mod tree;
 mod validate;
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
     }
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
         Command::Render(arguments) => (render::run(&arguments), arguments.common.progress),
+        Command::Merge(arguments) => (merge::run(&arguments), Mode::Auto),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Materials(arguments) => (materials::run(&arguments), Mode::Auto),
         Command::Irradiance(arguments) => (irradiance::run(&arguments), arguments.common.progress),

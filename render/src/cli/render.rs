@@ -1,44 +1,50 @@
 //! `halfdome render`: from a scene to pictures on disk.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::args::RenderArguments;
 use super::build_progress::BuildProgress;
 use super::cache::{cached_options, read_cache};
-use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
+use super::checkpoint::{Checkpoint, read_film};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT};
 use super::inputs;
+use super::messages::{Style, print_text};
 use super::prepare::{prepare, thread_pool};
-use super::preview::Preview;
 use super::progress::Progress;
-use super::summary::RenderReport;
+use super::render_watch::RenderWatch;
+use super::summary::{End, RenderReport};
 use super::{interrupt, memory};
-use crate::driver;
+use crate::cache::Cache;
+use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
-use crate::film::Picture;
-use crate::output::{self, ToneMapping};
-use crate::scene::count;
+use crate::film::{BadSamples, Film, Picture};
+use crate::output::{self, OutputFile, ToneMapping};
+use crate::scene::{Scene, count};
 use crate::settings::Settings;
 use crate::world::World;
 
 /// Renders; the exit code says whether every sample was taken.
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
-    let paths = arguments.outputs()?;
+    let begin = Instant::now();
+    let (film_path, paths) = arguments.film.places(&arguments.outputs()?)?;
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
     }
-    inputs::refuse(&paths, arguments.cache.as_slice())?;
-    let (mut scene, settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &paths)?;
+    let all: Vec<&PathBuf> = paths.iter().chain(&film_path).collect();
+    inputs::refuse(&all, arguments.cache.as_slice())?;
+    let (mut scene, mut settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &all)?;
+    settings.halves |= arguments.film.noise.is_some();
     memory::check(&settings)?;
+    let film_file = film_path.as_deref().map(|path| OutputFile::check(path).map_err(CliError::input)).transpose()?;
+    let checkpoint = match (&film_path, arguments.film.interval()) {
+        (Some(path), Some(interval)) => Some(Checkpoint::new(path, interval)?),
+        _ => None,
+    };
     let lit = scene.has_light();
     if settings.integrator.needs_light() && !lit {
-        let from_gltf = scene.meshes.iter().any(|mesh| mesh.origin.is_some());
-        let export = if from_gltf {
-            ", or export the lights: Blender leaves them out unless Include > Punctual Lights is on"
-        } else {
-            ""
-        };
-        scene.warnings.push(format!("the scene has no light, so the picture is black; give it a --sky{export}"));
+        scene.warnings.push(without_light(&scene));
     }
 
     let pool = thread_pool(&arguments.common)?;
@@ -59,34 +65,111 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
         warnings.push(format!("{dropped} dropped"));
     }
+    let before = match &film_path {
+        Some(path) if arguments.film.resume => begun(path, &world, &settings, cache.as_ref(), style)?,
+        _ => None,
+    };
     let mut report =
         RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
     report.print_start(style);
 
     interrupt::catch()?;
-    let progress = Progress::start(style, samples(&settings));
+    let progress = Progress::start(style, samples(&settings) / u64::from(arguments.film.share().count));
+    if let Some(film) = &before {
+        crate::watch::Watch::advance(&progress, film.total_samples(), 0);
+    }
     let tone = arguments.tone_mapping();
-    let preview = Preview { progress: &progress, coarsest: arguments.progressive, paths: &paths, tone: &tone, style };
-    let result = pool.install(|| driver::render_with(&world, &settings, cache, &preview));
+    let watch = RenderWatch {
+        progress: &progress,
+        coarsest: arguments.progressive,
+        paths: &paths,
+        tone: &tone,
+        style,
+        deadline: arguments.film.time.map(|time| begin + time),
+        checkpoint: checkpoint.as_ref(),
+    };
+    let plan = Plan { cache, film: before, share: arguments.film.share(), noise: arguments.film.noise };
+    let result = pool.install(|| driver::render_plan(&world, &settings, plan, &watch)).map_err(CliError::input)?;
+    let end = match result.finished {
+        true if result.is_precise => End::Done,
+        true => End::Limit,
+        false if interrupt::requested() => End::Interrupted,
+        false => End::Limit,
+    };
     drop(progress);
-    if settings.integrator.needs_light() && lit && result.finished && is_black(&result.picture) {
+    let is_whole = result.finished && arguments.film.part().is_none();
+    if settings.integrator.needs_light() && lit && is_whole && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights: emitters may face away (try --emission both), \
                        or the camera may see nothing that is lit";
         report.warn(style, warning.to_owned());
     }
+    if let Some(warning) = bad_samples(&result.film) {
+        report.warn(style, warning);
+    }
 
-    let (written, mut failures) = write_all(&paths, &result.picture, &tone);
+    let (mut written, mut failures) = write_all(&paths, &result.picture, &tone);
+    if let (Some(file), Some(path)) = (&film_file, film_path) {
+        match file.write(&result.film.encode()) {
+            Ok(()) => written.push(path),
+            Err(error) => failures.push(error.to_string()),
+        }
+    }
     if !failures.is_empty() {
         // An end that names files would look like success.
         failures.extend(written.iter().map(|path| format!("{} was written", path.display())));
         return Err(CliError::System(failures.join("\n")));
     }
-    report.print_end(style, &result, &written);
-    Ok(if result.finished { EXIT_DONE } else { EXIT_INTERRUPTED })
+    report.print_end(style, &result, end, &written);
+    Ok(match end {
+        End::Done => EXIT_DONE,
+        End::Interrupted => EXIT_INTERRUPTED,
+        End::Limit => EXIT_LIMIT,
+    })
+}
+
+/// The film that was begun, if there is one; refuses that of another picture.
+fn begun(
+    path: &Path,
+    world: &World,
+    settings: &Settings,
+    cache: Option<&Cache>,
+    style: Style,
+) -> Result<Option<Film>, CliError> {
+    if !path.exists() {
+        print_text(style, &format!("{} is not there yet: the render begins", path.display()));
+        return Ok(None);
+    }
+    let film = read_film(path)?;
+    let expected = driver::film_header(world, settings, cache);
+    film.header().check(&expected).map_err(|error| CliError::input(error.naming(&path.display().to_string())))?;
+    let samples = film.samples();
+    print_text(
+        style,
+        &format!("going on with {}: {} to {} samples a pixel", path.display(), samples.start, samples.end),
+    );
+    Ok(Some(film))
+}
+
+/// What is said of samples that are not numbers, if there are any.
+pub(super) fn bad_samples(film: &Film) -> Option<String> {
+    let BadSamples { count: number, first: Some((row, column)) } = film.bad_samples() else { return None };
+    let samples =
+        count(number as usize, "sample is not a finite number and counts", "samples are not finite numbers and count");
+    Some(format!("{samples} as black, the first at pixel ({column}, {row})"))
+}
+
+/// What is said of a scene that nothing lights.
+fn without_light(scene: &Scene) -> String {
+    let from_gltf = scene.meshes.iter().any(|mesh| mesh.origin.is_some());
+    let export = match from_gltf {
+        true => ", or export the lights: Blender leaves them out unless Include > Punctual Lights is on",
+        false => "",
+    };
+    format!("the scene has no light, so the picture is black; give it a --sky{export}")
 }
 
 /// Writes every picture that can be written, for it may have taken hours to make: paths written, errors of the others.
-fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<PathBuf>, Vec<String>) {
+pub(super) fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<PathBuf>, Vec<String>) {
     let mut written = Vec::new();
     let mut failures = Vec::new();
     for path in paths {

@@ -11,6 +11,17 @@ use crate::driver::{CacheUse, Render};
 use crate::scene::count;
 use crate::settings::Settings;
 
+/// How a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// At its target: all samples, or the error that was asked for.
+    Done,
+    /// At a limit.
+    Limit,
+    /// By a signal.
+    Interrupted,
+}
+
 /// What is rendered.
 pub(super) struct RenderReport<'a> {
     /// As the user calls it.
@@ -40,12 +51,12 @@ impl RenderReport<'_> {
     }
 
     /// Says how it went and what was written.
-    pub(super) fn print_end(&self, style: Style, render: &Render, files: &[PathBuf]) {
+    pub(super) fn print_end(&self, style: Style, render: &Render, end: End, files: &[PathBuf]) {
         match style {
             Style::Silent => {}
-            Style::Json => print_line(&self.end_event(render, files)),
+            Style::Json => print_line(&self.end_event(render, end, files)),
             Style::Bar => {
-                let _ = std::io::stderr().write_all(self.end_text(render, files).as_bytes());
+                let _ = std::io::stderr().write_all(self.end_text(render, end, files).as_bytes());
             }
         }
     }
@@ -56,13 +67,22 @@ impl RenderReport<'_> {
         format!("{}: {width}x{height}, {spp} spp, {}, {threads}", self.scene, integrator.name())
     }
 
-    fn end_text(&self, render: &Render, files: &[PathBuf]) -> String {
-        let state = if render.finished { "rendered" } else { "interrupted; the picture so far was rendered" };
+    fn end_text(&self, render: &Render, end: End, files: &[PathBuf]) -> String {
+        let state = match end {
+            End::Done => "rendered",
+            End::Limit => "ended at a limit before its target; the picture so far was rendered",
+            End::Interrupted => "interrupted; the picture so far was rendered",
+        };
         let seconds = render.elapsed.as_secs_f64();
         let rays = per_second(render.rays, render.elapsed) / 1e6;
         let mut text = format!("{state} in {seconds:.2} s at {rays:.1} Mrays/s ({} rays)\n", render.rays);
         if let Some(CacheUse { records, misses, negative }) = render.cache {
             text += &format!("{records} irradiance records; {misses} points had none, {negative} were negative\n");
+        }
+        if let Some(error) = render.film.relative_error() {
+            let samples = render.film.samples();
+            let error = 100.0 * error;
+            text += &format!("{} to {} samples a pixel, estimated error {error:.2}%\n", samples.start, samples.end);
         }
         for file in files {
             text += &format!("wrote {}\n", file.display());
@@ -86,11 +106,13 @@ impl RenderReport<'_> {
         })
     }
 
-    fn end_event(&self, render: &Render, files: &[PathBuf]) -> Value {
+    fn end_event(&self, render: &Render, end: End, files: &[PathBuf]) -> Value {
         let files: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         json!({
             "event": "end",
-            "finished": render.finished,
+            "finished": end == End::Done,
+            "samples": { "least": render.film.samples().start, "most": render.film.samples().end },
+            "error": render.film.relative_error(),
             "width": self.settings.width,
             "height": self.settings.height,
             "spp": self.settings.spp,
@@ -111,11 +133,23 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::film::{Metadata, Picture};
+    use crate::driver::{self, Watch};
+    use crate::scene::cornell_box;
+    use crate::world::World;
 
-    fn render(finished: bool) -> Render {
-        let picture = Picture { width: 512, height: 512, channels: Vec::new(), metadata: Metadata::default() };
-        Render { picture, finished, rays: 5_000_000, elapsed: Duration::from_millis(2500), cache: None }
+    struct Unwatched;
+
+    impl Watch for Unwatched {
+        fn advance(&self, _samples: u64, _rays: u64) {}
+        fn stop(&self) -> bool {
+            false
+        }
+    }
+
+    fn render() -> Render {
+        let settings = Settings { width: 4, height: 4, spp: 1, ..Settings::default() };
+        let render = driver::render(&World::new(cornell_box()).unwrap(), &settings, &Unwatched);
+        Render { rays: 5_000_000, elapsed: Duration::from_millis(2500), ..render }
     }
 
     #[test]
@@ -124,11 +158,12 @@ mod tests {
         let warnings = vec!["no light".to_owned()];
         let report = RenderReport { scene: "cornell".into(), settings: &settings, threads: 2, warnings };
         assert_eq!(report.title(), "cornell: 512x512, 64 spp, path, 2 threads");
-        let text = report.end_text(&render(true), &["a.exr".into()]);
+        let text = report.end_text(&render(), End::Done, &["a.exr".into()]);
         assert_eq!(text, "rendered in 2.50 s at 2.0 Mrays/s (5000000 rays)\nwrote a.exr\n1 warning, above\n");
-        assert!(report.end_text(&render(false), &[]).starts_with("interrupted"));
+        assert!(report.end_text(&render(), End::Interrupted, &[]).starts_with("interrupted"));
+        assert!(report.end_text(&render(), End::Limit, &[]).starts_with("ended at a limit"));
         let cache = Some(CacheUse { records: 7, misses: 2, negative: 0 });
-        let text = report.end_text(&Render { cache, ..render(true) }, &[]);
+        let text = report.end_text(&Render { cache, ..render() }, End::Done, &[]);
         assert!(text.contains("\n7 irradiance records; 2 points had none, 0 were negative\n"), "{text}");
     }
 
@@ -139,7 +174,7 @@ mod tests {
         let report = RenderReport { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings };
         let start: Value = serde_json::from_str(&report.start_event().to_string()).unwrap();
         assert_eq!(start["scene"], "a\"b\\c");
-        let line = report.end_event(&render(false), &["a.exr".into()]).to_string();
+        let line = report.end_event(&render(), End::Interrupted, &["a.exr".into()]).to_string();
         assert!(!line.contains('\n'));
         let end: Value = serde_json::from_str(&line).unwrap();
         assert_eq!(end["finished"], false);

@@ -20,8 +20,8 @@ const LENS_SET: u32 = u32::MAX;
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]
 pub(super) struct TileScratch {
-    /// Number of the pixel in its tile, and place in the pixel.
-    places: Vec<(usize, FilterSample)>,
+    /// Number of the pixel in its tile, number of the sample, and place in the pixel.
+    places: Vec<(usize, u32, FilterSample)>,
     samplers: Vec<Sampler>,
     addresses: Vec<Address>,
     /// Numbers for the place in the pixel.
@@ -77,21 +77,21 @@ impl FrameRender {
         }
         places.clear();
         film.clear();
-        let pixels = samples.flat_map(|_| pixels);
-        for (i, (&(number, (x, y)), u)) in pixels.zip(u_film.iter()).enumerate() {
+        let pixels = samples.flat_map(|sample| pixels.iter().map(move |&pixel| (sample, pixel)));
+        for (i, ((sample, (number, (x, y))), u)) in pixels.zip(u_film.iter()).enumerate() {
             let filter = self.filter.sample(u.to_array());
             let point = Vec2::new(x as f32 + 0.5 + filter.offset[0], y as f32 + 0.5 + filter.offset[1]);
             let point = FilmPoint { pixel: (x, y), point };
             if has_border {
                 if !self.camera.covers(&point) {
-                    tile.add_blind(number, &filter);
+                    tile.add_blind(number, sample, &filter);
                     continue;
                 }
                 // Those that see something move up.
                 samplers[film.len()] = samplers[i];
             }
             film.push(FilmSample { film: point, lens: if has_lens { u_lens[i] } else { Vec2::ZERO } });
-            places.push((number, filter));
+            places.push((number, sample, filter));
         }
         samplers.truncate(film.len());
         rays.resize(film.len(), Ray::new(Vec3::ZERO, Vec3::ZERO));
@@ -101,8 +101,8 @@ impl FrameRender {
         world.intersect_side_by_side(rays, hits);
         let camera = RayBatch { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
         let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, scratch, radiance);
-        for (i, (number, filter)) in places.iter().enumerate() {
-            tile.add(*number, filter, radiance[i]);
+        for (i, (number, sample, filter)) in places.iter().enumerate() {
+            tile.add(*number, *sample, filter, radiance[i]);
             if self.settings.aov {
                 tile.add_features(*number, filter, radiance[i], &features(world, &rays[i], &hits[i]));
             }

@@ -2,10 +2,12 @@
 //!
 //! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
 //! are already, so that a render which is stopped leaves a picture without holes. The first wave can be watched from
-//! coarse to fine. A pixel's samples are summed in their own order, whatever the tiles, waves and threads.
+//! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
+//! threads, on no shares and no interruption.
 
 mod frame;
 mod levels;
+mod plan;
 mod worker;
 
 use std::time::{Duration, Instant};
@@ -13,7 +15,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::film::{Metadata, Picture, Tile, channels, tiles};
+use crate::film::{Film, FilmError, Picture, Tile};
 use crate::integrator::{self, Prepared};
 use crate::settings::Settings;
 use crate::world::World;
@@ -21,6 +23,7 @@ use frame::{FrameRender, TileScratch};
 
 pub use crate::integrator::CacheUse;
 pub use crate::watch::{MAX_PREVIEW_SIDE, Watch};
+pub use plan::{Plan, Share, film_header};
 pub use worker::{Step, TileWorker};
 
 /// What a render gives.
@@ -28,8 +31,12 @@ pub use worker::{Step, TileWorker};
 pub struct Render {
     /// The picture, complete or as far as it went.
     pub picture: Picture,
-    /// Whether every sample was taken.
+    /// The sums that the picture is made of.
+    pub film: Film,
+    /// Whether nobody stopped it.
     pub finished: bool,
+    /// Whether the error that was asked for is reached in all of the picture; true if none was.
+    pub is_precise: bool,
     /// Rays traced: camera, bounce and shadow rays.
     pub rays: u64,
     /// Wall-clock time.
@@ -38,39 +45,70 @@ pub struct Render {
     pub cache: Option<CacheUse>,
 }
 
-/// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
-const MAX_WAVE: u32 = 16;
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
 const BATCH: usize = 4096;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
-    render_with(world, settings, None, watch)
+    match render_plan(world, settings, Plan::default(), watch) {
+        Ok(render) => render,
+        Err(error) => unreachable!("there is no film to be wrong: {error}"),
+    }
 }
 
-/// Like [`render`], but the `cached` integrator adds to `cache`, which must be of this world and of its options.
-pub fn render_with(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> Render {
+/// Like [`render`], but what the plan says of the picture.
+///
+/// # Errors
+/// If the plan's film is not of this picture, or has other samples than the plan's.
+pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &dyn Watch) -> Result<Render, FilmError> {
     let start = Instant::now();
-    let (prepared, prefill_rays) = integrator::prepare(world, settings, cache, watch);
-    let renderer = Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared), watch };
-    let mut tiles = tiles(settings.width, settings.height, settings.aov);
-    let mut rays = prefill_rays + renderer.first_wave(&mut tiles, start);
-    let mut done = 1;
-    while done < settings.spp && !watch.stop() {
-        let wave = done.min(MAX_WAVE).min(settings.spp - done);
-        rays += tiles
-            .par_iter_mut()
-            .map_init(TileScratch::default, |scratch, tile| renderer.sample(scratch, tile, done + wave))
-            .sum::<u64>();
-        done += wave;
+    let header = film_header(world, settings, plan.cache.as_ref());
+    let mut film = plan.begin(header)?;
+    let (prepared, prefill_rays) = integrator::prepare(world, settings, plan.cache.take(), watch);
+    let renderer = Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared), plan: &plan, watch };
+    let before = film.seconds;
+    let mut rays = prefill_rays;
+    if !film.has_first_samples(|number| plan.share.has(number)) {
+        rays += renderer.first_wave(&mut film, start);
     }
-    let picture = renderer.picture(&tiles, start);
-    let finished = picture.metadata.samples_per_pixel == settings.spp;
+    let level = film.header.level;
+    let mut is_done: Vec<bool> = film.tiles.iter().map(|tile| plan.is_enough(tile, level, settings.spp)).collect();
+    loop {
+        let is_open = |tile: &(usize, &Tile)| plan.share.has(tile.0) && !is_done[tile.0];
+        let open = film.tiles.iter().enumerate().filter(is_open);
+        let Some(least) = open.map(|(_, tile)| tile.samples.len() as u32).min() else { break };
+        if watch.stop() {
+            break;
+        }
+        let target = plan::next_wave(least);
+        let tiles = film.tiles.par_iter_mut().zip(&mut is_done).enumerate();
+        let open = tiles.filter(|(number, (_, is_done))| plan.share.has(*number) && !**is_done);
+        let sample = |scratch: &mut TileScratch, (_, (tile, is_done)): (usize, (&mut Tile, &mut bool))| {
+            let rays = renderer.sample(scratch, tile, plan.share.first_sample.saturating_add(target));
+            *is_done = plan.is_enough(tile, level, settings.spp);
+            rays
+        };
+        rays += open.map_init(TileScratch::default, sample).sum::<u64>();
+        film.seconds = before + start.elapsed().as_secs_f64();
+        if watch.wants_film() {
+            watch.film(&film);
+        }
+    }
+    film.seconds = before + start.elapsed().as_secs_f64();
+    let is_precise = |(number, tile): (usize, &Tile)| !plan.share.has(number) || plan.is_precise(tile, level);
     let cache = match &renderer.frame.prepared {
         Prepared::Cache(frozen) => Some(frozen.usage()),
         Prepared::Nothing => None,
     };
-    Render { picture, finished, rays, elapsed: start.elapsed(), cache }
+    Ok(Render {
+        picture: film.picture(),
+        finished: (0..film.tiles.len()).all(|number| !plan.share.has(number) || is_done[number]),
+        is_precise: film.tiles.iter().enumerate().all(is_precise),
+        film,
+        rays,
+        elapsed: start.elapsed(),
+        cache,
+    })
 }
 
 /// `cache` with the records that a picture with these settings needs. It must be of this world.
@@ -82,57 +120,57 @@ pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn 
 struct Renderer<'a> {
     world: &'a World,
     frame: FrameRender,
+    plan: &'a Plan,
     watch: &'a dyn Watch,
 }
 
 impl Renderer<'_> {
-    /// Takes the first sample of every pixel, which cannot be stopped, level by level; gives the rays traced.
-    fn first_wave(&self, tiles: &mut [Tile], start: Instant) -> u64 {
+    /// Takes the first sample of every pixel that has none, which cannot be stopped, level by level; gives the rays traced.
+    fn first_wave(&self, film: &mut Film, start: Instant) -> u64 {
         let coarsest = levels::sides(self.watch.coarsest()).next().unwrap_or(1);
+        let first = self.plan.share.first_sample;
+        // Errors are compared with all of the picture.
+        let is_for_all = film.header.halves && first == 0;
+        let is_new: Vec<bool> = (film.tiles.iter().enumerate())
+            .map(|(number, tile)| tile.samples.is_empty() && (is_for_all || self.plan.share.has(number)))
+            .collect();
         let mut rays = 0;
         for side in levels::sides(coarsest) {
-            let sample = |scratch: &mut TileScratch, tile: &mut Tile| {
+            let sample = |scratch: &mut TileScratch, (tile, _): (&mut Tile, &bool)| {
                 let pixels = tile.pixels().enumerate().filter(|&(_, (x, y))| levels::is_new(x, y, side, coarsest));
                 let pixels: Vec<_> = pixels.collect();
-                let rays = self.frame.sample(self.world, scratch, tile, &pixels, 0..1);
+                let rays = self.frame.sample(self.world, scratch, tile, &pixels, first..first + 1);
                 self.watch.advance(pixels.len() as u64, rays);
-                tile.samples = u32::from(side == 1);
+                tile.samples = first..first + u32::from(side == 1);
                 rays
             };
-            rays += tiles.par_iter_mut().map_init(TileScratch::default, sample).sum::<u64>();
+            let tiles = film.tiles.par_iter_mut().zip(&is_new).filter(|(_, is_new)| **is_new);
+            rays += tiles.map_init(TileScratch::default, sample).sum::<u64>();
+            film.seconds = start.elapsed().as_secs_f64();
             if coarsest > 1 {
-                let mut picture = self.picture(tiles, start);
+                let mut picture = film.picture();
                 levels::fill_squares(&mut picture, side);
                 self.watch.level(side, &picture);
             }
         }
+        if is_for_all && film.header.level.is_none() {
+            film.header.level = film.level();
+            film.keep(|number| self.plan.share.has(number));
+        }
         rays
     }
 
-    /// The picture of the samples so far.
-    fn picture(&self, tiles: &[Tile], start: Instant) -> Picture {
-        let Settings { width, height, seed, ref integrator, .. } = self.frame.settings;
-        let metadata = Metadata {
-            samples_per_pixel: tiles.iter().map(|tile| tile.samples).min().unwrap_or(0),
-            render_time_seconds: Metadata::stored_seconds(start.elapsed()),
-            world_to_camera: self.frame.camera.world_to_camera(),
-            seed,
-            scene_hash: self.world.hash(),
-            integrator: integrator.name().to_owned(),
-        };
-        Picture { width, height, channels: channels(tiles, width, height, self.frame.camera.has_border()), metadata }
-    }
-
-    /// Takes a tile's samples up to `target` a pixel, or fewer if the watcher says stop; gives the rays traced.
+    /// Takes a tile's samples up to `target`, or fewer if the watcher says stop; gives the rays traced.
     fn sample(&self, scratch: &mut TileScratch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<_> = tile.pixels().enumerate().collect();
         let mut traced = 0;
-        while tile.samples < target && !self.watch.stop() {
-            let samples = (BATCH / pixels.len()).max(1) as u32;
-            let end = target.min(tile.samples + samples);
-            let rays = self.frame.sample(self.world, scratch, tile, &pixels, tile.samples..end);
-            self.watch.advance(u64::from(end - tile.samples) * pixels.len() as u64, rays);
-            tile.samples = end;
+        let target = target.min(self.frame.settings.spp);
+        while tile.samples.end < target && !self.watch.stop() && !self.watch.wants_film() {
+            let count = (BATCH / pixels.len()).max(1) as u32;
+            let next = tile.samples.end..target.min(tile.samples.end + count);
+            let rays = self.frame.sample(self.world, scratch, tile, &pixels, next.clone());
+            self.watch.advance(next.len() as u64 * pixels.len() as u64, rays);
+            tile.samples.end = next.end;
             traced += rays;
         }
         traced

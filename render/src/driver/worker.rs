@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::frame::{FrameRender, TileScratch};
 use super::levels;
 use crate::cache::Cache;
-use crate::film::{TILE_SIDE, Tile, tiles};
+use crate::film::{Extras, TILE_SIDE, Tile, tiles};
 use crate::integrator::Prepared;
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
@@ -54,8 +54,9 @@ impl TileWorker {
             }
             _ => Prepared::Nothing,
         };
-        let settings = Settings { aov: false, ..settings.clone() };
-        let tiles = tiles(settings.width, settings.height, false).into_iter().skip(number).step_by(count).collect();
+        let settings = Settings { aov: false, halves: false, ..settings.clone() };
+        let tiles =
+            tiles(settings.width, settings.height, Extras::default()).into_iter().skip(number).step_by(count).collect();
         Self {
             frame: FrameRender::new(world, settings, prepared),
             tiles,
@@ -69,21 +70,21 @@ impl TileWorker {
     pub fn step(&mut self, world: &World) -> Option<Step> {
         let Self { frame, tiles, scratch, next, side } = self;
         let spp = frame.settings.spp;
-        let tile = tiles.get_mut(*next).filter(|tile| *side > 0 || tile.samples < spp)?;
+        let tile = tiles.get_mut(*next).filter(|tile| *side > 0 || tile.samples.end < spp)?;
         let pixels = tile.pixels().enumerate();
         let (samples, rays, square);
         if *side > 0 {
             let pixels: Vec<_> = pixels.filter(|&(_, (x, y))| levels::is_new(x, y, *side, TILE_SIDE)).collect();
             rays = frame.sample(world, scratch, tile, &pixels, 0..1);
             samples = pixels.len();
-            tile.samples = u32::from(*side == 1);
+            tile.samples.end = u32::from(*side == 1);
             square = *side;
         } else {
             let pixels: Vec<_> = pixels.collect();
-            let end = spp.min(tile.samples + SAMPLES);
-            rays = frame.sample(world, scratch, tile, &pixels, tile.samples..end);
-            samples = pixels.len() * (end - tile.samples) as usize;
-            tile.samples = end;
+            let next = tile.samples.end..spp.min(tile.samples.end + SAMPLES);
+            rays = frame.sample(world, scratch, tile, &pixels, next.clone());
+            samples = pixels.len() * next.len();
+            tile.samples.end = next.end;
             square = 1;
         }
         let (x, y) = tile.extent();
@@ -97,7 +98,7 @@ impl TileWorker {
 
     /// Samples a pixel that all tiles have.
     pub fn samples_per_pixel(&self) -> u32 {
-        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(self.frame.settings.spp)
+        self.tiles.iter().map(|tile| tile.samples.end).min().unwrap_or(self.frame.settings.spp)
     }
 }
 

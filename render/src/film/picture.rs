@@ -6,8 +6,6 @@
 //!
 //! Source: "SOURCE_DATE_EPOCH specification", version 1.1, of reproducible-builds.org.
 
-use std::time::Duration;
-
 /// Channels of one size, row by row from the top left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -50,9 +48,9 @@ pub struct Metadata {
 
 impl Metadata {
     /// What is stored of the time that a render took: seconds, or 0 under `SOURCE_DATE_EPOCH`.
-    pub(crate) fn stored_seconds(elapsed: Duration) -> f32 {
+    pub(crate) fn stored_seconds(seconds: f64) -> f32 {
         let reproducible = std::env::var_os("SOURCE_DATE_EPOCH").is_some();
-        if reproducible { 0.0 } else { elapsed.as_secs_f32() }
+        if reproducible { 0.0 } else { seconds as f32 }
     }
 }
 

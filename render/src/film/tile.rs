@@ -4,10 +4,14 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::{Channel, FilterSample};
+use super::FilterSample;
+use super::sum::{PositiveSum, Sum};
 
 /// Pixels along a tile's side.
 pub(crate) const TILE_SIDE: u32 = 32;
+
+/// Samples in a row that belong to the same half: as many as a stratified set of two dimensions has at least.
+const HALF_BLOCK: u32 = 4;
 
 /// What the first surface along a camera ray is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,30 +23,52 @@ pub(crate) struct Features {
     pub uv: Vec2,
 }
 
+/// What a film has besides radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Extras {
+    /// [`Features`], and the variance of the samples.
+    pub features: bool,
+    /// Sums of half of the samples.
+    pub halves: bool,
+}
+
 /// A square of pixels, cut off at the film's border.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tile {
     x: Range<u32>,
     y: Range<u32>,
-    pixels: Vec<Pixel>,
-    /// Weighted sums of [`Features`] for each pixel; empty if they are not asked for.
-    features: Vec<[f64; FEATURE_NAMES.len()]>,
+    pub(super) pixels: Vec<Pixel>,
+    /// The sums of the first half alone; empty if they are not asked for.
+    pub(super) halves: Vec<Pixel>,
+    /// Sums of [`Features`]; empty if they are not asked for.
+    pub(super) features: Vec<[Sum; FEATURE_NAMES.len()]>,
+    /// Sums of squared radiance; empty if they are not asked for.
+    pub(super) squares: Vec<[PositiveSum; 3]>,
     /// For each pixel the weights of samples that see nothing; empty if there are none.
-    blind: Vec<f64>,
-    /// Samples that every pixel has.
-    pub samples: u32,
+    pub(super) blind: Vec<Sum>,
+    /// Samples that every pixel has, by their numbers.
+    pub samples: Range<u32>,
+    /// Samples that are not numbers.
+    pub(super) bad: BadSamples,
 }
 
-/// Weighted sums over a pixel's samples, in the order of the samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pixel {
-    weight: f64,
-    radiance: [f64; 3],
-    /// Zero on tiles that are not made for features.
-    radiance_squared: [f64; 3],
+/// Weighted sums over a pixel's samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pixel {
+    pub(super) weight: Sum,
+    pub(super) radiance: [Sum; 3],
 }
 
-const FEATURE_NAMES: [&str; 14] =
+/// Samples whose radiance is no finite number: they count as black.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BadSamples {
+    /// How many there are.
+    pub count: u64,
+    /// The first pixel that has one, row by row: its row and its column.
+    pub first: Option<(u32, u32)>,
+}
+
+pub(super) const FEATURE_NAMES: [&str; 14] =
     ["Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v"];
 
 impl Features {
@@ -52,15 +78,38 @@ impl Features {
     }
 }
 
-/// The tiles of a film, row by row; with `features` they hold those of the first surface too.
-pub(crate) fn tiles(width: u32, height: u32, features: bool) -> Vec<Tile> {
+impl BadSamples {
+    /// These and others.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { count: self.count + other.count, first: self.first.into_iter().chain(other.first).min() }
+    }
+}
+
+/// Whether a sample belongs to the first half: blocks of samples are dealt out by the Thue-Morse sequence, so that the
+/// halves have as many and are stratified alike, whatever the number of samples.
+pub(crate) fn is_in_first_half(sample: u32) -> bool {
+    (sample / HALF_BLOCK).count_ones().is_multiple_of(2)
+}
+
+/// The tiles of a film, row by row.
+pub(crate) fn tiles(width: u32, height: u32, extras: Extras) -> Vec<Tile> {
     let starts = |end: u32| (0..end).step_by(TILE_SIDE as usize);
     let range = |start: u32, end: u32| start..start.saturating_add(TILE_SIDE).min(end);
     let tile = |x: u32, y: u32| {
         let (x, y) = (range(x, width), range(y, height));
-        let pixels = vec![Pixel::default(); x.len() * y.len()];
-        let features = if features { vec![[0.0; FEATURE_NAMES.len()]; pixels.len()] } else { Vec::new() };
-        Tile { x, y, pixels, features, blind: Vec::new(), samples: 0 }
+        let count = x.len() * y.len();
+        let of = |is_there: bool| if is_there { count } else { 0 };
+        Tile {
+            x,
+            y,
+            pixels: vec![Pixel::default(); count],
+            halves: vec![Pixel::default(); of(extras.halves)],
+            features: vec![[Sum::default(); FEATURE_NAMES.len()]; of(extras.features)],
+            squares: vec![[PositiveSum::default(); 3]; of(extras.features)],
+            blind: Vec::new(),
+            samples: 0..0,
+            bad: BadSamples::default(),
+        }
     };
     starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect()
 }
@@ -73,96 +122,100 @@ impl Tile {
     }
 
     /// Adds a sample to the pixel of this number. One that is not a number counts as black.
-    pub(crate) fn add(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3) {
-        let sums = &mut self.pixels[pixel];
-        let weight = f64::from(filter.weight);
-        sums.weight += weight;
-        let radiance = if radiance.is_finite() { radiance } else { Vec3::ZERO };
-        for (channel, value) in radiance.to_array().into_iter().enumerate() {
-            sums.radiance[channel] += weight * f64::from(value);
+    #[inline]
+    pub(crate) fn add(&mut self, pixel: usize, sample: u32, filter: &FilterSample, radiance: Vec3) {
+        let radiance = if radiance.is_finite() { radiance } else { self.add_bad(pixel) };
+        self.pixels[pixel].add(filter.weight, radiance);
+        if !self.halves.is_empty() && is_in_first_half(sample) {
+            self.halves[pixel].add(filter.weight, radiance);
         }
     }
 
+    /// Notes a sample that is not a number; gives what it counts as.
+    #[cold]
+    fn add_bad(&mut self, pixel: usize) -> Vec3 {
+        let (column, row) = (pixel % self.x.len(), pixel / self.x.len());
+        let place = (self.y.start + row as u32, self.x.start + column as u32);
+        self.bad = self.bad.and(BadSamples { count: 1, first: Some(place) });
+        Vec3::ZERO
+    }
+
     /// Adds a sample at which the film sees nothing to the pixel of this number.
-    pub(crate) fn add_blind(&mut self, pixel: usize, filter: &FilterSample) {
-        self.blind.resize(self.pixels.len(), 0.0);
-        self.blind[pixel] += f64::from(filter.weight);
-        self.pixels[pixel].weight += f64::from(filter.weight);
-    }
-
-    /// The part of a pixel that sees anything, 1 without samples.
-    fn alpha(&self, pixel: usize) -> f64 {
-        let blind = self.blind.get(pixel).map_or(0.0, |&weight| self.pixels[pixel].mean(weight));
-        (1.0 - blind).clamp(0.0, 1.0)
-    }
-
-    /// The linear radiance of the pixel of this number; black without samples.
-    pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
-        let pixel = &self.pixels[pixel];
-        pixel.radiance.map(|sum| pixel.mean(sum) as f32)
-    }
-
-    /// Its columns and rows.
-    pub(crate) fn extent(&self) -> (Range<u32>, Range<u32>) {
-        (self.x.clone(), self.y.clone())
+    pub(crate) fn add_blind(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
+        self.blind.resize(self.pixels.len(), Sum::default());
+        self.blind[pixel].add(filter.weight.into());
+        self.add(pixel, sample, filter, Vec3::ZERO);
     }
 
     /// Adds what the variance of a sample that is [added](Self::add) depends on, and what its first surface is; only on
     /// tiles made for it.
     pub(crate) fn add_features(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3, features: &Features) {
         let radiance = if radiance.is_finite() { radiance } else { Vec3::ZERO };
-        for (sum, value) in self.pixels[pixel].radiance_squared.iter_mut().zip(radiance.to_array()) {
-            *sum += f64::from(value).powi(2) * f64::from(filter.weight).powi(2);
+        for (sum, value) in self.squares[pixel].iter_mut().zip(radiance.to_array()) {
+            sum.add((f64::from(value) * f64::from(filter.weight)).powi(2));
         }
         for (sum, value) in self.features[pixel].iter_mut().zip(features.values()) {
-            *sum += f64::from(filter.weight) * f64::from(value);
+            sum.add(f64::from(filter.weight) * f64::from(if value.is_finite() { value } else { 0.0 }));
         }
     }
-}
 
-/// The channels of a film of `width` by `height` pixels, with alpha if it `has_border`.
-pub(crate) fn channels(tiles: &[Tile], width: u32, height: u32, has_border: bool) -> Vec<Channel> {
-    let plane = |name: &str, value: &dyn Fn(&Tile, usize) -> f64| {
-        let mut values = vec![0.0; width as usize * height as usize];
-        for tile in tiles {
-            for (number, (x, y)) in tile.pixels().enumerate() {
-                values[y as usize * width as usize + x as usize] = value(tile, number) as f32;
-            }
-        }
-        Channel { name: name.to_owned(), values }
-    };
-    let colors = ["R", "G", "B"].into_iter().enumerate();
-    let mut channels: Vec<Channel> =
-        colors.clone().map(|(c, name)| plane(name, &|tile, pixel| f64::from(tile.radiance(pixel)[c]))).collect();
-    if has_border {
-        channels.push(plane("A", &Tile::alpha));
+    /// The linear radiance of the pixel of this number; black without samples.
+    pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
+        self.pixels[pixel].mean().map(|mean| mean as f32)
     }
-    if tiles.iter().any(|tile| !tile.features.is_empty()) {
-        for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
-            channels.push(plane(name, &|tile, pixel| tile.pixels[pixel].mean(tile.features[pixel][f])));
-        }
-        for (c, name) in colors {
-            let variance = |tile: &Tile, pixel: usize| tile.pixels[pixel].variance(c, f64::from(tile.samples));
-            channels.push(plane(&format!("Variance.{name}"), &variance));
-        }
+
+    /// The part of a pixel that sees anything, 1 without samples.
+    pub(super) fn alpha(&self, pixel: usize) -> f64 {
+        let blind = self.blind.get(pixel).map_or(0.0, |&weight| self.pixels[pixel].mean_of(weight));
+        (1.0 - blind).clamp(0.0, 1.0)
     }
-    channels
+
+    /// The sums of a pixel's halves; nothing on tiles that are not made for it.
+    pub(super) fn halves(&self, pixel: usize) -> Option<[Pixel; 2]> {
+        let first = *self.halves.get(pixel)?;
+        Some([first, self.pixels[pixel].without(&first)])
+    }
+
+    /// The estimated variance of the pixel's value: that of its samples' mean, had they been independent.
+    pub(super) fn variance(&self, pixel: usize, channel: usize) -> f64 {
+        let (sums, n) = (&self.pixels[pixel], self.samples.len() as f64);
+        if n < 2.0 || sums.weight == Sum::default() {
+            return 0.0;
+        }
+        let scale = n / sums.weight.value();
+        let mean_square = self.squares[pixel][channel].value() * scale * scale / n;
+        (mean_square - sums.mean()[channel].powi(2)).max(0.0) / (n - 1.0)
+    }
+
+    /// Its columns and rows.
+    pub(crate) fn extent(&self) -> (Range<u32>, Range<u32>) {
+        (self.x.clone(), self.y.clone())
+    }
 }
 
 impl Pixel {
-    /// A weighted sum over the weights; zero without samples.
-    fn mean(&self, sum: f64) -> f64 {
-        if self.weight == 0.0 { 0.0 } else { sum / self.weight }
+    #[inline]
+    fn add(&mut self, weight: f32, radiance: Vec3) {
+        let weight = f64::from(weight);
+        self.weight.add(weight);
+        for (sum, value) in self.radiance.iter_mut().zip(radiance.to_array()) {
+            sum.add(weight * f64::from(value));
+        }
     }
 
-    /// The estimated variance of the pixel's value: that of `n` samples' mean, had they been independent.
-    fn variance(&self, channel: usize, n: f64) -> f64 {
-        if n < 2.0 || self.weight == 0.0 {
-            return 0.0;
-        }
-        let scale = n / self.weight;
-        let mean = self.mean(self.radiance[channel]);
-        let mean_square = self.radiance_squared[channel] * scale * scale / n;
-        (mean_square - mean * mean).max(0.0) / (n - 1.0)
+    /// All but the sums of a part.
+    fn without(&self, part: &Self) -> Self {
+        let radiance = std::array::from_fn(|c| self.radiance[c].without(part.radiance[c]));
+        Self { weight: self.weight.without(part.weight), radiance }
+    }
+
+    /// Its radiance.
+    pub(super) fn mean(&self) -> [f64; 3] {
+        self.radiance.map(|sum| self.mean_of(sum))
+    }
+
+    /// A sum over the weights; zero without samples.
+    pub(super) fn mean_of(&self, sum: Sum) -> f64 {
+        if self.weight == Sum::default() { 0.0 } else { sum.value() / self.weight.value() }
     }
 }

@@ -181,6 +181,7 @@ impl Overrides {
             seed: self.seed.unwrap_or(default.seed),
             build: self.build.unwrap_or(default.build),
             aov: self.aov.unwrap_or(default.aov),
+            halves: default.halves,
         };
         Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;
         Ok(settings)

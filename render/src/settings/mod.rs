@@ -36,6 +36,8 @@ pub struct Settings {
     pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
+    /// Whether the picture has channels of each half of its samples too, by which errors are estimated.
+    pub halves: bool,
 }
 
 /// The longest side of a picture, in pixels.
@@ -44,11 +46,14 @@ pub const MAX_SIDE: u32 = 65_536;
 /// The largest picture: 2^28 pixels, a square of 16,384.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// An estimate of the bytes that a pixel takes until it is written: sums of 64 bits, then channels of 32, twice.
-pub const BYTES_PER_PIXEL: u64 = 7 * 8 + 3 * 4 * 2;
+/// An estimate of the bytes that a pixel takes until it is written: sums of 128 bits, then channels of 32, twice.
+pub const BYTES_PER_PIXEL: u64 = 4 * 16 + 3 * 4 * 2;
 
 /// What a pixel takes on top of that with AOVs.
-pub const AOV_BYTES_PER_PIXEL: u64 = 14 * 8 + 17 * 4 * 2;
+pub const AOV_BYTES_PER_PIXEL: u64 = 17 * 16 + 17 * 4 * 2;
+
+/// What a pixel takes on top of that with halves.
+pub const HALVES_BYTES_PER_PIXEL: u64 = 4 * 16 + 6 * 4 * 2;
 
 /// Settings that do not go together, or a camera that sees nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -70,7 +75,9 @@ impl Invalid {
 impl Settings {
     /// An estimate of the memory that the picture takes, in bytes, without the scene.
     pub fn picture_bytes(&self) -> u64 {
-        let pixel = BYTES_PER_PIXEL + if self.aov { AOV_BYTES_PER_PIXEL } else { 0 };
+        let pixel = BYTES_PER_PIXEL
+            + if self.aov { AOV_BYTES_PER_PIXEL } else { 0 }
+            + if self.halves { HALVES_BYTES_PER_PIXEL } else { 0 };
         u64::from(self.width) * u64::from(self.height) * pixel
     }
 
@@ -99,6 +106,7 @@ impl Default for Settings {
             seed: 0,
             build: Quality::High,
             aov: false,
+            halves: false,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The program, as its users meet it: what it prints, writes and exits with, above all when something is wrong.
 
 mod bad_input;
+mod films;
 mod good_input;
 mod inputs;
 mod interruption;

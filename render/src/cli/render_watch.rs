@@ -1,32 +1,46 @@
-//! `--progressive`: the pictures on disk while they go from coarse to fine.
+//! Watches a render: shows how far it is, writes early pictures (`--progressive`) and checkpoints, keeps to a time limit.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use serde_json::json;
 
+use super::checkpoint::Checkpoint;
 use super::messages::{Style, print_line};
 use super::progress::Progress;
-use crate::film::Picture;
+use crate::film::{Film, Picture};
 use crate::output::{self, ToneMapping};
 use crate::watch::Watch;
 
-/// Watches a render as `progress` does, and writes each level.
-pub(super) struct Preview<'a> {
+/// Watches a render as `progress` does.
+pub(super) struct RenderWatch<'a> {
     pub(super) progress: &'a Progress,
     /// The side of the first squares, if the picture is to be seen early.
     pub(super) coarsest: Option<u32>,
+    /// Where it is written then.
     pub(super) paths: &'a [PathBuf],
     pub(super) tone: &'a ToneMapping,
     pub(super) style: Style,
+    /// When time is up.
+    pub(super) deadline: Option<Instant>,
+    /// Where the film is kept.
+    pub(super) checkpoint: Option<&'a Checkpoint>,
 }
 
-impl Watch for Preview<'_> {
+impl RenderWatch<'_> {
+    /// Whether time is up.
+    pub(super) fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
+
+impl Watch for RenderWatch<'_> {
     fn advance(&self, samples: u64, rays: u64) {
         self.progress.advance(samples, rays);
     }
 
     fn stop(&self) -> bool {
-        self.progress.stop()
+        self.progress.stop() || self.is_late()
     }
 
     fn coarsest(&self) -> u32 {
@@ -39,6 +53,16 @@ impl Watch for Preview<'_> {
         let files: Vec<_> = written.map(|path| path.display().to_string()).collect();
         if self.style == Style::Json {
             print_line(&json!({ "event": "level", "side": side, "files": files }));
+        }
+    }
+
+    fn wants_film(&self) -> bool {
+        self.checkpoint.is_some_and(Checkpoint::is_due)
+    }
+
+    fn film(&self, film: &Film) {
+        if let Some(checkpoint) = self.checkpoint {
+            checkpoint.write(film, self.style);
         }
     }
 }

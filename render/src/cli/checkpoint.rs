@@ -1,0 +1,92 @@
+//! A render's film on disk: read to go on with it, written now and then and in the end, by one run at a time.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::error::{CliError, invalid};
+use super::messages::{Style, print_warning};
+use crate::film::Film;
+use crate::output::OutputFile;
+
+/// Where a film is kept while it is rendered.
+#[derive(Debug)]
+pub(super) struct Checkpoint {
+    file: OutputFile,
+    /// How long to wait until it is written again.
+    interval: Duration,
+    start: Instant,
+    /// Milliseconds after the start.
+    due: AtomicU64,
+    has_failed: AtomicBool,
+    _lock: Lock,
+}
+
+/// Keeps other runs from the same film.
+#[derive(Debug)]
+struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Who waits for it finds that it is free, with or without the file.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+impl Checkpoint {
+    /// Takes hold of a film's place.
+    pub(super) fn new(path: &Path, interval: Duration) -> Result<Self, CliError> {
+        let file = OutputFile::check(path).map_err(CliError::input)?;
+        let lock = lock(path)?;
+        let due = AtomicU64::new(milliseconds(interval));
+        Ok(Self { file, interval, start: Instant::now(), due, has_failed: AtomicBool::new(false), _lock: lock })
+    }
+
+    /// Whether it is time to write.
+    pub(super) fn is_due(&self) -> bool {
+        milliseconds(self.start.elapsed()) >= self.due.load(Ordering::Relaxed)
+    }
+
+    /// Writes a film that is not complete. A failure is told once: the render is worth more, and in the end is told again.
+    pub(super) fn write(&self, film: &Film, style: Style) {
+        if let Err(error) = self.file.write(&film.encode())
+            && !self.has_failed.swap(true, Ordering::Relaxed)
+        {
+            print_warning(style, &format!("the checkpoint was not written; the render goes on: {error}"));
+        }
+        self.due.store(milliseconds(self.start.elapsed() + self.interval), Ordering::Relaxed);
+    }
+}
+
+/// Reads a film.
+pub(super) fn read_film(path: &Path) -> Result<Film, CliError> {
+    let name = path.display().to_string();
+    let bytes = fs::read(path).map_err(|error| {
+        invalid(format!("{name}: cannot be read: {error}"), "name a film (.hdf) of `halfdome render`")
+    })?;
+    Film::decode(&bytes).map_err(|error| CliError::input(error.naming(&name)))
+}
+
+fn lock(path: &Path) -> Result<Lock, CliError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".lock");
+    let path = PathBuf::from(name);
+    let file = File::create(&path)
+        .map_err(|error| CliError::System(format!("{}: cannot be written: {error}", path.display())))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(invalid(
+            format!("{}: another run is rendering this film", path.display()),
+            "wait for it, stop it, or give this run a film of its own",
+        )),
+        // Some network file systems know no locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { path, _file: file }),
+    }
+}
+
+fn milliseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
+}

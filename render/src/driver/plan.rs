@@ -1,0 +1,131 @@
+//! Which samples of a picture are taken, and when they are enough.
+//!
+//! A tile has had enough when it has all its samples, or when its own error, as its own samples tell, is small enough. So
+//! it does not matter who renders which tiles, or how often they were interrupted. That question is asked at the ends of
+//! waves alone: 1, 2, 4, 8, 16 samples and every multiple of 16. Whoever stops as soon as an estimate is small favours
+//! pixels that came out dark by chance; as a tile has a thousand pixels, and the question is not asked before
+//! [`MIN_SAMPLES`], that is small against the noise.
+
+use crate::cache::Cache;
+use crate::film::{Film, FilmError, FilmHeader, Tile};
+use crate::settings::{Integrator, Settings};
+use crate::world::World;
+
+/// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
+const MAX_WAVE: u32 = 16;
+/// Samples before which no error is trusted.
+pub(super) const MIN_SAMPLES: u32 = 32;
+
+/// What is taken of a picture, and when it is enough.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// The `cached` integrator adds to this; it must be of the world and of the integrator's options.
+    pub cache: Option<Cache>,
+    /// Samples taken before.
+    pub film: Option<Film>,
+    /// The part of the picture.
+    pub share: Share,
+    /// The relative error, more than 0, at which a tile has had enough, if it comes to that before all its samples are
+    /// taken. The settings must ask for halves.
+    pub noise: Option<f64>,
+}
+
+/// The part of a picture that is taken: of the tiles, and of their samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Every tile whose number leaves this when divided by `count`.
+    pub number: u32,
+    /// In how many parts the tiles are dealt out, at least 1.
+    pub count: u32,
+    /// The first sample of each pixel; the settings' samples per pixel are the end.
+    pub first_sample: u32,
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self { number: 0, count: 1, first_sample: 0 }
+    }
+}
+
+impl Share {
+    pub(super) fn has(&self, tile: usize) -> bool {
+        tile % self.count.max(1) as usize == self.number as usize
+    }
+}
+
+/// What the film of a picture is told by: equal for all parts of it.
+pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) -> FilmHeader {
+    let Settings { width, height, filter, integrator, spp: _, sampler, seed, build: _, aov, halves } = settings;
+    let mut options = vec![
+        ("the pixel filter".to_owned(), format!("{filter:?}")),
+        ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
+        (format!("what the integrator {} is told", integrator.name()), format!("{integrator:?}")),
+    ];
+    if let (Some(cache), Integrator::Cached(_)) = (cache, integrator) {
+        options.push(("the irradiance cache".to_owned(), format!("{:016x}", cache.hash())));
+    }
+    let camera = world.camera_on(*width, *height);
+    FilmHeader {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        width: *width,
+        height: *height,
+        has_border: camera.has_border(),
+        aov: *aov,
+        halves: *halves,
+        seed: *seed,
+        integrator: integrator.name().to_owned(),
+        options: options.into_iter().collect(),
+        scene_hash: world.hash(),
+        surroundings_hash: world.surroundings_hash(),
+        world_to_camera: camera.world_to_camera(),
+        level: None,
+    }
+}
+
+/// The number of samples at which the wave ends that follows on so many.
+pub(super) fn next_wave(samples: u32) -> u32 {
+    let is_early = samples < MAX_WAVE;
+    if is_early { (samples + 1).next_power_of_two() } else { (samples / MAX_WAVE + 1).saturating_mul(MAX_WAVE) }
+}
+
+/// Whether waves end at this number of samples.
+fn is_end_of_wave(samples: u32) -> bool {
+    if samples < MAX_WAVE { samples.is_power_of_two() } else { samples.is_multiple_of(MAX_WAVE) }
+}
+
+impl Plan {
+    /// The film to go on with.
+    pub(super) fn begin(&mut self, header: FilmHeader) -> Result<Film, FilmError> {
+        let Some(film) = self.film.take() else { return Ok(Film::new(header)) };
+        film.header().check(&header)?;
+        film.check_first_sample(self.share.first_sample)?;
+        Ok(film)
+    }
+
+    /// Whether a tile has had enough.
+    pub(super) fn is_enough(&self, tile: &Tile, level: Option<f64>, spp: u32) -> bool {
+        tile.samples.end >= spp || self.noise.is_some() && self.is_precise(tile, level)
+    }
+
+    /// Whether a tile's error is as small as it was asked to be.
+    pub(super) fn is_precise(&self, tile: &Tile, level: Option<f64>) -> bool {
+        let Some(noise) = self.noise else { return true };
+        let samples = tile.samples.len() as u32;
+        let is_time = samples >= MIN_SAMPLES && is_end_of_wave(samples);
+        is_time && level.and_then(|level| tile.relative_error(level)).is_some_and(|error| error <= noise)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_double_and_then_go_on() {
+        let ends: Vec<u32> = std::iter::successors(Some(0), |&end| Some(next_wave(end))).take(9).collect();
+        assert_eq!(ends, [0, 1, 2, 4, 8, 16, 32, 48, 64]);
+        assert_eq!([3, 5, 17, 47].map(next_wave), [4, 8, 32, 48]);
+        assert!(ends[1..].iter().all(|&end| is_end_of_wave(end)) && ![3, 12, 40].map(is_end_of_wave).contains(&true));
+        assert_eq!(next_wave(u32::MAX - 3), u32::MAX);
+    }
+}

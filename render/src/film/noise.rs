@@ -1,0 +1,67 @@
+//! How noisy a film is, by the two halves of its samples.
+//!
+//! The halves are independent estimates `a` and `b` of a pixel, of weights `p` and `q` that sum to 1, so that the variance
+//! of the pixel, `p a + q b`, is estimated without bias by `p q (a - b)²`. One pixel's estimate is poor; a tile's mean of
+//! 1024 is good. Errors are relative to the pixel's luminance, but no less than a tenth of the film's level: the squared
+//! mean of the roots of the first samples' luminance, which bright lamps hardly move.
+
+use super::Film;
+use super::tile::Tile;
+
+/// Rec. 709.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// Below this part of the film's level errors are as visible as at it.
+const FLOOR: f64 = 0.1;
+
+fn luminance(color: [f64; 3]) -> f64 {
+    color.iter().zip(LUMINANCE).map(|(value, weight)| value * weight).sum()
+}
+
+impl Film {
+    /// The level of what the first samples see; `None` before every pixel has one.
+    pub(crate) fn level(&self) -> Option<f64> {
+        let mut roots = 0.0;
+        for tile in &self.tiles {
+            if tile.samples.is_empty() {
+                return None;
+            }
+            roots += tile.pixels.iter().map(|pixel| luminance(pixel.mean()).max(0.0).sqrt()).sum::<f64>();
+        }
+        let mean = roots / (f64::from(self.header.width) * f64::from(self.header.height));
+        Some(mean * mean)
+    }
+
+    /// The estimated relative error of the picture: the root of the pixels' mean squared error. `None` without halves, or
+    /// before both have samples.
+    pub fn relative_error(&self) -> Option<f64> {
+        let level = self.header.level?;
+        let mut sum = 0.0;
+        for tile in self.tiles.iter().filter(|tile| !tile.samples.is_empty()) {
+            sum += tile.relative_error(level)?.powi(2) * tile.pixels.len() as f64;
+        }
+        let pixels: usize =
+            self.tiles.iter().filter(|tile| !tile.samples.is_empty()).map(|tile| tile.pixels.len()).sum();
+        Some((sum / pixels.max(1) as f64).sqrt())
+    }
+}
+
+impl Tile {
+    /// The root of the mean squared relative error of its pixels, in a film of this level. `None` without halves, or
+    /// before both have samples.
+    pub(crate) fn relative_error(&self, level: f64) -> Option<f64> {
+        if self.halves.is_empty() || self.samples.len() < 16 {
+            return None;
+        }
+        let values: Vec<f64> = self.pixels.iter().map(|pixel| luminance(pixel.mean()).max(0.0)).collect();
+        let squared = |(number, value): (usize, &f64)| {
+            let [a, b] = self.halves(number)?;
+            let (p, q) = (self.pixels[number].mean_of(a.weight), self.pixels[number].mean_of(b.weight));
+            let difference = luminance(a.mean()) - luminance(b.mean());
+            let seen = value.max(FLOOR * level);
+            let variance = p * q * difference * difference;
+            Some(if variance > 0.0 { variance / (seen * seen) } else { 0.0 })
+        };
+        let sum: f64 = values.iter().enumerate().map(squared).sum::<Option<f64>>()?;
+        Some((sum / values.len() as f64).sqrt())
+    }
+}
