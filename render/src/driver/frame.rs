@@ -6,8 +6,9 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::{Address, Sampler, fill2};
 use halfdome_kernel::{Hit, Ray};
 
+use super::features;
 use crate::camera::{Camera, FilmPoint, FilmSample};
-use crate::film::{Features, FilterSample, FilterSampler, Tile};
+use crate::film::{FilterSample, FilterSampler, Tile};
 use crate::integrator::{self, Prepared, RayBatch, Scratch};
 use crate::settings::Settings;
 use crate::world::World;
@@ -104,24 +105,10 @@ impl FrameRender {
         for (i, (number, sample, filter)) in places.iter().enumerate() {
             tile.add(*number, *sample, filter, radiance[i]);
             if self.settings.aov {
+                let features = if self.settings.aov_through { features::through } else { features::first };
                 tile.add_features(*number, filter, radiance[i], &features(world, &rays[i], &hits[i]));
             }
         }
         rays.len() as u64 + traced
-    }
-}
-
-/// What the first surface is.
-fn features(world: &World, ray: &Ray, hit: &Hit) -> Features {
-    if !hit.is_hit() {
-        return Features::default();
-    }
-    let surface = world.surface_at(hit);
-    Features {
-        albedo: world.scattering(&mut surface.facing(ray.direction)).albedo(),
-        position: surface.position,
-        normal: surface.normal,
-        shading_normal: surface.shading_normal,
-        uv: world.texcoord(hit),
     }
 }

@@ -5,6 +5,7 @@
 //! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
 //! threads, on no shares and no interruption.
 
+mod features;
 mod frame;
 mod levels;
 mod plan;

@@ -55,12 +55,16 @@ impl Share {
 
 /// What the film of a picture is told by: equal for all parts of it.
 pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) -> FilmHeader {
-    let Settings { width, height, filter, integrator, spp: _, sampler, seed, build: _, aov, halves } = settings;
+    let Settings { width, height, filter, integrator, spp: _, sampler, seed, build: _, aov, aov_through, halves } =
+        settings;
     let mut options = vec![
         ("the pixel filter".to_owned(), format!("{filter:?}")),
         ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
         (format!("what the integrator {} is told", integrator.name()), format!("{integrator:?}")),
     ];
+    if *aov_through {
+        options.push(("what AOVs show".to_owned(), "what mirrors and clear glass show".to_owned()));
+    }
     if let (Some(cache), Integrator::Cached(_)) = (cache, integrator) {
         options.push(("the irradiance cache".to_owned(), format!("{:016x}", cache.hash())));
     }

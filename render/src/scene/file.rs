@@ -23,6 +23,7 @@
 //! filter_width = 4.0     # pixels
 //! sharpness = 0.67
 //! aov = false
+//! aov_through = false
 //!
 //! [render]
 //! spp = 256
@@ -104,7 +105,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "rays",
         ],
     ),
-    ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov"]),
+    ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov", "aov_through"]),
     (
         "render",
         &[
@@ -234,6 +235,7 @@ impl Parser<'_> {
             "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
             "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
             "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
+            "aov_through" => to.aov_through = Some(self.read(value::flag, section, entry)?),
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
             "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),

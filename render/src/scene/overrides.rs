@@ -91,10 +91,15 @@ pub struct Overrides {
     /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
     #[arg(long, value_name = "QUALITY", help_heading = "Render", value_parser = argument(value::quality))]
     pub build: Option<Quality>,
-    /// Add channels to the EXR: Albedo, P, N, Ns, u, v of the first surface, and Variance
+    /// Add channels to the EXR: Albedo, P, N, Ns, u, v of the first surface, Variance, HalfA and HalfB
     #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub aov: Option<bool>,
+    /// With --aov: where the first surface is a mirror or clear glass, the channels are of what it shows, as --denoise has
+    /// them
+    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
+    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
+    pub aov_through: Option<bool>,
 
     /// The lights and the sky.
     #[command(flatten)]
@@ -134,6 +139,7 @@ impl Overrides {
             seed: self.seed.or(fallback.seed),
             build: self.build.or(fallback.build),
             aov: self.aov.or(fallback.aov),
+            aov_through: self.aov_through.or(fallback.aov_through),
             light: self.light.or(fallback.light),
             variant: self.variant.or(fallback.variant),
         }
@@ -181,7 +187,8 @@ impl Overrides {
             seed: self.seed.unwrap_or(default.seed),
             build: self.build.unwrap_or(default.build),
             aov: self.aov.unwrap_or(default.aov),
-            halves: default.halves,
+            aov_through: self.aov_through.unwrap_or(default.aov_through),
+            halves: self.aov.unwrap_or(default.halves),
         };
         Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;
         Ok(settings)

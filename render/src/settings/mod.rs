@@ -36,7 +36,10 @@ pub struct Settings {
     pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
-    /// Whether the picture has channels of each half of its samples too, by which errors are estimated.
+    /// Whether these are of what mirrors and clear glass show, as denoisers need it, instead of the first surface.
+    pub aov_through: bool,
+    /// Whether the picture has the means of two halves of its samples too, `HalfA` and `HalfB`, from which denoisers learn
+    /// how far off it is.
     pub halves: bool,
 }
 
@@ -106,6 +109,7 @@ impl Default for Settings {
             seed: 0,
             build: Quality::High,
             aov: false,
+            aov_through: false,
             halves: false,
         }
     }

@@ -131,6 +131,7 @@ fn every_key_sets_its_option() {
         seed: Some(u64::MAX),
         build: Some(Quality::Fast),
         aov: None,
+        aov_through: None,
         light: LightOverrides {
             added: Vec::new(),
             sky: Some(Vec3::new(0.1, 0.2, 0.3)),
