@@ -68,6 +68,7 @@
 //! | [`world`] | a scene made ready for tracing |
 //! | [`driver`] | renders a picture, on threads or step by step |
 //! | [`film`] | pixel filters and pictures |
+//! | [`denoise`] | denoising of pictures |
 //! | [`cache`] | irradiance caches: records, interpolation, files |
 //! | [`irradiance`] | irradiance at points |
 //! | [`bake`] | lightmaps and ambient occlusion, for glTF and OBJ |
@@ -79,7 +80,7 @@
 //! # Features
 //!
 //! `cli` (default) adds the command line and `validate`, the experiments with exact answers. Without it the library builds for
-//! WebAssembly too.
+//! WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time.
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -89,6 +90,7 @@ mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod cubemap;
+pub mod denoise;
 pub mod driver;
 mod estimator;
 mod executor;

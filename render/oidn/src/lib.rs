@@ -12,4 +12,4 @@ mod find;
 
 pub use api::{LoadError, Version};
 pub use device::{Device, FilterError, Image, Role};
-pub use find::{Library, VARIABLE};
+pub use find::{FILE, Library, VARIABLE};

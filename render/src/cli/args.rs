@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::denoiser::Denoiser;
 use super::messages::Mode;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
@@ -67,9 +68,14 @@ pub(super) struct RenderArguments {
     #[arg(value_parser = square)]
     pub(super) progressive: Option<u32>,
 
+    /// Denoise the picture by oidn (Intel's Open Image Denoise 2, which must be on this machine) or nlm (built in); the
+    /// EXR keeps the noisy colours as Noisy.R, Noisy.G and Noisy.B
+    #[arg(long, value_name = "METHOD", value_parser = denoiser())]
+    pub(super) denoise: Option<Denoiser>,
+
     /// How PNG pictures are made.
     #[command(flatten)]
-    tone: ToneArguments,
+    pub(super) tone: ToneArguments,
 
     /// When it ends, and how it goes on.
     #[command(flatten)]
@@ -77,7 +83,7 @@ pub(super) struct RenderArguments {
 }
 
 /// How PNG pictures are made.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ToneArguments {
     /// Exposure of PNG pictures in stops: each doubles the brightness
     #[arg(long, value_name = "EV", default_value = "0", help_heading = "PNG", allow_hyphen_values = true)]
@@ -139,15 +145,10 @@ impl RenderArguments {
         }
         Ok(self.outputs.clone())
     }
-
-    /// How PNG pictures are made.
-    pub(super) fn tone_mapping(&self) -> ToneMapping {
-        self.tone.tone_mapping()
-    }
 }
 
 impl ToneArguments {
-    pub(super) fn tone_mapping(&self) -> ToneMapping {
+    pub(super) fn mapping(&self) -> ToneMapping {
         ToneMapping { exposure: self.exposure, curve: self.tone }
     }
 }
@@ -178,6 +179,11 @@ fn size(text: &str) -> Result<(u32, u32), String> {
 fn square(text: &str) -> Result<u32, String> {
     let side = text.parse().ok().filter(|side: &u32| (2..=MAX_PREVIEW_SIDE).contains(side) && side.is_power_of_two());
     side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_PREVIEW_SIDE}"))
+}
+
+/// A way to denoise.
+pub(super) fn denoiser() -> impl TypedValueParser<Value = Denoiser> {
+    names(Denoiser::ALL, Denoiser::name)
 }
 
 fn tone_curve() -> impl TypedValueParser<Value = ToneCurve> {

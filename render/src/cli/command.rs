@@ -6,8 +6,9 @@ use super::args::{InfoArguments, MaterialsArguments, RenderArguments};
 use super::bake::BakeArguments;
 use super::cache::CacheCommand;
 use super::cubemap::CubemapArguments;
+use super::denoise::DenoiseArguments;
 use super::help::{
-    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES, RENDER_EXAMPLES,
+    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, DENOISE_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES, RENDER_EXAMPLES,
     VALIDATE_EXAMPLES,
 };
 use super::irradiance::IrradianceArguments;
@@ -37,6 +38,9 @@ pub(super) enum Command {
     /// Make the picture of films that are parts of it, rendered by several runs or machines
     #[command(after_help = format!("{MERGE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Merge(MergeArguments),
+    /// Denoise a rendered picture
+    #[command(after_help = format!("{DENOISE_EXAMPLES}\n\n{EXIT_CODES}"))]
+    Denoise(DenoiseArguments),
     /// Show what is in a scene, or in a tree that `halfdome tree` wrote
     #[command(after_help = EXIT_CODES)]
     Info(Box<InfoArguments>),

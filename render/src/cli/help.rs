@@ -7,8 +7,8 @@ Exit codes:
   1  bad input or usage; nothing is written
   2  the system failed, for example while writing a file
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
-     `bake` the state for --resume; `cubemap`, `probes` and
-     `irradiance` write nothing
+     `bake` the state for --resume; `cubemap`, `denoise`,
+     `probes` and `irradiance` write nothing
   4  `render` ended at a limit and not at its target: --time before all
      samples, or --spp or --time before the error of --noise; the picture
      is written
@@ -34,9 +34,20 @@ Examples:
   halfdome render hall.glb --f-number 2.8 --focus 3 --blades 6
   halfdome render hall.glb --camera panorama --ipd 64 -o hall.png
   halfdome render hall.glb --noise 2% --spp 65536 --checkpoint --resume
+  halfdome render hall.glb --spp 16 --denoise nlm
 
 Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
 one of them changes the model's camera.";
+
+/// Of `halfdome denoise`.
+pub(super) const DENOISE_EXAMPLES: &str = "\
+Examples:
+  halfdome render hall.glb --aov --aov-through -o noisy.exr
+  halfdome denoise noisy.exr -o clean.exr -o clean.png
+  halfdome denoise noisy.exr -o clean.exr --with nlm
+
+Albedo, normals (--aov) and, for nlm, the halves that --aov writes too are read from the picture. Open Image Denoise is \
+found by OIDN_LIB=/path/libOpenImageDenoise.so, or where it is usually installed. An interrupted run writes nothing.";
 
 /// Of `halfdome merge`.
 pub(super) const MERGE_EXAMPLES: &str = "\

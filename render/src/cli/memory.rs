@@ -1,12 +1,20 @@
 //! Refuses what the machine cannot hold, before hours are spent on it.
 
 use super::error::CliError;
+use crate::denoise::Method;
 use crate::settings::Settings;
 
 /// An error if the picture needs more than the machine's memory.
 pub(super) fn check(settings: &Settings) -> Result<(), CliError> {
+    check_denoised(settings, None)
+}
+
+/// The same of a picture that is denoised, if it is.
+pub(super) fn check_denoised(settings: &Settings, method: Option<&Method>) -> Result<(), CliError> {
     let what = format!("a picture of {}x{}", settings.width, settings.height);
-    require(&what, settings.picture_bytes(), "give a smaller --size")
+    // The noisy picture's sums are still there while it is denoised.
+    let denoising = method.map_or(0, |method| method.bytes(settings.width, settings.height));
+    require(&what, settings.picture_bytes() + denoising, "give a smaller --size")
 }
 
 /// An error if `what` needs more bytes than the machine's memory has. Where that is not known, everything passes.

@@ -9,7 +9,7 @@ use super::checkpoint::read_film;
 use super::error::{CliError, EXIT_DONE, invalid};
 use super::inputs;
 use super::messages::{Style, print_warning};
-use super::render::{bad_samples, write_all};
+use super::render::{bad_samples, refuse_failures, write_all};
 use crate::film::{Merger, Missing};
 use crate::output::{self, OutputFile};
 
@@ -50,8 +50,9 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<u8, CliError> {
     if let Some(warning) = bad_samples(&film) {
         print_warning(Style::Silent, &warning);
     }
-    let (_, failures) = write_all(&pictures, &film.picture(), &arguments.tone.tone_mapping());
-    if failures.is_empty() { Ok(EXIT_DONE) } else { Err(CliError::System(failures.join("\n"))) }
+    let (written, failures) = write_all(&pictures, &film.picture(), &arguments.tone.mapping());
+    refuse_failures(&written, failures)?;
+    Ok(EXIT_DONE)
 }
 
 /// Refuses to make a picture of a film with gaps.

@@ -7,6 +7,8 @@ mod cache;
 mod checkpoint;
 mod command;
 mod cubemap;
+mod denoise;
+mod denoiser;
 mod error;
 mod help;
 mod info;
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
         Command::Tree(arguments) => (tree::run(&arguments), arguments.common.progress),
         Command::Bake(arguments) => (bake::run(&arguments), arguments.common.progress),
         Command::Cubemap(arguments) => (cubemap::run(&arguments), arguments.common.progress),
+        Command::Denoise(arguments) => (denoise::run(&arguments), arguments.common.progress),
         Command::Probes(arguments) => (probes::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
     };

@@ -42,6 +42,8 @@ enum Counted {
     Records,
     /// Texels, and irradiance records.
     Texels,
+    /// Parts of a picture that is denoised.
+    Parts,
 }
 
 /// How far a render is.
@@ -71,6 +73,11 @@ impl Progress {
     /// Shows the progress towards `total` texels.
     pub(super) fn of_texels(style: Style, total: u64) -> Self {
         Self::counting(style, total, Counted::Texels)
+    }
+
+    /// Shows how far a picture is denoised, of which there are `total` parts.
+    pub(super) fn of_denoising(style: Style, total: u64) -> Self {
+        Self::counting(style, total, Counted::Parts)
     }
 
     fn counting(style: Style, total: u64, counted: Counted) -> Self {
@@ -168,6 +175,12 @@ impl Snapshot {
         if self.counted == Counted::Texels {
             event["texels"] = self.samples.into();
         }
+        if self.counted == Counted::Parts {
+            return json!({
+                "event": "progress", "stage": "denoise", "done": event["done"], "elapsed": event["elapsed"],
+                "remaining": event["remaining"],
+            });
+        }
         if self.counted != Counted::Samples {
             event["records"] = self.records.into();
         }
@@ -182,6 +195,7 @@ impl Snapshot {
         match self.counted {
             Counted::Samples => format!("{samples:.2} Msamples/s  {rays:.1} Mrays/s  {left} left"),
             Counted::Records => format!("{records} records  {rays:.1} Mrays/s  {left} left"),
+            Counted::Parts => format!("denoising  {left} left"),
             Counted::Texels => format!("{texels}/{total} texels  {records} records  {rays:.1} Mrays/s  {left} left"),
         }
     }
@@ -253,6 +267,9 @@ mod tests {
         assert_eq!((&texels.json()["texels"], &texels.json()["records"]), (&50.into(), &7.into()));
         let records = Snapshot { counted: Counted::Records, total: 0, ..HALF };
         assert_eq!(records.message(), "7 records  1.5 Mrays/s  --:-- left");
+        let parts = Snapshot { counted: Counted::Parts, ..HALF };
+        assert_eq!(parts.message(), "denoising  00:02 left");
+        assert_eq!((&parts.json()["stage"], &parts.json()["rays"]), (&"denoise".into(), &Value::Null));
         let unknown = records.json();
         let expected = [&Value::Null, &Value::Null, &7.into()];
         assert_eq!([&unknown["done"], &unknown["remaining"], &unknown["records"]], expected);

@@ -8,15 +8,16 @@ use super::args::RenderArguments;
 use super::build_progress::BuildProgress;
 use super::cache::{cached_options, read_cache};
 use super::checkpoint::{Checkpoint, read_film};
-use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT};
+use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT, invalid};
 use super::inputs;
 use super::messages::{Style, print_text};
 use super::prepare::{prepare, thread_pool};
 use super::progress::Progress;
 use super::render_watch::RenderWatch;
 use super::summary::{End, RenderReport};
-use super::{interrupt, memory};
+use super::{denoiser, interrupt, memory};
 use crate::cache::Cache;
+use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
 use crate::film::{BadSamples, Film, Picture};
@@ -35,8 +36,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let all: Vec<&PathBuf> = paths.iter().chain(&film_path).collect();
     inputs::refuse(&all, arguments.cache.as_slice())?;
     let (mut scene, mut settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &all)?;
+    let wants_aov = settings.aov;
     settings.halves |= arguments.film.noise.is_some();
-    memory::check(&settings)?;
+    let method = arguments.denoise.map(|denoiser| denoiser.for_render(&settings)).transpose()?;
+    if method.is_some() {
+        if let Some(part) = arguments.film.part() {
+            let remedy = "leave --denoise out, render with --aov --aov-through, merge, and denoise with `halfdome denoise`";
+            return Err(invalid(format!("{part} is no picture that could be denoised"), remedy));
+        }
+        settings = denoiser::prepare(settings);
+    }
+    memory::check_denoised(&settings, method.as_ref())?;
     let film_file = film_path.as_deref().map(|path| OutputFile::check(path).map_err(CliError::input)).transpose()?;
     let checkpoint = match (&film_path, arguments.film.interval()) {
         (Some(path), Some(interval)) => Some(Checkpoint::new(path, interval)?),
@@ -78,7 +88,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     if let Some(film) = &before {
         crate::watch::Watch::advance(&progress, film.total_samples(), 0);
     }
-    let tone = arguments.tone_mapping();
+    let tone = arguments.tone.mapping();
     let watch = RenderWatch {
         progress: &progress,
         coarsest: arguments.progressive,
@@ -89,14 +99,31 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         checkpoint: checkpoint.as_ref(),
     };
     let plan = Plan { cache, film: before, share: arguments.film.share(), noise: arguments.film.noise };
-    let result = pool.install(|| driver::render_plan(&world, &settings, plan, &watch)).map_err(CliError::input)?;
-    let end = match result.finished {
+    let mut result = pool.install(|| driver::render_plan(&world, &settings, plan, &watch)).map_err(CliError::input)?;
+    let mut end = match result.finished {
         true if result.is_precise => End::Done,
         true => End::Limit,
         false if interrupt::requested() => End::Interrupted,
         false => End::Limit,
     };
     drop(progress);
+    let mut denoised = Ok(());
+    if let Some(method) = &method {
+        denoised = if end == End::Interrupted {
+            Err(DenoiseError::Stopped)
+        } else {
+            // What cannot be denoised must not be lost.
+            denoiser::denoise(method, result.picture.clone(), &pool, style).map(|picture| {
+                result.picture = if wants_aov { picture } else { without_aov(picture) };
+            })
+        };
+    }
+    if denoised == Err(DenoiseError::Stopped) {
+        end = End::Interrupted;
+        let warning =
+            "interrupted before the picture was denoised: it is noisy; an .exr has all that `halfdome denoise` needs";
+        report.warn(style, warning.to_owned());
+    }
     let is_whole = result.finished && arguments.film.part().is_none();
     if settings.integrator.needs_light() && lit && is_whole && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights: emitters may face away (try --emission both), \
@@ -114,11 +141,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
             Err(error) => failures.push(error.to_string()),
         }
     }
-    if !failures.is_empty() {
-        // An end that names files would look like success.
-        failures.extend(written.iter().map(|path| format!("{} was written", path.display())));
-        return Err(CliError::System(failures.join("\n")));
+    if let Err(DenoiseError::Failed(message)) = denoised {
+        failures.push(format!("the picture is noisy, as it could not be denoised: {message}"));
     }
+    refuse_failures(&written, failures)?;
     report.print_end(style, &result, end, &written);
     Ok(match end {
         End::Done => EXIT_DONE,
@@ -179,6 +205,23 @@ pub(super) fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping
         }
     }
     (written, failures)
+}
+
+/// An error if there are failures, which says what was written all the same.
+pub(super) fn refuse_failures(written: &[PathBuf], mut failures: Vec<String>) -> Result<(), CliError> {
+    if failures.is_empty() {
+        return Ok(());
+    }
+    // An end that names files would look like success.
+    failures.extend(written.iter().map(|path| format!("{} was written", path.display())));
+    Err(CliError::System(failures.join("\n")))
+}
+
+/// The picture without what only denoising needed.
+fn without_aov(mut picture: Picture) -> Picture {
+    let is_color = |name: &str| ["R", "G", "B", "A"].contains(&name) || name.starts_with("Noisy.");
+    picture.channels.retain(|channel| is_color(&channel.name));
+    picture
 }
 
 /// Whether no pixel has any light.

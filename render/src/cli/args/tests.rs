@@ -107,6 +107,7 @@ fn every_override_can_be_given() {
         seed: Some(u64::MAX),
         build: Some(halfdome_kernel::Quality::Medium),
         aov: None,
+        aov_through: None,
         light: LightOverrides {
             added: Vec::new(),
             sky: Some([1.0, 2.0, 3.0].into()),
@@ -126,7 +127,7 @@ fn every_override_can_be_given() {
         variant: Some("oak".into()),
     };
     assert_eq!(arguments.overriding.overrides(), expected);
-    assert_eq!(arguments.tone_mapping().exposure, -1.5);
+    assert_eq!(arguments.tone.mapping().exposure, -1.5);
 }
 
 #[test]
