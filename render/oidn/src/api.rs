@@ -29,7 +29,6 @@ pub(crate) struct Api {
     pub(crate) get_device_error: unsafe extern "C" fn(Handle, *mut *const c_char) -> c_int,
     pub(crate) release_device: unsafe extern "C" fn(Handle),
     pub(crate) new_filter: unsafe extern "C" fn(Handle, *const c_char) -> Handle,
-    #[expect(clippy::type_complexity, reason = "the header's type")]
     pub(crate) set_shared_image:
         unsafe extern "C" fn(Handle, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize),
     pub(crate) set_filter_bool: unsafe extern "C" fn(Handle, *const c_char, bool),
@@ -61,10 +60,12 @@ impl fmt::Display for Version {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LoadError {
     /// It is nowhere: what was looked for, and what the system said of the last.
-    #[error("looked for {}: {reason}", names(.looked_for))]
+    #[error("looked for {}{}: {reason}", names(.looked_for), in_folders(.folders))]
     Missing {
-        /// Paths, and names that the system looks up.
+        /// A path, or names that the system looks up.
         looked_for: Vec<PathBuf>,
+        /// Folders that were looked into besides.
+        folders: &'static [&'static str],
         /// What the system says.
         reason: String,
     },
@@ -92,6 +93,10 @@ pub enum LoadError {
         /// What the library says.
         message: String,
     },
+}
+
+fn in_folders(folders: &[&str]) -> String {
+    if folders.is_empty() { String::new() } else { format!(" where the system looks, and in {}", folders.join(", ")) }
 }
 
 fn names(paths: &[PathBuf]) -> String {

@@ -2,6 +2,7 @@
 //! packages put it.
 
 use std::env;
+use std::error::Error as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,7 +55,10 @@ impl Library {
     pub fn find() -> Result<Self, LoadError> {
         match env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
             Some(path) => Self::open(Path::new(&path)),
-            None => Self::first(&places()),
+            None => {
+                let names: Vec<PathBuf> = NAMES.iter().map(PathBuf::from).collect();
+                Self::first(&names, FOLDERS)
+            }
         }
     }
 
@@ -63,13 +67,16 @@ impl Library {
     /// # Errors
     /// Those of [`find`](Self::find).
     pub fn open(path: &Path) -> Result<Self, LoadError> {
-        Self::first(&[path.to_owned()])
+        Self::first(&[path.to_owned()], &[])
     }
 
-    fn first(places: &[PathBuf]) -> Result<Self, LoadError> {
+    /// The first that is right of these, and of files of these names in folders.
+    fn first(names: &[PathBuf], folders: &'static [&'static str]) -> Result<Self, LoadError> {
+        let paths = folders.iter().flat_map(|folder| names.iter().map(move |name| Path::new(folder).join(name)));
+        let places: Vec<PathBuf> = names.iter().cloned().chain(paths.filter(|path| path.exists())).collect();
         let mut reason = String::new();
         let mut wrong = None;
-        for path in places {
+        for path in &places {
             // SAFETY: opening a library runs its initialisers. It is the one that the user has named, or one by the name of
             // Open Image Denoise from folders that only the machine's administrator can write to.
             match unsafe { libloading::Library::new(path) } {
@@ -77,10 +84,13 @@ impl Library {
                     Ok(library) => return Ok(library),
                     Err(error) => wrong = wrong.or(Some(error)),
                 },
-                Err(error) => reason = error.to_string(),
+                Err(error) => {
+                    // The system's own words are the source's.
+                    reason = error.source().map_or(error.to_string(), ToString::to_string);
+                }
             }
         }
-        Err(wrong.unwrap_or(LoadError::Missing { looked_for: places.to_vec(), reason }))
+        Err(wrong.unwrap_or(LoadError::Missing { looked_for: names.to_vec(), folders, reason }))
     }
 
     /// Asks a device for its version, and so whether it works.
@@ -113,13 +123,6 @@ impl Library {
     pub fn version(&self) -> Version {
         self.version
     }
-}
-
-/// Where to look without a word of the user.
-fn places() -> Vec<PathBuf> {
-    let names = NAMES.iter().map(PathBuf::from);
-    let paths = FOLDERS.iter().flat_map(|folder| NAMES.iter().map(move |name| Path::new(folder).join(name)));
-    names.chain(paths.filter(|path| path.exists())).collect()
 }
 
 #[cfg(test)]

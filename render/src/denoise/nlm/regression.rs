@@ -142,9 +142,7 @@ impl Moments {
                 if i == j && i > 0 {
                     sum += RIDGE * sum + count * f64::from(features[i - 1].noise) + f64::MIN_POSITIVE;
                 }
-                for k in 0..j {
-                    sum -= lower[i][k] * lower[j][k];
-                }
+                sum -= (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f64>();
                 lower[i][j] = if i == j { sum.max(1e-12 * f64::MIN_POSITIVE.sqrt()).sqrt() } else { sum / lower[j][j] };
                 entry += 1;
             }

@@ -1,0 +1,133 @@
+//! The denoisers of the library.
+
+use halfdome::denoise::{DenoiseError, Method, Oidn};
+use halfdome::driver;
+use halfdome::film::Picture;
+use halfdome::scene::cornell_box;
+use halfdome::settings::Settings;
+use halfdome::world::World;
+
+use super::{COLORS, Unwatched, error, picture, values};
+
+fn nlm(picture: &Picture) -> Picture {
+    Method::Nlm.denoise(picture.clone(), &Unwatched).unwrap().0
+}
+
+/// The Cornell box with all that denoisers need.
+fn cornell(spp: u32, seed: u64) -> Picture {
+    let world = World::new(cornell_box()).unwrap();
+    let settings = Settings {
+        width: 72,
+        height: 64,
+        spp,
+        seed,
+        aov: true,
+        aov_through: true,
+        halves: true,
+        ..Settings::default()
+    };
+    driver::render(&world, &settings, &Unwatched).picture
+}
+
+fn stays(before: &Picture, tolerance: f32) {
+    let after = nlm(before);
+    for name in COLORS {
+        for (i, (a, b)) in values(&after, name).iter().zip(values(before, name)).enumerate() {
+            assert!((a - b).abs() <= tolerance * b.abs().max(1e-3), "{name}, pixel {i}: {b} became {a}");
+        }
+        assert_eq!(values(&after, &format!("Noisy.{name}")), values(before, name));
+    }
+}
+
+#[test]
+fn pictures_without_noise_stay() {
+    stays(&picture(40, 30, |_, _| [0.25, 0.5, 4.0]), 1e-5);
+    stays(&picture(40, 30, |_, _| [0.0; 3]), 0.0);
+    // A texture, an edge and a lamp.
+    let textured = |x: u32, y: u32| match (x, y) {
+        (10..13, 10..13) => [40.0; 3],
+        (20.., _) => [0.1 + 0.02 * (x % 5) as f32, 0.3, 0.1 + 0.01 * (y % 7) as f32],
+        _ => [0.8, 0.4 + 0.3 * ((x / 3 + y / 3) % 2) as f32, 0.2],
+    };
+    stays(&picture(41, 33, textured), 1e-4);
+}
+
+#[test]
+fn small_pictures_have_no_neighbours() {
+    for (width, height) in [(1, 1), (3, 2), (1, 40), (70, 1)] {
+        stays(&picture(width, height, |x, y| [0.5, x as f32, y as f32]), 1e-4);
+    }
+}
+
+#[test]
+fn the_picture_does_not_depend_on_threads() {
+    let noisy = cornell(8, 3);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| nlm(&noisy))
+    };
+    assert!(on(1) == on(3));
+}
+
+/// Against a render of other random numbers. With fewer than 5 samples one half is empty.
+#[test]
+fn the_error_is_never_higher_and_soon_much_lower() {
+    let reference = cornell(4096, 77);
+    for (spp, least) in [(8, 3.0), (16, 3.0), (64, 1.0)] {
+        let denoised = nlm(&cornell(spp, 1));
+        let (raw, found) = (error(&denoised, "Noisy", &reference), error(&denoised, "", &reference));
+        println!("{spp} samples: {raw} became {found}");
+        assert!(found * least < raw, "{spp} samples: {raw} became {found}");
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_black_and_counted() {
+    let mut noisy = picture(20, 10, |_, _| [0.5; 3]);
+    for channel in noisy.channels.iter_mut().filter(|channel| channel.name == "G" || channel.name == "HalfA.G") {
+        channel.values[7] = f32::NAN;
+        channel.values[55] = f32::INFINITY;
+    }
+    let (denoised, replaced) = Method::Nlm.denoise(noisy, &Unwatched).unwrap();
+    assert_eq!(replaced, 2);
+    assert!(COLORS.iter().all(|name| values(&denoised, name).iter().all(|value| value.is_finite())));
+}
+
+#[test]
+fn missing_channels_and_empty_halves_are_named() {
+    let whole = picture(4, 4, |_, _| [0.5; 3]);
+    let problem = |picture: &Picture| Method::Nlm.denoise(picture.clone(), &Unwatched).unwrap_err();
+    let mut plain = whole.clone();
+    plain.channels.retain(|channel| channel.name != "HalfB.G" && !channel.name.starts_with("Ns"));
+    let text = problem(&plain).to_string();
+    assert!(text.starts_with("lacks the channels HalfB.G\n  help: render with --aov"), "{text}");
+    let mut empty = whole.clone();
+    empty.channels.iter_mut().filter(|c| c.name.starts_with("HalfB")).for_each(|c| c.values.fill(0.0));
+    assert!(matches!(problem(&empty), DenoiseError::EmptyHalf(_)));
+    let mut single = whole.clone();
+    single.metadata.samples_per_pixel = 1;
+    assert!(problem(&single).to_string().contains("at least 5 samples"), "{}", problem(&single));
+    let warnings = Method::Nlm.check(&whole).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// Open Image Denoise, or a word that it is not there.
+fn oidn() -> Option<Method> {
+    Oidn::find().map(Method::Oidn).map_err(|error| eprintln!("skipped: {error}")).ok()
+}
+
+#[test]
+fn open_image_denoise_lowers_the_error() {
+    let Some(method) = oidn() else { return };
+    let (noisy, reference) = (cornell(16, 1), cornell(2048, 77));
+    let denoised = method.denoise(noisy.clone(), &Unwatched).unwrap().0;
+    let (raw, found) = (error(&denoised, "Noisy", &reference), error(&denoised, "", &reference));
+    assert!(found * 4.0 < raw, "{raw} became {found}");
+    // Colours alone are enough, with a warning.
+    let mut plain = noisy;
+    plain.channels.truncate(3);
+    let warnings = method.check(&plain).unwrap();
+    assert!(warnings.len() == 1 && warnings[0].contains("Albedo and Ns"), "{warnings:?}");
+    let denoised = method.denoise(plain, &Unwatched).unwrap().0;
+    assert!(error(&denoised, "", &reference) < raw);
+}
