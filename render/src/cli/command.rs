@@ -8,8 +8,8 @@ use super::cache::CacheCommand;
 use super::cubemap::CubemapArguments;
 use super::denoise::DenoiseArguments;
 use super::help::{
-    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, DENOISE_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES, RENDER_EXAMPLES,
-    VALIDATE_EXAMPLES,
+    BAKE_EXAMPLES, CUBEMAP_EXAMPLES, DENOISE_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES,
+    RENDER_EXAMPLES, VALIDATE_EXAMPLES,
 };
 use super::irradiance::IrradianceArguments;
 use super::merge::MergeArguments;

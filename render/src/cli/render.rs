@@ -41,7 +41,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     let method = arguments.denoise.map(|denoiser| denoiser.for_render(&settings)).transpose()?;
     if method.is_some() {
         if let Some(part) = arguments.film.part() {
-            let remedy = "leave --denoise out, render with --aov --aov-through, merge, and denoise with `halfdome denoise`";
+            let remedy =
+                "leave --denoise out, render with --aov --aov-through, merge, and denoise with `halfdome denoise`";
             return Err(invalid(format!("{part} is no picture that could be denoised"), remedy));
         }
         settings = denoiser::prepare(settings);

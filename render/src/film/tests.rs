@@ -15,7 +15,7 @@ fn sample(film: &mut Film, number: u32, has: impl Fn(usize) -> bool) {
             tile.samples = number..number;
         }
         for (pixel, (x, y)) in tile.pixels().enumerate() {
-            let filter = FilterSample { offset: [0.0; 2], weight: if number % 3 == 0 { -0.25 } else { 1.0 } };
+            let filter = FilterSample { offset: [0.0; 2], weight: if number.is_multiple_of(3) { -0.25 } else { 1.0 } };
             let value = Vec3::new(x as f32 + 0.1, 1.0 / (1 + y) as f32, 1e-7 * (number + 1) as f32);
             tile.add(pixel, number, &filter, value);
             if i == 0 && pixel == 0 {
@@ -49,7 +49,7 @@ fn films_are_read_as_they_were_written() {
 fn parts_add_up_in_any_order() {
     let mut whole = film(true, true);
     (0..20).for_each(|number| sample(&mut whole, number, |_| true));
-    let mut parts = vec![film(true, true), film(true, true), film(true, true)];
+    let mut parts = [film(true, true), film(true, true), film(true, true)];
     (0..20).for_each(|number| sample(&mut parts[0], number, |tile| tile == 1));
     (0..7).for_each(|number| sample(&mut parts[1], number, |tile| tile != 1));
     (7..20).for_each(|number| sample(&mut parts[2], number, |tile| tile != 1));
