@@ -222,7 +222,7 @@ fn ply_gives_the_built_in_geometry() {
     desk.program().put("box.toml", toml(&scene, "box.ply"));
     let options = "--size 40x32 --spp 8 --seed 5 --aov --integrator normals";
     let (picture, built_in) = (desk.picture("box.toml", options), desk.picture("cornell", options));
-    assert_eq!((picture.channels.len(), picture.metadata.world_to_camera), (20, built_in.metadata.world_to_camera));
+    assert_eq!((picture.channels.len(), picture.metadata.world_to_camera), (26, built_in.metadata.world_to_camera));
     for (channel, expected) in picture.channels.iter().zip(&built_in.channels) {
         assert_eq!(channel.name, expected.name);
         if !channel.name.starts_with("Albedo") {

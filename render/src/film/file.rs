@@ -1,9 +1,10 @@
 //! Films on disk, `.hdf`: checkpoints of a render, and parts of it from several machines.
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, the length of the header and the header as JSON
-//! ([`FilmHeader`]), the seconds, the number of tiles that have samples, and for each its number, its samples, those that
-//! are not numbers, whether it has pixels that see nothing, and its sums of 128 bits, pixel by pixel; in the end the XXH3
-//! hash of all that. A file that is cut off, changed or of another kind is refused.
+//! ([`FilmHeader`]), its level (not a number if there is none), the seconds, the number of tiles that have samples, and
+//! for each its number, its samples, those that are not numbers, whether it has pixels that see nothing, and its sums
+//! of 128 bits, pixel by pixel; in the end the XXH3 hash of all that. A file that is cut off, changed or of another
+//! kind is refused.
 
 use super::sum::{PositiveSum, Sum};
 use super::tile::{BadSamples, FEATURE_NAMES, Pixel, Tile};
@@ -28,6 +29,7 @@ impl Film {
         out.extend(VERSION.to_le_bytes());
         out.extend((header.len() as u32).to_le_bytes());
         out.extend(header);
+        out.extend(self.header.level.unwrap_or(f64::NAN).to_le_bytes());
         out.extend(super::Metadata::stored_seconds(self.seconds).to_le_bytes());
         let tiles = || (0_u32..).zip(&self.tiles).filter(|(_, tile)| !tile.samples.is_empty());
         out.extend((tiles().count() as u32).to_le_bytes());
@@ -93,7 +95,8 @@ impl Reader<'_> {
         let length = self.word()? as usize;
         let (header, rest) = self.0.split_at_checked(length)?;
         self.0 = rest;
-        let header: FilmHeader = serde_json::from_slice(header).ok()?;
+        let mut header: FilmHeader = serde_json::from_slice(header).ok()?;
+        header.level = Some(f64::from_le_bytes(self.bytes()?)).filter(|level| !level.is_nan());
         Settings::check_pixels(header.width, header.height).ok().filter(|()| header.width > 0 && header.height > 0)?;
         let mut film = Film::new(header);
         film.seconds = f64::from(f32::from_le_bytes(self.bytes()?));

@@ -33,7 +33,9 @@ pub struct FilmHeader {
     pub surroundings_hash: u64,
     /// Rows of the matrix that takes world points to camera space, if the camera has a pose.
     pub world_to_camera: Option<[[f32; 4]; 4]>,
-    /// How bright the picture is, with which errors are compared, if they are.
+    /// How bright the picture is, with which errors are compared, if they are. In a file it stands behind the header, as JSON
+    /// may round it.
+    #[serde(skip)]
     pub level: Option<f64>,
 }
 
