@@ -38,6 +38,17 @@ struct Place {
 }
 
 impl Places {
+    /// The first `count` places are taken.
+    ///
+    /// # Panics
+    /// If there are 2³² - 1 or more.
+    pub(super) fn taken(count: usize) -> Self {
+        assert!(count < u32::MAX as usize, "there are fewer than 2^32 - 1 items");
+        let mut places = Vec::new();
+        places.resize(count, Place { generation: 0, is_taken: true });
+        Self { places, ..Self::default() }
+    }
+
     /// Takes a place; `None` if there are no more.
     pub(super) fn take(&mut self) -> Option<Handle> {
         let index = match self.vacant.pop() {

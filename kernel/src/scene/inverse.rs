@@ -9,37 +9,33 @@ use crate::geometry::Ray;
 /// The greatest `‖M‖ ‖M⁻¹‖`: about the ratio of the longest to the shortest image of a unit vector.
 pub const MAX_CONDITION: f64 = 65536.0;
 
-/// A transform and its inverse.
+/// The inverse of a matrix.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inverse {
-    translation: DVec3,
-    inverse: DMat3,
-}
+pub(super) struct Inverse(DMat3);
 
 impl Inverse {
     /// `None` if the matrix has no inverse.
-    pub(super) fn new(linear: DMat3, translation: DVec3) -> Option<Self> {
+    pub(super) fn new(linear: DMat3) -> Option<Self> {
         let [a, b, c] = linear.to_cols_array_2d().map(DVec3::from_array);
         let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
         let determinant = dot(a, bc);
         let inverse = DMat3::from_cols(bc / determinant, ca / determinant, ab / determinant).transpose();
-        let good = determinant != 0.0 && inverse.is_finite() && translation.is_finite();
-        good.then_some(Self { translation, inverse })
+        (determinant != 0.0 && inverse.is_finite()).then_some(Self(inverse))
     }
 
-    /// The ray in the item's space.
-    pub(super) fn ray(&self, ray: &Ray) -> Ray {
-        let origin = self.rotate(ray.origin.as_dvec3() - self.translation);
+    /// The ray in the space of an item whose transform has this inverse and this translation.
+    pub(super) fn ray(&self, translation: DVec3, ray: &Ray) -> Ray {
+        let origin = self.rotate(ray.origin.as_dvec3() - translation);
         Ray { origin: origin.as_vec3(), direction: self.rotate(ray.direction.as_dvec3()).as_vec3(), ..*ray }
     }
 
     /// The norm of the inverse matrix.
     pub(super) fn norm(&self) -> f64 {
-        norm(&self.inverse)
+        norm(&self.0)
     }
 
     fn rotate(&self, v: DVec3) -> DVec3 {
-        let [x, y, z] = self.inverse.to_cols_array_2d().map(DVec3::from_array);
+        let [x, y, z] = self.0.to_cols_array_2d().map(DVec3::from_array);
         x * v.x + y * v.y + z * v.z
     }
 }
@@ -84,7 +80,7 @@ pub(super) fn inverse_norm_between(from: &DMat3, to: &DMat3) -> Option<f64> {
     let (mut start, mut length, mut largest) = (0.0, 1.0, 0.0f64);
     while start < 1.0 {
         let middle = *from + change * (start + 0.5 * length);
-        let inverse = Inverse::new(middle, DVec3::ZERO)?.inverse;
+        let Inverse(inverse) = Inverse::new(middle)?;
         let step = 0.5 * length * norm(&(inverse * change));
         let bound = norm(&inverse) / (1.0 - step);
         if norm(&inverse) * size > MAX_CONDITION {
@@ -119,7 +115,7 @@ mod tests {
             let to = to(angle);
             let bound = inverse_norm_between(&from, &to).unwrap();
             let most = (0..=10_000)
-                .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4), DVec3::ZERO).unwrap().inverse))
+                .map(|i| norm(&Inverse::new(from + (to - from) * (i as f64 * 1e-4)).unwrap().0))
                 .fold(0.0, f64::max);
             assert!(most <= bound * (1.0 + 1e-12) && bound <= 4.0 * most, "{angle}: {most} {bound}");
         }

@@ -8,6 +8,9 @@
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
 //! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
 //!
+//! [`SceneView::closest_point`] finds the point of the surface that is closest to a point, [`SceneView::for_each_overlap`]
+//! what reaches into a box.
+//!
 //! An [`Item`] is an object and its place. Objects are borrowed or shared: ten thousand items may be the same million
 //! triangles. A `Scene` has a tree over its items' boxes, and may be an object in another.
 //!
@@ -69,6 +72,7 @@
 mod handle;
 mod inverse;
 mod item;
+mod near;
 mod object;
 #[cfg(any(feature = "alloc", test))]
 mod owned;
@@ -77,6 +81,7 @@ mod ray;
 pub mod reference;
 mod search;
 mod shape;
+mod space;
 mod sphere;
 #[cfg(test)]
 mod tests;

@@ -105,11 +105,17 @@ impl<'a> Scene<'a> {
         items: Vec<Item<'a>>,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
+        let mut facts = Vec::new();
+        facts.resize(items.len(), Facts::NOTHING);
+        for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = items[place].facts());
         let mut scene = Self::new(*options);
-        for item in items {
-            scene.insert(item);
-        }
-        let (_, report) = scene.commit_with_report(executor)?;
+        scene.places = Places::taken(items.len());
+        scene.staged_at = alloc::vec![UNCHANGED; items.len()];
+        (scene.items, scene.facts) = (items, facts);
+        scene.summary = scene.new_summary()?;
+        let (top, report) = TopLevel::build(executor, &scene.items, scene.summary.keys(), options)?;
+        scene.top = top;
+        scene.number_paths();
         Ok((scene, report))
     }
 
@@ -261,7 +267,7 @@ impl<'a> Scene<'a> {
             }
             self.summary = summary;
             self.number_paths();
-            for staged in self.staged.drain(..) {
+            for staged in mem::take(&mut self.staged) {
                 self.staged_at[staged.index as usize] = UNCHANGED;
             }
             self.places.commit();

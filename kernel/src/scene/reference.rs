@@ -1,7 +1,10 @@
 //! Scenes as plain as can be: loops over all items and all triangles, one after the other, without any tree. Slow; every
 //! other way to trace a scene gives the same hits bit for bit.
 
+use core::ops::ControlFlow;
+
 use super::object::Target;
+use super::space::{Proximity, Space, between, next};
 use super::{SceneHit, SceneRay, SceneView, shape};
 use crate::bvh::TriangleBlock;
 use crate::geometry::moment::Moment;
@@ -89,6 +92,50 @@ fn loop_over(from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32, ray: &
             }
         }
     }
+}
+
+/// Shows a search all triangles of a scene in a space at a time that a mask sees, where they are, and the boxes of shapes'
+/// primitives, until it breaks off.
+pub(super) fn search(
+    scene: &SceneView,
+    space: &Space,
+    (time, mask): (f32, u32),
+    (first_path, depth): (u64, u32),
+    search: &mut dyn Proximity,
+) -> ControlFlow<()> {
+    for &number in scene.tree().items() {
+        let part = scene.parts()[number as usize];
+        let item = &scene.items()[part.item as usize];
+        if item.mask & mask == 0 {
+            continue;
+        }
+        let Some(space) = space.of(&item.placement, time) else { continue };
+        let path = first_path + (scene.paths() - 1);
+        let place = |prim_id| SceneHit { hit: Hit { prim_id, ..Hit::MISS }, geometry_id: part.item, depth, path };
+        let mut loop_over = |from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32| {
+            for (from, to) in from.iter().zip(to) {
+                for (lane, prim_id) in from.used_lanes() {
+                    let corners = between(&from.triangle(lane), &to.triangle(lane), fraction);
+                    search.meet(&space.triangle(&corners), place(prim_id))?;
+                }
+            }
+            ControlFlow::Continue(())
+        };
+        match item.object.target() {
+            Target::Nothing => {}
+            Target::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0)?,
+            Target::Moving(tree) => {
+                if let Some(moment) = Moment::new(time, tree.keys()) {
+                    loop_over(tree.blocks(moment.key), tree.blocks(next(moment)), moment.fraction)?;
+                }
+            }
+            Target::Shape(shape) => search.meet_box(&space.aabb(&shape.bounds(part.prim_id)), place(part.prim_id))?,
+            Target::Scene(inner) => {
+                self::search(&inner, &space, (time, mask), (first_path + item.first_path, depth + 1), search)?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
 }
 
 /// Whether a ray is within the limits.

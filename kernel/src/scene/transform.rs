@@ -64,15 +64,37 @@ impl Deref for Keys<'_> {
     }
 }
 
+/// A transform without padding, as there may be millions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packed([f32; 12]);
+
+impl Packed {
+    fn new(transform: &Affine3A) -> Self {
+        Self(transform.to_cols_array())
+    }
+
+    #[inline(always)]
+    fn get(&self) -> Affine3A {
+        Affine3A::from_cols_array(&self.0)
+    }
+
+    /// Where it takes the origin.
+    #[inline(always)]
+    fn translation(&self) -> DVec3 {
+        let [.., x, y, z] = self.0;
+        DVec3::new(x.into(), y.into(), z.into())
+    }
+}
+
 /// Where an item is.
 #[derive(Clone, Debug)]
 pub(super) enum Placement<'a> {
     /// Where its own coordinates say.
     AsItIs,
     /// Where a transform takes it that makes it flat: nowhere to be hit.
-    Flat { to_scene: Affine3A },
+    Flat { to_scene: Packed },
     /// Where a transform takes it.
-    Still { to_scene: Affine3A, to_local: Inverse, inverse_norm: f32 },
+    Still { to_scene: Packed, to_local: Inverse, inverse_norm: f32 },
     /// Where transforms at evenly spaced times take it; the inverse's norm is a bound for all times.
     Moving { keys: Keys<'a>, inverse_norm: f32 },
 }
@@ -86,8 +108,8 @@ impl<'a> Placement<'a> {
         if !to_scene.is_finite() {
             return Err(InvalidScene::NotFinite { key: 0 }.into());
         }
-        let flat = Self::Flat { to_scene: *to_scene };
-        let Some(to_local) = Inverse::new(linear(to_scene), translation(to_scene)) else {
+        let flat = Self::Flat { to_scene: Packed::new(to_scene) };
+        let Some(to_local) = Inverse::new(linear(to_scene)) else {
             return Ok(flat);
         };
         let inverse_norm = to_local.norm();
@@ -96,7 +118,7 @@ impl<'a> Placement<'a> {
             condition if condition > MAX_CONDITION => return Err(InvalidScene::Singular { key: 0 }.into()),
             _ => {}
         }
-        Ok(Self::Still { to_scene: *to_scene, to_local, inverse_norm: round_up(inverse_norm) })
+        Ok(Self::Still { to_scene: Packed::new(to_scene), to_local, inverse_norm: round_up(inverse_norm) })
     }
 
     /// By transforms at evenly spaced times.
@@ -136,10 +158,10 @@ impl<'a> Placement<'a> {
         match self {
             Self::AsItIs => Some(*ray),
             Self::Flat { .. } => None,
-            Self::Still { to_local, .. } => Some(to_local.ray(ray)),
+            Self::Still { to_scene, to_local, .. } => Some(to_local.ray(to_scene.translation(), ray)),
             Self::Moving { keys, .. } => {
                 let (linear, translation) = between(keys, time)?;
-                Some(Inverse::new(linear, translation)?.ray(ray))
+                Some(Inverse::new(linear)?.ray(translation, ray))
             }
         }
     }
@@ -148,11 +170,23 @@ impl<'a> Placement<'a> {
     pub(super) fn to_scene(&self, time: f32) -> Option<Affine3A> {
         match self {
             Self::AsItIs => Some(Affine3A::IDENTITY),
-            Self::Flat { to_scene } | Self::Still { to_scene, .. } => Some(*to_scene),
+            Self::Flat { to_scene } | Self::Still { to_scene, .. } => Some(to_scene.get()),
             Self::Moving { keys, .. } => {
                 let (linear, translation) = between(keys, time)?;
                 Some(Affine3A::from_mat3_translation(linear.as_mat3(), translation.as_vec3()))
             }
+        }
+    }
+
+    /// The elements of the transform to the scene's space at a time; `None` if it flattens, or the time is NaN.
+    pub(super) fn elements(&self, time: f32) -> Option<(DMat3, DVec3)> {
+        match self {
+            Self::AsItIs if time.is_nan() => None,
+            Self::AsItIs => Some((DMat3::IDENTITY, DVec3::ZERO)),
+            Self::Flat { .. } => None,
+            Self::Still { .. } if time.is_nan() => None,
+            Self::Still { to_scene, .. } => Some((linear(&to_scene.get()), to_scene.translation())),
+            Self::Moving { keys, .. } => between(keys, time),
         }
     }
 
@@ -161,11 +195,11 @@ impl<'a> Placement<'a> {
         match self {
             Self::AsItIs => *local,
             Self::Flat { .. } => Aabb::EMPTY,
-            Self::Still { to_scene, .. } => image(to_scene, local, 0.0),
+            Self::Still { to_scene, .. } => image_at(&to_scene.get(), local, 0.0),
             Self::Moving { keys, .. } => {
-                let images = keys.iter().map(|transform| image(transform, local, 0.0));
+                let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
                 let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
-                image(&keys[key], local, f64::from(largest.max_element()) * MOVING_PAD)
+                image_at(&keys[key], local, f64::from(largest.max_element()) * MOVING_PAD)
             }
         }
     }
@@ -188,7 +222,7 @@ impl<'a> Placement<'a> {
         let (sums, inverse_norm) = match self {
             Self::AsItIs => return Vec3::splat(local),
             Self::Flat { .. } => return Vec3::ZERO,
-            Self::Still { to_scene, inverse_norm, .. } => (sums(to_scene), inverse_norm),
+            Self::Still { to_scene, inverse_norm, .. } => (sums(&to_scene.get()), inverse_norm),
             Self::Moving { keys, inverse_norm } => (keys.iter().map(sums).fold(DVec3::ZERO, DVec3::max), inverse_norm),
         };
         let error = sums * f64::from(*inverse_norm) * (f64::from(local) + ROUNDING);
@@ -208,7 +242,12 @@ fn between(keys: &[Affine3A], time: f32) -> Option<(DMat3, DVec3)> {
 }
 
 /// A box around the image of a box, widened by `pad`.
-fn image(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
+fn image_at(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
+    image(&linear(transform), translation(transform), local, pad)
+}
+
+/// The same by the transform's elements.
+pub(super) fn image(linear: &DMat3, translation: DVec3, local: &Aabb, pad: f64) -> Aabb {
     if local.is_empty() {
         return Aabb::EMPTY;
     }
@@ -216,7 +255,6 @@ fn image(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
         // Zero times infinity would be no number, and the box seem empty.
         return Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
     }
-    let (linear, translation) = (linear(transform), translation(transform));
     let (mut min, mut max, mut size) = (translation, translation, translation.abs());
     for axis in 0..3 {
         let (low, high) =

@@ -3,6 +3,7 @@
 mod deform;
 mod limits;
 mod motion;
+mod near;
 mod order;
 mod shapes;
 mod transforms;
