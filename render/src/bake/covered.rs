@@ -6,13 +6,13 @@
 //! What a body is the world says ([`Bodies`]).
 
 use glam::Vec2;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::texels::{Point, Surfaces, Texel};
-use crate::world::{Bodies, World};
+use crate::world::{Bodies, Hit, World};
 
 /// Rays of a point.
 const RAYS: u32 = 32;

@@ -68,7 +68,7 @@ impl Piece {
 /// All shared edges of what gets light, in a fixed order.
 pub(crate) fn shared_edges(scene: &Scene) -> Vec<SharedEdge> {
     let mut whole = Vec::with_capacity(3 * scene.triangle_count());
-    for (mesh, m) in (0..).zip(&scene.meshes).filter(|(_, mesh)| !mesh.is_lamp) {
+    for (mesh, m) in (0..).zip(&scene.meshes).filter(|(_, mesh)| !mesh.is_added) {
         for face in 0..m.triangles.len() as u32 {
             let sides = (0..3).map(|side| Side { mesh, face, side });
             whole.extend(sides.map(|side| Piece::new(side, side.ends(scene), [0.0, 1.0])));

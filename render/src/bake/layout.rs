@@ -141,7 +141,7 @@ impl Atlas {
 
 /// The meshes that get light: all but lamps, which are not the model's.
 fn receivers(scene: &Scene) -> impl Iterator<Item = usize> {
-    (0..scene.meshes.len()).filter(|&mesh| !scene.meshes[mesh].is_lamp)
+    (0..scene.meshes.len()).filter(|&mesh| !scene.meshes[mesh].is_added)
 }
 
 /// The meshes with lightmap coordinates.

@@ -12,14 +12,14 @@
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 
 use super::options::Directional;
 use crate::estimator::{AimedFrom, AimedRays, Follow, Hemisphere};
 use crate::integrator::{Follower, GatherSource};
 use crate::settings::{CachedOptions, HemisphereSampling};
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that a direction comes from.
 const DIRECTION_SET: u32 = 0;

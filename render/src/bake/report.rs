@@ -1,16 +1,14 @@
-//! What a bake made, for people: one HTML file that needs no other, with its style inside and pictures as data URIs.
+//! What a bake made, for people, as HTML.
 //!
 //! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
 //! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
 
-use crate::output::{OutputError, ToneMapping, encode_png, false_color};
+use crate::output::html::{Html, Plane, escaped, percentile};
+use crate::output::{OutputError, ToneMapping};
 
 /// What the report tells.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,64 +44,45 @@ pub struct ReportPage {
     pub error: Option<Vec<f32>>,
 }
 
-/// The longest side of a picture in the report.
-const MAX_SIDE: u32 = 1024;
 /// What is not on a chart.
 const OUTSIDE: [u8; 3] = [24, 24, 28];
 /// A record, on dark charts.
 const RECORD: [u8; 3] = [255, 214, 64];
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:1200px;padding:0 1em;\
-background:#fafafa;color:#222}table{border-collapse:collapse}td,th{padding:.2em 1em .2em 0;text-align:left;\
-border-bottom:1px solid #ddd}td{font-variant-numeric:tabular-nums}.page{display:flex;flex-wrap:wrap;gap:1em}\
-figure{margin:0;width:min(380px,100%)}img{width:100%;image-rendering:pixelated;display:block}figcaption{font-size:13px}\
-.scale{height:8px;margin-top:4px}.warning{color:#a40}";
 
 /// The report as HTML.
 ///
 /// # Errors
 /// If a page has not as many texels as its size says.
 pub fn html(report: &Report) -> Result<String, OutputError> {
-    let title = escaped(&report.title);
-    let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width\"><title>{title}</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
-    );
-    for warning in &report.warnings {
-        write_line(&mut html, format_args!("<p class=\"warning\">Warning: {}</p>", escaped(warning)));
-    }
-    write_line(&mut html, format_args!("<table>"));
-    for (name, value) in &report.statistics {
-        write_line(&mut html, format_args!("<tr><th>{}</th><td>{}</td></tr>", escaped(name), escaped(value)));
-    }
-    write_line(&mut html, format_args!("</table>"));
+    let mut html = Html::new(&report.title);
+    report.warnings.iter().for_each(|warning| html.warning(warning));
+    html.table(&report.statistics);
     for page in &report.pages {
         page.check()?;
+        let plane = page.plane();
         let charts = page.charts.iter().flatten().max().map_or(0, |last| last + 1);
-        write_line(
-            &mut html,
-            format_args!("<h2>{} <small>{} × {}</small></h2>", escaped(&page.name), page.width, page.height),
-        );
-        write_line(&mut html, format_args!("<div class=\"page\">"));
+        html.line(&format!("<h2>{} <small>{} × {}</small></h2>", escaped(&page.name), page.width, page.height));
+        html.line("<div class=\"page\">");
         let exposure = page.exposure();
         let tone = ToneMapping { exposure, ..ToneMapping::default() };
         let light = format!("Light, brightened by {exposure:+.1} stops");
-        page.figure(&mut html, &light, "", |texel| tone.to_srgb8(page.map[texel].to_array()))?;
-        page.figure(&mut html, &format!("{charts} charts"), "", |texel| page.charts[texel].map_or(OUTSIDE, color))?;
-        page.heat(&mut html, "Density, texels per unit", &page.density)?;
+        html.figure(&plane, ["", &light, ""], |texel| tone.to_srgb8(page.map[texel].to_array()))?;
+        let shown = format!("{charts} charts");
+        html.figure(&plane, ["", &shown, ""], |texel| page.charts[texel].map_or(OUTSIDE, color))?;
+        html.heat(&plane, "Density, texels per unit", &page.density)?;
         if !page.records.is_empty() {
             let records = page.record_texels();
-            page.figure(&mut html, &format!("{} records", page.records.len()), "", |texel| {
+            html.figure(&plane, ["", &format!("{} records", page.records.len()), ""], |texel| {
                 let dim = page.charts[texel].map_or(OUTSIDE, |chart| color(chart).map(|code| code / 3));
                 if records[texel] { RECORD } else { dim }
             })?;
         }
         if let Some(error) = &page.error {
-            page.heat(&mut html, "Relative error, estimated", error)?;
+            html.heat(&plane, "Relative error, estimated", error)?;
         }
-        write_line(&mut html, format_args!("</div>"));
+        html.line("</div>");
     }
-    html.push_str("</body></html>\n");
-    Ok(html)
+    Ok(html.finish())
 }
 
 impl ReportPage {
@@ -128,7 +107,7 @@ impl ReportPage {
         let mut texels = vec![false; self.charts.len()];
         let place = |part: f32, size: u32| ((part * size as f32) as u32).min(size - 1) as usize;
         // Records of large pages are drawn as large as a texel of the picture.
-        let step = self.step() as usize;
+        let step = self.plane().step() as usize;
         for &[x, y] in &self.records {
             let (x, y) = (place(x, self.width) / step * step, place(y, self.height) / step * step);
             texels[y * self.width as usize + x] = true;
@@ -136,72 +115,8 @@ impl ReportPage {
         texels
     }
 
-    /// Every how many texels one is shown.
-    fn step(&self) -> u32 {
-        self.width.max(self.height).div_ceil(MAX_SIDE)
-    }
-
-    /// Numbers in false colours up to their 99th percentile, with a scale.
-    fn heat(&self, html: &mut String, caption: &str, values: &[f32]) -> Result<(), OutputError> {
-        let greatest = percentile(values.iter().copied()).max(f32::MIN_POSITIVE);
-        let stops = (0..=8).map(|stop| hex(false_color::color(stop as f32 / 8.0)));
-        let stops: Vec<String> = stops.collect();
-        let scale =
-            format!("<div class=\"scale\" style=\"background:linear-gradient(90deg,{})\"></div>", stops.join(","));
-        let (low, high) = (format_number(0.0), format_number(greatest));
-        self.figure(html, &format!("{caption}: {low} to {high}"), &scale, |texel| match values[texel] {
-            value if value.is_nan() => OUTSIDE,
-            value => false_color::color(value / greatest),
-        })
-    }
-
-    /// A picture with a caption; `scale` is HTML between them.
-    fn figure(
-        &self,
-        html: &mut String,
-        caption: &str,
-        scale: &str,
-        color: impl Fn(usize) -> [u8; 3],
-    ) -> Result<(), OutputError> {
-        let step = self.step();
-        let size = |texels: u32| texels.div_ceil(step);
-        let mut codes = Vec::with_capacity(3 * (size(self.width) * size(self.height)) as usize);
-        for y in (0..self.height).step_by(step as usize) {
-            for x in (0..self.width).step_by(step as usize) {
-                codes.extend(color(y as usize * self.width as usize + x as usize));
-            }
-        }
-        let png = encode_png(Path::new(&self.name), size(self.width), size(self.height), &codes)?;
-        let caption = escaped(caption);
-        write_line(
-            html,
-            format_args!(
-                "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\">{scale}<figcaption>{caption}\
-                 </figcaption></figure>",
-                STANDARD.encode(png)
-            ),
-        );
-        Ok(())
-    }
-}
-
-fn write_line(html: &mut String, line: std::fmt::Arguments<'_>) {
-    // Writing to a string cannot fail.
-    let _ = writeln!(html, "{line}");
-}
-
-/// The value below which 99% of all finite ones are; 0 if there are none.
-fn percentile(values: impl Iterator<Item = f32>) -> f32 {
-    let mut sorted: Vec<f32> = values.filter(|value| value.is_finite()).collect();
-    sorted.sort_unstable_by(f32::total_cmp);
-    sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0)
-}
-
-fn format_number(number: f32) -> String {
-    match number {
-        0.0 => "0".to_owned(),
-        _ if (0.01..10_000.0).contains(&number) => format!("{number:.2}"),
-        _ => format!("{number:.1e}"),
+    fn plane(&self) -> Plane<'_> {
+        Plane { name: &self.name, width: self.width, height: self.height }
     }
 }
 
@@ -215,17 +130,13 @@ fn color(number: u32) -> [u8; 3] {
     [channel(0.0), channel(4.0), channel(2.0)]
 }
 
-fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 #[cfg(test)]
 mod tests {
+    use base64::Engine as _;
+    use base64::engine::general_purpose::STANDARD;
+
     use super::*;
+    use crate::output::false_color;
 
     fn page(width: u32, height: u32) -> ReportPage {
         let texels = (width * height) as usize;

@@ -4,10 +4,10 @@
 //! mixing neighbours; and what lies beyond the border of a chart never enters.
 
 use glam::Vec3;
-use halfdome_kernel::Hit;
 
 use super::texels::{Surfaces, Texel};
 use crate::integrator::IrradianceMap;
+use crate::world::Hit;
 
 /// Stands for no texel.
 const NOTHING: u32 = u32::MAX;

@@ -13,10 +13,10 @@ use glam::{DVec3, Vec3, dvec3, vec3};
 use halfdome_kernel::sampling::Pattern;
 
 use super::lights::{beside_wall, on_ground};
-use super::plot::{Axis, Figure, Point, Series};
 use super::scenes::{grey, ground, meter, scene, world};
 use super::statistics::{PowerLaw, Sample, root_mean_square_error};
 use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
+use crate::output::plot::{Axis, Figure, Point, Series};
 use crate::scene::Scene;
 use crate::settings::{
     AoOptions, AoWeighting, HemisphereSampling, Integrator, LightSampling, PathOptions, Settings, Stop,

@@ -4,10 +4,10 @@
 use glam::Vec3;
 use halfdome_kernel::sampling::Pattern;
 
-use super::plot::{Axis, Figure, Point, Series, span};
 use super::scenes::{Corners, cube, grey, moved, scene, sphere, tetrahedron, turned, view, world};
 use super::statistics::Sample;
 use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
+use crate::output::plot::{Axis, Figure, Point, Series, span};
 use crate::scene::Sky;
 use crate::settings::{
     AoOptions, AoWeighting, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings,

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3, dvec3, vec3};
 
-use super::plot::{Axis, Figure, Point, Series, span};
 use super::scenes::{Corners, grey, ground, mesh, meter, moved, quad, scene, sphere, turned, view, world};
 use super::statistics::Sample;
 use super::{Experiment, Family, Interrupted, Outcome, Runner, exact};
+use crate::output::plot::{Axis, Figure, Point, Series, span};
 use crate::scene::{CameraPose, Mesh, PunctualLight, Scene, Sky};
 use crate::settings::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, PathOptions, Settings,

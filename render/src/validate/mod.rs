@@ -10,16 +10,15 @@ mod exact;
 mod furnace;
 mod lights;
 mod materials;
-mod plot;
 mod report;
 mod room;
 mod runner;
 mod scenes;
 mod statistics;
 
+use crate::output::plot::Figure;
 use crate::settings::Invalid;
 
-pub(crate) use plot::{Figure, csv, svg};
 pub(crate) use report::{Row, json, list};
 pub(crate) use runner::{Effort, Interrupted, Runner};
 

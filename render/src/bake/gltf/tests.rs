@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::assembly::container;
 use super::*;
 use crate::scene::gltf::{read_binary, read_json};
-use crate::scene::{Disk, Scene};
+use crate::scene::{Disk, LoadOptions, Scene};
 
 /// Four positions at byte 0, colours of three bytes at a stride of four from 48 on, and a strip of 16-bit indices
 /// 0 1 2 3 at 64.
@@ -46,7 +46,12 @@ fn quads(nodes: &str) -> Vec<u8> {
 
 fn scene(file: &[u8]) -> Scene {
     let path = Path::new("a.glb");
-    if file.starts_with(b"glTF") { read_binary(&Disk, path, file) } else { read_json(&Disk, path, file) }.unwrap()
+    if file.starts_with(b"glTF") {
+        read_binary(&Disk, path, file, &LoadOptions::default())
+    } else {
+        read_json(&Disk, path, file, &LoadOptions::default())
+    }
+    .unwrap()
 }
 
 fn text(file: &[u8]) -> &str {

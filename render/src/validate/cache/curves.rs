@@ -2,8 +2,8 @@
 
 use super::study::{Run, Study};
 use crate::cache::Reading;
+use crate::output::plot::{Axis, Figure, Point, Series, svg};
 use crate::settings::{CachedOptions, Gradients, Metric};
-use crate::validate::plot::{Axis, Figure, Point, Series, svg};
 
 /// A kind of cache.
 #[derive(Clone, Copy, Debug)]

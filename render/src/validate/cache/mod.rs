@@ -7,11 +7,11 @@ mod curves;
 mod study;
 mod walls;
 
-use super::plot::Figure;
 use super::room::furnished_room;
 use super::scenes::world;
 use super::{Experiment, Family, Interrupted, Outcome, Runner};
 use crate::cache::Reading;
+use crate::output::plot::Figure;
 use crate::scene::{Scene, cornell_box};
 use crate::settings::{CachedOptions, Gradients, Metric};
 use crate::world::World;

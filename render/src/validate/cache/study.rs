@@ -14,7 +14,7 @@ use crate::integrator::{fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
 use crate::settings::{CachedOptions, Settings};
 use crate::watch::Watch;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Irradiance that is known well.
 #[derive(Clone, Debug)]
@@ -169,7 +169,7 @@ fn sensors(world: &World, places: Places, side: u32) -> Vec<Sensor> {
         camera.central_ray(&FilmPoint::within(place))
     });
     let surfaces = rays.flatten().filter_map(|ray| {
-        let hit = world.tree().intersect(&ray)?;
+        let hit = Hit::of(&world.tree().intersect(&ray)?);
         Some(world.surface_at(&hit).facing(ray.direction))
     });
     let scattering = surfaces.filter(|surface| surface.diffuse != Vec3::ZERO);

@@ -195,7 +195,7 @@ fn legend(out: &mut String, figure: &Figure, colours: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::validate::plot::{Axis, csv};
+    use crate::output::plot::{Axis, csv};
 
     fn figure() -> Figure {
         let point = |x, y, error| Point { x, y, error };
