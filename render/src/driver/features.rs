@@ -8,10 +8,10 @@
 //! Source: the manual of Intel's Open Image Denoise 2, "Albedos" and "Normals", which recommends just that.
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::Ray;
 
 use crate::film::Features;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Mirrors and panes of glass that are looked through, one behind the other.
 const MOST_BOUNCES: u32 = 8;

@@ -3,15 +3,16 @@
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Address, Sampler, fill2};
-use halfdome_kernel::{Hit, Ray};
 
 use super::features;
+use super::mattes::MatteIds;
 use crate::camera::{Camera, FilmPoint, FilmSample};
-use crate::film::{FilterSample, FilterSampler, Tile};
-use crate::integrator::{self, Prepared, RayBatch, Scratch};
-use crate::settings::Settings;
-use crate::world::World;
+use crate::film::{FilterSample, FilterSampler, FirstHit, Tile};
+use crate::integrator::{self, LightPaths, Prepared, RayBatch, Scratch};
+use crate::settings::{MatteKind, Settings};
+use crate::world::{Hit, World};
 
 /// The set of random numbers that places a sample on the film.
 const FILM_SET: u32 = 0;
@@ -33,6 +34,8 @@ pub(super) struct TileScratch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
+    /// Of each ray the AOVs by light path expressions.
+    light: Vec<Vec3>,
     scratch: Scratch,
 }
 
@@ -40,16 +43,31 @@ pub(super) struct TileScratch {
 pub(super) struct FrameRender {
     pub(super) settings: Settings,
     pub(super) prepared: Prepared,
+    /// If there are AOVs by light path expressions.
+    light_paths: Option<LightPaths>,
     pub(super) camera: Camera,
     filter: FilterSampler,
+    /// Of each Cryptomatte layer.
+    mattes: Vec<MatteIds>,
 }
 
 impl FrameRender {
     /// A picture of `world` as its camera sees it.
-    pub(super) fn new(world: &World, settings: Settings, prepared: Prepared) -> Self {
+    pub(super) fn new(world: &World, settings: Settings, prepared: Prepared, light_paths: Option<LightPaths>) -> Self {
         let camera = world.camera_on(settings.width, settings.height);
         let filter = FilterSampler::new(&settings.filter);
-        Self { settings, prepared, camera, filter }
+        let mattes = settings.cryptomatte.kinds.iter().map(|&kind| MatteIds::new(world, kind)).collect();
+        Self { settings, prepared, light_paths, camera, filter, mattes }
+    }
+
+    /// What a sample's camera ray has hit.
+    fn first_hit(&self, world: &World, sample: u32, ray: &Ray, hit: &Hit) -> FirstHit {
+        if !hit.is_hit() {
+            return FirstHit { sample, ..FirstHit::NONE };
+        }
+        let [object, material] = MatteKind::ALL.map(|kind| world.number_of(kind, hit) as u32 + 1);
+        let ids = [object, material, world.triangle_number(hit) + 1];
+        FirstHit { sample, depth: self.camera.depth(ray, hit.t), ids }
     }
 
     /// Adds samples to pixels of the tile, which come with their numbers; gives the number of rays traced.
@@ -61,7 +79,8 @@ impl FrameRender {
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let TileScratch { places, samplers, addresses, u_film, u_lens, film, rays, hits, radiance, scratch } = scratch;
+        let TileScratch { places, samplers, addresses, u_film, u_lens, film, rays, hits, radiance, light, scratch } =
+            scratch;
         let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
         for sample in samples.clone() {
@@ -101,11 +120,21 @@ impl FrameRender {
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_side_by_side(rays, hits);
         let camera = RayBatch { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
-        let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, scratch, radiance);
+        let aovs = self.light_paths.as_ref().map_or(0, LightPaths::count);
+        light.resize(rays.len() * aovs, Vec3::ZERO);
+        let recorded = self.light_paths.as_ref().map(|paths| (paths, light.as_mut_slice()));
+        let traced = integrator::radiance(world, &self.settings, &self.prepared, &camera, scratch, radiance, recorded);
         for (i, (number, sample, filter)) in places.iter().enumerate() {
             tile.add(*number, *sample, filter, radiance[i]);
+            if aovs > 0 {
+                tile.add_light(*number, filter, radiance[i], &light[i * aovs..][..aovs]);
+            }
+            for (layer, ids) in self.mattes.iter().enumerate() {
+                tile.add_name(layer, *number, filter, ids.of(world, &hits[i]));
+            }
             if self.settings.aov {
                 let features = if self.settings.aov_through { features::through } else { features::first };
+                tile.add_hit(*number, self.first_hit(world, *sample, &rays[i], &hits[i]));
                 tile.add_features(*number, filter, radiance[i], &features(world, &rays[i], &hits[i]));
             }
         }

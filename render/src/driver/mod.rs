@@ -8,6 +8,7 @@
 mod features;
 mod frame;
 mod levels;
+mod mattes;
 mod plan;
 mod worker;
 
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, Picture, Tile};
-use crate::integrator::{self, Prepared};
+use crate::integrator::{self, LightPaths, Prepared};
 use crate::settings::Settings;
 use crate::world::World;
 use frame::{FrameRender, TileScratch};
@@ -50,23 +51,29 @@ pub struct Render {
 const BATCH: usize = 4096;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
+///
+/// # Panics
+/// If the settings' light path expressions are too complex, which [`render_plan`] tells.
 pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     match render_plan(world, settings, Plan::default(), watch) {
         Ok(render) => render,
-        Err(error) => unreachable!("there is no film to be wrong: {error}"),
+        Err(error) => panic!("there is no film to be wrong: {error}"),
     }
 }
 
 /// Like [`render`], but what the plan says of the picture.
 ///
 /// # Errors
-/// If the plan's film is not of this picture, or has other samples than the plan's.
+/// If the plan's film is not of this picture, or has other samples than the plan's; if the light path expressions are too
+/// complex.
 pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &dyn Watch) -> Result<Render, FilmError> {
     let start = Instant::now();
     let header = film_header(world, settings, plan.cache.as_ref());
     let mut film = plan.begin(header)?;
+    let light_paths = LightPaths::new(world, &integrator::aovs(world, settings)).map_err(FilmError::from)?;
     let (prepared, prefill_rays) = integrator::prepare(world, settings, plan.cache.take(), watch);
-    let renderer = Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared), plan: &plan, watch };
+    let renderer =
+        Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared, light_paths), plan: &plan, watch };
     let before = film.seconds;
     let mut rays = prefill_rays;
     if !film.has_first_samples(|number| plan.share.has(number)) {
@@ -91,6 +98,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
         };
         rays += open.map_init(TileScratch::default, sample).sum::<u64>();
         film.seconds = before + start.elapsed().as_secs_f64();
+        watch.wave(&film);
         if watch.wants_film() {
             watch.film(&film);
         }

@@ -7,7 +7,8 @@
 //! [`MIN_SAMPLES`], that is small against the noise.
 
 use crate::cache::Cache;
-use crate::film::{Film, FilmError, FilmHeader, Tile};
+use crate::film::{Film, FilmError, FilmHeader, MatteLayer, Tile};
+use crate::integrator;
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
@@ -55,8 +56,23 @@ impl Share {
 
 /// What the film of a picture is told by: equal for all parts of it.
 pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) -> FilmHeader {
-    let Settings { width, height, filter, integrator, spp: _, sampler, seed, build: _, aov, aov_through, halves } =
-        settings;
+    let Settings {
+        width,
+        height,
+        filter,
+        integrator,
+        spp: _,
+        sampler,
+        seed,
+        build: _,
+        aov,
+        aov_through,
+        halves,
+        cryptomatte,
+        aovs: _,
+        light_groups: _,
+    } = settings;
+    let aovs = integrator::aovs(world, settings);
     let mut options = vec![
         ("the pixel filter".to_owned(), format!("{filter:?}")),
         ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
@@ -68,6 +84,13 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
     if let (Some(cache), Integrator::Cached(_)) = (cache, integrator) {
         options.push(("the irradiance cache".to_owned(), format!("{:016x}", cache.hash())));
     }
+    for aov in &aovs {
+        options.push((format!("the AOV {}", aov.name), aov.expression.text().to_owned()));
+    }
+    if !aovs.is_empty() {
+        options
+            .push(("the names of lights and surfaces".to_owned(), format!("{:016x}", integrator::labels_hash(world))));
+    }
     let camera = world.camera_on(*width, *height);
     FilmHeader {
         program: env!("CARGO_PKG_VERSION").to_owned(),
@@ -76,6 +99,10 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
         has_border: camera.has_border(),
         aov: *aov,
         halves: *halves,
+        light: aovs.into_iter().map(|aov| aov.name).collect(),
+        cryptomatte: (cryptomatte.kinds.iter())
+            .map(|&kind| MatteLayer::new(kind.layer(), cryptomatte.levels, world.names(kind)))
+            .collect(),
         seed: *seed,
         integrator: integrator.name().to_owned(),
         options: options.into_iter().collect(),

@@ -10,7 +10,7 @@ use super::levels;
 use crate::cache::Cache;
 use crate::film::{Extras, TILE_SIDE, Tile, tiles};
 use crate::integrator::Prepared;
-use crate::settings::{Integrator, Settings};
+use crate::settings::{Cryptomatte, Integrator, Settings};
 use crate::world::World;
 
 /// Samples a pixel that a step takes, but for the first: with these a tile is about a full batch of rays.
@@ -54,11 +54,18 @@ impl TileWorker {
             }
             _ => Prepared::Nothing,
         };
-        let settings = Settings { aov: false, halves: false, ..settings.clone() };
+        let settings = Settings {
+            aov: false,
+            halves: false,
+            cryptomatte: Cryptomatte::default(),
+            aovs: Vec::new(),
+            light_groups: false,
+            ..settings.clone()
+        };
         let tiles =
             tiles(settings.width, settings.height, Extras::default()).into_iter().skip(number).step_by(count).collect();
         Self {
-            frame: FrameRender::new(world, settings, prepared),
+            frame: FrameRender::new(world, settings, prepared, None),
             tiles,
             scratch: TileScratch::default(),
             next: 0,

@@ -2,12 +2,14 @@
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, the length of the header and the header as JSON
 //! ([`FilmHeader`]), its level (not a number if there is none), the seconds, the number of tiles that have samples, and
-//! for each its number, its samples, those that are not numbers, whether it has pixels that see nothing, and its sums
-//! of 128 bits, pixel by pixel; in the end the XXH3 hash of all that. A file that is cut off, changed or of another
+//! for each its number, its samples, those that are not numbers, whether it has pixels that see nothing, its sums of 128
+//! bits, pixel by pixel, the hits of first samples, and for each pixel of its Cryptomatte layers the number of names, their ids
+//! and sums; in the end the XXH3 hash of all that. A file that is cut off, changed or of another
 //! kind is refused.
 
+use super::cryptomatte::Coverage;
 use super::sum::{PositiveSum, Sum};
-use super::tile::{BadSamples, FEATURE_NAMES, Pixel, Tile};
+use super::tile::{BadSamples, FEATURE_NAMES, FirstHit, Pixel, Tile};
 use super::{Film, FilmError, FilmHeader};
 use crate::settings::Settings;
 
@@ -15,7 +17,7 @@ use crate::settings::Settings;
 pub const FILM_EXTENSION: &str = "hdf";
 
 const MAGIC: [u8; 8] = *b"halfdFLM";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const CHECKSUM: usize = 8;
 /// In place of the row of the first sample that is not a number, if there is none.
 const NONE: u32 = u32::MAX;
@@ -41,6 +43,18 @@ impl Film {
             }
             out.extend(tile.bad.count.to_le_bytes());
             tile.clone().visit(&mut |sum| out.extend(sum.to_le_bytes()));
+            for FirstHit { sample, depth, ids: [object, material, triangle] } in &tile.first_hits {
+                for word in [*sample, depth.to_bits(), *object, *material, *triangle] {
+                    out.extend(word.to_le_bytes());
+                }
+            }
+            for Coverage(names) in tile.mattes.iter().flatten() {
+                out.extend((names.len() as u32).to_le_bytes());
+                for (id, weight) in names {
+                    out.extend(id.to_le_bytes());
+                    out.extend(weight.0.to_le_bytes());
+                }
+            }
         }
         out.extend(xxhash_rust::xxh3::xxh3_64(&out).to_le_bytes());
         out
@@ -125,6 +139,17 @@ impl Reader<'_> {
             Some(bytes) => *sum = i128::from_le_bytes(bytes),
             None => is_whole = false,
         });
+        for hit in &mut tile.first_hits {
+            let (sample, depth) = (self.word()?, f32::from_bits(self.word()?));
+            *hit = FirstHit { sample, depth, ids: [self.word()?, self.word()?, self.word()?] };
+        }
+        for Coverage(names) in tile.mattes.iter_mut().flatten() {
+            for _ in 0..self.word()? {
+                let (id, weight) = (self.word()?, Sum(i128::from_le_bytes(self.bytes()?)));
+                // In their order, so that each is there once.
+                names.last().is_none_or(|&(last, _)| last < id).then(|| names.push((id, weight)))?;
+            }
+        }
         is_whole.then_some(())
     }
 }
@@ -137,6 +162,7 @@ impl Tile {
             radiance.iter_mut().for_each(|sum| visit(&mut sum.0));
         }
         self.features.iter_mut().flatten().for_each(|sum| visit(&mut sum.0));
+        self.light.iter_mut().flatten().flatten().for_each(|sum| visit(&mut sum.0));
         for PositiveSum(sum) in self.squares.iter_mut().flatten() {
             let mut signed = *sum as i128;
             visit(&mut signed);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::{Extras, MatteLayer};
 use crate::settings::Invalid;
 
 /// What a film is of. Films with equal headers are parts of one picture.
@@ -21,6 +22,12 @@ pub struct FilmHeader {
     pub aov: bool,
     /// Whether there are sums of half of the samples.
     pub halves: bool,
+    /// The names of its Cryptomatte layers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cryptomatte: Vec<MatteLayer>,
+    /// The names of its AOVs by light path expressions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub light: Vec<String>,
     /// The seed.
     pub seed: u64,
     /// The name of the integrator.
@@ -44,6 +51,12 @@ pub struct FilmHeader {
 #[error("{0}")]
 pub struct FilmError(Invalid);
 
+impl From<Invalid> for FilmError {
+    fn from(error: Invalid) -> Self {
+        Self(error)
+    }
+}
+
 impl FilmError {
     pub(super) fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self(Invalid::new(problem, remedy))
@@ -57,6 +70,11 @@ impl FilmError {
 }
 
 impl FilmHeader {
+    /// What its tiles have.
+    pub(super) fn extras(&self) -> Extras {
+        Extras { features: self.aov, halves: self.halves, mattes: self.cryptomatte.len(), light: self.light.len() }
+    }
+
     /// Refuses a film of another picture than `expected`; the error says what differs.
     ///
     /// # Errors
@@ -67,6 +85,12 @@ impl FilmHeader {
             (ours != theirs).then(|| format!("{what} is {ours}, not {theirs}"))
         };
         let size = |header: &Self| format!("{}x{}", header.width, header.height);
+        let mattes = |header: &Self| {
+            let layers = header.cryptomatte.iter().map(|layer| format!("{} with {} levels", layer.layer, layer.levels));
+            let layers: Vec<String> = layers.collect();
+            if layers.is_empty() { "off".to_owned() } else { layers.join(", ") }
+        };
+        let light = |header: &Self| if header.light.is_empty() { "off".to_owned() } else { header.light.join(", ") };
         let on = |flag: bool| if flag { "on" } else { "off" };
         let keys: std::collections::BTreeSet<&String> = self.options.keys().chain(expected.options.keys()).collect();
         let value = |header: &Self, key: &String| header.options.get(key).cloned().unwrap_or_else(|| "none".to_owned());
@@ -77,6 +101,8 @@ impl FilmHeader {
             of("the seed", &self.seed, &expected.seed),
             of("--aov", &on(self.aov), &on(expected.aov)),
             of("the sums of halves (--noise, --denoise)", &on(self.halves), &on(expected.halves)),
+            of("--lpe or --light-groups", &light(self), &light(expected)),
+            of("--cryptomatte", &mattes(self), &mattes(expected)),
         ]
         .into_iter()
         .flatten()
@@ -84,6 +110,9 @@ impl FilmHeader {
         if self.integrator == expected.integrator {
             let differing = keys.into_iter().filter_map(|key| of(key, &value(self, key), &value(expected, key)));
             differences.extend(differing);
+        }
+        if differences.is_empty() && self.cryptomatte != expected.cryptomatte {
+            differences.push("names of objects or materials have changed".to_owned());
         }
         if self.surroundings_hash != expected.surroundings_hash {
             differences.push("the scene has changed".to_owned());

@@ -109,8 +109,17 @@ impl Tile {
         for (sums, others) in self.features.iter_mut().zip(&other.features) {
             sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(*other));
         }
+        for (pixel, &hit) in other.first_hits.iter().enumerate() {
+            self.add_hit(pixel, hit);
+        }
         for (sums, others) in self.squares.iter_mut().zip(&other.squares) {
             sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(*other));
+        }
+        for (sums, others) in self.light.iter_mut().flatten().zip(other.light.iter().flatten()) {
+            sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(*other));
+        }
+        for (sums, others) in self.mattes.iter_mut().flatten().zip(other.mattes.iter().flatten()) {
+            sums.merge(others);
         }
         if !other.blind.is_empty() {
             self.blind.resize(self.pixels.len(), Default::default());

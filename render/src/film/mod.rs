@@ -3,6 +3,7 @@
 //! A film may have a part of a picture's tiles, or of their samples. Parts of one picture add up to the film of all, to
 //! the bit, whoever took them and when; as files they are checkpoints and what machines send home.
 
+mod cryptomatte;
 mod file;
 mod filter_sampler;
 mod header;
@@ -15,13 +16,16 @@ mod sum;
 mod tests;
 mod tile;
 
+pub use cryptomatte::MatteLayer;
+pub(crate) use cryptomatte::{NO_NAME, id};
 pub use file::FILM_EXTENSION;
 pub use filter_sampler::{FilterSample, FilterSampler};
 pub use header::{FilmError, FilmHeader};
 pub use merge::{Merger, Missing};
 pub use picture::{Channel, Metadata, Picture};
+pub(crate) use planes::is_for_denoising;
 pub use tile::BadSamples;
-pub(crate) use tile::{Extras, Features, TILE_SIDE, Tile, tiles};
+pub(crate) use tile::{Extras, Features, FirstHit, TILE_SIDE, Tile, tiles};
 
 use std::ops::Range;
 
@@ -38,8 +42,7 @@ pub struct Film {
 impl Film {
     /// A film without samples.
     pub(crate) fn new(header: FilmHeader) -> Self {
-        let extras = Extras { features: header.aov, halves: header.halves };
-        let tiles = tiles(header.width, header.height, extras);
+        let tiles = tiles(header.width, header.height, header.extras());
         Self { header, tiles, seconds: 0.0 }
     }
 
@@ -74,6 +77,7 @@ impl Film {
             seed,
             scene_hash,
             integrator: integrator.clone(),
+            attributes: self.header.cryptomatte.iter().flat_map(MatteLayer::attributes).collect(),
         };
         Picture { width, height, channels: self.channels(), metadata }
     }
@@ -86,8 +90,7 @@ impl Film {
 
     /// Forgets all tiles but these.
     pub(crate) fn keep(&mut self, has: impl Fn(usize) -> bool) {
-        let FilmHeader { width, height, aov, halves, .. } = self.header;
-        let empty = tiles(width, height, Extras { features: aov, halves });
+        let empty = tiles(self.header.width, self.header.height, self.header.extras());
         for (number, (tile, empty)) in self.tiles.iter_mut().zip(empty).enumerate() {
             if !has(number) {
                 *tile = empty;

@@ -6,6 +6,8 @@
 //!
 //! Source: "SOURCE_DATE_EPOCH specification", version 1.1, of reproducible-builds.org.
 
+use std::collections::BTreeMap;
+
 /// Channels of one size, row by row from the top left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -44,6 +46,8 @@ pub struct Metadata {
     pub scene_hash: u64,
     /// Name of the integrator.
     pub integrator: String,
+    /// Further attributes: those of Cryptomatte layers, `cryptomatte/…`.
+    pub attributes: BTreeMap<String, String>,
 }
 
 impl Metadata {

@@ -6,6 +6,17 @@ use super::{Channel, Film};
 /// The names of the colours.
 const COLORS: [&str; 3] = ["R", "G", "B"];
 
+/// Those of first hits and samples.
+const DEPTH: &str = "Depth.Z";
+const IDS: [&str; 3] = ["Id.Object", "Id.Material", "Id.Triangle"];
+const SAMPLES: &str = "Samples.Y";
+
+/// Whether a channel is there because denoising needs it.
+pub(crate) fn is_for_denoising(name: &str) -> bool {
+    let layer = name.split_once('.').map_or("", |(layer, _)| layer);
+    FEATURE_NAMES.contains(&name) || ["Variance", "HalfA", "HalfB", "UV", "Depth", "Id", "Samples"].contains(&layer)
+}
+
 impl Film {
     /// The channels, with alpha if the film has a border.
     pub(super) fn channels(&self) -> Vec<Channel> {
@@ -21,8 +32,22 @@ impl Film {
             for (f, name) in FEATURE_NAMES.into_iter().enumerate() {
                 push(name.to_owned(), &|tile, pixel| tile.pixels[pixel].mean_of(tile.features[pixel][f]));
             }
+            for (name, feature) in ["UV.U", "UV.V"].into_iter().zip(FEATURE_NAMES.len() - 2..) {
+                push(name.to_owned(), &|tile, pixel| tile.pixels[pixel].mean_of(tile.features[pixel][feature]));
+            }
+            push(DEPTH.to_owned(), &|tile, pixel| tile.first_hits[pixel].depth.into());
+            for (number, name) in IDS.into_iter().enumerate() {
+                push(name.to_owned(), &|tile, pixel| tile.first_hits[pixel].ids[number].into());
+            }
+            push(SAMPLES.to_owned(), &|tile, _| tile.samples.len() as f64);
             for (c, color) in COLORS.into_iter().enumerate() {
                 push(format!("Variance.{color}"), &|tile, pixel| tile.variance(pixel, c));
+            }
+        }
+        for (number, name) in self.header.light.iter().enumerate() {
+            for (c, color) in COLORS.into_iter().enumerate() {
+                let mean = |tile: &Tile, pixel: usize| tile.pixels[pixel].mean_of(tile.light[pixel][number][c]);
+                push(format!("{name}.{color}"), &mean);
             }
         }
         if self.header.halves {
@@ -33,7 +58,26 @@ impl Film {
                 }
             }
         }
+        channels.extend(self.matte_channels());
         channels
+    }
+
+    /// How many samples each pixel has, row by row from the top.
+    pub(crate) fn sample_counts(&self) -> Vec<f32> {
+        self.plane(String::new(), &|tile, _| tile.samples.len() as f64).values
+    }
+
+    /// The estimated relative error of each pixel's tile, row by row from the top; `None` where
+    /// [`relative_error`](Self::relative_error) is.
+    pub(crate) fn relative_errors(&self) -> Option<Vec<f32>> {
+        self.relative_error()?;
+        let level = self.header.level?;
+        let mut errors = vec![f32::NAN; self.header.width as usize * self.header.height as usize];
+        for tile in &self.tiles {
+            let error = tile.relative_error(level).map_or(f32::NAN, |error| error as f32);
+            tile.pixels().for_each(|(x, y)| errors[y as usize * self.header.width as usize + x as usize] = error);
+        }
+        Some(errors)
     }
 
     /// A channel of these values.

@@ -2,10 +2,13 @@
 
 use glam::Vec3;
 
-use super::{Film, FilmHeader, FilterSample, Merger};
+use super::{Film, FilmHeader, FilterSample, FirstHit, MatteLayer, Merger, NO_NAME};
 
 fn film(aov: bool, halves: bool) -> Film {
-    Film::new(FilmHeader { width: 40, height: 35, aov, halves, level: Some(0.1 + 0.2), ..FilmHeader::default() })
+    let layer = |name: &str| MatteLayer::new(name, 3, ["a", "b"].map(str::to_owned).into_iter());
+    let cryptomatte = if aov { vec![layer("CryptoObject"), layer("CryptoMaterial")] } else { Vec::new() };
+    let level = Some(0.1 + 0.2);
+    Film::new(FilmHeader { width: 40, height: 35, aov, halves, level, cryptomatte, ..FilmHeader::default() })
 }
 
 /// Adds a sample to every pixel of the tiles that are meant.
@@ -18,6 +21,14 @@ fn sample(film: &mut Film, number: u32, has: impl Fn(usize) -> bool) {
             let filter = FilterSample { offset: [0.0; 2], weight: if number.is_multiple_of(3) { -0.25 } else { 1.0 } };
             let value = Vec3::new(x as f32 + 0.1, 1.0 / (1 + y) as f32, 1e-7 * (number + 1) as f32);
             tile.add(pixel, number, &filter, value);
+            if !tile.first_hits.is_empty() && x.is_multiple_of(3) {
+                tile.add_hit(pixel, FirstHit { sample: number, depth: number as f32 + 0.5, ids: [x, y, number] });
+            }
+            for layer in 0..tile.mattes.len() {
+                // Pixels have up to five names, and some samples none.
+                let name = number % (1 + x % 5) * 1000 + layer as u32;
+                tile.add_name(layer, pixel, &filter, if y.is_multiple_of(7) { NO_NAME } else { name });
+            }
             if i == 0 && pixel == 0 {
                 tile.add_blind(pixel, number, &filter);
             }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{Vec2, Vec3};
 
 use super::FilterSample;
+use super::cryptomatte::{Coverage, NO_NAME};
 use super::sum::{PositiveSum, Sum};
 
 /// Pixels along a tile's side.
@@ -23,6 +24,24 @@ pub(crate) struct Features {
     pub uv: Vec2,
 }
 
+/// The first surface along a pixel's first camera ray: what no filter can average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FirstHit {
+    /// The sample; [`NO_SAMPLE`](Self::NO_SAMPLE) before there is one.
+    pub sample: u32,
+    /// Along the view of a flat camera, from the eye of others; [`NO_DEPTH`](Self::NO_DEPTH) where nothing is hit.
+    pub depth: f32,
+    /// Numbers of the object, the material, and the triangle in the object, from 1; 0 where nothing is hit.
+    pub ids: [u32; 3],
+}
+
+impl FirstHit {
+    pub(crate) const NO_SAMPLE: u32 = u32::MAX;
+    /// As Blender has it.
+    pub(crate) const NO_DEPTH: f32 = 1e10;
+    pub(crate) const NONE: Self = Self { sample: Self::NO_SAMPLE, depth: Self::NO_DEPTH, ids: [0; 3] };
+}
+
 /// What a film has besides radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Extras {
@@ -30,6 +49,10 @@ pub(crate) struct Extras {
     pub features: bool,
     /// Sums of half of the samples.
     pub halves: bool,
+    /// How many Cryptomatte layers.
+    pub mattes: usize,
+    /// How many AOVs by light path expressions.
+    pub light: usize,
 }
 
 /// A square of pixels, cut off at the film's border.
@@ -42,8 +65,14 @@ pub(crate) struct Tile {
     pub(super) halves: Vec<Pixel>,
     /// Sums of [`Features`]; empty if they are not asked for.
     pub(super) features: Vec<[Sum; FEATURE_NAMES.len()]>,
+    /// The hits of the first samples; empty if they are not asked for.
+    pub(super) first_hits: Vec<FirstHit>,
     /// Sums of squared radiance; empty if they are not asked for.
     pub(super) squares: Vec<[PositiveSum; 3]>,
+    /// For each pixel its AOVs by light path expressions.
+    pub(super) light: Vec<Vec<[Sum; 3]>>,
+    /// Of each Cryptomatte layer what covers the pixels.
+    pub(super) mattes: Vec<Vec<Coverage>>,
     /// For each pixel the weights of samples that see nothing; empty if there are none.
     pub(super) blind: Vec<Sum>,
     /// Samples that every pixel has, by their numbers.
@@ -105,7 +134,10 @@ pub(crate) fn tiles(width: u32, height: u32, extras: Extras) -> Vec<Tile> {
             pixels: vec![Pixel::default(); count],
             halves: vec![Pixel::default(); of(extras.halves)],
             features: vec![[Sum::default(); FEATURE_NAMES.len()]; of(extras.features)],
+            first_hits: vec![FirstHit::NONE; of(extras.features)],
             squares: vec![[PositiveSum::default(); 3]; of(extras.features)],
+            light: vec![vec![[Sum::default(); 3]; extras.light]; of(extras.light > 0)],
+            mattes: vec![vec![Coverage::default(); count]; extras.mattes],
             blind: Vec::new(),
             samples: 0..0,
             bad: BadSamples::default(),
@@ -144,6 +176,9 @@ impl Tile {
     pub(crate) fn add_blind(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
         self.blind.resize(self.pixels.len(), Sum::default());
         self.blind[pixel].add(filter.weight.into());
+        for layer in 0..self.mattes.len() {
+            self.add_name(layer, pixel, filter, NO_NAME);
+        }
         self.add(pixel, sample, filter, Vec3::ZERO);
     }
 
@@ -156,6 +191,32 @@ impl Tile {
         }
         for (sum, value) in self.features[pixel].iter_mut().zip(features.values()) {
             sum.add(f64::from(filter.weight) * f64::from(if value.is_finite() { value } else { 0.0 }));
+        }
+    }
+
+    /// Adds what AOVs by light path expressions have of a sample that is [added](Self::add); nothing of one that is not a
+    /// number.
+    pub(crate) fn add_light(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3, light: &[Vec3]) {
+        if !radiance.is_finite() {
+            return;
+        }
+        for (sums, light) in self.light[pixel].iter_mut().zip(light) {
+            for (sum, value) in sums.iter_mut().zip(light.to_array()) {
+                sum.add(f64::from(filter.weight) * f64::from(value));
+            }
+        }
+    }
+
+    /// Adds the name that a sample shows to a Cryptomatte layer.
+    pub(crate) fn add_name(&mut self, layer: usize, pixel: usize, filter: &FilterSample, id: u32) {
+        self.mattes[layer][pixel].add(id, filter.weight);
+    }
+
+    /// Takes the hit of a sample, if it is the pixel's first; only on tiles made for it.
+    pub(crate) fn add_hit(&mut self, pixel: usize, hit: FirstHit) {
+        let first = &mut self.first_hits[pixel];
+        if hit.sample < first.sample {
+            *first = hit;
         }
     }
 

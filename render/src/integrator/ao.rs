@@ -9,12 +9,12 @@
 //! changes the noise alone.
 
 use glam::Vec3;
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::Ray;
 
 use super::{FIRST_SET, RayBatch};
 use crate::estimator::Hemisphere;
 use crate::settings::{AoOptions, AoWeighting};
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Rays that are traced together.
 const BATCH: usize = 16_384;
@@ -38,7 +38,7 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     let hemisphere = Hemisphere::new(options.sampling, options.rays);
-    let bounds = world.tree().bounds();
+    let bounds = world.bounds();
     let t_max = options.max_distance.unwrap_or_else(|| (bounds.max - bounds.min).length());
     let mut traced = 0;
     for (index, (ray, hit)) in batch.rays.iter().zip(batch.hits).enumerate() {

@@ -1,13 +1,13 @@
 //! Light that paths find by themselves, weighted against the light samples that might have found it too.
 
 use glam::Vec3;
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::Ray;
 
 use super::state::Path;
 use crate::estimator::emitted_density;
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {

@@ -17,14 +17,15 @@ pub(super) fn visits(
 ) -> u64 {
     let tree = world.tree();
     let mut visits: Vec<u64> = batch.rays.iter().map(|ray| tree.intersect_visits(ray).total()).collect();
-    let traced = path::radiance(world, options, batch, wave, radiance, &mut |wave| {
+    let mut watch = |wave: &Wavefront| {
         for (index, ray) in wave.indices().zip(&wave.rays) {
             visits[index] += tree.intersect_visits(ray).total();
         }
         for (index, ray) in wave.shadow_queue.waiting() {
             visits[index] += tree.occluded_visits(ray).total();
         }
-    });
+    };
+    let traced = path::radiance(world, options, batch, wave, radiance, &mut watch, None);
     for (radiance, visits) in radiance.iter_mut().zip(visits) {
         *radiance = Vec3::splat(visits as f32);
     }

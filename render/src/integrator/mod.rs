@@ -9,6 +9,7 @@ mod direct;
 mod emission;
 mod flat;
 mod heat;
+mod light_paths;
 mod montecarlo;
 mod path;
 mod path_block;
@@ -17,19 +18,20 @@ mod state;
 mod wavefront;
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 
 use crate::cache::Cache;
 use crate::settings::{Integrator, PathOptions, Settings};
 use crate::watch::Watch;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
     Follower, FrozenCache, GatherSource, IrradianceMap, RecordLog, Uncached, fill_for_camera, fill_for_surfaces,
     fill_for_texels, max_depth,
 };
+pub(crate) use light_paths::{LightPaths, aovs, labels_hash};
 pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.
@@ -49,6 +51,7 @@ pub(crate) struct RayBatch<'a> {
 #[derive(Default)]
 pub(crate) struct Scratch {
     wave: Wavefront,
+    recorded: path::RecorderMemory,
     generations: [montecarlo::Generation; 2],
     ao_rays: ao::AoRays,
     misses: cached::Misses,
@@ -92,10 +95,11 @@ pub(crate) fn radiance_by_paths(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    path::radiance(world, options, rays, wave, radiance, &mut |_| ())
+    path::radiance(world, options, rays, wave, radiance, &mut |_| (), None)
 }
 
-/// Writes the radiance that each camera ray sees; gives the number of further rays traced.
+/// Writes the radiance that each camera ray sees, and the AOVs of these light paths, side by side for each ray; gives the
+/// number of further rays traced.
 pub(crate) fn radiance(
     world: &World,
     settings: &Settings,
@@ -103,13 +107,18 @@ pub(crate) fn radiance(
     batch: &RayBatch,
     scratch: &mut Scratch,
     radiance: &mut [Vec3],
+    light: Option<(&LightPaths, &mut [Vec3])>,
 ) -> u64 {
-    let Scratch { wave, generations, ao_rays, misses } = scratch;
+    let Scratch { wave, recorded, generations, ao_rays, misses } = scratch;
     if let Prepared::Cache(frozen) = prepared {
         return cached::radiance(world, frozen, batch, wave, misses, radiance);
     }
     match &settings.integrator {
-        Integrator::Path(options) => path::radiance(world, options, batch, wave, radiance, &mut |_| ()),
+        Integrator::Path(options) => {
+            let count = batch.rays.len();
+            let recorder = light.map(|(paths, aovs)| path::Recorder::new(paths, recorded, count, aovs));
+            path::radiance(world, options, batch, wave, radiance, &mut |_| (), recorder)
+        }
         Integrator::Cached(_) => unreachable!("its cache is prepared"),
         Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, batch, generations, radiance),
         Integrator::Direct(options) => direct::radiance(world, options, batch, wave, radiance),

@@ -10,8 +10,8 @@
 //! own that is no bounce.
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, unit_double};
-use halfdome_kernel::{Hit, Ray};
 
 use super::emission::{emission, sky};
 use super::shadow_queue::ShadowQueue;
@@ -22,7 +22,7 @@ use crate::estimator::{Hemisphere, sample_direct, sky_density};
 use crate::light::SkyPart;
 use crate::material::{Closure, Kind};
 use crate::settings::{LightSampling, MonteCarloOptions};
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// Light is sampled at each surface, so rays that gather do not count it again.
 const LIGHTS: LightSampling = LightSampling::Direct;

@@ -16,12 +16,13 @@
 //! textures, mirrors, glass, the sky and delta lights are done one by one.
 
 mod aim;
+mod record;
 
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::{Hit, Ray, Task};
+use halfdome_kernel::{Ray, Task};
 
 use super::emission::{emission, sky};
 use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays, clamp};
@@ -32,14 +33,16 @@ use crate::estimator::{ShadowRay, aimed_density, sample_light};
 use crate::light::{SampledLight, SkyPart};
 use crate::material::{Glossy, Kind, Layered, Transmissive};
 use crate::settings::{LightSampling, PathOptions, Stop};
-use crate::world::{WHITE, World};
+use crate::world::{Hit, WHITE, World};
+pub(in crate::integrator) use record::{Recorder, RecorderMemory};
 
 /// What of the sky light samples find: paths go on by the cosine, and find the rest.
 const SKY: SkyPart = SkyPart::Bright;
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
 ///
-/// `watch` sees the rays that are to be traced before they are: the shadow rays of each bounce, and the paths'.
+/// `watch` sees the rays that are to be traced before they are: the shadow rays of each bounce, and the paths'. `recorder`
+/// gets what AOVs by light path expressions have of it.
 pub(super) fn radiance(
     world: &World,
     options: &PathOptions,
@@ -47,6 +50,7 @@ pub(super) fn radiance(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
+    recorder: Option<Recorder>,
 ) -> u64 {
     let scratch = Scratch {
         block: PathBlock::new(),
@@ -56,13 +60,14 @@ pub(super) fn radiance(
         transmissive: Closures::default(),
         layered: Closures::default(),
     };
-    wave.follow(world, batch, &mut PathTracer { world, options, watch, scratch }, radiance)
+    wave.follow(world, batch, &mut PathTracer { world, options, watch, recorder, scratch }, radiance)
 }
 
 struct PathTracer<'a> {
     world: &'a World,
     options: &'a PathOptions,
     watch: &'a mut dyn FnMut(&Wavefront),
+    recorder: Option<Recorder<'a>>,
     scratch: Scratch,
 }
 
@@ -82,35 +87,42 @@ impl WavefrontStep for PathTracer<'_> {
     }
 
     fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
-        let Self { world, options, scratch, .. } = self;
-        let step = Advance { world, options, wave, batch, depth, radiance, kept: 0 };
+        let Self { world, options, scratch, recorder, .. } = self;
+        let step = Advance { world, options, wave, batch, depth, radiance, recorder: recorder.as_mut(), kept: 0 };
         world.isa().run(Steps { step, scratch });
     }
 
     fn watch(&mut self, wave: &Wavefront) {
         (self.watch)(wave);
     }
+
+    fn resolved(&mut self, wave: &Wavefront) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.resolve(&wave.shadow_queue);
+        }
+    }
 }
 
 /// The step of all paths from hit number `depth`.
-struct Advance<'a> {
+struct Advance<'a, 'b> {
     world: &'a World,
     options: &'a PathOptions,
     wave: &'a mut Wavefront,
     batch: &'a RayBatch<'a>,
     depth: u32,
     radiance: &'a mut [Vec3],
+    recorder: Option<&'a mut Recorder<'b>>,
     /// How many paths go on.
     kept: usize,
 }
 
 /// The same block by block, as a task that is compiled for each instruction set.
-struct Steps<'a> {
-    step: Advance<'a>,
+struct Steps<'a, 'b> {
+    step: Advance<'a, 'b>,
     scratch: &'a mut Scratch,
 }
 
-impl Task for Steps<'_> {
+impl Task for Steps<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -129,10 +141,13 @@ impl Task for Steps<'_> {
             step.advance(ends[2]..ends[3], layered, block, shadows, bounces);
         }
         step.wave.keep_next(step.kept);
+        if let Some(recorder) = step.recorder {
+            recorder.keep_next();
+        }
     }
 }
 
-impl<'a> Advance<'a> {
+impl Advance<'_, '_> {
     /// The step of those paths, by their places in the order by kind, whose surfaces have closures of one type.
     #[inline(always)]
     fn advance<C: BlockClosures>(
@@ -176,10 +191,13 @@ impl<'a> Advance<'a> {
         if self.world.lights.sky.mean() == Vec3::ZERO {
             return;
         }
-        for &source in &self.wave.order[first..] {
+        for number in first..self.wave.order.len() {
+            let source = self.wave.order[number];
             let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
             let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
-            self.radiance[path.index as usize] += self.clamped(light);
+            let light = self.clamped(light);
+            self.radiance[path.index as usize] += light;
+            self.record_sky(source as usize, light);
         }
     }
 
@@ -205,12 +223,17 @@ impl<'a> Advance<'a> {
         // Directions of paths are unit vectors.
         let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
         block.set(i, &facing, albedo, transmittance);
+        let mut found = Vec3::ZERO;
         if !path.is_aimed() {
             let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
-            self.radiance[path.index as usize] += self.clamped(block.throughput(i) * light);
+            found = self.clamped(block.throughput(i) * light);
+            self.radiance[path.index as usize] += found;
         }
         if self.aims() && world.lights.lit.contains(hit.prim_id) {
             block.set_lit(i, self.kept_beside_aimed(path, ray, hit));
+        }
+        if found != Vec3::ZERO {
+            self.record_emission(source, found);
         }
     }
 
@@ -293,6 +316,9 @@ impl<'a> Advance<'a> {
         if let Some(most) = self.clamp_at_surface() {
             shadows.clamp(most);
         }
+        if self.recorder.is_some() {
+            self.record_light_samples(closures, block, shadows);
+        }
         self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
 
@@ -310,8 +336,12 @@ impl<'a> Advance<'a> {
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
-            let light = block.throughput(i) * radiance;
+            let (light_number, light) = (light.index, block.throughput(i) * radiance);
             let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
+            if self.recorder.is_some() {
+                let found = (self.wave.shadow_queue.len(), light_number, sample.direction, radiance);
+                self.record_light_sample(closures, block, i, found);
+            }
             let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
             self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
         }
@@ -332,6 +362,9 @@ impl<'a> Advance<'a> {
             for i in 0..block.len {
                 bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
             }
+        }
+        if self.recorder.is_some() {
+            self.record_bounces(closures, block, bounces);
         }
         let (rays, paths) = self.wave.next_places(self.kept, LANES);
         self.kept += bounces.keep(world.isa(), block.len, rays, paths);

@@ -17,18 +17,20 @@ mod light;
 
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Address;
-use halfdome_kernel::{Hit, Ray};
 
 use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
-use crate::world::{Surface, World, interpolate};
+use crate::world::{Hit, Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
 pub(super) use columns::LANES;
-use columns::{Column, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle};
+use columns::{
+    Column, InstanceColumns, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle,
+};
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};
 
@@ -43,6 +45,7 @@ pub(super) struct PathBlock {
     u: Column,
     v: Column,
     prims: Integers,
+    instances: Integers,
     rays: Rays,
     paths: Paths,
     triangles: TriangleColumns,
@@ -90,7 +93,7 @@ impl PathBlock {
     pub(super) fn put(&mut self, i: usize, source: usize, hit: &Hit) {
         let i = i % LANES;
         self.source[i] = source as u32;
-        (self.u[i], self.v[i], self.prims[i]) = (hit.u, hit.v, hit.prim_id);
+        (self.u[i], self.v[i], self.prims[i], self.instances[i]) = (hit.u, hit.v, hit.prim_id, hit.instance);
     }
 
     /// Looks up the paths and where they have arrived, as far as surfaces are plain and matte.
@@ -100,6 +103,11 @@ impl PathBlock {
         gather::<1, _, _>(isa, paths, &self.source[..len], &mut self.paths);
         gather::<1, _, _>(isa, rays, &self.source[..len], &mut self.rays);
         gather::<2, _, _>(isa, world.triangle_records(), &self.prims[..len], &mut self.triangles);
+        if let Some(records) = world.instance_records() {
+            let mut instances = InstanceColumns::zeroed();
+            gather::<2, _, _>(isa, records, &self.instances[..len], &mut instances);
+            self.triangles.place(&instances);
+        }
         gather::<1, _, _>(isa, world.material_records(), &self.triangles.material[..len], &mut self.materials);
         self.transmits = [0; LANES];
         self.survival = [1.0; LANES];

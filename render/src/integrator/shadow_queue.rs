@@ -64,6 +64,16 @@ impl ShadowQueue {
         count as u64
     }
 
+    /// How many wait.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether the shadow ray of this number, of those that were resolved last, is free.
+    pub(super) fn is_free(&self, number: usize) -> bool {
+        !self.occluded[number]
+    }
+
     /// The shadow rays that wait, with the numbers of their camera rays.
     pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Ray)> {
         self.pending[..self.len].iter().map(|pending| pending.index as usize).zip(&self.shadows)

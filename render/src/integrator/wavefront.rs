@@ -4,14 +4,14 @@ use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Address, Sampler};
-use halfdome_kernel::{Hit, Ray, Task};
+use halfdome_kernel::{Ray, Task};
 
 use super::RayBatch;
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
 use crate::material::{Closure, Kind};
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
 pub(super) trait WavefrontStep {
@@ -24,6 +24,9 @@ pub(super) trait WavefrontStep {
 
     /// Sees the rays of each step before they are traced.
     fn watch(&mut self, _wave: &Wavefront) {}
+
+    /// Sees which shadow rays are free, after they are traced.
+    fn resolved(&mut self, _wave: &Wavefront) {}
 }
 
 /// Paths that take their steps one by one.
@@ -149,6 +152,7 @@ impl Wavefront {
             step.advance(self, batch, depth, radiance);
             step.watch(self);
             traced += self.shadow_queue.resolve(world, radiance);
+            step.resolved(self);
             if self.paths.is_empty() {
                 break;
             }

@@ -1,14 +1,18 @@
 //! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
 
+mod aov;
 mod cached;
+mod cryptomatte;
 mod filter;
 mod integrator;
 
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
+pub use aov::Aov;
 pub(crate) use cached::named;
 pub use cached::{CachedOptions, GatherLayout, Gradients, Metric};
+pub use cryptomatte::{Cryptomatte, MatteKind};
 pub use filter::{Filter, FilterError};
 pub use integrator::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
@@ -41,6 +45,12 @@ pub struct Settings {
     /// Whether the picture has the means of two halves of its samples too, `HalfA` and `HalfB`, from which denoisers learn
     /// how far off it is.
     pub halves: bool,
+    /// Which masks of names the picture has.
+    pub cryptomatte: Cryptomatte,
+    /// Light by light path expressions, each in channels of its own, with different names. The integrator must be `path`.
+    pub aovs: Vec<Aov>,
+    /// Whether the light of each light group has channels of its own, too.
+    pub light_groups: bool,
 }
 
 /// The longest side of a picture, in pixels.
@@ -53,10 +63,19 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 pub const BYTES_PER_PIXEL: u64 = 4 * 16 + 3 * 4 * 2;
 
 /// What a pixel takes on top of that with AOVs.
-pub const AOV_BYTES_PER_PIXEL: u64 = 17 * 16 + 17 * 4 * 2;
+pub const AOV_BYTES_PER_PIXEL: u64 = 17 * 16 + 5 * 4 + 24 * 4 * 2;
 
 /// What a pixel takes on top of that with halves.
 pub const HALVES_BYTES_PER_PIXEL: u64 = 4 * 16 + 6 * 4 * 2;
+
+/// What a pixel takes on top of that with a light path expression.
+const LPE_BYTES_PER_PIXEL: u64 = 3 * 16 + 3 * 4 * 2;
+
+/// What a pixel takes on top of that with a Cryptomatte layer: lists of two names, and two channels for each level.
+fn matte_bytes_per_pixel(cryptomatte: &Cryptomatte) -> u64 {
+    let layer = 24 + 2 * 32 + u64::from(cryptomatte.levels) * 2 * 4 * 2;
+    cryptomatte.kinds.len() as u64 * layer
+}
 
 /// Settings that do not go together, or a camera that sees nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -80,8 +99,33 @@ impl Settings {
     pub fn picture_bytes(&self) -> u64 {
         let pixel = BYTES_PER_PIXEL
             + if self.aov { AOV_BYTES_PER_PIXEL } else { 0 }
-            + if self.halves { HALVES_BYTES_PER_PIXEL } else { 0 };
+            + if self.halves { HALVES_BYTES_PER_PIXEL } else { 0 }
+            + matte_bytes_per_pixel(&self.cryptomatte)
+            + self.aovs.len() as u64 * LPE_BYTES_PER_PIXEL;
         u64::from(self.width) * u64::from(self.height) * pixel
+    }
+
+    /// Refuses AOVs by light path expressions where no paths are known, or two of one name.
+    pub fn check_light_paths(&self) -> Result<(), Invalid> {
+        if self.aovs.is_empty() && !self.light_groups {
+            return Ok(());
+        }
+        let is_twice = |number: usize| self.aovs[..number].iter().any(|other| other.name == self.aovs[number].name);
+        if let Some(number) = (0..self.aovs.len()).find(|&number| is_twice(number)) {
+            let problem = format!("two AOVs are called {:?}", self.aovs[number].name);
+            return Err(Invalid::new(problem, "give each a name of its own"));
+        }
+        match &self.integrator {
+            Integrator::Path(PathOptions { stop: Stop::Threshold { add_back: true, .. }, .. }) => Err(Invalid::new(
+                "--add-back adds light without a path, of which --lpe and --light-groups know nothing",
+                "leave --add-back out, or give --stop roulette",
+            )),
+            Integrator::Path(_) => Ok(()),
+            other => Err(Invalid::new(
+                format!("the integrator {} follows no light paths, which --lpe and --light-groups need", other.name()),
+                "give --integrator path, or leave the light path expressions out",
+            )),
+        }
     }
 
     /// Refuses a picture of more than [`MAX_PIXELS`].
@@ -111,6 +155,9 @@ impl Default for Settings {
             aov: false,
             aov_through: false,
             halves: false,
+            cryptomatte: Cryptomatte::default(),
+            aovs: Vec::new(),
+            light_groups: false,
         }
     }
 }

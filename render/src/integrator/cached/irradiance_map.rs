@@ -6,12 +6,12 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 
 use super::indirect;
 use crate::integrator::{RayBatch, Wavefront};
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Somebody who knows irradiance.
 pub(crate) trait IrradianceMap: Sync {

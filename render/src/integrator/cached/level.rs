@@ -1,7 +1,7 @@
 //! Fills one cache: gathers where it asks for records, with whatever finds the light beyond.
 
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer
 use crate::integrator::{RayBatch, Wavefront};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Where light beyond the first surface comes from.
 #[derive(Clone, Copy)]

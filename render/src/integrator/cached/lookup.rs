@@ -9,8 +9,8 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 
 use super::super::emission::emission;
 use super::super::shadow_queue::ShadowQueue;
@@ -22,7 +22,7 @@ use crate::estimator::{sample_direct, scattered_weight};
 use crate::light::SkyPart;
 use crate::material::Kind;
 use crate::settings::LightSampling;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;

@@ -1,9 +1,9 @@
 //! Where records may go: what a camera sees, points that somebody asks for, and where the rays of their gathers end.
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use super::level::RecordSite;
@@ -12,7 +12,7 @@ use crate::cache::{Bounds, Pass, Place};
 use crate::camera::{Camera, FilmPoint};
 use crate::estimator::GatherPoint;
 use crate::settings::Settings;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// Steps between the camera's sites, in pixels.
 const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];

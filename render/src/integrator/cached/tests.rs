@@ -1,7 +1,8 @@
+use crate::world::Hit;
 use glam::vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 
 use super::*;
 use crate::camera::FilmPoint;
@@ -72,7 +73,7 @@ fn few_points_have_no_record() {
             camera.central_ray(&FilmPoint::within(place))
         });
         let points: Vec<_> = rays
-            .filter_map(|ray| Some(world.surface_at(&world.tree().intersect(&ray)?).facing(ray.direction)))
+            .filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
             .filter(|surface| surface.diffuse != Vec3::ZERO)
             .collect();
         let missing = points.iter().filter(|surface| frozen.irradiance(surface).is_none()).count();

@@ -11,7 +11,7 @@ use crate::integrator::wavefront::first_set;
 use crate::settings::{LightSampling, Stop};
 use crate::world::WHITE;
 
-impl Advance<'_> {
+impl Advance<'_, '_> {
     /// Whether paths aim at lit triangles, and weigh what they find there. A threshold would end the two paths to one
     /// point at different throughputs, and what only one of them finds would be lost.
     #[inline(always)]
@@ -44,6 +44,9 @@ impl Advance<'_> {
                 let (rays, paths) = self.wave.next_places(self.kept, 1);
                 (rays[0], paths[0]) = (aimed.ray, path);
                 self.kept += 1;
+                if self.recorder.is_some() {
+                    self.record_onwards(closures, block, i, (aimed.ray.direction, false, 3));
+                }
             }
         }
     }

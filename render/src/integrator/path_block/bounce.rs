@@ -58,6 +58,11 @@ impl Bounces {
         self.rays.direction.get(i)
     }
 
+    /// The density of ray `i`'s direction.
+    pub(in crate::integrator) fn density(&self, i: usize) -> f32 {
+        self.paths.density[i]
+    }
+
     /// Writes those of the first `len` paths that go on to the start of `paths`, and their rays to that of `rays`;
     /// gives their number.
     #[inline(always)]

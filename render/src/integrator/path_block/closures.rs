@@ -23,6 +23,9 @@ pub(in crate::integrator) trait BlockClosures {
     /// `f cos θ` of path `i` for light from a unit vector, and the density per solid angle with which it is sampled.
     fn eval(&self, i: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32);
 
+    /// The part of `f cos θ` that is that of glossy lobes.
+    fn glossy(&self, i: usize, direction: Vec3) -> Vec3;
+
     /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
     fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
 }
@@ -45,6 +48,10 @@ impl BlockClosures for Lambert {
     fn eval(&self, _: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32) {
         let lambert = surface.lambert(direction);
         (surface.diffuse * lambert, lambert)
+    }
+
+    fn glossy(&self, _: usize, _: Vec3) -> Vec3 {
+        Vec3::ZERO
     }
 
     #[inline(always)]
@@ -82,6 +89,10 @@ impl<B: Bsdf> BlockClosures for Closures<B> {
     #[inline]
     fn eval(&self, i: usize, _: &Surface, direction: Vec3) -> (Vec3, f32) {
         self.0[i].eval(direction)
+    }
+
+    fn glossy(&self, i: usize, direction: Vec3) -> Vec3 {
+        self.0[i].glossy(direction)
     }
 
     #[inline]

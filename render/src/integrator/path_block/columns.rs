@@ -5,6 +5,8 @@ use glam::Vec3;
 use halfdome_kernel::columns::{Columns, Row};
 use halfdome_kernel::{Isa, Triangle, columns};
 
+use crate::world::InstanceRecord;
+
 /// Paths in a block: few enough for the first-level cache.
 pub(in crate::integrator) const LANES: usize = 64;
 
@@ -57,6 +59,18 @@ pub(super) struct TriangleColumns {
     pub is_plain: Integers,
 }
 
+/// [`InstanceRecord`](crate::world::InstanceRecord)s.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct InstanceColumns {
+    axes: [Vectors; 3],
+    translation: Vectors,
+    scale: Column,
+    error: Column,
+    side: Column,
+    unused: Integers,
+}
+
 /// [`MaterialRecord`](crate::world::MaterialRecord)s.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -79,6 +93,29 @@ pub(super) struct EmitterColumns {
     pub emits_both_sides: Integers,
     pub is_plain: Integers,
     unused: [Integers; 5],
+}
+
+impl TriangleColumns {
+    /// Takes each triangle to where its instance is.
+    #[inline(always)]
+    pub(super) fn place(&mut self, instances: &InstanceColumns) {
+        for i in 0..LANES {
+            let record = InstanceRecord {
+                axes: [instances.axes[0].get(i), instances.axes[1].get(i), instances.axes[2].get(i)],
+                translation: instances.translation.get(i),
+                scale: instances.scale[i],
+                error: instances.error[i],
+                side: instances.side[i],
+                unused: 0,
+            };
+            let (corners, normal, offset) = record.place(&triangle(&self.corners, i), self.offset[i]);
+            for (column, corner) in self.corners.iter_mut().zip(corners) {
+                column.set(i, corner);
+            }
+            self.normal.set(i, normal);
+            self.offset[i] = offset;
+        }
+    }
 }
 
 impl Vectors {

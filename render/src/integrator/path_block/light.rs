@@ -85,6 +85,11 @@ impl LightSamples {
 }
 
 impl PathBlock {
+    /// The number of the light that was chosen for path `i`.
+    pub(in crate::integrator) fn light(&self, i: usize) -> u32 {
+        self.light_samples.lights[i]
+    }
+
     /// Where path `i` receives light.
     #[inline(always)]
     pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {
@@ -218,6 +223,21 @@ impl ShadowRays {
         let mut shadows = Self::zeroed();
         shadows.rays.t_max = [1.0; LANES];
         shadows
+    }
+
+    /// Whether ray `i` carries any light.
+    pub(in crate::integrator) fn is_lit(&self, i: usize) -> bool {
+        self.lit[i] != 0
+    }
+
+    /// Where ray `i` goes.
+    pub(in crate::integrator) fn direction(&self, i: usize) -> Vec3 {
+        self.rays.direction.get(i)
+    }
+
+    /// The light of ray `i`.
+    pub(in crate::integrator) fn light(&self, i: usize) -> Vec3 {
+        self.waiting.light.get(i)
     }
 
     /// Scales all light down to at most this radiance in any channel.

@@ -1,5 +1,6 @@
 //! Lanes equal paths one by one.
 
+use glam::{Affine3A, Quat};
 use halfdome_kernel::sampling::Stream;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, UniformSphere, Warp};
 use halfdome_kernel::{Isa, Level, Task};
@@ -8,7 +9,7 @@ use super::*;
 use crate::estimator::{ShadowRay, sample_direct};
 use crate::integrator::state::u_light_choice;
 use crate::light::SkyPart;
-use crate::scene::{CameraPose, Mesh, Scene};
+use crate::scene::{CameraPose, Instance, Mesh, Object, Scene};
 use crate::settings::LightSampling;
 
 /// A block's step, compiled for an instruction set.
@@ -39,8 +40,9 @@ impl Task for Step<'_> {
 
 const TRIANGLES: u32 = 40;
 
-/// Triangles anywhere, every second one a light, of which every other shines to both sides.
-fn world() -> World {
+/// Triangles anywhere, every second one a light, of which every other shines to both sides. Every fourth one, which is
+/// none, may be in an object with two instances, and comes after the others then.
+fn world(has_instances: bool) -> World {
     let material = |i: u32| {
         let [red, green, blue, _] = Stream::new(1, i, 0).uniform4(0);
         let (diffuse, emission) = (Vec3::new(red, green, blue), Vec3::new(blue, red, green) * (i % 2) as f32);
@@ -50,30 +52,44 @@ fn world() -> World {
         positions: [1, 2, 3].map(|set| UniformSphere.map(Stream::new(1, i, 0).uniform2(set))).into(),
         triangles: vec![[0, 1, 2]],
         material: i as usize,
+        object: (has_instances && i.is_multiple_of(4)).then_some(0),
         ..Mesh::default()
     };
     let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
     let (meshes, materials) = ((0..TRIANGLES).map(mesh).collect(), (0..TRIANGLES).map(material).collect());
-    World::new(Scene { meshes, materials, camera: Some(camera), ..Scene::default() }).unwrap()
+    let turn = Quat::from_rotation_y(1.0);
+    let at = |scale: Vec3| Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(0.3, -0.2, 0.1));
+    let instances =
+        [Vec3::splat(0.7), Vec3::new(-1.0, 2.0, 0.5)].map(|scale| Instance { object: 0, to_world: at(scale) });
+    let (objects, instances) =
+        if has_instances { (vec![Object::default()], instances.to_vec()) } else { (vec![], vec![]) };
+    World::new(Scene { meshes, materials, objects, instances, camera: Some(camera), ..Scene::default() }).unwrap()
 }
 
 /// A path that comes to a point of a triangle.
-fn path(number: u32) -> (Path, Ray, Hit) {
+fn path(number: u32, has_instances: bool) -> (Path, Ray, Hit) {
     let stream = Stream::new(2, number, 0);
     let [red, green, blue, density] = stream.uniform4(0);
     let throughput = Vec3::new(red, green, blue);
     let path = Path { throughput, density, ..Path::from_camera(1000 + number, 0.0) };
     let ray = Ray::new(Vec3::ZERO, UniformSphere.map(stream.uniform2(1)));
     let point = TriangleWarp.map(stream.uniform2(2));
-    (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id: number * 7 % TRIANGLES })
+    let prim_id = number * 7 % TRIANGLES;
+    let is_shared = has_instances && prim_id >= TRIANGLES * 3 / 4;
+    let instance = if is_shared { 1 + number % 2 } else { 0 };
+    (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id, instance })
 }
 
 #[test]
 fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
-    let (world, matte) = (world(), Material::default());
+    [false, true].into_iter().for_each(lanes_equal_paths);
+}
+
+fn lanes_equal_paths(has_instances: bool) {
+    let (world, matte) = (world(has_instances), Material::default());
     // One lane less than there are: what is behind the last path must not count.
     let count = LANES - 1;
-    let numbers: Vec<_> = (0..count).map(|i| path(i as u32)).collect();
+    let numbers: Vec<_> = (0..count).map(|i| path(i as u32, has_instances)).collect();
     // Not in the order of the lanes.
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().rev().map(|(path, ray, _)| (*path, *ray)).unzip();
     let (mut lit, mut unlit) = (0, 0);
@@ -142,8 +158,8 @@ fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
 
 #[test]
 fn thresholds_end_the_paths_below_them() {
-    let (world, cutoff) = (world(), 0.3);
-    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32)).collect();
+    let (world, cutoff) = (world(false), 0.3);
+    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, false)).collect();
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
     let mut block = PathBlock::new();
     block.len = LANES;

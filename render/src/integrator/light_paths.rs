@@ -1,0 +1,145 @@
+//! Light paths of a world, and which AOVs their light goes to.
+//!
+//! A path carries the state of an [`Automaton`] for each colour channel. Where a closure has several lobes for one
+//! direction, light samples are split among them. A path can go on by one lobe alone; for each channel that is chosen
+//! by the lobe's part of the closure in that channel. So each lobe gets what it scatters, in expectation, and the lobes
+//! of a path sum to it exactly.
+
+use glam::Vec3;
+
+use crate::light::Light;
+use crate::lpe::{Alphabet, Automaton, Expression, Kind, Scattering};
+use crate::settings::{Aov, Invalid, Settings};
+use crate::world::World;
+
+/// What `--light-groups` puts before the names of groups.
+const GROUP_PREFIX: &str = "Light_";
+
+/// What a picture's AOVs make of paths in a world.
+pub(crate) struct LightPaths {
+    automaton: Automaton,
+    /// The number of AOVs.
+    count: usize,
+    /// Of each mesh the events at its surface, by side and lobe.
+    surfaces: Vec<[[u32; 3]; 2]>,
+    /// Of each mesh its light.
+    emitters: Vec<u32>,
+    /// Of each punctual light, in the scene's order.
+    punctual: Vec<u32>,
+    sky: u32,
+}
+
+/// By which lobe a path goes on.
+#[derive(Clone, Copy)]
+pub(super) enum Lobe {
+    Wide,
+    Glossy,
+    Delta,
+}
+
+/// The AOVs that settings ask for in a world: those with expressions, then the light groups, by their names.
+pub(crate) fn aovs(world: &World, settings: &Settings) -> Vec<Aov> {
+    let mut aovs = settings.aovs.clone();
+    if settings.light_groups {
+        for group in world.light_groups() {
+            let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+            let base: String = GROUP_PREFIX.chars().chain(group.chars().map(plain)).collect();
+            let is_taken = |name: &str| aovs.iter().any(|aov| aov.name == name);
+            let numbered = (2..).map(|number| format!("{base}_{number}"));
+            let name = std::iter::once(base.clone()).chain(numbered).find(|name| !is_taken(name));
+            aovs.push(Aov { name: name.unwrap_or(base), expression: Expression::light_group(&group) });
+        }
+    }
+    aovs
+}
+
+impl LightPaths {
+    /// For these AOVs; `None` if there are none.
+    ///
+    /// # Errors
+    /// If the expressions are too complex together.
+    pub(crate) fn new(world: &World, aovs: &[Aov]) -> Result<Option<Self>, Invalid> {
+        if aovs.is_empty() {
+            return Ok(None);
+        }
+        let expressions: Vec<Expression> = aovs.iter().map(|aov| aov.expression.clone()).collect();
+        let mut alphabet = Alphabet::new(&expressions);
+        let lobes = [Scattering::DIFFUSE, Scattering::GLOSSY, Scattering::SINGULAR];
+        let mut surface = |labels: [&str; 2]| {
+            [Kind::REFLECTION, Kind::TRANSMISSION].map(|side| lobes.map(|lobe| alphabet.number(side, lobe, labels)))
+        };
+        let surfaces = world.surface_labels().map(|labels| surface(labels.each_ref().map(String::as_str))).collect();
+        let mut light = |kind: Kind, labels: [String; 2]| {
+            alphabet.number(kind, Scattering::NONE, labels.each_ref().map(String::as_str))
+        };
+        let emitters = world
+            .emitter_labels()
+            .map(|(is_lamp, labels)| light(if is_lamp { Kind::LIGHT } else { Kind::LIGHT.and(Kind::OBJECT) }, labels));
+        let emitters = emitters.collect();
+        let punctual = world.punctual_labels().map(|labels| light(Kind::LIGHT, labels)).collect();
+        let sky = light(Kind::BACKGROUND, World::sky_labels());
+        let automaton = Automaton::new(&expressions, &alphabet).map_err(|_| {
+            let problem = "the light path expressions are too complex: following them takes too many states";
+            Invalid::new(problem, "write simpler ones, with smaller ranges, or render them in several runs")
+        })?;
+        Ok(Some(Self { automaton, count: aovs.len(), surfaces, emitters, punctual, sky }))
+    }
+
+    /// The number of AOVs.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The states of a path that has left the camera.
+    pub(super) fn start(&self) -> [u32; 3] {
+        [self.automaton.start(); 3]
+    }
+
+    /// The states after an event.
+    pub(super) fn after(&self, states: [u32; 3], event: u32) -> [u32; 3] {
+        states.map(|state| self.automaton.next(state, event))
+    }
+
+    /// The event of going on from a mesh's surface, to the other side or not.
+    pub(super) fn surface(&self, mesh: usize, transmits: bool, lobe: Lobe) -> u32 {
+        self.surfaces[mesh][usize::from(transmits)][lobe as usize]
+    }
+
+    /// The event of finding what a mesh emits.
+    pub(super) fn emitter(&self, mesh: usize) -> u32 {
+        self.emitters[mesh]
+    }
+
+    /// That of finding the sky.
+    pub(super) fn sky(&self) -> u32 {
+        self.sky
+    }
+
+    /// That of finding the light of this number among the world's lights.
+    pub(super) fn light(&self, world: &World, number: u32) -> u32 {
+        match &world.lights.lights()[number as usize] {
+            Light::Triangle(prim_id) => self.emitter(world.mesh_number(*prim_id)),
+            Light::Punctual(_) => self.punctual[world.lights.punctual_number(number)],
+            Light::Sky => self.sky,
+        }
+    }
+
+    /// Adds light to those of one ray's AOVs that paths fulfil which have come to these states, one for each channel.
+    pub(super) fn add(&self, states: [u32; 3], light: Vec3, aovs: &mut [Vec3]) {
+        for (c, (state, light)) in states.into_iter().zip(light.to_array()).enumerate() {
+            for &aov in self.automaton.accepts(state) {
+                aovs[aov as usize][c] += light;
+            }
+        }
+    }
+}
+
+/// A light path's labels, hashed: pictures with equal settings and scenes may differ in them.
+pub(crate) fn labels_hash(world: &World) -> u64 {
+    let mut text = String::new();
+    let mut push = |labels: [String; 2]| text += &format!("{labels:?}\n");
+    world.surface_labels().for_each(&mut push);
+    world.emitter_labels().for_each(|(_, labels)| push(labels));
+    world.punctual_labels().for_each(&mut push);
+    xxhash_rust::xxh3::xxh3_64(text.as_bytes())
+}

@@ -1,0 +1,198 @@
+//! What AOVs by light path expressions get of a step of paths; nothing of it happens without them.
+
+use glam::Vec3;
+
+use super::Advance;
+use crate::integrator::light_paths::{LightPaths, Lobe};
+use crate::integrator::path_block::{BlockClosures, Bounces, PathBlock, ShadowRays};
+use crate::integrator::shadow_queue::ShadowQueue;
+use crate::integrator::wavefront::first_set;
+use crate::world::WHITE;
+
+/// Memory from one batch to the next.
+#[derive(Default)]
+pub(crate) struct RecorderMemory {
+    /// Of the paths, for each channel.
+    states: Vec<[u32; 3]>,
+    /// Of those that go on.
+    next: Vec<[u32; 3]>,
+    waiting: Vec<Waiting>,
+}
+
+/// A part of a light sample that waits for its shadow ray.
+struct Waiting {
+    shadow_ray: usize,
+    index: usize,
+    states: [u32; 3],
+    light: Vec3,
+}
+
+/// Where AOVs are gathered.
+pub(in crate::integrator) struct Recorder<'a> {
+    paths: &'a LightPaths,
+    memory: &'a mut RecorderMemory,
+    /// Those of each camera ray, side by side.
+    aovs: &'a mut [Vec3],
+}
+
+/// What a closure does with light of one direction.
+struct Lobes {
+    /// The part of it that its glossy lobes do, by channel.
+    glossy: Vec3,
+    mesh: usize,
+    transmits: bool,
+}
+
+impl<'a> Recorder<'a> {
+    /// For a batch of so many camera rays.
+    pub(in crate::integrator) fn new(
+        paths: &'a LightPaths,
+        memory: &'a mut RecorderMemory,
+        count: usize,
+        aovs: &'a mut [Vec3],
+    ) -> Self {
+        memory.states.clear();
+        memory.states.resize(count, paths.start());
+        memory.next.clear();
+        memory.waiting.clear();
+        aovs.fill(Vec3::ZERO);
+        Self { paths, memory, aovs }
+    }
+
+    fn add(&mut self, index: usize, states: [u32; 3], light: Vec3) {
+        let count = self.paths.count();
+        self.paths.add(states, light, &mut self.aovs[index * count..][..count]);
+    }
+
+    /// Lets the paths that go on take the places of all.
+    pub(super) fn keep_next(&mut self) {
+        std::mem::swap(&mut self.memory.states, &mut self.memory.next);
+        self.memory.next.clear();
+    }
+
+    /// Adds the light samples whose shadow rays are free.
+    pub(super) fn resolve(&mut self, queue: &ShadowQueue) {
+        let mut waiting = std::mem::take(&mut self.memory.waiting);
+        for Waiting { shadow_ray, index, states, light } in waiting.drain(..) {
+            if queue.is_free(shadow_ray) {
+                self.add(index, states, light);
+            }
+        }
+        self.memory.waiting = waiting;
+    }
+
+    /// Lets the parts of a light sample wait.
+    fn wait(&mut self, shadow_ray: usize, index: usize, before: [u32; 3], event: u32, light: (Vec3, &Lobes)) {
+        let (light, lobes) = light;
+        let glossy = light * lobes.glossy;
+        for (lobe, light) in [(Lobe::Wide, light - glossy), (Lobe::Glossy, glossy)] {
+            if light != Vec3::ZERO {
+                let scattered = self.paths.after(before, self.paths.surface(lobes.mesh, lobes.transmits, lobe));
+                let states = self.paths.after(scattered, event);
+                self.memory.waiting.push(Waiting { shadow_ray, index, states, light });
+            }
+        }
+    }
+
+    /// The states of a path that goes on, by a number in [0, 1) that chooses its lobe.
+    fn onwards(&self, before: [u32; 3], lobes: &Lobes, is_delta: bool, u: f32) -> [u32; 3] {
+        let chosen = |part: f32| match () {
+            () if is_delta => Lobe::Delta,
+            () if u < part => Lobe::Glossy,
+            () => Lobe::Wide,
+        };
+        let event = |part: f32| self.paths.surface(lobes.mesh, lobes.transmits, chosen(part));
+        let after = |c: usize| self.paths.after(before, event(lobes.glossy[c]))[c];
+        [after(0), after(1), after(2)]
+    }
+}
+
+impl Advance<'_, '_> {
+    /// Records light that a path has found on a surface.
+    pub(super) fn record_emission(&mut self, source: usize, light: Vec3) {
+        if let Some(recorder) = &mut self.recorder {
+            let mesh = self.world.mesh_number(self.wave.hits[source].prim_id);
+            let states = recorder.paths.after(recorder.memory.states[source], recorder.paths.emitter(mesh));
+            recorder.add(self.wave.paths[source].index as usize, states, light);
+        }
+    }
+
+    /// Records light that a path has found in the sky.
+    pub(super) fn record_sky(&mut self, source: usize, light: Vec3) {
+        if let Some(recorder) = &mut self.recorder {
+            let states = recorder.paths.after(recorder.memory.states[source], recorder.paths.sky());
+            recorder.add(self.wave.paths[source].index as usize, states, light);
+        }
+    }
+
+    /// Records the light samples of a block, which are about to join the shadow queue.
+    #[inline(never)]
+    pub(super) fn record_light_samples<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        shadows: &ShadowRays,
+    ) {
+        let lit = (0..block.len).filter(|&i| shadows.is_lit(i));
+        for (shadow_ray, i) in (self.wave.shadow_queue.len()..).zip(lit) {
+            let found = (shadow_ray, block.light(i), shadows.direction(i), shadows.light(i));
+            self.record_light_sample(closures, block, i, found);
+        }
+    }
+
+    /// Records a light sample of path `i`: the number of its shadow ray, its light's number, its direction, its light.
+    pub(super) fn record_light_sample<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        (shadow_ray, number, direction, light): (usize, u32, Vec3, Vec3),
+    ) {
+        let lobes = self.lobes(closures, block, i, direction);
+        if let Some(recorder) = &mut self.recorder {
+            let event = recorder.paths.light(self.world, number);
+            let before = recorder.memory.states[block.source[i] as usize];
+            recorder.wait(shadow_ray, block.index(i), before, event, (light, &lobes));
+        }
+    }
+
+    /// Records how the paths of a block go on.
+    #[inline(never)]
+    pub(super) fn record_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
+        for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
+            let is_delta = bounces.density(i) == f32::INFINITY;
+            self.record_onwards(closures, block, i, (bounces.direction(i), is_delta, 2));
+        }
+    }
+
+    /// Records that path `i` goes on in a direction, by a delta function or not; its lobe is chosen by what is left of
+    /// the path's set of numbers for going on, in this place.
+    pub(super) fn record_onwards<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        (direction, is_delta, place): (Vec3, bool, usize),
+    ) {
+        let lobes = self.lobes(closures, block, i, direction);
+        let sampler = &self.batch.samplers[block.index(i)];
+        let u = sampler.uniform4(first_set(self.batch, self.depth) + 2)[place];
+        if let Some(recorder) = &mut self.recorder {
+            let before = recorder.memory.states[block.source[i] as usize];
+            let after = recorder.onwards(before, &lobes, is_delta, u);
+            recorder.memory.next.push(after);
+        }
+    }
+
+    /// What the lobes of path `i`'s closure do with light of a direction.
+    fn lobes<C: BlockClosures>(&self, closures: &C, block: &PathBlock, i: usize, direction: Vec3) -> Lobes {
+        let (surface, direction) = (block.surface(i, &WHITE), direction.normalize_or_zero());
+        let all = closures.eval(i, &surface, direction).0;
+        let glossy = closures.glossy(i, direction) / all;
+        Lobes {
+            glossy: Vec3::select(all.cmpgt(Vec3::ZERO), glossy.clamp(Vec3::ZERO, Vec3::ONE), Vec3::ZERO),
+            mesh: self.world.mesh_number(self.wave.hits[block.source[i] as usize].prim_id),
+            transmits: surface.normal.dot(direction) < 0.0,
+        }
+    }
+}
