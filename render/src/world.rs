@@ -1,10 +1,13 @@
 //! The world: a scene made ready for tracing.
 
 mod bodies;
+mod hit;
 mod inputs;
+mod instances;
 mod light_shares;
 mod light_visibility;
 mod lit_triangles;
+mod names;
 mod reflected;
 mod seen_points;
 mod shading_records;
@@ -13,6 +16,7 @@ mod trace;
 
 use glam::Vec3;
 use halfdome_kernel::bvh::TreeStatistics;
+use halfdome_kernel::geometry::Aabb;
 use halfdome_kernel::{
     BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
 };
@@ -21,8 +25,11 @@ use crate::camera::Camera;
 use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
-use crate::scene::{CameraPose, Material, Mesh, Optics, Scene, Texture};
+use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, Texture};
 pub(crate) use bodies::Bodies;
+pub(crate) use hit::Hit;
+pub(crate) use instances::InstanceRecord;
+use instances::Instances;
 pub use seen_points::LookFrom;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
@@ -38,21 +45,28 @@ pub struct World {
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     has_closures: bool,
-    /// What is behind each `prim_id`.
+    /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
+    /// The number of the former.
+    placed: usize,
     /// What each material says of plain surfaces.
     material_records: Vec<MaterialRecord>,
     /// What is known of each light that is a triangle, by its index.
     emitter_records: Vec<EmitterRecord>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
+    /// The tree of the triangles in world space.
     bvh: Bvh,
+    instances: Option<Instances>,
     isa: Isa,
     report: BuildReport,
     /// All that emits and can be aimed at.
     pub(crate) lights: LightSampler,
+    bounds: Aabb,
     pub(crate) camera: CameraPose,
     optics: Optics,
+    /// Of each punctual light, in the scene's order.
+    light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
 }
 
@@ -63,6 +77,18 @@ pub enum WorldError {
     /// The scene has no camera.
     #[error("the scene has no camera, and no bounds to make one from\n  help: give the camera's eye and target")]
     NoCamera,
+    /// An instance has a transform that no ray can be taken back by.
+    #[error(
+        "instance {number}, of object {object}: {error}\n  help: give it a transform that keeps its extent; a scale of 0 hides it"
+    )]
+    Instance {
+        /// Its number in [`Scene::instances`].
+        number: usize,
+        /// Its object's number.
+        object: usize,
+        /// What is wrong with the transform.
+        error: Error,
+    },
     /// No tree can be built.
     #[error("{0}")]
     Tree(#[from] Error),
@@ -109,28 +135,30 @@ impl World {
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
         scene.complete_tangents();
         let surroundings_hash = scene.surroundings_hash();
-        let Scene { meshes, materials, textures, lights, sky, optics, .. } = scene;
-        let triangles: Vec<Triangle> =
-            meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
-        let has_colors = |mesh: &Mesh| materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty();
-        let is_plain =
-            |mesh: &Mesh| mesh.normals.is_empty() && materials[mesh.material].is_uniform() && !has_colors(mesh);
-        let (mut triangle_records, mut first_faces) = (Vec::with_capacity(triangles.len()), Vec::new());
-        for (number, mesh) in (0..).zip(&meshes) {
-            first_faces.push(triangle_records.len() as u32);
-            let (material, is_plain) = (mesh.material as u32, is_plain(mesh));
-            let corners = &triangles[triangle_records.len()..][..mesh.triangles.len()];
-            triangle_records.extend(corners.iter().map(|&corners| {
-                let normal = triangle_normal(&corners);
-                let offset = offset_distance(&corners, normal);
-                TriangleRecord { corners, normal, offset, mesh: number, material, is_plain: is_plain.into() }
-            }));
+        scene.name_parts();
+        scene.place_emitters();
+        let (in_world, of_objects) = scene.meshes_by_object();
+        let Scene { meshes, materials, textures, lights, mut light_labels, instances, sky, optics, .. } = scene;
+        light_labels.resize(lights.len(), LightLabel::default());
+        let mut triangles = TriangleTable::new(&meshes, &materials);
+        let corners = triangles.add(&in_world);
+        let mut objects = Vec::with_capacity(of_objects.len());
+        for numbers in &of_objects {
+            let first = triangles.records.len() as u32;
+            objects.push((triangles.add(numbers), first));
         }
-        let (bvh, report) = Bvh::build_on(executor, &triangles, options)?;
+        let TriangleTable { records: triangle_records, first_faces, .. } = triangles;
+        let (bvh, report) = Bvh::build_on(executor, &corners, options)?;
+        let instances = match instances.is_empty() {
+            true => None,
+            false => Some(Instances::build(executor, &objects, instances, options)?),
+        };
+        drop(objects);
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
         let material = |prim: usize| &even[triangle_records[prim].material as usize];
         let front = |prim: usize| front(&triangle_records[prim], &meshes, &first_faces, prim);
-        let lights = LightSampler::new(&triangles, material, front, lights, SkyLight::new(sky), bvh.view().bounds());
+        let bounds = instances.as_ref().map_or(bvh.view().bounds(), |all| all.bounds().union(&bvh.view().bounds()));
+        let lights = LightSampler::new(&corners, material, front, lights, SkyLight::new(sky), bounds);
         let material_records = materials.iter().map(MaterialRecord::of).collect();
         let emitter = |light: &Light| match *light {
             Light::Triangle(prim_id) => {
@@ -141,7 +169,7 @@ impl World {
             _ => EmitterRecord::NONE,
         };
         let emitter_records = lights.lights().iter().map(emitter).collect();
-        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh));
+        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
@@ -152,20 +180,24 @@ impl World {
             kinds,
             has_closures,
             triangle_records,
+            placed: corners.len(),
             material_records,
             emitter_records,
             first_faces,
             isa: bvh.view().isa(),
             bvh,
+            instances,
             report,
             lights,
+            bounds,
             camera,
             optics,
+            light_labels,
             surroundings_hash,
         })
     }
 
-    /// The tree, for tracing.
+    /// The tree of all triangles that are in world space.
     pub fn tree(&self) -> BvhView<'_> {
         self.bvh.view()
     }
@@ -184,6 +216,16 @@ impl World {
     /// What was left out of the tree.
     pub fn build_report(&self) -> BuildReport {
         self.report
+    }
+
+    /// How many instances reach beyond [`MAX_COORDINATE`](halfdome_kernel::MAX_COORDINATE), and are not seen.
+    pub fn instances_out_of_range(&self) -> usize {
+        self.instances.as_ref().map_or(0, |instances| instances.out_of_range)
+    }
+
+    /// Memory of what is known of instances, their tree included, in bytes.
+    pub fn instance_bytes(&self) -> usize {
+        self.instances.as_ref().map_or(0, Instances::bytes)
     }
 
     /// A hash of all in the scene that a picture depends on.
@@ -234,12 +276,77 @@ impl World {
         &self.emitter_records
     }
 
+    /// What is known of the triangles that are in world space, not in an object.
+    #[inline(always)]
+    pub(crate) fn placed_records(&self) -> &[TriangleRecord] {
+        &self.triangle_records[..self.placed]
+    }
+
+    /// The box around all surfaces, instances counting with the boxes around them; empty if there are none.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
     /// Length of the diagonal of the scene's bounds; 1 if it is empty or a point.
     pub(crate) fn diagonal(&self) -> f32 {
-        let bounds = self.tree().bounds();
+        let bounds = self.bounds();
         let diagonal = (bounds.max - bounds.min).length();
         if !bounds.is_empty() && diagonal > 0.0 { diagonal } else { 1.0 }
     }
+}
+
+/// The triangles of meshes, one mesh after the other.
+struct TriangleTable<'a> {
+    meshes: &'a [Mesh],
+    materials: &'a [Material],
+    records: Vec<TriangleRecord>,
+    /// The number of each mesh's first triangle.
+    first_faces: Vec<u32>,
+}
+
+impl<'a> TriangleTable<'a> {
+    fn new(meshes: &'a [Mesh], materials: &'a [Material]) -> Self {
+        Self { meshes, materials, records: Vec::new(), first_faces: vec![0; meshes.len()] }
+    }
+
+    /// Adds the meshes of these numbers, and gives the corners of their triangles.
+    fn add(&mut self, numbers: &[usize]) -> Vec<Triangle> {
+        let corners = |&number: &usize| {
+            let mesh = &self.meshes[number];
+            (0..mesh.triangles.len()).map(|face| mesh.corners(face))
+        };
+        let triangles: Vec<Triangle> = numbers.iter().flat_map(corners).collect();
+        self.records.reserve(triangles.len());
+        let first = self.records.len();
+        for &number in numbers {
+            let mesh = &self.meshes[number];
+            self.first_faces[number] = self.records.len() as u32;
+            let own = &triangles[self.records.len() - first..][..mesh.triangles.len()];
+            let is_plain = u32::from(is_plain(mesh, self.materials));
+            self.records.extend(own.iter().map(|&corners| {
+                let normal = triangle_normal(&corners);
+                let offset = offset_distance(&corners, normal);
+                TriangleRecord {
+                    corners,
+                    normal,
+                    offset,
+                    mesh: number as u32,
+                    material: mesh.material as u32,
+                    is_plain,
+                }
+            }));
+        }
+        triangles
+    }
+}
+
+fn has_colors(mesh: &Mesh, materials: &[Material]) -> bool {
+    materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty()
+}
+
+/// Whether nothing varies over its triangles.
+fn is_plain(mesh: &Mesh, materials: &[Material]) -> bool {
+    mesh.normals.is_empty() && materials[mesh.material].is_uniform() && !has_colors(mesh, materials)
 }
 
 /// The unit normal of the side of a triangle that is its front, which its mesh's own normals say, whatever the winding;

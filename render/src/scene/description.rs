@@ -1,4 +1,4 @@
-//! What a scene is, whatever file it came from: meshes in world space, materials, lights, camera, sky.
+//! What a scene is, whatever file it came from: meshes, where they are shown, materials, lights, camera, sky.
 //!
 //! Lengths are in the units of the file. Radiance is in W/(m² sr), one number per linear sRGB (Rec. 709) channel.
 //! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
@@ -8,27 +8,39 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Clip, Material, Optics, PunctualLight, Sky, Texture};
+use super::{Animation, Clip, Instance, Material, Object, Optics, PunctualLight, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Meshes, already in world space.
+    /// Meshes, in world space or in that of their object.
     pub meshes: Vec<Mesh>,
+    /// Groups of meshes that are kept once, however often they are shown.
+    pub objects: Vec<Object>,
+    /// Where objects are shown.
+    pub instances: Vec<Instance>,
     /// Materials; meshes name them by index.
     pub materials: Vec<Material>,
     /// Pictures on surfaces; materials name them by index.
     pub textures: Vec<Texture>,
     /// Delta lights.
     pub lights: Vec<PunctualLight>,
+    /// What light path expressions call them, in their order; those behind its end have no names.
+    pub light_labels: Vec<LightLabel>,
     /// What the file's numbers of [`lights`](Self::lights) were taken for; `None` if it has none.
     pub light_units: Option<LightUnits>,
     /// Other materials that the file has for meshes (`KHR_materials_variants`).
     pub variants: Vec<Variant>,
+    /// The animations of the model, whether they are played or not.
+    pub animations: Vec<Animation>,
     /// Where the picture is taken from; `None` when the file has no camera.
     pub camera: Option<CameraPose>,
     /// The width of the camera's picture by its height, if the file says.
     pub camera_aspect: Option<f32>,
+    /// The width and height of the camera's picture in pixels, if the file says.
+    pub film_size: Option<(u32, u32)>,
+    /// The number of samples of a pixel, if the file says.
+    pub film_spp: Option<u32>,
     /// How the picture is taken from there.
     pub optics: Optics,
     /// The clipping planes of the file's camera, which are not used unless somebody asks for them.
@@ -46,7 +58,7 @@ pub struct Scene {
 pub struct Mesh {
     /// The file's own name for it, or empty.
     pub name: String,
-    /// Finite positions in world space.
+    /// Finite positions, in world space if the mesh has no [`object`](Self::object).
     pub positions: Vec<Vec3>,
     /// One unit normal per position, or empty for flat shading.
     pub normals: Vec<Vec3>,
@@ -63,10 +75,12 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// A valid index into [`Scene::materials`].
     pub material: usize,
+    /// A valid index into [`Scene::objects`] if it belongs to one, in whose coordinates it is and whose instances show it.
+    pub object: Option<usize>,
     /// Where in a glTF file it stands; `None` for other formats.
     pub origin: Option<Origin>,
-    /// Whether it is a lamp of a scene file, which gets no lightmap.
-    pub is_lamp: bool,
+    /// Whether a scene file adds it to the model, as a lamp or an object: it gets no lightmap.
+    pub is_added: bool,
 }
 
 /// A mesh's place in a glTF file. Its vertices are the primitive's, in their order.
@@ -80,6 +94,15 @@ pub struct Origin {
     pub primitive: usize,
     /// Whether the node mirrors it: the second and third corner of each triangle have changed places.
     pub mirrored: bool,
+}
+
+/// What a light is called.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightLabel {
+    /// The file's own name for it, or empty.
+    pub name: String,
+    /// The name of the group that it is in, or empty: then it is one of its own.
+    pub group: String,
 }
 
 /// What the numbers of a file's lights are.
@@ -132,6 +155,13 @@ impl Mesh {
 }
 
 impl Scene {
+    /// Adds a delta light that is called so.
+    pub fn add_light(&mut self, light: PunctualLight, label: LightLabel) {
+        self.light_labels.resize(self.lights.len(), LightLabel::default());
+        self.lights.push(light);
+        self.light_labels.push(label);
+    }
+
     /// Gives meshes the materials of the variant called `name`; whether there is one.
     pub fn choose_variant(&mut self, name: &str) -> bool {
         let Some(variant) = self.variants.iter().find(|variant| variant.name == name) else { return false };
@@ -141,21 +171,42 @@ impl Scene {
         true
     }
 
-    /// The number of triangles in all meshes.
+    /// The number of triangles in all meshes, those of an object once for each instance.
     pub fn triangle_count(&self) -> usize {
+        let mut of_objects = vec![0; self.objects.len()];
+        let mut count = 0;
+        for mesh in &self.meshes {
+            *mesh.object.map_or(&mut count, |object| &mut of_objects[object]) += mesh.triangles.len();
+        }
+        count + self.instances.iter().map(|instance| of_objects[instance.object]).sum::<usize>()
+    }
+
+    /// The number of triangles that are kept: those of an object once.
+    pub fn stored_triangle_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.triangles.len()).sum()
     }
 
-    /// The smallest box around all positions that triangles use: lower and upper corner; `None` without triangles.
+    /// A box around all positions that triangles use: lower and upper corner; `None` without triangles. It is the
+    /// smallest one but for instances, of which each counts with the box around its object's.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let corners = self
-            .meshes
-            .iter()
-            .flat_map(|mesh| mesh.triangles.iter().flatten().map(|&index| mesh.positions[index as usize]));
-        corners.fold(None, |bounds, p| {
+        type Bounds = Option<(Vec3, Vec3)>;
+        let add = |bounds: Bounds, p: Vec3| {
             let (lower, upper) = bounds.unwrap_or((p, p));
             Some((p.min(lower), p.max(upper)))
-        })
+        };
+        let mut of_objects: Vec<Bounds> = vec![None; self.objects.len()];
+        let mut bounds = None;
+        for mesh in &self.meshes {
+            let bounds = mesh.object.map_or(&mut bounds, |object| &mut of_objects[object]);
+            let corners = mesh.triangles.iter().flatten().map(|&index| mesh.positions[index as usize]);
+            *bounds = corners.fold(*bounds, add);
+        }
+        for instance in &self.instances {
+            let Some((lower, upper)) = of_objects[instance.object] else { continue };
+            let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), upper, lower);
+            bounds = (0..8).map(|i| instance.to_world.transform_point3(corner(i))).fold(bounds, add);
+        }
+        bounds
     }
 
     /// Whether anything emits: the sky, a delta light, or a triangle.

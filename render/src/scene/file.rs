@@ -8,6 +8,10 @@
 //! light_radius = 0.1     # of its point and spot lights, for soft shadows
 //! sun_angle = 0.53       # that its directional lights subtend, degrees
 //! variant = "oak"        # of its materials
+//! instances = "auto"     # whether meshes that it shows several times are kept once: "auto", "always" or "never"
+//! frame = 12             # of its animations: frame / fps seconds
+//! fps = 24
+//! animation = "Walk"     # the one to play; or several: ["Walk", "Camera"]
 //!
 //! [camera]
 //! eye = [1.0, 1.7, 4.0]
@@ -24,6 +28,9 @@
 //! sharpness = 0.67
 //! aov = false
 //! aov_through = false
+//! cryptomatte = "object,material"
+//! cryptomatte_levels = 6
+//! light_groups = false
 //!
 //! [render]
 //! spp = 256
@@ -43,37 +50,59 @@
 //! # with daylight_model = "hosek" (or "preetham") and daylight_albedo = 0.3, of the ground
 //! ```
 //!
-//! All but `scene.file` may be left out. `[[material]]` tables change materials: see `material_table.rs`. `[[light]]`
-//! tables add lights: see `light_table.rs`. The keys `lights`, `light_radius`, `sun_angle` and `emission` are about the
-//! model's lights, and leave these as they are. Each value is checked here; what only several options together can get
-//! wrong is left to [`Overrides::apply`], since the command line may still change it.
+//! All but `scene.file` may be left out, and that where there are objects. `[[material]]` tables change materials: see
+//! `material_table.rs`. `[[light]]` tables add lights: see `light_table.rs`. `[[object]]` and `[[instance]]` show models
+//! at many places: see `objects.rs`. `[[aov]]` tables add AOVs: see `aov_table.rs`. The keys `lights`, `light_radius`,
+//! `sun_angle` and `emission` are about the model's lights, and leave these as they are. Each value is checked here; what
+//! only several options together can get wrong is left to [`Overrides::apply`], since the command line may still change it.
 
 use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
+use super::aov_table;
 use super::light_table;
-use super::load;
+use super::load_options::LoadOptions;
+use super::load_with;
 use super::material_table::{self, MaterialTable};
 use super::nearest::suggestion;
+use super::objects::{InstanceTable, ObjectTable, Objects, read_instances, read_objects};
 use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
-use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError};
+use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError, Sharing};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
-    /// The model, relative to the current folder or absolute.
-    pub model: PathBuf,
+    /// The model, relative to the current folder or absolute; `None` if there are only objects.
+    pub model: Option<PathBuf>,
     /// The options that the file sets.
     pub overrides: Overrides,
     /// The materials that it changes or adds.
     pub materials: Vec<MaterialTable>,
+    /// Models that are shown where instances are.
+    pub objects: Vec<ObjectTable>,
+    /// Where they are shown.
+    pub instances: Vec<InstanceTable>,
 }
 
 /// The sections of a scene file with their keys.
 const SECTIONS: [(&str, &[&str]); 5] = [
-    ("scene", &["file", "emission", "lights", "light_radius", "sun_angle", "variant"]),
+    (
+        "scene",
+        &[
+            "file",
+            "emission",
+            "lights",
+            "light_radius",
+            "sun_angle",
+            "variant",
+            "instances",
+            "frame",
+            "fps",
+            "animation",
+        ],
+    ),
     (
         "camera",
         &[
@@ -105,7 +134,21 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "rays",
         ],
     ),
-    ("film", &["width", "height", "filter", "filter_width", "sharpness", "aov", "aov_through"]),
+    (
+        "film",
+        &[
+            "width",
+            "height",
+            "filter",
+            "filter_width",
+            "sharpness",
+            "aov",
+            "aov_through",
+            "cryptomatte",
+            "cryptomatte_levels",
+            "light_groups",
+        ],
+    ),
     (
         "render",
         &[
@@ -140,15 +183,36 @@ const SECTIONS: [(&str, &[&str]); 5] = [
 
 /// Reads a scene: the model at `path`, or the scene file (`.toml`) and the model that it names.
 pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
+    open_with(path, &Overrides::default())
+}
+
+/// Reads a scene as [`open`] does, at the moment and with the sharing of `overrides`, or those of the scene file where they set
+/// none. [`Sharing::Never`] means that all meshes are in world space.
+pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if is_toml {
         let file = SceneFile::read(path)?;
-        let mut scene = load(&file.model)?;
-        material_table::apply(&file.materials, path, &mut scene)?;
+        let options = LoadOptions {
+            sharing: overrides.instances.or(file.overrides.instances).unwrap_or_default(),
+            moment: overrides.moment.clone().or(file.overrides.moment.clone()).moment(),
+        };
+        let mut scene = match &file.model {
+            Some(model) => load_with(model, &options)?,
+            None => Scene::default(),
+        };
+        let objects = Objects::load(&file.objects, path, &mut scene, &options)?;
+        let used: Vec<&str> = file.instances.iter().flat_map(InstanceTable::new_materials).collect();
+        material_table::apply(&file.materials, &used, path, &mut scene)?;
+        objects.place(&file.instances, &mut scene)?;
+        if options.sharing == Sharing::Never {
+            scene.place_instances();
+        }
         scene.files.push(path.to_owned());
         Ok((scene, file.overrides))
     } else {
-        Ok((load(path)?, Overrides::default()))
+        let options =
+            LoadOptions { sharing: overrides.instances.unwrap_or_default(), moment: overrides.moment.clone().moment() };
+        Ok((load_with(path, &options)?, Overrides::default()))
     }
 }
 
@@ -183,17 +247,33 @@ impl Parser<'_> {
         })?;
         let mut model = None;
         let mut overrides = Overrides::default();
-        let mut materials = Vec::new();
+        let (mut materials, mut objects, mut instances) = (Vec::new(), Vec::new(), Vec::new());
         for section in entries(document.get_ref()) {
             if section.name == "material" {
                 materials = material_table::read(self.path, self.text, section.value, section.at.start)?;
+                continue;
+            }
+            if section.name == "aov" {
+                overrides.aovs = aov_table::read(self.path, self.text, section.value, section.at.start)?;
+                continue;
+            }
+            if section.name == "object" {
+                objects = read_objects(self.path, self.text, section.value, section.at.start)?;
+                continue;
+            }
+            if section.name == "instance" {
+                instances = read_instances(self.path, self.text, section.value, section.at.start)?;
                 continue;
             }
             if section.name == "light" {
                 overrides.light.added = light_table::read(self.path, self.text, section.value, section.at.start)?;
                 continue;
             }
-            let sections: Vec<&str> = SECTIONS.iter().map(|&(name, _)| name).chain(["light", "material"]).collect();
+            let sections: Vec<&str> = SECTIONS
+                .iter()
+                .map(|&(name, _)| name)
+                .chain(["light", "material", "object", "instance", "aov"])
+                .collect();
             let Some((_, keys)) = SECTIONS.iter().find(|(name, _)| *name == section.name) else {
                 let problem = format!("unknown section {:?}", section.name);
                 return Err(self.error(section.at.start, problem, suggestion(section.name, &sections)));
@@ -214,8 +294,10 @@ impl Parser<'_> {
             }
         }
         let remedy = "name one: [scene] on a line, then file = \"model.glb\"";
-        let model = model.ok_or_else(|| SceneError::new(self.path, Place::File, "no model is named", remedy))?;
-        Ok(SceneFile { model, overrides, materials })
+        if model.is_none() && objects.is_empty() {
+            return Err(SceneError::new(self.path, Place::File, "no model is named", remedy));
+        }
+        Ok(SceneFile { model, overrides, materials, objects, instances })
     }
 
     /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
@@ -228,6 +310,10 @@ impl Parser<'_> {
             "light_radius" => to.light.light_radius = Some(self.read(value::light_radius, section, entry)?),
             "sun_angle" => to.light.sun_angle = Some(self.read(value::sun_angle, section, entry)?),
             "variant" => to.variant = Some(self.read(value::text, section, entry)?),
+            "instances" => to.instances = Some(self.read(value::sharing, section, entry)?),
+            "frame" => to.moment.frame = Some(self.read(value::frame, section, entry)?),
+            "fps" => to.moment.fps = Some(self.read(value::fps, section, entry)?),
+            "animation" => to.moment.animations = Some(self.read(value::names, section, entry)?),
             "emission" => to.light.emits_both_sides = Some(self.read(value::emission, section, entry)?),
             "width" => to.width = Some(self.read(value::side, section, entry)?),
             "height" => to.height = Some(self.read(value::side, section, entry)?),
@@ -236,6 +322,9 @@ impl Parser<'_> {
             "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
             "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
             "aov_through" => to.aov_through = Some(self.read(value::flag, section, entry)?),
+            "cryptomatte" => to.cryptomatte = Some(self.read(value::matte_kinds, section, entry)?),
+            "cryptomatte_levels" => to.cryptomatte_levels = Some(self.read(value::matte_levels, section, entry)?),
+            "light_groups" => to.light_groups = Some(self.read(value::flag, section, entry)?),
             "spp" => to.spp = Some(self.read(value::count, section, entry)?),
             "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
             "seed" => to.seed = Some(self.read(value::seed, section, entry)?),

@@ -57,8 +57,12 @@ const EYE_HEIGHT: f32 = 0.55;
 /// The pose inside of a closed room, looking at its middle; `None` if the scene is none. `vfov` as in [`frame`].
 pub(super) fn frame_inside(scene: &Scene, up: Vec3, vfov: Option<f32>) -> Option<CameraPose> {
     let (lower, upper) = scene.bounds()?;
-    let triangles: Vec<Triangle> =
-        scene.meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
+    let triangles: Vec<Triangle> = scene
+        .meshes
+        .iter()
+        .filter(|mesh| mesh.object.is_none())
+        .flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face)))
+        .collect();
     let (tree, _) = Bvh::build(&triangles, &Quality::Fast.into()).ok()?;
     let tree = tree.view();
     let up = up.as_dvec3().normalize().as_vec3();

@@ -3,8 +3,8 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::{
-    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Lens, Material, Mesh, NormalMap, Opacity, Optics,
-    Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
+    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Instance, Lens, Material, Mesh, NormalMap, Opacity,
+    Optics, Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
 };
 
 impl Scene {
@@ -18,7 +18,7 @@ impl Scene {
     /// The same without the camera.
     pub fn surroundings_hash(&self) -> u64 {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let Self { meshes, materials, textures, lights, sky: Sky { radiance, picture }, .. } = self;
+        let Self { meshes, instances, materials, textures, lights, sky: Sky { radiance, picture }, .. } = self;
         hash.count(meshes.len());
         for mesh in meshes {
             let Mesh { positions, normals, texcoords, triangles, material, colors, tangents, .. } = mesh;
@@ -35,10 +35,17 @@ impl Scene {
             colors.iter().for_each(|color| hash.floats(&color.to_array()));
             hash.count(tangents.len());
             tangents.iter().flatten().for_each(|tangent| hash.floats(&tangent.to_array()));
+            if let Some(object) = mesh.object {
+                hash.count(object);
+            }
             // Few materials use them.
             if materials.get(*material).into_iter().flat_map(Material::texture_maps).any(|map| map.set == 1) {
                 mesh.lightmap_texcoords.iter().for_each(|&Vec2 { x, y }| hash.floats(&[x, y]));
             }
+        }
+        for Instance { object, to_world } in instances {
+            hash.count(*object);
+            hash.floats(&to_world.to_cols_array());
         }
         hash.count(materials.len());
         materials.iter().for_each(|material| hash.material(material));
@@ -132,7 +139,7 @@ impl Fnv {
         self.floats(&v.to_array());
     }
 
-    /// All but its name.
+    /// All but its name and light group.
     fn material(&mut self, material: &Material) {
         let Material { name: _, inputs, maps, uses_vertex_colors, base_color_tints_transmission: tints, .. } = material;
         let Material { tangent_rotation, anisotropy, normal_map, bump_map, opacity, unlit, dispersion, .. } = material;

@@ -21,6 +21,8 @@ const LEVELS: u32 = 3;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Lamp {
     pub name: String,
+    /// The light group that it is in, or empty.
+    pub group: String,
     pub position: Vec3,
     pub shape: Shape,
     /// W/(m² sr).
@@ -86,9 +88,10 @@ impl Lamp {
         let (positions, normals, triangles) = self.shape.mesh();
         let positions = positions.into_iter().map(|p| (self.position.as_dvec3() + p).as_vec3()).collect();
         let (name, material) = (self.name.clone(), scene.materials.len());
-        scene.meshes.push(Mesh { name, positions, normals, triangles, material, is_lamp: true, ..Mesh::default() });
+        scene.meshes.push(Mesh { name, positions, normals, triangles, material, is_added: true, ..Mesh::default() });
         scene.materials.push(Material {
             name: self.name.clone(),
+            light_group: self.group.clone(),
             emission: self.radiance,
             emits_both_sides: self.shape.is_two_sided(),
             ..Material::matte(Vec3::ZERO)
@@ -169,7 +172,8 @@ mod tests {
         for (shape, count) in shapes().into_iter().zip([1280, 64, 2]) {
             let position = Vec3::new(1.0, 2.0, 3.0);
             let mut scene = Scene::default();
-            Lamp { name: "lamp".to_owned(), position, shape, radiance: Vec3::ONE }.add_to(&mut scene);
+            Lamp { name: "lamp".to_owned(), group: String::new(), position, shape, radiance: Vec3::ONE }
+                .add_to(&mut scene);
             let mesh = &scene.meshes[0];
             assert_eq!(mesh.triangles.len(), count);
             let mut sum = 0.0;

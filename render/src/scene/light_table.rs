@@ -3,7 +3,8 @@
 //! ```toml
 //! [[light]]
 //! type = "spot"                  # point, spot, directional, sphere, disc, rectangle
-//! name = "desk"                  # for messages, and of a lamp's mesh and material
+//! name = "desk"                  # for messages and light path expressions, and of a lamp's mesh and material
+//! group = "key"                  # its light group; by default its name
 //! position = [0, 2.5, 0]
 //! target = [0, 0, 1]             # or direction = [0, -1, 0]
 //! power = 40                     # W; or intensity, W/sr
@@ -36,12 +37,14 @@ use self::fields::{Kind, Table};
 use super::error::SceneError;
 use super::lamp::{Lamp, Shape};
 use super::table_reader::TableReader;
-use super::{PunctualLight, Scene, SpotEdge};
+use super::{LightLabel, PunctualLight, Scene, SpotEdge};
 
 /// A `[[light]]` table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTable {
     source: Source,
+    /// What it is called.
+    label: LightLabel,
     /// The file of its profile.
     file: Option<PathBuf>,
 }
@@ -80,7 +83,7 @@ impl LightTable {
     pub(super) fn add_to(&self, scene: &mut Scene) {
         scene.files.extend(self.file.clone());
         match &self.source {
-            Source::Punctual(light) => scene.lights.push(light.clone()),
+            Source::Punctual(light) => scene.add_light(light.clone(), self.label.clone()),
             Source::Lamp(lamp) => lamp.add_to(scene),
         }
     }
@@ -109,7 +112,11 @@ impl<'a> Table<'a> {
             })?),
             Kind::Rectangle => Source::Lamp(self.lamp(self.rectangle()?)?),
         };
-        Ok(LightTable { source, file: None })
+        Ok(LightTable { source, label: self.label(), file: None })
+    }
+
+    fn label(&self) -> LightLabel {
+        LightLabel { name: self.name.clone(), group: self.group.clone() }
     }
 
     /// The radius of a lamp.
@@ -119,7 +126,8 @@ impl<'a> Table<'a> {
 
     fn lamp(&self, shape: Shape) -> Result<Lamp, SceneError> {
         let radiance = self.strength("radiance", std::f64::consts::PI * shape.area())?;
-        Ok(Lamp { name: self.name.clone(), position: self.position()?, shape, radiance })
+        let LightLabel { name, group } = self.label();
+        Ok(Lamp { name, group, position: self.position()?, shape, radiance })
     }
 
     fn rectangle(&self) -> Result<Shape, SceneError> {

@@ -14,6 +14,7 @@
 //! geometry_thin_walled = true
 //! emission_color = [1, 0.5, 0.2]
 //! emission_luminance = 10            # W/(m² sr), as all radiance here
+//! light_group = "key"                # of its emission; by default the mesh's name
 //! transmission_depth = 0.1           # where transmission_color is reached inside; without it the surface is tinted
 //! ```
 //!
@@ -55,6 +56,7 @@ enum Change {
     EmissionColor(Vec3),
     EmissionLuminance(f32),
     TransmissionDepth(f32),
+    LightGroup(String),
     /// Degrees.
     TangentRotation(f32),
 }
@@ -88,7 +90,8 @@ struct MapFile {
 }
 
 /// Keys besides the inputs and their maps.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
+    "light_group",
     "name",
     "meshes",
     "geometry_opacity",
@@ -151,6 +154,7 @@ impl Reader<'_> {
             "geometry_tangent_rotation" => Change::TangentRotation(unit(f32::MIN, f32::MAX)?),
             "emission_color" => Change::EmissionColor(self.0.color(entry, 0.0, f32::MAX)?),
             "emission_luminance" => Change::EmissionLuminance(unit(0.0, f32::MAX)?),
+            "light_group" => Change::LightGroup(self.0.text_of(entry)?),
             "transmission_depth" => Change::TransmissionDepth(unit(f32::MIN_POSITIVE, f32::MAX)?),
             "geometry_normal_map" => Change::Map(Target::Normal, self.map(entry)?),
             "geometry_bump_map" => Change::Map(Target::Bump, self.map(entry)?),
@@ -253,12 +257,12 @@ const FILTERS: [(&str, TextureFilter); 2] =
     [("bilinear", TextureFilter::Bilinear), ("nearest", TextureFilter::Nearest)];
 const SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
 
-/// Does to the scene what the tables of the scene file at `path` say.
-pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) -> Result<(), SceneError> {
+/// Does to the scene what the tables of the scene file at `path` say. Those whose names are `used` may be new ones.
+pub(super) fn apply(tables: &[MaterialTable], used: &[&str], path: &Path, scene: &mut Scene) -> Result<(), SceneError> {
     let files = Recorded::new(&Disk);
     let mut store = TextureStore::new(&files, core::mem::take(&mut scene.textures));
     for table in tables {
-        let number = table.material(path, scene)?;
+        let number = table.material(used, path, scene)?;
         for (line, change) in &table.changes {
             let material = &mut scene.materials[number];
             material.change(change, &mut store).map_err(|(problem, remedy)| {
@@ -274,10 +278,10 @@ pub(super) fn apply(tables: &[MaterialTable], path: &Path, scene: &mut Scene) ->
 
 impl MaterialTable {
     /// The number of the material that is meant, which becomes that of the meshes that are named.
-    fn material(&self, path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    fn material(&self, used: &[&str], path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
         let error = |problem, remedy| Err(SceneError::new(path, Place::Line(self.line), problem, remedy));
         let known = scene.materials.iter().position(|material| material.name == self.name);
-        if known.is_none() && self.meshes.is_empty() {
+        if known.is_none() && self.meshes.is_empty() && !used.contains(&self.name.as_str()) {
             let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
             let problem = format!("the model has no material {:?}", self.name);
             return error(
@@ -317,6 +321,7 @@ impl Material {
                     _ => {}
                 }
             }
+            Change::LightGroup(ref group) => self.light_group = group.clone(),
             Change::Opacity(value) => self.opacity.value = value,
             Change::Cutoff(cutoff) => self.opacity.cutoff = Some(cutoff),
             Change::ThinWalled(thin) => self.inputs.thin_walled = thin,

@@ -12,7 +12,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{BumpMap, Material, NormalMap};
 use crate::material::Inputs;
-use crate::scene::{Mesh, Texture, TextureMap};
+use crate::scene::{Mesh, Texture, TextureMap, Turn};
 
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,8 @@ pub struct MeshPoint<'a> {
     pub triangle: usize,
     /// Barycentric weights of its corners, which add up to 1.
     pub weights: [f32; 3],
+    /// How an instance turns the mesh; `None` if it is in world space.
+    pub turn: Option<Turn>,
 }
 
 /// What shading starts from.
@@ -90,7 +92,8 @@ impl<'a> MeshPoint<'a> {
         let along = (edge1 * d2.y - edge2 * d1.y) / determinant;
         let down = (edge2 * d1.x - edge1 * d2.x) / determinant;
         let finite = along.is_finite() && down.is_finite() && determinant != 0.0;
-        finite.then(|| [along, down].map(DVec3::as_vec3))
+        let turned = |vector: DVec3| self.turn.map_or(vector.as_vec3(), |turn| turn.vector(vector.as_vec3()));
+        finite.then(|| [along, down].map(turned))
     }
 }
 
@@ -127,6 +130,7 @@ impl Material {
     pub fn frame_at(&self, point: &MeshPoint<'_>, interpolated: Vec3) -> ShadingFrame {
         let corners = point.mesh.tangents.get(point.triangle);
         let tangent = corners.map(|corners| point.mix(*corners));
+        let tangent = tangent.map(|tangent| point.turn.map_or(tangent, |turn| turn.tangent(tangent)));
         let mut normal = interpolated;
         if let Some((map, tangent)) = self.normal_map.as_ref().zip(tangent) {
             normal = map.normal(point.texel(&map.texture), interpolated, tangent);

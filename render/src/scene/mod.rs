@@ -1,5 +1,6 @@
 //! Scenes: what they are made of, and the files they are read from.
 
+mod aov_table;
 mod builtin;
 mod daylight;
 mod description;
@@ -10,51 +11,69 @@ mod framing;
 pub(crate) mod gltf;
 mod hash;
 pub(crate) mod ies;
+mod instance;
 mod lamp;
 mod light_table;
 mod light_units;
+mod load_options;
 mod material;
 mod material_table;
 mod material_text;
 mod mesh_point;
 mod model;
+mod moment;
 mod mtl;
 mod nearest;
+mod notes;
 mod obj;
+mod objects;
 mod optics;
 mod overrides;
+mod pbrt;
+mod placement;
 mod ply;
+mod polygon;
 mod position;
 mod profile;
 mod punctual;
 mod ray_file;
+mod sharing;
 mod sky;
 mod statement;
 mod table_reader;
 mod tangents;
 mod texture;
 mod toml_text;
+mod turn;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
 pub use daylight::{Daylight, DaylightModel};
-pub use description::{CameraPose, LightUnits, Mesh, Origin, Scene, Variant};
+pub use description::{CameraPose, LightLabel, LightUnits, Mesh, Origin, Scene, Variant};
 pub(crate) use error::count;
 pub use error::{Place, SceneError};
-pub use file::{SceneFile, open};
+pub use file::{SceneFile, open, open_with};
 pub use files::{Disk, Files};
 pub use framing::frame;
+pub use instance::{Instance, Object};
 pub use light_table::LightTable;
+pub use load_options::LoadOptions;
 pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Target};
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
-pub use model::{load, load_from};
+pub use model::{load, load_from, load_with};
+pub use moment::{Animation, Moment};
+pub use objects::{InstanceTable, ObjectTable};
 pub use optics::{CameraKind, Clip, FisheyeMapping, Lens, Optics, Projection, RayTable, SensorFit};
 pub use overrides::{
-    CachedOverrides, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, Overrides, SkyOverrides,
+    CachedOverrides, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, MomentOverrides, Overrides,
+    SkyOverrides,
 };
 pub(crate) use position::{Key, key};
 pub use profile::{Profile, ProfileFrame};
 pub use punctual::{PunctualLight, SpotEdge};
+pub use sharing::Sharing;
 pub use sky::{Sky, SkyPicture};
 pub use texture::{ColorSpace, Texture, TextureFilter, TextureMap, Wrap};
+pub use turn::Turn;
+pub use value::MatteKinds;

@@ -7,7 +7,7 @@ use std::path::Path;
 use halfdome_kernel::MAX_COORDINATE;
 
 use super::files::Recorded;
-use super::{Disk, Files, Place, Scene, SceneError, gltf, obj, ply};
+use super::{Disk, Files, LoadOptions, Place, Scene, SceneError, gltf, obj, pbrt, ply};
 
 /// The greatest length of a file in bytes. No format spends less than a byte on an index or a vertex, so a file of this
 /// length has fewer of them than a `u32` counts.
@@ -37,7 +37,7 @@ const SIGNATURES: [(&[u8], &str); 16] = [
 ];
 
 /// Extensions of what programs write that make models, and is not read.
-const OTHERS: [(&str, &str); 16] = [
+const OTHERS: [(&str, &str); 15] = [
     ("3ds", "a 3D Studio model"),
     ("abc", "an Alembic scene"),
     ("blend", "a Blender project"),
@@ -47,7 +47,6 @@ const OTHERS: [(&str, &str); 16] = [
     ("ma", "a Maya project"),
     ("max", "a 3ds Max project"),
     ("mb", "a Maya project"),
-    ("pbrt", "a pbrt scene"),
     ("skp", "a SketchUp model"),
     ("stl", "an STL model"),
     ("usd", "a USD scene"),
@@ -63,9 +62,11 @@ enum Format {
     Ply,
     Gltf,
     Glb,
+    Pbrt,
 }
 
-/// Reads the model at `path`: Wavefront OBJ with its MTL files (`.obj`), PLY (`.ply`), or glTF 2.0 (`.gltf`, `.glb`).
+/// Reads the model at `path`: Wavefront OBJ with its MTL files (`.obj`), PLY (`.ply`), glTF 2.0 (`.gltf`, `.glb`),
+/// or pbrt-v4 (`.pbrt`).
 ///
 /// Things that are missing or of no use here, such as textures, give a line in [`Scene::warnings`]. Degenerate
 /// triangles stay in the meshes.
@@ -75,6 +76,14 @@ enum Format {
 /// A [`SceneError`] if the extension is another one, if the file or one that it needs cannot be read, if it breaks the
 /// rules of its format, has no triangles, or has a coordinate beyond [`MAX_COORDINATE`].
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    load_with(path, &LoadOptions::default())
+}
+
+/// Reads the model at `path` as [`load`] does, in the way that `options` say.
+///
+/// # Errors
+/// Those of [`load`], and if the model has no animation with a name of the moment's.
+pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let metadata = std::fs::metadata(path).map_err(|error| SceneError::unreadable(path, &error))?;
     if metadata.is_dir() {
@@ -84,7 +93,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     if metadata.len() > MAX_LENGTH {
         return Err(whole("this file is larger than 4 GiB", "split the model into smaller files"));
     }
-    read(&Disk, path, format)
+    read(&Disk, path, format, options)
 }
 
 /// Reads the model at `path` as [`load`] does, from `files`.
@@ -92,20 +101,26 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// # Errors
 /// Those of [`load`].
 pub fn load_from(files: &dyn Files, path: &Path) -> Result<Scene, SceneError> {
-    read(files, path, Format::of(path)?)
+    read(files, path, Format::of(path)?, &LoadOptions::default())
 }
 
-fn read(files: &dyn Files, path: &Path, format: Format) -> Result<Scene, SceneError> {
+fn read(files: &dyn Files, path: &Path, format: Format, options: &LoadOptions) -> Result<Scene, SceneError> {
     let files = Recorded::new(files);
     let bytes = files.read(path).map_err(|error| SceneError::unreadable(path, &error))?;
-    let mut scene = parse(&files, path, format, &bytes)?;
+    let mut scene = parse(&files, path, format, &bytes, options)?;
     drop(bytes);
     scene.files = files.into_paths();
     Ok(scene)
 }
 
 /// Reads the model in `bytes`, which `path` holds.
-fn parse(files: &dyn Files, path: &Path, format: Format, bytes: &[u8]) -> Result<Scene, SceneError> {
+fn parse(
+    files: &dyn Files,
+    path: &Path,
+    format: Format,
+    bytes: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if text.iter().all(u8::is_ascii_whitespace) {
@@ -115,8 +130,9 @@ fn parse(files: &dyn Files, path: &Path, format: Format, bytes: &[u8]) -> Result
     let scene = match format {
         Format::Obj => obj::read(files, path, text),
         Format::Ply => ply::read(path, text),
-        Format::Gltf => gltf::read_json(files, path, text),
-        Format::Glb => gltf::read_binary(files, path, text),
+        Format::Gltf => gltf::read_json(files, path, text, options),
+        Format::Glb => gltf::read_binary(files, path, text, options),
+        Format::Pbrt => pbrt::read(files, path, text, options.sharing),
     }?;
     if scene.triangle_count() == 0 {
         return Err(whole("the model has no triangles", "export it with its surfaces, as triangles or polygons"));
@@ -133,6 +149,7 @@ impl Format {
             Some("ply") => Ok(Self::Ply),
             Some("gltf") => Ok(Self::Gltf),
             Some("glb") => Ok(Self::Glb),
+            Some("pbrt") => Ok(Self::Pbrt),
             other => {
                 let known = other.and_then(|other| OTHERS.iter().find(|(extension, _)| *extension == other));
                 let problem = match (other, known) {
@@ -141,8 +158,8 @@ impl Format {
                     (None, _) => "the name has no extension that would tell the format".to_owned(),
                 };
                 let remedy = match known {
-                    Some(_) => "export it as glTF (.glb), which keeps most, or name a .gltf, .obj or .ply file",
-                    None => "name a .glb, .gltf, .obj or .ply file",
+                    Some(_) => "export it as glTF (.glb), which keeps most, or name a .gltf, .obj, .pbrt or .ply file",
+                    None => "name a .glb, .gltf, .obj, .pbrt or .ply file",
                 };
                 Err(SceneError::new(path, Place::File, problem, remedy))
             }
@@ -158,6 +175,7 @@ impl Format {
             Self::Ply => ("a PLY model", Some(b"ply")),
             Self::Gltf => ("glTF, which is JSON text", Some(b"{")),
             Self::Glb => ("binary glTF (GLB)", Some(b"glTF")),
+            Self::Pbrt => ("a pbrt scene", None),
         };
         let problem = match (found, signature) {
             (_, Some(signature)) if start.starts_with(signature) => return Ok(()),

@@ -6,9 +6,10 @@
 //! normals, or texture coordinates, stand apart from those where some are missing, which are flat or without texture
 //! coordinates. Vertices are shared within a mesh.
 //!
-//! Deviations: polygons are cut into a fan around their first corner, which is right for convex ones. Lines and points
-//! are skipped with a warning; smoothing groups, free-form surfaces and unknown statements without one. A face can only
-//! name vertices that stand before it. A normal without a direction counts as missing.
+//! Polygons are cut into triangles (`polygon.rs`).
+//!
+//! Deviations: lines and points are skipped with a warning; smoothing groups, free-form surfaces and unknown statements
+//! without one. A face can only name vertices that stand before it. A normal without a direction counts as missing.
 
 use std::collections::HashMap;
 use std::mem;
@@ -18,6 +19,7 @@ use glam::{Vec2, Vec3};
 
 use super::description::unit;
 use super::error::count;
+use super::polygon::Cutter;
 use super::statement::{Statement, shown, statements};
 use super::texture::TextureStore;
 use super::{Files, Material, Mesh, Scene, SceneError, mtl};
@@ -46,6 +48,10 @@ struct Reader<'a> {
     normals: Vec<Vec3>,
     /// The corners of the face at hand.
     face: Vec<Corner>,
+    /// Its corners as vertices of its mesh, and their positions.
+    vertices: Vec<u32>,
+    places: Vec<Vec3>,
+    cutter: Cutter,
     /// The names that `usemtl` gave, in order of appearance; a mesh's material indexes them until the end.
     material_names: Vec<String>,
     run: Run,
@@ -65,6 +71,9 @@ impl<'a> Reader<'a> {
             texcoords: Vec::new(),
             normals: Vec::new(),
             face: Vec::new(),
+            vertices: Vec::new(),
+            places: Vec::new(),
+            cutter: Cutter::new(),
             material_names: Vec::new(),
             run: Run::default(),
             meshes: Vec::new(),
@@ -126,8 +135,9 @@ impl<'a> Reader<'a> {
             self.face.iter().all(|&[_, _, normal]| normal != NONE && self.normals[normal as usize] != Vec3::ZERO);
         let builder = &mut self.run.builders[usize::from(has_texcoords) + 2 * usize::from(has_normals)];
         let mesh = &mut builder.mesh;
-        let (mut first, mut previous) = (0, 0);
-        for (place, &[position, texcoord, normal]) in self.face.iter().enumerate() {
+        self.vertices.clear();
+        self.places.clear();
+        for &[position, texcoord, normal] in &self.face {
             let corner =
                 [position, if has_texcoords { texcoord } else { NONE }, if has_normals { normal } else { NONE }];
             let vertex = *builder.vertices.entry(corner).or_insert_with(|| {
@@ -140,13 +150,11 @@ impl<'a> Reader<'a> {
                 }
                 mesh.positions.len() as u32 - 1
             });
-            match place {
-                0 => first = vertex,
-                1 => {}
-                _ => mesh.triangles.push([first, previous, vertex]),
-            }
-            previous = vertex;
+            self.vertices.push(vertex);
+            self.places.push(self.positions[position as usize]);
         }
+        let triangles = self.cutter.cut(&self.places).iter();
+        mesh.triangles.extend(triangles.map(|triangle| triangle.map(|corner| self.vertices[corner as usize])));
         Ok(())
     }
 

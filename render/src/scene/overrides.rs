@@ -6,6 +6,7 @@ mod cached;
 mod camera;
 mod integrator;
 mod light;
+mod moment;
 mod optics;
 mod pose;
 mod sky;
@@ -18,16 +19,16 @@ use glam::Vec3;
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
-use super::Scene;
 use super::nearest::suggestion;
-use super::value::{self, argument};
-use crate::settings::Filter;
-use crate::settings::{Invalid, MAX_SIDE, Settings};
+use super::value::{self, MatteKinds, argument};
+use super::{Scene, Sharing};
+use crate::settings::{Aov, Cryptomatte, Filter, Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
 pub use camera::CameraOverrides;
 pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
+pub use moment::MomentOverrides;
 pub use sky::SkyOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
@@ -77,7 +78,7 @@ pub struct Overrides {
     /// The integrator and its options.
     #[command(flatten)]
     pub integrator: IntegratorOverrides,
-    /// Samples per pixel [default: 64]
+    /// Samples per pixel [default: the model's, or 64]
     #[arg(long, value_name = "N", help_heading = "Render")]
     #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
     pub spp: Option<u32>,
@@ -91,7 +92,7 @@ pub struct Overrides {
     /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
     #[arg(long, value_name = "QUALITY", help_heading = "Render", value_parser = argument(value::quality))]
     pub build: Option<Quality>,
-    /// Add channels to the EXR: Albedo, P, N, Ns, u, v of the first surface, Variance, HalfA and HalfB
+    /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA and HalfB
     #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub aov: Option<bool>,
@@ -101,12 +102,34 @@ pub struct Overrides {
     #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
     pub aov_through: Option<bool>,
 
+    /// Add Cryptomatte 1.2 masks to the EXR: object, material or both, as object,material
+    #[arg(long, value_name = "KINDS", help_heading = "Film", value_parser = argument(value::matte_kinds))]
+    pub cryptomatte: Option<MatteKinds>,
+    /// How many names a pixel has in a Cryptomatte at most [default: 6]
+    #[arg(long, value_name = "N", help_heading = "Film", value_parser = argument(value::matte_levels))]
+    pub cryptomatte_levels: Option<u32>,
+    /// Add an AOV of the light of some paths to the EXR, for example --lpe direct=CDL: a name, and a light path
+    /// expression as in Open Shading Language; can be given several times
+    #[arg(long = "lpe", value_name = "NAME=EXPR", help_heading = "Film", value_parser = Aov::parse)]
+    pub aovs: Vec<Aov>,
+    /// Add an AOV of the light of each light group to the EXR: of lights by their names, or by their keys `group`
+    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
+    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
+    pub light_groups: Option<bool>,
+
     /// The lights and the sky.
     #[command(flatten)]
     pub light: LightOverrides,
     /// Material variant of the model to use (glTF's KHR_materials_variants)
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub variant: Option<String>,
+    /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have
+    /// over a million triangles [default: auto]
+    #[arg(long, value_name = "WHEN", help_heading = "Model", value_parser = argument(value::sharing))]
+    pub instances: Option<Sharing>,
+    /// The moment of the model's animations.
+    #[command(flatten)]
+    pub moment: MomentOverrides,
 }
 
 impl Overrides {
@@ -140,8 +163,14 @@ impl Overrides {
             build: self.build.or(fallback.build),
             aov: self.aov.or(fallback.aov),
             aov_through: self.aov_through.or(fallback.aov_through),
+            cryptomatte: self.cryptomatte.or(fallback.cryptomatte),
+            cryptomatte_levels: self.cryptomatte_levels.or(fallback.cryptomatte_levels),
+            aovs: join(self.aovs, fallback.aovs),
+            light_groups: self.light_groups.or(fallback.light_groups),
             light: self.light.or(fallback.light),
             variant: self.variant.or(fallback.variant),
+            instances: self.instances.or(fallback.instances),
+            moment: self.moment.or(fallback.moment),
         }
     }
 
@@ -155,16 +184,24 @@ impl Overrides {
         if let Some(name) = &self.variant {
             choose_variant(scene, name).map_err(|error| Conflict::new(Group::Variant, error))?;
         }
+        self.moment.warn(scene);
         self.apply_camera(scene, (settings.width, settings.height))
             .map_err(|error| Conflict::new(Group::Camera, error))?;
         self.light.apply(scene).map_err(|error| Conflict::new(Group::Sky, error))?;
         Ok(settings)
     }
 
-    /// Pixels across and down: what is not set follows from the kind of camera, or the aspect of the model's if that is used.
+    /// Pixels across and down: what is not set follows from the kind of camera, or the size or aspect of the model's
+    /// if that is used.
     fn size(&self, scene: &Scene, default: &Settings) -> (u32, u32) {
-        let of_model = scene.camera_aspect.filter(|_| !self.is_new_camera() && scene.camera.is_some()).map(f64::from);
-        let aspect = self.natural_aspect(self.camera_kind(&scene.optics)).or(of_model);
+        let is_of_model = !self.is_new_camera() && scene.camera.is_some();
+        let of_model = scene.camera_aspect.filter(|_| is_of_model).map(f64::from);
+        let natural = self.natural_aspect(self.camera_kind(&scene.optics));
+        let aspect = natural.or(of_model);
+        let film = scene.film_size.filter(|_| is_of_model && natural.is_none());
+        if let (None, None, Some(size)) = (self.width, self.height, film) {
+            return size;
+        }
         let scaled = |side: u32, by: f64| ((f64::from(side) * by).round() as u32).clamp(1, MAX_SIDE);
         match (self.width, self.height, aspect) {
             (None, None, Some(aspect)) => (scaled(default.height, aspect), default.height),
@@ -182,14 +219,21 @@ impl Overrides {
             height,
             filter: self.film_filter().map_err(|error| Conflict::new(Group::Filter, error))?,
             integrator: self.integrator.integrator().map_err(|error| Conflict::new(Group::Integrator, error))?,
-            spp: self.spp.unwrap_or(default.spp),
+            spp: self.spp.or(scene.film_spp).unwrap_or(default.spp),
             sampler: self.sampler.unwrap_or(default.sampler),
             seed: self.seed.unwrap_or(default.seed),
             build: self.build.unwrap_or(default.build),
             aov: self.aov.unwrap_or(default.aov),
             aov_through: self.aov_through.unwrap_or(default.aov_through),
             halves: self.aov.unwrap_or(default.halves),
+            cryptomatte: Cryptomatte {
+                kinds: self.cryptomatte.clone().map_or(default.cryptomatte.kinds, |MatteKinds(kinds)| kinds),
+                levels: self.cryptomatte_levels.unwrap_or(default.cryptomatte.levels),
+            },
+            aovs: self.aovs.clone(),
+            light_groups: self.light_groups.unwrap_or(default.light_groups),
         };
+        settings.check_light_paths().map_err(|error| Conflict::new(Group::Aovs, error))?;
         Settings::check_pixels(settings.width, settings.height).map_err(|error| Conflict::new(Group::Size, error))?;
         Ok(settings)
     }
@@ -206,6 +250,7 @@ impl Overrides {
             Group::Integrator => self.integrator.sets_any(),
             Group::Sky => self.light.sets_sky_light(),
             Group::Variant => self.variant.is_some(),
+            Group::Aovs => !self.aovs.is_empty() || self.light_groups.is_some(),
         }
     }
 
@@ -215,6 +260,14 @@ impl Overrides {
         Filter::from_name(name, self.filter_width, self.sharpness)
             .map_err(|error| Invalid::new(error.problem, error.remedy))
     }
+}
+
+/// These AOVs, and of the others those with other names.
+fn join(aovs: Vec<Aov>, others: Vec<Aov>) -> Vec<Aov> {
+    let is_other = |other: &Aov| aovs.iter().all(|aov| aov.name != other.name);
+    let mut joined: Vec<Aov> = others.into_iter().filter(is_other).collect();
+    joined.extend(aovs);
+    joined
 }
 
 /// Shows a variant of the model's materials.
@@ -251,6 +304,7 @@ enum Group {
     Integrator,
     Sky,
     Variant,
+    Aovs,
 }
 
 impl Conflict {

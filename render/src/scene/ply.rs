@@ -2,7 +2,7 @@
 //!
 //! Reads element `vertex` (`x y z`, `nx ny nz`, and `s t`, `u v` or `texture_u texture_v`) and element `face`
 //! (`vertex_indices` or `vertex_index`), and passes over all else, colours included. Errors count vertices and faces
-//! from 0, as the format does. Polygons are cut into a fan around their first corner, which is right for convex ones.
+//! from 0, as the format does. Polygons are cut into triangles (`polygon.rs`).
 //!
 //! The crate trusts a header's counts, so they are compared with the file's length before any element is read.
 
@@ -17,6 +17,7 @@ use ply_rs_bw::ply::{
 
 use super::description::unit;
 use super::error::count;
+use super::polygon::Cutter;
 use super::{Material, Mesh, Place, Scene, SceneError};
 
 const TEXCOORDS: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
@@ -57,9 +58,13 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
         let from_above = |texcoord: Vec2| Vec2::new(texcoord.x, 1.0 - texcoord.y);
         mesh.texcoords = vertices.iter().map(|vertex| from_above(vertex.texcoord)).collect();
     }
+    let (mut cutter, mut positions) = (Cutter::new(), Vec::new());
     for (index, face) in faces.iter().enumerate() {
         let corners = file.corners(index, face, vertices.len())?;
-        mesh.triangles.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
+        positions.clear();
+        positions.extend(corners.iter().map(|&corner| mesh.positions[corner as usize]));
+        let triangles = cutter.cut(&positions).iter();
+        mesh.triangles.extend(triangles.map(|triangle| triangle.map(|corner| corners[corner as usize])));
     }
     Ok(Scene { meshes: vec![mesh], materials: vec![Material::default()], warnings, ..Scene::default() })
 }

@@ -2,6 +2,7 @@
 //!
 //! Both sources are read by the same functions, so that they accept the same values and say the same about others.
 
+mod film;
 mod integrating;
 mod optical;
 
@@ -10,10 +11,12 @@ use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
-use super::{Daylight, DaylightModel, LightUnits};
+use super::{Daylight, DaylightModel, LightUnits, Sharing};
 use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
 
+pub use film::MatteKinds;
+pub(super) use film::{matte_kinds, matte_levels};
 pub(super) use integrating::*;
 pub(super) use optical::*;
 
@@ -57,6 +60,15 @@ impl Value {
             _ => return None,
         };
         number.is_finite().then_some(number)
+    }
+
+    /// The number in double precision.
+    fn double(&self) -> Option<f64> {
+        match self {
+            Self::Integer(value) => Some(*value as f64),
+            Self::Number(value) => Some(*value),
+            _ => None,
+        }
     }
 
     pub(super) fn three(&self) -> Option<Vec3> {
@@ -247,6 +259,30 @@ pub(super) fn seed(value: &Value) -> Reading<u64> {
     value.integer().map_or_else(|| expected(format!("a whole number from 0 to {}", u64::MAX)), Ok)
 }
 
+/// A frame of an animation, also between two.
+pub(super) fn frame(value: &Value) -> Reading<f64> {
+    match value.double() {
+        Some(frame) if frame.abs() <= 1e6 => Ok(frame),
+        _ => expected("a number of a frame from -1000000 to 1000000, for example 12 or 12.5"),
+    }
+}
+
+/// Frames per second.
+pub(super) fn fps(value: &Value) -> Reading<f64> {
+    match value.double() {
+        Some(fps) if fps > 0.0 && fps <= 1e6 => Ok(fps),
+        _ => expected("frames per second, more than 0 and at most 1000000"),
+    }
+}
+
+/// A name, or several.
+pub(super) fn names(value: &Value) -> Reading<Vec<String>> {
+    match value {
+        Value::List(values) if !values.is_empty() => values.iter().map(text).collect(),
+        value => text(value).map(|name| vec![name]),
+    }
+}
+
 /// A pixel filter's name.
 pub(super) fn filter(value: &Value) -> Reading<String> {
     value.one_of(&Filter::NAMES.map(|name| (name, name))).map(str::to_owned)
@@ -289,6 +325,11 @@ pub(crate) fn quality(value: &Value) -> Reading<Quality> {
 /// Which sides emit: whether both do.
 pub(crate) fn emission(value: &Value) -> Reading<bool> {
     value.one_of(&[("front", false), ("both", true)])
+}
+
+/// Whether what is shown several times is kept once.
+pub(crate) fn sharing(value: &Value) -> Reading<Sharing> {
+    value.one_of(&[("auto", Sharing::Auto), ("always", Sharing::Always), ("never", Sharing::Never)])
 }
 
 /// The units of a model's light sources.

@@ -9,9 +9,9 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome_kernel::{Aabb, Hit, Ray};
+use halfdome_kernel::{Aabb, Ray};
 
-use super::World;
+use super::{Hit, World};
 use crate::light::Light;
 use crate::scene::{Key, PunctualLight, key};
 
@@ -43,7 +43,7 @@ impl Bodies {
 impl World {
     /// Finds the bodies among what is double-sided.
     pub(crate) fn bodies(&self) -> Bodies {
-        let materials = || self.triangle_records.iter().map(|record| &self.materials[record.material as usize]);
+        let materials = || self.placed_records().iter().map(|record| &self.materials[record.material as usize]);
         if !materials().any(|material| material.emits_both_sides) {
             return Bodies { is_solid: Vec::new() };
         }
@@ -82,8 +82,8 @@ impl World {
             }
             number
         }
-        let mut first_corners = Vec::with_capacity(self.triangle_records.len());
-        for record in &self.triangle_records {
+        let mut first_corners = Vec::with_capacity(self.placed_records().len());
+        for record in self.placed_records() {
             let corners = record.corners.map(|corner| {
                 let next = roots.len() as u32;
                 let number = *numbers.entry(key(corner)).or_insert(next);
@@ -100,7 +100,7 @@ impl World {
         }
         let mut of_root: HashMap<u32, usize> = HashMap::new();
         let mut pieces: Vec<Piece> = Vec::new();
-        for ((prim, record), corner) in (0..).zip(&self.triangle_records).zip(first_corners) {
+        for ((prim, record), corner) in (0..).zip(self.placed_records()).zip(first_corners) {
             let place = *of_root.entry(root(&mut roots, corner)).or_insert(pieces.len());
             if place == pieces.len() {
                 pieces.push(Piece { triangles: Vec::new(), bounds: Aabb::EMPTY });

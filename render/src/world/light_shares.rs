@@ -33,9 +33,9 @@ impl World {
             sky: 0.0,
             tree_bytes: self.lights.tree_bytes(),
         };
-        let mut ends = Vec::with_capacity(self.triangle_records.len());
+        let mut ends = Vec::with_capacity(self.placed);
         let mut sum = 0.0;
-        for record in &self.triangle_records {
+        for record in self.placed_records() {
             sum += f64::from(area(&record.corners));
             ends.push(sum);
         }

@@ -8,13 +8,13 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, UniformHemisphere, Warp};
 use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
-use super::World;
 use super::seen_points::SeenPoints;
+use super::{Hit, World};
 use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
 
 /// A lit triangle is so many times as bright as the mean.
@@ -67,7 +67,7 @@ impl World {
 
     /// Triangles that reflect at least so much, with what they are as lights, as many as are to be aimed at.
     fn fiercest(&self, least: f32) -> Vec<(u32, TriangleLight)> {
-        let areas: Vec<f32> = self.triangle_records.par_iter().map(|record| area(&record.corners)).collect();
+        let areas: Vec<f32> = self.placed_records().par_iter().map(|record| area(&record.corners)).collect();
         let all: f64 = areas.iter().map(|&area| f64::from(area)).sum();
         let is_small = |area: f32| area > 0.0 && f64::from(area) < SMALL * all;
         let mut lit: Vec<(u32, TriangleLight)> = areas

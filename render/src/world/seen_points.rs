@@ -2,11 +2,11 @@
 //! that these see by the cosine.
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle, UniformSphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 
-use super::{Surface, World};
+use super::{Hit, Surface, World};
 use crate::camera::FilmPoint;
 use crate::light::area;
 
@@ -97,7 +97,7 @@ impl World {
 
     /// Points on the front of surfaces, spread by area.
     fn points_by_area(&self) -> Vec<SeenPoint> {
-        let records = &self.triangle_records;
+        let records = self.placed_records();
         let sums: Vec<f64> = records
             .iter()
             .scan(0.0, |sum, record| {

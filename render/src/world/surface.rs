@@ -10,9 +10,9 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
-use halfdome_kernel::{Hit, offset_distance, offset_point};
+use halfdome_kernel::{offset_distance, offset_point};
 
-use super::{TriangleRecord, World};
+use super::{Hit, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
 
@@ -60,7 +60,7 @@ impl World {
     /// A small white surface at a point in space, which receives what a sensor with this unit normal would. Rays leave
     /// it as they would leave a triangle there that is as large as the scene.
     pub(crate) fn sensor(&self, position: Vec3, normal: Vec3) -> Surface<'_> {
-        let bounds = self.tree().bounds();
+        let bounds = self.bounds();
         let [b, c] = if bounds.is_empty() { [position; 2] } else { [bounds.min, bounds.max] };
         Surface {
             position,
@@ -87,13 +87,20 @@ impl World {
     /// The surface at a hit.
     #[inline(always)]
     pub(crate) fn surface_at(&self, hit: &Hit) -> Surface<'_> {
-        self.surface(hit.prim_id, hit.u, hit.v)
+        let face = self.placed_record(hit.prim_id, hit.instance);
+        self.surface_of(&face, hit)
     }
 
-    /// The surface at barycentric coordinates of a triangle.
+    /// The surface at barycentric coordinates of a triangle that is in world space.
     #[inline(always)]
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
-        let face = &self.triangle_records[prim_id as usize];
+        self.surface_of(&self.triangle_records[prim_id as usize], &Hit { prim_id, u, v, ..Hit::MISS })
+    }
+
+    /// The surface at a hit with a triangle that has this record.
+    #[inline(always)]
+    fn surface_of(&self, face: &TriangleRecord, hit: &Hit) -> Surface<'_> {
+        let Hit { prim_id, u, v, .. } = *hit;
         let weights = [1.0 - u - v, u, v];
         let material = &self.materials[face.material as usize];
         let record = &self.material_records[face.material as usize];
@@ -114,7 +121,7 @@ impl World {
         };
         if face.is_plain == 0 {
             // Field by field, or the compiler would keep every surface in memory instead of in registers.
-            let details = self.details(prim_id, weights);
+            let details = self.details(face.normal, hit, weights);
             surface.normal = details.normal;
             surface.shading_normal = details.shading_normal;
             surface.tangent = details.tangent;
@@ -126,14 +133,20 @@ impl World {
 
     /// What vertices and textures say.
     #[inline(never)]
-    fn details(&self, prim_id: u32, weights: [f32; 3]) -> Details {
-        let TriangleRecord { normal, material, .. } = self.triangle_records[prim_id as usize];
-        let point = self.mesh_point(prim_id, weights);
+    fn details(&self, normal: Vec3, hit: &Hit, weights: [f32; 3]) -> Details {
+        let material = self.triangle_records[hit.prim_id as usize].material;
+        let turn = match self.instance_records() {
+            Some(records) if hit.instance != 0 => Some(records[hit.instance as usize].turn()),
+            _ => None,
+        };
+        let point = MeshPoint { turn, ..self.mesh_point(hit.prim_id, weights) };
         let (record, material) = (&self.material_records[material as usize], &self.materials[material as usize]);
         let interpolated = if point.mesh.normals.is_empty() {
             normal
         } else {
-            interpolate(point.mesh.triangles[point.triangle].map(|corner| point.mesh.normals[corner as usize]), weights)
+            let own = point.mesh.triangles[point.triangle].map(|corner| point.mesh.normals[corner as usize]);
+            let own = interpolate(own, weights);
+            point.turn.map_or(own, |turn| turn.normal(own))
         };
         let frame = material.frame_at(&point, interpolated);
         // A model's own normals say which side is the front, whatever the winding.
@@ -154,7 +167,7 @@ impl World {
     /// A point of a triangle, as materials look it up.
     pub(super) fn mesh_point(&self, prim_id: u32, weights: [f32; 3]) -> MeshPoint<'_> {
         let mesh = &self.meshes[self.triangle_records[prim_id as usize].mesh as usize];
-        MeshPoint { textures: &self.textures, mesh, triangle: self.index_in_mesh(prim_id), weights }
+        MeshPoint { textures: &self.textures, mesh, triangle: self.index_in_mesh(prim_id), weights, turn: None }
     }
 
     /// Texture coordinates at a hit, or the barycentric ones if the mesh has none.

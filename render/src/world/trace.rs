@@ -4,15 +4,25 @@
 //! hole are traced again with a filter, and so are shadow rays that hit anything.
 
 use halfdome_kernel::sampling::Stream;
-use halfdome_kernel::{Hit, HitPacket, Ray, RayPacket, Verdict};
+use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};
 
-use super::World;
+use super::{Hit, World};
+
+/// Rays whose hits are in memory at once: as many as make a call cost little more for each than thousands do.
+const CHUNK: usize = 1024;
 
 impl World {
     /// The nearest hit of each ray, [`Hit::MISS`] for none. Rays pass through holes.
     pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
-        self.tree().intersect_many(rays, hits);
-        self.pass_through_holes(rays, hits);
+        let tree = self.tree();
+        for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
+            let mut found = [kernel::Hit::MISS; CHUNK];
+            tree.intersect_many(rays, &mut found[..rays.len()]);
+            for (hit, found) in hits.iter_mut().zip(&found) {
+                *hit = Hit::of(found);
+            }
+        }
+        self.pass_on(rays, hits);
     }
 
     /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
@@ -23,28 +33,48 @@ impl World {
             let mut found = HitPacket::MISS;
             tree.intersect_packet::<WIDTH>(&RayPacket::from_rays(rays), &mut found);
             for (lane, hit) in hits.iter_mut().enumerate() {
-                *hit = found.hit(lane);
+                *hit = Hit::of(&found.hit(lane));
             }
         }
-        self.pass_through_holes(rays, hits);
+        self.pass_on(rays, hits);
     }
 
-    /// Takes rays that hit a hole further.
-    fn pass_through_holes(&self, rays: &[Ray], hits: &mut [Hit]) {
+    /// Finds nearer hits with instances, and takes rays that hit a hole further.
+    fn pass_on(&self, rays: &[Ray], hits: &mut [Hit]) {
+        if let Some(instances) = &self.instances {
+            instances.intersect_nearer(rays, hits);
+        }
         if self.has_holes {
             for (ray, hit) in rays.iter().zip(hits).filter(|(ray, hit)| self.is_hole(ray, hit)) {
-                *hit = self.tree().intersect_filtered(ray, |hit| self.verdict(ray, hit)).unwrap_or(Hit::MISS);
+                *hit = self.intersect_beyond_holes(ray);
             }
         }
+    }
+
+    /// The nearest hit of a ray that is in no hole.
+    fn intersect_beyond_holes(&self, ray: &Ray) -> Hit {
+        let hit = self.tree().intersect_filtered(ray, |hit| self.verdict(ray, hit));
+        let hit = hit.as_ref().map_or(Hit::MISS, Hit::of);
+        let Some(instances) = &self.instances else { return hit };
+        let shortened = Ray { t_max: if hit.is_hit() { hit.t } else { ray.t_max }, ..*ray };
+        let nearer = instances.intersect_filtered(&shortened, |hit| !self.is_hole(ray, hit));
+        nearer.filter(|nearer| nearer.t < hit.t || !hit.is_hit()).unwrap_or(hit)
     }
 
     /// Whether each ray hits anything. Rays pass through holes.
     pub(crate) fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
         let tree = self.tree();
         tree.occluded_many(rays, occluded);
+        if let Some(instances) = &self.instances {
+            instances.occlude(rays, occluded);
+        }
         if self.has_holes {
             for (ray, occluded) in rays.iter().zip(occluded).filter(|(_, occluded)| **occluded) {
-                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(ray, hit));
+                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(ray, hit))
+                    || self
+                        .instances
+                        .as_ref()
+                        .is_some_and(|instances| instances.occluded_filtered(ray, |hit| !self.is_hole(ray, hit)));
             }
         }
     }
@@ -61,15 +91,15 @@ impl World {
         (prim_id - self.first_faces[self.triangle_records[prim_id as usize].mesh as usize]) as usize
     }
 
-    fn verdict(&self, ray: &Ray, hit: &Hit) -> Verdict {
-        if self.is_hole(ray, hit) { Verdict::Reject } else { Verdict::Accept }
+    fn verdict(&self, ray: &Ray, hit: &kernel::Hit) -> Verdict {
+        if self.is_hole(ray, &Hit::of(hit)) { Verdict::Reject } else { Verdict::Accept }
     }
 
     /// Whether there is a hole in the triangle where this ray hits it. Of a surface that is there in part, rays pass a part,
     /// chosen by a hash of ray and triangle, so that it is the same one whoever asks.
     #[inline(always)]
     pub(crate) fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
-        self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit.prim_id)
+        self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit)
     }
 
     /// How much of a triangle there is at a point, 0 to 1.
@@ -83,12 +113,12 @@ impl World {
 }
 
 /// A number in [0, 1) for a ray and a triangle.
-fn chance(ray: &Ray, prim_id: u32) -> f32 {
+fn chance(ray: &Ray, hit: &Hit) -> f32 {
     let [a, b, c] = ray.origin.to_array().map(f32::to_bits);
     let [d, e, f] = ray.direction.to_array().map(f32::to_bits);
     let seed = u64::from(a) << 32 | u64::from(b);
     let stream = Stream::new(seed, c ^ d.rotate_left(11), e ^ f.rotate_left(17));
-    stream.uniform2(prim_id).x
+    stream.uniform2(hit.prim_id ^ hit.instance.rotate_left(16)).x
 }
 
 #[cfg(test)]

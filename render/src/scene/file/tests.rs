@@ -5,7 +5,7 @@ use halfdome_kernel::sampling::Pattern;
 use super::*;
 use crate::scene::{
     CachedOverrides, CameraKind, CameraOverrides, CameraPose, Daylight, FisheyeMapping, LightOverrides, LightUnits,
-    SensorFit, SkyOverrides,
+    MomentOverrides, SensorFit, SkyOverrides,
 };
 use crate::settings::Filter;
 use crate::settings::{
@@ -45,6 +45,10 @@ fn every_key_sets_its_option() {
         light_radius = 0.25
         sun_angle = 0.5
         variant = "oak"
+        instances = "never"
+        frame = 12.5
+        fps = 30
+        animation = ["Walk", "Camera"]
         [camera]
         eye = [0, 1, 2.5]
         target = [0.0, -1.0, 0.0]
@@ -90,7 +94,7 @@ fn every_key_sets_its_option() {
     "#;
     let path = folder.path().join("room.toml");
     let file = SceneFile::parse(&path, text).unwrap();
-    assert_eq!(file.model, folder.path().join("models/room.obj"));
+    assert_eq!(file.model, Some(folder.path().join("models/room.obj")));
     let expected = Overrides {
         eye: Some(Vec3::new(0.0, 1.0, 2.5)),
         target: Some(Vec3::new(0.0, -1.0, 0.0)),
@@ -132,6 +136,10 @@ fn every_key_sets_its_option() {
         build: Some(Quality::Fast),
         aov: None,
         aov_through: None,
+        cryptomatte: None,
+        cryptomatte_levels: None,
+        aovs: Vec::new(),
+        light_groups: None,
         light: LightOverrides {
             added: Vec::new(),
             sky: Some(Vec3::new(0.1, 0.2, 0.3)),
@@ -149,6 +157,12 @@ fn every_key_sets_its_option() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        instances: Some(Sharing::Never),
+        moment: MomentOverrides {
+            frame: Some(12.5),
+            fps: Some(30.0),
+            animations: Some(vec!["Walk".into(), "Camera".into()]),
+        },
     };
     assert_eq!(file.overrides, expected);
 }
@@ -168,7 +182,10 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     let (line, problem, remedy) = error("[cammera]\nvfov = 100\n");
     assert_eq!((line, problem.as_str()), (3, "unknown section \"cammera\""));
     assert_eq!(remedy, "did you mean `camera`?");
-    assert_eq!(error("[lens]\n").2, "known are scene, camera, film, render, sky, light, material");
+    assert_eq!(
+        error("[lens]\n").2,
+        "known are scene, camera, film, render, sky, light, material, object, instance, aov"
+    );
     assert_eq!(
         error("[sky]\ncolour = 3").2,
         "known are radiance, picture, rotation, scale, daylight, daylight_model, daylight_albedo"

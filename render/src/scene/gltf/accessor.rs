@@ -23,8 +23,8 @@ pub(super) enum Component {
     F32(f32),
 }
 
-/// `N` components for each element of the accessor. `what` it is used for, and the types that this allows, go into
-/// errors; `user` is what refers to it.
+/// `N` components for each element of the accessor: 1 to 4, or 16 of a matrix. `what` it is used for, and the types that
+/// this allows, go into errors; `user` is what refers to it.
 pub(super) fn read<const N: usize>(
     document: &Document,
     index: Index<Accessor>,
@@ -34,7 +34,10 @@ pub(super) fn read<const N: usize>(
 ) -> Result<Vec<[Component; N]>, SceneError> {
     let accessor = document.object(index, "accessor", user)?;
     let place = format!("accessor {}", index.value());
-    let type_ = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][N - 1];
+    let type_ = match N {
+        16 => Type::Mat4,
+        _ => [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][N - 1],
+    };
     let component = match accessor.component_type {
         Checked::Valid(GenericComponentType(component))
             if allowed.contains(&component) && accessor.type_ == Checked::Valid(type_) =>

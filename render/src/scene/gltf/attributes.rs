@@ -16,6 +16,17 @@ use crate::scene::SceneError;
 use crate::scene::count;
 use crate::scene::description::unit;
 
+/// What morph targets and skins move, for each vertex; normals and tangents may be empty.
+pub(super) struct Vertices {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+    /// With the sign of the bitangent.
+    pub(super) tangents: Vec<Vec4>,
+}
+
+/// Four joints that a vertex follows, with their weights.
+pub(super) type Influences = [(u32, f32); 4];
+
 /// A primitive's attributes.
 pub(super) struct Attributes<'a> {
     document: &'a Document<'a>,
@@ -48,7 +59,7 @@ impl<'a> Attributes<'a> {
         kinds: &[ComponentType],
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         if let Some(draco) = &self.draco
-            && let Some(numbers) = draco.attribute(&semantic)
+            && let Some(numbers) = draco.attribute(&semantic, true)
         {
             return Ok(Some(numbers));
         }
@@ -59,11 +70,72 @@ impl<'a> Attributes<'a> {
             let problem = format!("its Draco data have no {name}");
             return Err(self.document.error(self.place, problem, "export the model again, without Draco"));
         }
+        self.read(index, &name, kinds).map(Some)
+    }
+
+    /// `N` numbers for each element of an accessor.
+    fn read<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+        name: &str,
+        kinds: &[ComponentType],
+    ) -> Result<Vec<[f32; N]>, SceneError> {
         let kinds: &[ComponentType] = if self.is_quantized { &[F32, I8, U8, I16, U16] } else { kinds };
+        let numbers = accessor::read::<N>(self.document, index, self.place, name, kinds)?;
+        let accessor = self.document.object(index, "accessor", self.place)?;
         let is_normalised = accessor.normalized || !self.is_quantized;
-        let numbers = accessor::read::<N>(self.document, index, self.place, &name, kinds)?;
         let number = |it: accessor::Component| if is_normalised { it.normalised() } else { it.raw() };
-        Ok(Some(numbers.into_iter().map(|numbers| numbers.map(number)).collect()))
+        Ok(numbers.into_iter().map(|numbers| numbers.map(number)).collect())
+    }
+
+    /// What a morph target adds to an attribute.
+    pub(super) fn deltas(&self, index: Index<Accessor>, name: &str, vertices: usize) -> Result<Vec<Vec3>, SceneError> {
+        let deltas = self.read::<3>(index, name, &[F32])?.into_iter().map(Vec3::from_array).collect();
+        let deltas = self.complete(Some(deltas), vertices, "delta of a morph target", "deltas of a morph target")?;
+        if let Some(vertex) = deltas.iter().position(|delta| !delta.is_finite()) {
+            return Err(self.error(format!("{name}: the delta of vertex {vertex} is not finite"), "export it again"));
+        }
+        Ok(deltas)
+    }
+
+    /// The joints that each vertex follows, with their weights, which are finite and not negative: four for each of the sets
+    /// `JOINTS_0`, `JOINTS_1` and so on.
+    pub(super) fn influences(&self, vertices: usize) -> Result<Vec<Vec<Influences>>, SceneError> {
+        let mut sets = Vec::new();
+        while let Some(index) = self.accessor(Semantic::Joints(sets.len() as u32)) {
+            let set = sets.len() as u32;
+            let (joints, weights) = (Semantic::Joints(set), Semantic::Weights(set));
+            let joints: Vec<[u32; 4]> = match self.draco.as_ref().and_then(|draco| draco.attribute(&joints, false)) {
+                Some(joints) => joints.into_iter().map(|joints| joints.map(|joint: f32| joint as u32)).collect(),
+                None => accessor::read(self.document, index, self.place, &joints.to_string(), &[U8, U16])?
+                    .into_iter()
+                    .map(|joints: [accessor::Component; 4]| joints.map(accessor::Component::index))
+                    .collect(),
+            };
+            let Some(weights) = self.numbers::<4>(weights, &[F32, U8, U16])? else {
+                return Err(self.error(format!("it has JOINTS_{set} without WEIGHTS_{set}"), "give it both"));
+            };
+            for (found, name) in [(joints.len(), "JOINTS"), (weights.len(), "WEIGHTS")] {
+                if found != vertices {
+                    let problem =
+                        format!("it has {} but {found} of {name}_{set}", count(vertices, "position", "positions"));
+                    return Err(self.error(problem, "give every vertex all attributes"));
+                }
+            }
+            let is_wrong = |weights: &[f32; 4]| weights.iter().any(|weight| !(*weight >= 0.0 && weight.is_finite()));
+            if let Some(vertex) = weights.iter().position(is_wrong) {
+                let problem = format!("WEIGHTS_{set} of vertex {vertex} are {:?}", weights[vertex]);
+                return Err(self.error(problem, "write finite numbers that are 0 or more"));
+            }
+            let pairs = |(joints, weights): ([u32; 4], [f32; 4])| core::array::from_fn(|it| (joints[it], weights[it]));
+            sets.push(joints.into_iter().zip(weights).map(pairs).collect());
+        }
+        Ok(sets)
+    }
+
+    /// An error about the primitive.
+    pub(super) fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+        self.document.error(self.place, problem, remedy)
     }
 
     /// Checks that there is one for each vertex.

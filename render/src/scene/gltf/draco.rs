@@ -62,13 +62,13 @@ impl DracoMesh {
     }
 
     /// `N` numbers for each vertex; integers are normalised if `normalised`, so that their greatest is 1.
-    pub(super) fn attribute<const N: usize>(&self, semantic: &Semantic) -> Option<Vec<[f32; N]>> {
+    pub(super) fn attribute<const N: usize>(&self, semantic: &Semantic, normalised: bool) -> Option<Vec<[f32; N]>> {
         let number = self.attributes.get(&semantic.to_string())?;
         let attribute = self.mesh.attribute_by_unique_id(*number)?;
         if usize::from(attribute.num_components()) < N {
             return None;
         }
-        let greatest = greatest(attribute.data_type());
+        let greatest = if normalised { greatest(attribute.data_type()) } else { 1.0 };
         let numbers = attribute.read_f32s(self.count(), N);
         Some(numbers.chunks_exact(N).map(|numbers| core::array::from_fn(|slot| numbers[slot] / greatest)).collect())
     }

@@ -2,10 +2,10 @@
 //!
 //! Nodes must form trees: each has one parent at most, and none is its own ancestor (glTF 2.0, section 3.5.2).
 
-use ::gltf::json::scene::Node;
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 
 use super::Document;
+use super::pose::Pose;
 use crate::scene::SceneError;
 
 /// A node in its place.
@@ -19,7 +19,7 @@ pub(super) struct Placed {
 }
 
 /// The nodes of the default scene, or of all trees if there is none; parents before children, in the file's order.
-pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
+pub(super) fn walk(document: &Document, pose: &Pose) -> Result<Vec<Placed>, SceneError> {
     let parents = parents(document)?;
     let roots: Vec<usize> = match document.root.scene {
         Some(index) => {
@@ -43,7 +43,7 @@ pub(super) fn walk(document: &Document) -> Result<Vec<Placed>, SceneError> {
     let mut walk = Vec::new();
     while let Some((index, parent, turned)) = stack.pop() {
         let node = &document.root.nodes[index];
-        let (local, rotation) = local(document, node, index)?;
+        let (local, rotation) = pose.local(document, index)?;
         let (to_world, rotation) = (parent * local, turned * rotation);
         if !to_world.is_finite() {
             return Err(document.error(document.node(index), "its transform is not finite", "use smaller numbers"));
@@ -89,32 +89,15 @@ fn two_parents(document: &Document, node: usize, one: &str, other: &str) -> Scen
     document.error(document.node(node), problem, "list each node in one place")
 }
 
-/// The node's own transform, its matrix, or translation, rotation and scale; and its rotation, of a matrix that of its
-/// columns if they have one.
-fn local(document: &Document, node: &Node, index: usize) -> Result<(DMat4, DQuat), SceneError> {
-    if let Some(columns) = node.matrix {
-        let matrix = DMat4::from_cols_array(&columns.map(f64::from));
-        if matrix.row(3) != glam::DVec4::W {
-            let problem = "its matrix is not affine";
-            return Err(document.error(document.node(index), problem, "end each column with 0, and the last with 1"));
-        }
-        let (_, rotation, _) = matrix.to_scale_rotation_translation();
-        return Ok((matrix, if rotation.is_normalized() { rotation } else { DQuat::IDENTITY }));
-    }
-    let rotation = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
-    if rotation.length_squared() == 0.0 {
-        return Err(document.error(document.node(index), "its rotation is zero", "write a unit quaternion"));
-    }
-    let vector = |vector: Option<[f32; 3]>, default| vector.map_or(default, |vector| Vec3::from(vector).as_dvec3());
-    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-    let rotation = rotation.normalize();
-    Ok((DMat4::from_scale_rotation_translation(scale, rotation, translation), rotation))
-}
-
 impl Placed {
     /// The node's origin.
     pub(super) fn origin(&self) -> Vec3 {
         self.to_world.w_axis.truncate().as_vec3()
+    }
+
+    /// The transform of points.
+    pub(super) fn to_world(&self) -> DAffine3 {
+        DAffine3::from_mat4(self.to_world)
     }
 
     /// The unit vector in the world of a direction at the node, whatever its scale.

@@ -27,9 +27,9 @@ use glam::{Vec2, Vec3};
 
 use super::Document;
 use super::extensions::{self, Extensions};
-use super::notes::Notes;
 use super::texture::{Reference, Textures};
 use crate::material::Inputs;
+use crate::scene::notes::Notes;
 use crate::scene::{
     Channel, ColorSpace, GltfAnisotropy, Input, Material, NormalMap, Opacity, SceneError, Texture, TextureMap,
 };

@@ -6,13 +6,14 @@
 //! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
 //! first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
 //! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space,
-//! named like its node.
+//! named like its node; those of a mesh that many nodes show become an object with instances (`instancing.rs`).
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Skins, morph targets, lights' ranges,
-//! points and lines are left out with a warning, animations without one.
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Lights' ranges, points and lines are left
+//! out with a warning.
 
 pub(crate) mod accessor;
+mod animation;
 mod attributes;
 mod camera;
 pub(crate) mod container;
@@ -20,11 +21,15 @@ mod draco;
 mod extensions;
 mod hierarchy;
 mod ies;
+mod instancing;
 mod light;
 mod material;
+mod mesh;
 mod meshopt;
-mod notes;
+mod morph;
+mod pose;
 mod primitive;
+mod skin;
 mod texture;
 mod variants;
 
@@ -33,31 +38,46 @@ use std::path::Path;
 
 use ::gltf::json::{Index, Root, deserialize, root::Get};
 use serde::Deserialize;
+use serde_json::value::RawValue;
 
 use super::error::count;
-use super::{Disk, Files, LightUnits, Material, Place, Scene, SceneError};
-use notes::Notes;
+use super::notes::Notes;
+use super::{Animation, Disk, Files, LightLabel, LightUnits, LoadOptions, Material, Moment, Place, Scene, SceneError};
+use mesh::Meshes;
+use pose::Pose;
 
 /// Reads glTF as JSON text.
-pub(crate) fn read_json(files: &dyn Files, path: &Path, text: &[u8]) -> Result<Scene, SceneError> {
-    let root = parse(path, text, |error| Place::Line(error.line()))?;
-    read(files, path, root, None)
+pub(crate) fn read_json(
+    files: &dyn Files,
+    path: &Path,
+    text: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
+    let parsed = parse(path, text, |error| Place::Line(error.line()))?;
+    read(files, path, parsed, None, options)
 }
 
 /// Reads a GLB container.
-pub(crate) fn read_binary(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(crate) fn read_binary(
+    files: &dyn Files,
+    path: &Path,
+    bytes: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
     let chunks = container::split(path, bytes)?;
-    let root = parse(path, chunks.json, |error| {
+    let parsed = parse(path, chunks.json, |error| {
         Place::Part(format!("JSON chunk, line {}, column {}", error.line(), error.column()))
     })?;
-    read(files, path, root, chunks.binary)
+    read(files, path, parsed, chunks.binary, options)
 }
 
 /// A glTF file with its buffers.
 pub(crate) struct Document<'a> {
     files: &'a dyn Files,
     path: &'a Path,
+    /// Without animations.
     pub(crate) root: Root,
+    animations: Vec<animation::Listed>,
     buffers: Vec<Vec<u8>>,
     /// What compressed buffer views hold, by their numbers.
     decompressed: BTreeMap<usize, Vec<u8>>,
@@ -69,23 +89,27 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
         true => container::split(path, bytes)?,
         false => container::Chunks { json: bytes, binary: None, others: Vec::new() },
     };
-    let root = parse(path, chunks.json, |error| Place::Line(error.line()))?;
-    let used = root.extensions_used.iter().find(|name| COMPRESSED.contains(&name.as_str()));
+    let (root, animations) = parse(path, chunks.json, |error| Place::Line(error.line()))?;
+    let used = root.extensions_used.iter().find(|name| NOT_EDITED.contains(&name.as_str()));
     if let Some(name) = used {
         let problem = format!("the file uses {name}, and cannot be changed");
         let place = Place::Part("extensionsUsed".to_owned());
-        return Err(SceneError::new(path, place, problem, "export the model without compression"));
+        return Err(SceneError::new(path, place, problem, "export the model without it"));
     }
     let buffers = container::buffers(&Disk, path, &root, chunks.binary)?;
-    Ok((Document { files: &Disk, path, root, buffers, decompressed: BTreeMap::new() }, chunks))
+    Ok((Document { files: &Disk, path, root, animations, buffers, decompressed: BTreeMap::new() }, chunks))
 }
 
 /// What was left out, for the warnings.
 #[derive(Default)]
 struct Skipped {
     points_and_lines: usize,
-    skinned: usize,
-    morphed: usize,
+    /// Primitives.
+    skinless: usize,
+    /// Vertices.
+    weightless: usize,
+    /// Primitives.
+    miscounted: usize,
     ranges: usize,
 }
 
@@ -128,10 +152,12 @@ impl Document<'_> {
     }
 }
 
-/// The part of glTF that all its versions have.
+/// The part of glTF that all its versions have, and what is read apart.
 #[derive(Deserialize)]
-struct Version {
+struct Outline<'a> {
     asset: Option<Asset>,
+    #[serde(borrow)]
+    animations: Option<&'a RawValue>,
 }
 
 #[derive(Deserialize)]
@@ -139,15 +165,23 @@ struct Asset {
     version: String,
 }
 
-fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place) -> Result<Root, SceneError> {
-    let invalid = |error: ::gltf::json::Error| {
+fn parse(
+    path: &Path,
+    text: &[u8],
+    place: impl Fn(&::gltf::json::Error) -> Place,
+) -> Result<(Root, Vec<animation::Listed>), SceneError> {
+    let wrong = |error: ::gltf::json::Error, place: Place| {
         // The message ends with the place, which is told on its own.
         let message = error.to_string();
         let problem = message.split(" at line ").next().unwrap_or_default();
-        SceneError::new(path, place(&error), format!("this is not valid glTF: {problem}"), "export the model again")
+        SceneError::new(path, place, format!("this is not valid glTF: {problem}"), "export the model again")
+    };
+    let invalid = |error| {
+        let place = place(&error);
+        wrong(error, place)
     };
     // The version goes first, for glTF 1 differs so much that its error would be about something else.
-    let Version { asset } = deserialize::from_slice(text).map_err(invalid)?;
+    let Outline { asset, animations } = deserialize::from_slice(text).map_err(invalid)?;
     let version = asset.map(|asset| asset.version);
     if !version.as_deref().is_some_and(|version| version == "2" || version.starts_with("2.")) {
         let problem = version.map_or_else(
@@ -156,47 +190,52 @@ fn parse(path: &Path, text: &[u8], place: impl Fn(&::gltf::json::Error) -> Place
         );
         return Err(SceneError::new(path, Place::Part("asset".to_owned()), problem, "export the model as glTF 2.0"));
     }
-    deserialize::from_slice(text).map_err(invalid)
+    let (animations, rest) =
+        animation::cut(text, animations).map_err(|error| wrong(error, Place::Part("animations".to_owned())))?;
+    Ok((deserialize::from_slice(&rest).map_err(invalid)?, animations))
 }
 
-fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Result<Scene, SceneError> {
+fn read(
+    files: &dyn Files,
+    path: &Path,
+    (root, animations): (Root, Vec<animation::Listed>),
+    binary: Option<&[u8]>,
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
     check_required(path, &root)?;
     let (mut warnings, mut notes) = (Vec::new(), Notes::default());
     let buffers = container::buffers(files, path, &root, binary)?;
     let decompressed = meshopt::decompress(path, &root, &buffers)?;
-    let document = Document { files, path, root, buffers, decompressed };
+    let document = Document { files, path, root, animations, buffers, decompressed };
     let (materials, textures) = material::read(&document, &mut notes)?;
     let mut scene = Scene { materials, textures, variants: variants::names(&document)?, ..Scene::default() };
     let mut skipped = Skipped::default();
     let mut cameras = Vec::new();
-    for placed in hierarchy::walk(&document)? {
+    let pose = pose(&document, options.moment.as_ref(), &mut scene, &mut notes)?;
+    let nodes = hierarchy::walk(&document, &pose)?;
+    let mut meshes = Meshes::new(&document, &pose, &nodes, options.sharing)?;
+    for placed in &nodes {
         let node = &document.root.nodes[placed.node];
         let place = document.node(placed.node);
-        if let Some(index) = node.mesh {
-            let mesh = document.object(index, "mesh", &place)?;
-            let name = node.name.as_ref().or(mesh.name.as_ref()).cloned().unwrap_or_default();
-            skipped.skinned += usize::from(node.skin.is_some());
-            let mirrored = placed.linear().determinant() < 0.0;
-            for (number, primitive) in mesh.primitives.iter().enumerate() {
-                let place = format!("mesh {}, primitive {number}", index.value());
-                if let Some(read) = primitive::read(&document, primitive, &place, &placed, &mut skipped)? {
-                    variants::add(&document, primitive, &place, scene.meshes.len(), &mut scene.variants)?;
-                    let origin = super::Origin { node: placed.node, mesh: index.value(), primitive: number, mirrored };
-                    scene.meshes.push(super::Mesh { name: name.clone(), origin: Some(origin), ..read });
-                }
-            }
+        if node.mesh.is_some() {
+            meshes.read(placed, &mut scene, &mut skipped)?;
         }
         if let Some(index) = node.camera {
             let camera = document.object(index, "camera", &place)?;
-            cameras.push((place.clone(), camera::read(&document, camera, index.value(), &placed)?));
+            cameras.push((place.clone(), camera::read(&document, camera, index.value(), placed)?));
         }
         let lights = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
         if let Some(index) = lights.map(|lights| lights.light) {
             let light = document.object(index, "light", &place)?;
             skipped.ranges += usize::from(light.range.is_some());
-            scene.lights.push(light::read(&document, light, index.value(), &placed)?);
+            let name = node.name.as_ref().or(light.name.as_ref()).cloned().unwrap_or_default();
+            let label = LightLabel { name, ..LightLabel::default() };
+            scene.add_light(light::read(&document, light, index.value(), placed)?, label);
         }
-        scene.lights.extend(ies::read(&document, &placed)?);
+        if let Some(light) = ies::read(&document, placed)? {
+            let name = node.name.clone().unwrap_or_default();
+            scene.add_light(light, LightLabel { name, ..LightLabel::default() });
+        }
     }
     if let Some((place, camera)) = cameras.first() {
         (scene.camera, scene.camera_aspect) = (Some(camera.pose), camera.aspect);
@@ -235,9 +274,36 @@ fn read(files: &dyn Files, path: &Path, root: Root, binary: Option<&[u8]>) -> Re
     Ok(Scene { warnings, ..scene })
 }
 
+/// The pose at a moment, or of the nodes themselves; the scene is told the animations. Those that are wrong matter if they
+/// are to be played.
+fn pose(
+    document: &Document,
+    moment: Option<&Moment>,
+    scene: &mut Scene,
+    notes: &mut Notes,
+) -> Result<Pose, SceneError> {
+    let animations = match (animation::read(document, notes), moment) {
+        (Ok(animations), _) => animations,
+        (Err(error), Some(_)) => return Err(error),
+        (Err(SceneError { place, problem, .. }), None) => {
+            let place = if let Place::Part(part) = place { part } else { String::new() };
+            notes.add("animations that are not played are wrong", format!("{place}: {problem}"));
+            Vec::new()
+        }
+    };
+    scene.animations.extend(animations.iter().map(|animation| {
+        let (begin, end) = animation.span();
+        Animation { name: animation.name.clone(), begin, end }
+    }));
+    let Some(moment) = moment else { return Ok(Pose::default()) };
+    let playing = animation::playing(document, &animations, &moment.animations, notes)?;
+    Ok(Pose::at(&playing, moment.time))
+}
+
 /// What is read, or is here for programs that edit the file.
-const KNOWN: [&str; 24] = [
+const KNOWN: [&str; 25] = [
     "EXT_lights_ies",
+    "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
@@ -263,13 +329,13 @@ const KNOWN: [&str; 24] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Those whose geometry is not where accessors say: files with them are read, but not edited.
-const COMPRESSED: [&str; 2] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression"];
+/// Those whose geometry is not where accessors and nodes say: files with them are read, but not edited.
+const NOT_EDITED: [&str; 3] = ["EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_draco_mesh_compression"];
 
 /// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the
 /// notes.
 fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
-    const HARMLESS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
+    const HARMLESS: [&str; 4] = ["KHR_animation_", "KHR_materials_", "KHR_texture_", "EXT_texture_"];
     let is_known = |name: &&str| KNOWN.contains(name) || HARMLESS.iter().any(|prefix| name.starts_with(prefix));
     let required = root.extensions_required.iter().map(String::as_str);
     let refused: Vec<&str> = required.filter(|name| !is_known(name)).collect();
@@ -310,8 +376,9 @@ impl Skipped {
     fn warnings(&self, path: &Path) -> Vec<String> {
         let counts = [
             (self.points_and_lines, "primitive of points or lines is", "primitives of points or lines are", "skipped"),
-            (self.skinned, "mesh is", "meshes are", "shown without the skin"),
-            (self.morphed, "primitive is", "primitives are", "shown without the morph targets"),
+            (self.skinless, "primitive is", "primitives are", "shown without the skin, for want of JOINTS_0"),
+            (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
+            (self.weightless, "vertex is", "vertices are", "moved by the first joint named, for want of weights"),
             (self.ranges, "light has", "lights have", "a range, which is ignored"),
         ];
         let counts = counts.iter().filter(|(number, ..)| *number > 0);

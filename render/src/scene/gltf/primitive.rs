@@ -1,18 +1,30 @@
-//! Triangles of a mesh primitive, taken to the world.
-//!
-//! Normals go by the inverse transpose. It is the matrix of cofactors over the determinant, and as normals become unit
-//! vectors the determinant's sign suffices: M⁻ᵀ n ∥ sign(det M) cof(M) n. So a node that flattens has normals, too.
+//! Triangles of a mesh primitive, in the mesh's coordinates, or, where a skin moves them, in the world's.
 
-use ::gltf::json::mesh::{Mode, Primitive};
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
-use glam::{DMat3, Vec3};
+use glam::DAffine3;
 
-use super::attributes::Attributes;
-use super::hierarchy::Placed;
-use super::{Document, Skipped};
+use super::attributes::{Attributes, Vertices};
+use super::skin::Skin;
+use super::{Document, Skipped, morph};
 use crate::scene::count;
-use crate::scene::description::unit;
 use crate::scene::{Mesh, SceneError};
+
+/// What moves the vertices of a node's mesh.
+#[derive(Default)]
+pub(super) struct Deformation {
+    pub(super) skin: Option<Skin>,
+    /// Of morph targets.
+    pub(super) weights: Vec<f64>,
+}
+
+impl Deformation {
+    /// The skin, if the vertices of `primitive` tell which joints they follow.
+    pub(super) fn skin_of(&self, primitive: &Primitive) -> Option<&Skin> {
+        let is_skinned = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
+        self.skin.as_ref().filter(|_| is_skinned)
+    }
+}
 
 /// The triangles of `primitive`, which `place` names in errors; `None` for points and lines. The material is the number
 /// of materials for a primitive without one.
@@ -20,7 +32,7 @@ pub(super) fn read(
     document: &Document,
     primitive: &Primitive,
     place: &str,
-    placed: &Placed,
+    deformation: &Deformation,
     skipped: &mut Skipped,
 ) -> Result<Option<Mesh>, SceneError> {
     let Checked::Valid(mode) = primitive.mode else {
@@ -30,11 +42,10 @@ pub(super) fn read(
         skipped.points_and_lines += 1;
         return Ok(None);
     }
-    skipped.morphed += usize::from(primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()));
     let attributes = Attributes::new(document, primitive, place)?;
     let positions = attributes.positions()?;
     let vertices = positions.len();
-    let tangents = attributes.tangents(vertices)?;
+    let mut moved = Vertices { tangents: attributes.tangents(vertices)?, positions, normals: Vec::new() };
     let indices = attributes.indices(vertices)?;
     if mode == Mode::Triangles && indices.len() % 3 != 0 {
         let corners = count(indices.len(), "corner", "corners");
@@ -48,12 +59,25 @@ pub(super) fn read(
         }
         None => document.root.materials.len(),
     };
-    let triangles = triangles(mode, &indices);
+    moved.normals = attributes.normals(vertices)?;
+    let (targets, weights) = (primitive.targets.as_deref().unwrap_or_default(), &deformation.weights);
+    skipped.miscounted += usize::from(!weights.is_empty() && weights.len() != targets.len());
+    morph::apply(&attributes, targets, weights, &mut moved)?;
+    let mut triangles = triangles(mode, &indices);
+    if let Some(skin) = deformation.skin_of(primitive) {
+        skipped.weightless += skin.apply(&attributes, &mut moved)?;
+        if skin.is_mirrored() {
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+    } else {
+        skipped.skinless += usize::from(deformation.skin.is_some());
+    }
+    let Vertices { positions, normals, tangents } = moved;
     let corners = |corners: &[u32; 3]| corners.map(|index| tangents[index as usize]);
     let tangents = if tangents.is_empty() { Vec::new() } else { triangles.iter().map(corners).collect() };
     let mesh = Mesh {
         name: String::new(),
-        normals: attributes.normals(vertices)?,
+        normals,
         texcoords: attributes.texcoords(0, vertices)?,
         lightmap_texcoords: attributes.texcoords(1, vertices)?,
         colors: attributes.colors(vertices)?,
@@ -63,7 +87,7 @@ pub(super) fn read(
         material,
         ..Mesh::default()
     };
-    to_world(document, mesh, place, placed).map(Some)
+    Ok(Some(mesh))
 }
 
 /// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
@@ -78,37 +102,18 @@ pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-fn to_world(document: &Document, mut mesh: Mesh, place: &str, placed: &Placed) -> Result<Mesh, SceneError> {
-    for position in &mut mesh.positions {
-        *position = placed.to_world.transform_point3(position.as_dvec3()).as_vec3();
-        if !position.is_finite() {
-            let problem = format!("its transform takes {place} out of the range of numbers");
-            return Err(document.error(document.node(placed.node), problem, "use smaller numbers"));
-        }
+/// The mesh where a node shows it; an error if the transform takes it out of the range of numbers.
+pub(super) fn place(
+    document: &Document,
+    mesh: Mesh,
+    place: &str,
+    node: usize,
+    to_world: &DAffine3,
+) -> Result<Mesh, SceneError> {
+    let mesh = mesh.placed(to_world);
+    if !mesh.positions.iter().all(|position| position.is_finite()) {
+        let problem = format!("its transform takes {place} out of the range of numbers");
+        return Err(document.error(document.node(node), problem, "use smaller numbers"));
     }
-    let linear = placed.linear();
-    let mirrors = linear.determinant() < 0.0;
-    if mirrors {
-        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-    }
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if mirrors { -1.0 } else { 1.0 };
-    let sign = if mirrors { -1.0 } else { 1.0 };
-    for corners in &mut mesh.tangents {
-        if mirrors {
-            corners.swap(1, 2);
-        }
-        for tangent in corners {
-            let along = (linear * tangent.truncate().as_dvec3()).normalize_or_zero().as_vec3();
-            *tangent = along.extend(tangent.w * sign);
-        }
-    }
-    // Normals without a direction leave the mesh flat.
-    let normals: Option<Vec<Vec3>> = mesh.normals.iter().map(|normal| direction(cofactors, *normal)).collect();
-    mesh.normals = normals.unwrap_or_default();
     Ok(mesh)
-}
-
-fn direction(cofactors: DMat3, normal: Vec3) -> Option<Vec3> {
-    (cofactors * unit(normal)?.as_dvec3()).try_normalize().map(|normal| normal.as_vec3())
 }

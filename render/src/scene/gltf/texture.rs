@@ -11,8 +11,8 @@ use ::gltf::json::validation::Checked;
 use ::gltf::json::{Image, Index, Value};
 use glam::{Affine2, Mat2, Vec2};
 
-use super::notes::Notes;
 use super::{Document, accessor, container};
+use crate::scene::notes::Notes;
 use crate::scene::texture::decode;
 use crate::scene::{ColorSpace, SceneError, Texture, TextureFilter, TextureMap, Wrap};
 

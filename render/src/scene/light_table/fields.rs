@@ -53,7 +53,7 @@ impl Kind {
 }
 
 /// Keys of all kinds.
-const KEYS: [&str; 3] = ["type", "name", "color"];
+const KEYS: [&str; 4] = ["type", "name", "group", "color"];
 /// Keys that points and spots have with a profile alone.
 const PROFILE_KEYS: [&str; 3] = ["profile", "profile_rotation", "scale"];
 
@@ -66,6 +66,8 @@ pub(super) struct Table<'a> {
     pub(super) what: &'static str,
     /// The light's own, or empty.
     pub(super) name: String,
+    /// The light group that it is in, or empty.
+    pub(super) group: String,
     pub(super) at: usize,
 }
 
@@ -95,8 +97,11 @@ impl<'a> Table<'a> {
                 if needs { "name a profile = \"….ies\" too".to_owned() } else { suggestion(entry.name, &known) };
             return Err(reader.error(entry.at.start, problem, remedy));
         }
-        let name = entries.iter().find(|entry| entry.name == "name").map(|entry| reader.text_of(entry));
-        Ok(Self { reader, kind, what, name: name.transpose()?.unwrap_or_default(), entries, at })
+        let text = |key: &str| {
+            let entry = entries.iter().find(|entry| entry.name == key);
+            entry.map_or_else(|| Ok(String::new()), |entry| reader.text_of(entry))
+        };
+        Ok(Self { reader, kind, what, name: text("name")?, group: text("group")?, entries, at })
     }
 
     pub(super) fn get(&self, name: &str) -> Option<&Entry<'a>> {

@@ -49,6 +49,6 @@ impl<'a> Table<'a> {
             radius: self.number("radius", 0.0, MAX_RADIUS, 0.0)?,
             profile: Arc::new(profile),
         };
-        Ok(LightTable { source: Source::Punctual(light), file: Some(file) })
+        Ok(LightTable { source: Source::Punctual(light), label: self.label(), file: Some(file) })
     }
 }

@@ -83,7 +83,7 @@ fn lamps_are_meshes_with_a_material_of_their_own() {
     let scene = applied(&text).unwrap();
     let names: Vec<&str> = scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
     assert_eq!(names, ["plate", "light 2", "light 3"]);
-    assert!(scene.meshes.iter().all(|mesh| mesh.is_lamp));
+    assert!(scene.meshes.iter().all(|mesh| mesh.is_added));
     let [plate, panel, _] = &scene.materials[..] else { panic!() };
     assert!((plate.emission - Vec3::splat(8.0 / (PI * 2.0 * PI * 4.0))).length() < 1e-6 && plate.emits_both_sides);
     assert_eq!((panel.emission, panel.inputs.base_color), (Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO));
@@ -142,7 +142,7 @@ fn what_is_wrong_is_told_with_its_line() {
         (
             "cone = 1",
             "unknown key \"cone\" of a point light",
-            "known are position, intensity, power, radius, type, name, color, profile, profile_rotation, scale",
+            "known are position, intensity, power, radius, type, name, group, color, profile, profile_rotation, scale",
         ),
         ("intensity = 1\nname = 3", "light.name is 3", "expected text"),
     ] {

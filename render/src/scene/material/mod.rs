@@ -18,6 +18,8 @@ use crate::material::Inputs;
 pub struct Material {
     /// The file's own name for it, or empty.
     pub name: String,
+    /// The light group that its emission is in, or empty: then that of the mesh's name.
+    pub light_group: String,
 
     /// The inputs of its closure, where no map says otherwise.
     pub inputs: Inputs,
@@ -55,6 +57,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
+            light_group: String::new(),
             inputs: Inputs::default(),
             maps: Vec::new(),
             uses_vertex_colors: false,
@@ -157,6 +160,19 @@ impl Material {
             self.normal_map.as_ref().map(|map| &map.texture),
             self.bump_map.as_ref().map(|map| &map.texture),
             self.anisotropy.as_ref().and_then(|anisotropy| anisotropy.map.as_ref()),
+        ];
+        inputs.chain(others.into_iter().flatten())
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn texture_maps_mut(&mut self) -> impl Iterator<Item = &mut TextureMap> {
+        let inputs = self.maps.iter_mut().map(|map| &mut map.texture);
+        let others = [
+            self.emission_map.as_mut(),
+            self.opacity.map.as_mut().map(|(map, _)| map),
+            self.normal_map.as_mut().map(|map| &mut map.texture),
+            self.bump_map.as_mut().map(|map| &mut map.texture),
+            self.anisotropy.as_mut().and_then(|anisotropy| anisotropy.map.as_mut()),
         ];
         inputs.chain(others.into_iter().flatten())
     }

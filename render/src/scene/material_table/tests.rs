@@ -13,7 +13,7 @@ fn applied(text: &str) -> Result<Scene, SceneError> {
     let material = Material { name: "oak".to_owned(), ..Material::default() };
     let meshes = vec![mesh("floor"), mesh("wall"), mesh("floor")];
     let mut scene = Scene { meshes, materials: vec![material], ..Scene::default() };
-    apply(&file.materials, &path, &mut scene)?;
+    apply(&file.materials, &[], &path, &mut scene)?;
     Ok(scene)
 }
 

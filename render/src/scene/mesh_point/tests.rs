@@ -25,7 +25,7 @@ fn at<T>(mesh: Mesh, material: &Material, textures: &[Texture], x: f32, y: f32, 
     scene.complete_tangents();
     // Below the diagonal the point is (b + c, c), above it (b, b + c).
     let (triangle, weights) = if y <= x { (0, [1.0 - x, x - y, y]) } else { (1, [1.0 - y, x, y - x]) };
-    what(&MeshPoint { textures, mesh: &scene.meshes[0], triangle, weights })
+    what(&MeshPoint { textures, mesh: &scene.meshes[0], triangle, weights, turn: None })
 }
 
 /// A texture of one row of texels: a quarter of the square's width each.

@@ -41,13 +41,13 @@ fn the_extension_chooses_the_format_in_any_case() {
     }
     let error = load(&folder.write("a.stl", TRIANGLE)).unwrap_err();
     assert_eq!(error.problem, "this is an STL model (`.stl`), which cannot be read");
-    assert_eq!(error.remedy, "export it as glTF (.glb), which keeps most, or name a .gltf, .obj or .ply file");
+    assert_eq!(error.remedy, "export it as glTF (.glb), which keeps most, or name a .gltf, .obj, .pbrt or .ply file");
     for (name, what) in [("a.blend", "a Blender project"), ("a.FBX", "an FBX model"), ("a.usd", "a USD scene")] {
         assert!(folder.problem(name, TRIANGLE).starts_with(&format!("this is {what}")), "{name}");
     }
     let error = load(&folder.write("a.txt", TRIANGLE)).unwrap_err();
     assert_eq!(error.problem, "`.txt` is not a model format that can be read");
-    assert_eq!(error.remedy, "name a .glb, .gltf, .obj or .ply file");
+    assert_eq!(error.remedy, "name a .glb, .gltf, .obj, .pbrt or .ply file");
     assert_eq!(folder.problem("model", TRIANGLE), "the name has no extension that would tell the format");
 }
 
@@ -103,7 +103,7 @@ fn degenerate_triangles_stay() {
 fn survive_damage(name: &str, bytes: &[u8]) {
     let path = Path::new(name);
     let attempt = |damaged: &[u8]| {
-        if let Ok(scene) = parse(&Disk, path, Format::of(path).unwrap(), damaged) {
+        if let Ok(scene) = parse(&Disk, path, Format::of(path).unwrap(), damaged, &LoadOptions::default()) {
             check_promises(&scene);
         }
     };

@@ -52,9 +52,22 @@ fn negative_indices_count_back_from_the_face() {
 }
 
 #[test]
-fn polygons_become_fans() {
+fn polygons_become_triangles() {
     assert_eq!(mesh("f 1 2 3 4").triangles, [[0, 1, 2], [0, 2, 3]]);
-    assert_eq!(mesh("f 4 3 2 1 3").triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 1]]);
+    // To the fourth corner and back is a line without area.
+    assert_eq!(mesh("f 4 3 2 1 3").triangles, [[1, 2, 3]]);
+    let concave = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nf 1 2 3 4\nf 3 4 1 2\n";
+    let triangles = parse(concave).unwrap().meshes[0].triangles.clone();
+    let sorted = |mut triangle: [u32; 3]| {
+        let least = (0..3).min_by_key(|&corner| triangle[corner]).unwrap();
+        triangle.rotate_left(least);
+        triangle
+    };
+    // From (4, 0) to (3, 1) it is cut both times; the other diagonal lies outside.
+    let cut: Vec<_> = triangles.into_iter().map(sorted).collect();
+    for half in cut.chunks(2) {
+        assert!(half.contains(&[0, 1, 3]) && half.contains(&[1, 2, 3]), "{cut:?}");
+    }
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
+
 use super::{Texture, decode};
 use crate::scene::{Files, SceneError};
 
@@ -70,6 +72,15 @@ impl Texture {
             (map(red).clamp(0.0, 1.0) * 65535.0).round() as u16
         };
         Self::from_texels(width, height, 1, super::Texels::U16((0..count).map(code).collect()))
+    }
+
+    /// A texture with `map` of each texel's linear colour, in 16 bits; `map` gives 0 to 1 a channel. Alpha is left out.
+    pub(crate) fn mapped(&self, space: super::ColorSpace, map: impl Fn(Vec3) -> Vec3) -> Self {
+        let (width, height) = self.size();
+        let count = width as usize * height as usize;
+        let code = |part: f32| (part.clamp(0.0, 1.0) * 65535.0).round() as u16;
+        let codes = (0..count).flat_map(|index| map(self.fetch(space, index).truncate()).to_array().map(code));
+        Self::from_texels(width, height, 3, super::Texels::U16(codes.collect()))
     }
 
     /// Whether the texels, as linear numbers, look like normals in tangent space: on average along z, and bluish.

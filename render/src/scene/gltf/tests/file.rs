@@ -5,37 +5,27 @@ use serde_json::{Value, json};
 use super::*;
 
 #[test]
-fn skins_and_morph_targets_are_told() {
-    let mut document = with("/nodes/0/skin", json!(0));
-    document["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 1}]);
-    assert_eq!(
-        parse(document).unwrap().warnings,
-        ["model.gltf: 1 mesh is shown without the skin", "model.gltf: 1 primitive is shown without the morph targets"]
-    );
-}
-
-#[test]
 fn required_extensions() {
     let required = |names: Value| with("/extensionsRequired", names);
     assert_eq!(
-        problem(required(json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "MSFT_lod"]))),
-        "extensionsRequired: the file requires EXT_mesh_gpu_instancing, MSFT_lod, which cannot be read"
+        problem(required(json!(["EXT_mesh_features", "KHR_lights_punctual", "MSFT_lod"]))),
+        "extensionsRequired: the file requires EXT_mesh_features, MSFT_lod, which cannot be read"
     );
     assert_eq!(
         parse(required(json!(["KHR_materials_unlit", "KHR_materials_subsurface"]))).unwrap().warnings,
         ["model.gltf: KHR_materials_subsurface is not read"]
     );
-    let mut used = with("/extensionsUsed", json!(["EXT_mesh_gpu_instancing", "KHR_materials_ior", "ACME_shine"]));
+    let mut used = with("/extensionsUsed", json!(["EXT_mesh_features", "KHR_materials_ior", "ACME_shine"]));
     used["materials"] = json!([{"name": "wax", "extensions": {"ACME_shine": {}}}]);
     assert_eq!(
         parse(used).unwrap().warnings,
-        ["model.gltf: ACME_shine is not read: material 0 (\"wax\")", "model.gltf: EXT_mesh_gpu_instancing is not read"]
+        ["model.gltf: ACME_shine is not read: material 0 (\"wax\")", "model.gltf: EXT_mesh_features is not read"]
     );
 }
 
 #[test]
 fn wrong_json_and_versions() {
-    let wrong = |text: &str| told(read_json(&Disk, Path::new("model.gltf"), text.as_bytes()));
+    let wrong = |text: &str| told(read_json(&Disk, Path::new("model.gltf"), text.as_bytes(), &LoadOptions::default()));
     assert_eq!(wrong("{\n\"asset\": {\"version\": 2}}"), {
         "line 2: this is not valid glTF: invalid type: integer `2`, expected a string"
     });
@@ -70,7 +60,7 @@ fn buffers() {
     std::fs::write(folder.path().join("my data.bin"), triangle_bytes()).unwrap();
     let external = |uri: &str| {
         let document = with("/buffers", json!([{"byteLength": 104, "uri": uri}]));
-        read_json(&Disk, &folder.path().join("model.gltf"), document.to_string().as_bytes())
+        read_json(&Disk, &folder.path().join("model.gltf"), document.to_string().as_bytes(), &LoadOptions::default())
     };
     assert_eq!(external("my%20data.bin").unwrap().triangle_count(), 1);
     assert_eq!(external("./my data.bin").unwrap().triangle_count(), 1);
@@ -80,9 +70,9 @@ fn buffers() {
 
 #[test]
 fn containers() {
-    let file = |bytes: &[u8]| told(read_binary(&Disk, Path::new("model.glb"), bytes));
+    let file = |bytes: &[u8]| told(read_binary(&Disk, Path::new("model.glb"), bytes, &LoadOptions::default()));
     let whole = small_glb();
-    assert!(read_binary(&Disk, Path::new("model.glb"), &whole).is_ok());
+    assert!(read_binary(&Disk, Path::new("model.glb"), &whole, &LoadOptions::default()).is_ok());
     assert_eq!(file(&whole[..7]), "GLB container: the file is cut short: it ends after 7 bytes");
     assert_eq!(
         file(&whole[..whole.len() - 1]),

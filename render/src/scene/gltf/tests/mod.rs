@@ -1,9 +1,12 @@
 //! Documents that the tests of this folder change, and what they read from them.
 
+mod animations;
+mod deformation;
 mod extensions;
 mod file;
 mod geometry;
 mod nodes;
+mod sharing;
 mod surfaces;
 mod textures;
 
@@ -45,14 +48,59 @@ fn triangle() -> Value {
 }
 
 /// Reads `document` with `bytes` as its buffer, in a data URI.
-fn parse_with(mut document: Value, bytes: &[u8]) -> Result<Scene, SceneError> {
+fn parse_with(document: Value, bytes: &[u8]) -> Result<Scene, SceneError> {
+    parse_as(document, bytes, &LoadOptions::default())
+}
+
+/// The same in another way.
+fn parse_as(mut document: Value, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     use base64::Engine;
     if document["buffers"].is_null() {
         let data = base64::engine::general_purpose::STANDARD_NO_PAD.encode(bytes);
         let uri = format!("data:application/octet-stream;base64,{data}");
         document["buffers"] = json!([{"byteLength": bytes.len(), "uri": uri}]);
     }
-    read_json(&Disk, Path::new("model.gltf"), document.to_string().as_bytes())
+    read_json(&Disk, Path::new("model.gltf"), document.to_string().as_bytes(), options)
+}
+
+/// The triangle, to which accessors can be added.
+struct Model {
+    document: Value,
+    bytes: Vec<u8>,
+}
+
+impl Model {
+    fn triangle() -> Self {
+        Self { document: triangle(), bytes: triangle_bytes() }
+    }
+
+    /// Adds an accessor of `count` elements; its number.
+    fn add(&mut self, bytes: Vec<u8>, component: u32, shape: &str, count: usize) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+        self.bytes.extend(bytes);
+        let views = self.document["bufferViews"].as_array_mut().unwrap();
+        views.push(view);
+        let number = views.len() - 1;
+        let accessor = json!({"bufferView": number, "componentType": component, "type": shape, "count": count});
+        let accessors = self.document["accessors"].as_array_mut().unwrap();
+        accessors.push(accessor);
+        accessors.len() - 1
+    }
+
+    fn floats(&mut self, shape: &str, count: usize, numbers: &[f32]) -> usize {
+        self.add(numbers.iter().flat_map(|number| number.to_le_bytes()).collect(), 5126, shape, count)
+    }
+
+    fn read(&self) -> Result<Scene, SceneError> {
+        parse_with(self.document.clone(), &self.bytes)
+    }
+
+    fn read_at(&self, time: f64, names: &[&str]) -> Result<Scene, SceneError> {
+        let animations = names.iter().map(|&name| name.to_owned()).collect();
+        let options = LoadOptions { moment: Some(Moment { time, animations }), ..LoadOptions::default() };
+        parse_as(self.document.clone(), &self.bytes, &options)
+    }
 }
 
 fn parse(document: Value) -> Result<Scene, SceneError> {

@@ -71,7 +71,9 @@ fn images_come_from_anywhere_and_once() {
     std::fs::write(folder.path().join("a b.png"), png).unwrap();
     let mut in_file = changed(document, "/images/0", json!({"uri": "a%20b.png"}));
     in_file["buffers"] = json!([{"byteLength": 104, "uri": uri("application/octet-stream", &triangle_bytes())}]);
-    let found = read_json(&Disk, &folder.path().join("a.gltf"), in_file.to_string().as_bytes()).unwrap();
+    let found =
+        read_json(&Disk, &folder.path().join("a.gltf"), in_file.to_string().as_bytes(), &LoadOptions::default())
+            .unwrap();
     assert_eq!(found.textures, scene.textures);
 }
 

@@ -1,6 +1,6 @@
 //! What is read past, collected so that each kind becomes one warning that names who has it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 /// The most names in one warning.
@@ -9,7 +9,14 @@ const MAX_NAMES: usize = 3;
 /// Sentences, each with the parts of the file that it is about.
 #[derive(Default)]
 pub(crate) struct Notes {
-    notes: BTreeMap<String, Vec<String>>,
+    notes: BTreeMap<String, Places>,
+}
+
+/// The first few parts, and all of them.
+#[derive(Default)]
+struct Places {
+    first: Vec<String>,
+    all: HashSet<String>,
 }
 
 impl Notes {
@@ -17,8 +24,8 @@ impl Notes {
     pub(crate) fn add(&mut self, what: impl Into<String>, place: impl Into<String>) {
         let places = self.notes.entry(what.into()).or_default();
         let place = place.into();
-        if !places.contains(&place) {
-            places.push(place);
+        if places.all.insert(place.clone()) && places.first.len() < MAX_NAMES {
+            places.first.push(place);
         }
     }
 
@@ -30,8 +37,8 @@ impl Notes {
     /// A warning for each sentence: "file: sentence: first, second and 3 more".
     pub(crate) fn warnings(self, path: &Path) -> impl Iterator<Item = String> {
         self.notes.into_iter().map(move |(what, places)| {
-            let more = places.len().saturating_sub(MAX_NAMES);
-            let mut names = places.into_iter().take(MAX_NAMES).collect::<Vec<_>>().join(", ");
+            let more = places.all.len() - places.first.len();
+            let mut names = places.first.join(", ");
             if more > 0 {
                 names += &format!(" and {more} more");
             }

@@ -1,0 +1,164 @@
+//! Meshes and objects taken to where they are shown.
+
+use glam::{Affine3A, DAffine3, Vec3};
+
+use super::description::unit;
+use super::turn::normal_matrix;
+use super::{Mesh, Scene};
+
+impl Mesh {
+    /// The mesh where a transform takes it. A transform that mirrors exchanges the second and the third corner of each
+    /// triangle, so that fronts stay fronts. Positions that leave the range of numbers are not finite afterwards.
+    pub(crate) fn placed(mut self, to_world: &DAffine3) -> Self {
+        for position in &mut self.positions {
+            *position = to_world.transform_point3(position.as_dvec3()).as_vec3();
+        }
+        let linear = to_world.matrix3;
+        let mirrors = linear.determinant() < 0.0;
+        if mirrors {
+            self.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let sign = if mirrors { -1.0 } else { 1.0 };
+        for corners in &mut self.tangents {
+            if mirrors {
+                corners.swap(1, 2);
+            }
+            for tangent in corners {
+                let along = (linear * tangent.truncate().as_dvec3()).normalize_or_zero().as_vec3();
+                *tangent = along.extend(tangent.w * sign);
+            }
+        }
+        // Normals without a direction leave the mesh flat.
+        let normals = normal_matrix(linear);
+        let direction =
+            |normal: &Vec3| (normals * unit(*normal)?.as_dvec3()).try_normalize().map(|normal| normal.as_vec3());
+        let normals: Option<Vec<Vec3>> = self.normals.iter().map(direction).collect();
+        self.normals = normals.unwrap_or_default();
+        self
+    }
+}
+
+impl Scene {
+    /// The numbers of the meshes in world space, and of those of each object.
+    pub(crate) fn meshes_by_object(&self) -> (Vec<usize>, Vec<Vec<usize>>) {
+        let (mut placed, mut of_objects) = (Vec::new(), vec![Vec::new(); self.objects.len()]);
+        for (number, mesh) in self.meshes.iter().enumerate() {
+            mesh.object.map_or(&mut placed, |object| &mut of_objects[object]).push(number);
+        }
+        (placed, of_objects)
+    }
+
+    /// Calls the meshes of each object that has a name after it: copies that are placed in the world keep it.
+    pub(crate) fn name_parts(&mut self) {
+        for mesh in &mut self.meshes {
+            let Some(object) = mesh.object.map(|object| &self.objects[object]) else { continue };
+            if !object.name.is_empty() {
+                mesh.name.clone_from(&object.name);
+            }
+        }
+    }
+
+    /// Puts a copy of each emissive mesh of an object where each instance is, in place of the shared one.
+    pub(crate) fn place_emitters(&mut self) {
+        let emits = |mesh: &Mesh| mesh.object.is_some() && self.materials[mesh.material].emission != Vec3::ZERO;
+        let (shared, kept): (Vec<Mesh>, Vec<Mesh>) = std::mem::take(&mut self.meshes).into_iter().partition(emits);
+        self.meshes = kept;
+        for mesh in shared {
+            let Some(object) = mesh.object else { continue };
+            for instance in self.instances.iter().filter(|instance| instance.object == object) {
+                let placed = mesh.clone().placed(&double(&instance.to_world));
+                self.meshes.push(Mesh { object: None, ..placed });
+            }
+        }
+    }
+
+    /// Puts copies of all objects of a scene file where their instances are: whoever edits or unwraps the model needs
+    /// its surfaces in the world.
+    pub(crate) fn place_instances(&mut self) {
+        let (_, of_objects) = self.meshes_by_object();
+        let mut copies = Vec::new();
+        for instance in std::mem::take(&mut self.instances) {
+            for &number in &of_objects[instance.object] {
+                let placed = self.meshes[number].clone().placed(&double(&instance.to_world));
+                copies.push(Mesh { object: None, is_added: true, ..placed });
+            }
+        }
+        let kept: Vec<bool> = self.meshes.iter().map(|mesh| mesh.object.is_none()).collect();
+        let number = |mesh: usize| kept[..mesh].iter().filter(|kept| **kept).count();
+        for variant in &mut self.variants {
+            variant.materials.retain(|(mesh, _)| kept[*mesh]);
+            variant.materials.iter_mut().for_each(|(mesh, _)| *mesh = number(*mesh));
+        }
+        self.meshes.retain(|mesh| mesh.object.is_none());
+        self.meshes.append(&mut copies);
+        self.objects.clear();
+    }
+}
+
+/// The transform in double precision.
+fn double(transform: &Affine3A) -> DAffine3 {
+    DAffine3::from_cols_array(&transform.to_cols_array().map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Quat, Vec2, Vec4};
+
+    use super::*;
+    use crate::scene::{Instance, Object, Turn};
+
+    fn mesh() -> Mesh {
+        Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::new(1.0, 0.0, 1.0).normalize(); 3],
+            texcoords: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            tangents: vec![[Vec4::new(1.0, 0.0, 0.0, 1.0); 3]],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn normals_stay_normal_to_what_they_were_normal_to_and_fronts_stay_fronts() {
+        let rotation = Quat::from_rotation_y(0.7);
+        for scale in [Vec3::new(2.0, 1.0, 0.5), Vec3::new(-1.0, 3.0, 1.0)] {
+            let to_world = Affine3A::from_scale_rotation_translation(scale, rotation, Vec3::new(1.0, 2.0, 3.0));
+            let placed = mesh().placed(&double(&to_world));
+            // The normal was normal to this vector.
+            let across = to_world.transform_vector3(Vec3::new(1.0, 0.0, -1.0));
+            assert!(placed.normals[0].dot(across).abs() < 1e-6);
+            let [a, b, c] = placed.corners(0);
+            assert!((b - a).cross(c - a).dot(placed.normals[0]) > 0.0, "{scale}");
+            let bitangent = placed.normals[0].cross(placed.tangents[0][0].truncate()) * placed.tangents[0][0].w;
+            assert!(bitangent.dot(to_world.transform_vector3(Vec3::Y)) > 0.0, "{scale}");
+            // What instances do to directions is the same.
+            let turn = Turn::new(to_world.matrix3.into());
+            assert!(turn.normal(mesh().normals[0]).distance(placed.normals[0]) < 1e-6);
+            assert!(turn.tangent(mesh().tangents[0][0]).distance(placed.tangents[0][0]) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn emitters_are_placed_and_the_rest_is_shared() {
+        use crate::scene::Material;
+
+        let lamp = Material { emission: Vec3::ONE, ..Material::default() };
+        let shared = |material| Mesh { object: Some(0), material, ..mesh() };
+        let at = |x: f32| Instance { object: 0, to_world: Affine3A::from_translation(Vec3::X * x) };
+        let mut scene = Scene {
+            meshes: vec![mesh(), shared(1), shared(0)],
+            materials: vec![Material::default(), lamp],
+            objects: vec![Object::default()],
+            instances: vec![at(5.0), at(7.0)],
+            ..Scene::default()
+        };
+        let mut flat = scene.clone();
+        assert_eq!(scene.triangle_count(), 5);
+        scene.place_emitters();
+        let objects: Vec<Option<usize>> = scene.meshes.iter().map(|mesh| mesh.object).collect();
+        assert_eq!((objects, scene.triangle_count()), (vec![None, Some(0), None, None], 5));
+        assert_eq!(scene.meshes[3].positions[1], Vec3::new(8.0, 0.0, 0.0));
+        flat.place_instances();
+        assert_eq!((flat.meshes.len(), flat.bounds()), (5, scene.bounds()));
+    }
+}

@@ -1,0 +1,44 @@
+//! How transforms turn directions on surfaces.
+//!
+//! Normals go by the inverse transpose. That is the matrix of cofactors over the determinant, and as normals become unit
+//! vectors its sign suffices: `M⁻ᵀ n ∥ sign(det M) cof(M) n`. So a transform that flattens has normals, too.
+
+use glam::{DMat3, Mat3, Vec3, Vec4};
+
+/// The directions of normals that `linear` takes along, but for their length.
+pub(super) fn normal_matrix(linear: DMat3) -> DMat3 {
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if linear.determinant() < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// How an instance turns directions on surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    linear: Mat3,
+    normals: Mat3,
+    side: f32,
+}
+
+impl Turn {
+    /// That of a transform with this linear part.
+    pub(crate) fn new(linear: Mat3) -> Self {
+        let normals = normal_matrix(linear.as_dmat3()).as_mat3();
+        Self { linear, normals, side: if linear.determinant() < 0.0 { -1.0 } else { 1.0 } }
+    }
+
+    /// A direction across the surface, with its length.
+    pub(crate) fn vector(&self, vector: Vec3) -> Vec3 {
+        self.linear * vector
+    }
+
+    /// A normal, as long as before.
+    pub(crate) fn normal(&self, normal: Vec3) -> Vec3 {
+        (self.normals * normal).normalize_or_zero() * normal.length()
+    }
+
+    /// A tangent, as long as before, with the sign of its bitangent.
+    pub(crate) fn tangent(&self, tangent: Vec4) -> Vec4 {
+        let along = (self.linear * tangent.truncate()).normalize_or_zero() * tangent.truncate().length();
+        along.extend(tangent.w * self.side)
+    }
+}

@@ -1,0 +1,38 @@
+//! Where a ray meets the world.
+
+use halfdome_kernel as kernel;
+
+/// A kernel's hit, and which instance it lies in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hit {
+    /// Distance along the ray, in units of its direction's length.
+    pub t: f32,
+    /// Weight of the second corner.
+    pub u: f32,
+    /// Weight of the third corner.
+    pub v: f32,
+    /// The triangle: an index into [`World::triangle_records`](super::World::triangle_records).
+    pub prim_id: u32,
+    /// Where that is: an index into the world's instance records, of which 0 is the world itself.
+    pub instance: u32,
+}
+
+impl Hit {
+    /// The `prim_id` of no triangle.
+    pub(crate) const NO_PRIM: u32 = kernel::Hit::NO_PRIM;
+    /// No hit.
+    pub(crate) const MISS: Self = Self::of(&kernel::Hit::MISS);
+
+    /// A hit of the tree of all triangles that are in world space.
+    #[inline(always)]
+    pub(crate) const fn of(hit: &kernel::Hit) -> Self {
+        let kernel::Hit { t, u, v, prim_id } = *hit;
+        Self { t, u, v, prim_id, instance: 0 }
+    }
+
+    /// Whether something was hit.
+    #[inline(always)]
+    pub(crate) fn is_hit(&self) -> bool {
+        self.prim_id != Self::NO_PRIM
+    }
+}
