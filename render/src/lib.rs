@@ -74,6 +74,7 @@
 //! | [`bake`] | lightmaps and ambient occlusion, for glTF and OBJ |
 //! | [`cubemap`] | prefiltered cube maps |
 //! | [`probes`] | light probes and irradiance volumes |
+//! | [`lpe`] | light path expressions |
 //! | [`output`] | EXR, PNG, Radiance and KTX2 files, tone mapping |
 //! | [`overlay`] | where a picture shows the records of a cache |
 //!
@@ -81,6 +82,7 @@
 //!
 //! `cli` (default) adds the command line and `validate`, the experiments with exact answers. Without it the library builds for
 //! WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "what the command line alone calls"))]
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -98,6 +100,7 @@ pub mod film;
 mod integrator;
 pub mod irradiance;
 mod light;
+pub mod lpe;
 pub mod material;
 pub mod output;
 pub mod overlay;

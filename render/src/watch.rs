@@ -28,6 +28,9 @@ pub trait Watch: Sync {
     /// each square of `side` pixels. Called from the thread that renders, which waits.
     fn level(&self, _side: u32, _picture: &Picture) {}
 
+    /// Sees the film after each wave of samples. Called from the thread that renders.
+    fn wave(&self, _film: &Film) {}
+
     /// Whether the film is wanted now; asked often. All threads then wait until it was [given](Self::film).
     fn wants_film(&self) -> bool {
         false

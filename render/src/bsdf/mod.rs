@@ -50,6 +50,11 @@ impl<B: Bsdf> Scattering<B> {
         (evaluation.f_cos, evaluation.density)
     }
 
+    /// The part of [`eval`](Self::eval)'s light that is that of glossy lobes.
+    pub(crate) fn glossy(&self, direction: Vec3) -> Vec3 {
+        self.shading.glossy(&self.closure, self.wo, direction)
+    }
+
     /// Where a path goes on; `None` if it is absorbed.
     #[inline]
     pub(crate) fn sample(&self, u: Vec2) -> Option<Bounce> {

@@ -170,6 +170,14 @@ impl Camera {
         }
     }
 
+    /// How far a point of a sample's ray is: along the view of a camera with a flat film, along the ray of others.
+    pub(crate) fn depth(&self, ray: &Ray, t: f32) -> f32 {
+        match &self.kind {
+            Kind::Plane(_) => self.basis.to_view(ray.at(t))[2] as f32,
+            _ => t,
+        }
+    }
+
     /// How many pictures of the world the film has side by side: one for each eye.
     pub(crate) fn views(&self) -> u32 {
         if let Kind::Panorama(panorama) = &self.kind { panorama.views() } else { 1 }

@@ -1,6 +1,7 @@
 //! Arguments that commands share, and those of `render` and `info`.
 
 mod film;
+mod sequence;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -10,11 +11,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::denoiser::Denoiser;
 use super::messages::Mode;
+use super::tev;
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
 use crate::watch::MAX_PREVIEW_SIDE;
 pub(super) use film::{FilmArguments, is_film};
+pub(super) use sequence::SequenceArguments;
+use sequence::numbered;
 
 /// What overrides the scene, with the picture's size in one word.
 #[derive(Args, Clone, Debug)]
@@ -41,7 +45,7 @@ impl OverrideArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct RenderArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     pub(super) scene: PathBuf,
 
     /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to go on with or to
@@ -73,9 +77,26 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "METHOD", value_parser = denoiser())]
     pub(super) denoise: Option<Denoiser>,
 
+    /// Write what the render took and gave to a file of JSON: scene, options, times, rays, errors
+    #[arg(long, value_name = "FILE", help_heading = "Statistics")]
+    pub(super) stats_json: Option<PathBuf>,
+
+    /// Write the same to look at, with the picture and its error against time and place: one file (.html)
+    #[arg(long, value_name = "FILE", help_heading = "Statistics")]
+    pub(super) report: Option<PathBuf>,
+
+    /// Show the picture while it grows in tev, a viewer that must be running, here or elsewhere [default: off; without an
+    /// address that on this machine]
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = tev::ADDRESS)]
+    pub(super) tev: Option<String>,
+
     /// How PNG pictures are made.
     #[command(flatten)]
     pub(super) tone: ToneArguments,
+
+    /// The frames, if there are several.
+    #[command(flatten)]
+    pub(super) sequence: SequenceArguments,
 
     /// When it ends, and how it goes on.
     #[command(flatten)]
@@ -109,7 +130,7 @@ pub(super) struct CommonArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct InfoArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), `cornell` for the built-in scene, or a tree (.bvh)
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), `cornell` for the built-in scene, or a tree (.bvh)
     pub(super) scene: PathBuf,
 
     /// Print JSON instead of a table
@@ -123,27 +144,48 @@ pub(super) struct InfoArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(super) struct MaterialsArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     pub(super) scene: PathBuf,
 }
 
 impl RenderArguments {
-    /// The pictures to write, each once.
+    /// The pictures to write, each once, and none that a report has the name of.
     pub(super) fn outputs(&self) -> Result<Vec<PathBuf>, Invalid> {
-        if self.outputs.is_empty() {
-            let stem = self.scene.file_stem().unwrap_or(OsStr::new("picture"));
-            return Ok(["exr", "png"].map(|extension| with_extension(stem, extension)).to_vec());
-        }
-        let places: Vec<_> = self.outputs.iter().map(|path| place(path)).collect();
-        for (i, path) in self.outputs.iter().enumerate() {
+        let outputs = match &self.outputs[..] {
+            [] => {
+                let mut stem = self.scene.file_stem().unwrap_or(OsStr::new("picture")).to_owned();
+                stem.push(if self.sequence.frames.is_some() { ".####" } else { "" });
+                ["exr", "png"].map(|extension| with_extension(&stem, extension)).to_vec()
+            }
+            given => given.to_vec(),
+        };
+        let all: Vec<&PathBuf> = outputs.iter().chain(self.reports()).collect();
+        let places: Vec<_> = all.iter().map(|path| place(path)).collect();
+        for (i, path) in all.iter().enumerate() {
             if places[..i].contains(&places[i]) {
-                return Err(Invalid::new(
-                    format!("{} is given twice", path.display()),
-                    "give each picture its own name",
-                ));
+                let problem = format!("{} is given twice", path.display());
+                return Err(Invalid::new(problem, "give each file its own name"));
             }
         }
-        Ok(self.outputs.clone())
+        Ok(outputs)
+    }
+
+    /// The arguments of one frame of a sequence, with its number in the names of all files.
+    pub(super) fn of_frame(&self, frame: i32) -> Result<Self, Invalid> {
+        let numbered = |path: &PathBuf| numbered(path, frame);
+        let mut one = Self {
+            outputs: self.outputs()?.iter().map(numbered).collect::<Result<_, _>>()?,
+            stats_json: self.stats_json.as_ref().map(numbered).transpose()?,
+            report: self.report.as_ref().map(numbered).transpose()?,
+            ..self.clone()
+        };
+        one.overriding.overrides.moment.frame = Some(frame.into());
+        Ok(one)
+    }
+
+    /// The files that tell of the render.
+    pub(super) fn reports(&self) -> impl Iterator<Item = &PathBuf> {
+        self.stats_json.iter().chain(&self.report)
     }
 }
 

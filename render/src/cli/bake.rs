@@ -20,7 +20,7 @@ use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
 use crate::output::OutputFile;
-use crate::scene::{CachedOverrides, Scene, SceneFile};
+use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, Sharing};
 use crate::world::{LookFrom, World};
 use files::Files;
 
@@ -149,14 +149,25 @@ impl BakeArguments {
             return Ok(None);
         }
         let is_toml = self.scene.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        Ok(Some(if is_toml { SceneFile::read(&self.scene)?.model } else { self.scene.clone() }))
+        if !is_toml {
+            return Ok(Some(self.scene.clone()));
+        }
+        let model = SceneFile::read(&self.scene)?.model;
+        model.map(Some).ok_or_else(|| {
+            let problem = format!("{} names no model to bake, and objects get no lightmap", self.scene.display());
+            invalid(
+                problem,
+                "put what is baked into a model, and name it: [scene] on a line, then file = \"level.glb\"",
+            )
+        })
     }
 }
 
 /// Bakes a level, or checks its coordinates.
 pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    let overrides = arguments.light.overrides();
+    // Each copy has texels of its own.
+    let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
         let (scene, settings) = prepare(&arguments.scene, overrides, picture.as_slice())?;

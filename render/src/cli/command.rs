@@ -12,6 +12,7 @@ use super::help::{
     RENDER_EXAMPLES, VALIDATE_EXAMPLES,
 };
 use super::irradiance::IrradianceArguments;
+use super::manual::{CompletionsArguments, ManArguments};
 use super::merge::MergeArguments;
 use super::prepare::CORNELL;
 use super::probes::ProbesArguments;
@@ -68,6 +69,10 @@ pub(super) enum Command {
     /// Check the renderer on scenes with exact answers
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
+    /// Make manual pages of the program and its commands
+    Man(ManArguments),
+    /// Print a script that lets a shell complete options
+    Completions(CompletionsArguments),
 }
 
 impl Command {

@@ -32,7 +32,7 @@ const SKY: &str = "sky";
 #[derive(Args, Clone, Debug)]
 pub(super) struct CubemapArguments {
     /// An environment map (.hdr, .exr; equirectangular), `sky` for the sky of the options, or with --at a scene (.toml,
-    /// .obj, .ply, .gltf, .glb, `cornell`)
+    /// .glb, .gltf, .obj, .pbrt, .ply, `cornell`)
     source: PathBuf,
 
     /// A point in the scene, in the scene's units

@@ -19,7 +19,7 @@ use super::error::{CliError, EXIT_DONE, invalid};
 use super::prepare::prepare;
 use super::print::print;
 use super::{memory, tree};
-use crate::scene::{Overrides, Scene};
+use crate::scene::{Animation, Overrides, Scene};
 use crate::world::World;
 
 /// All that is told of a scene; lengths in the model's units.
@@ -27,15 +27,31 @@ use crate::world::World;
 struct Info {
     scene: String,
     meshes: usize,
+    /// Those of instances included.
     triangles: usize,
+    #[serde(flatten)]
+    shared: Shared,
     materials: usize,
     lights: Lights,
     camera: Camera,
+    animations: Vec<Animation>,
     bounds: Option<Bounds>,
     tree: Tree,
     /// What rays are traced with.
     instruction_set: &'static str,
     warnings: Vec<String>,
+}
+
+/// What is kept once and shown at many places.
+#[derive(Clone, Copy, Serialize)]
+struct Shared {
+    objects: usize,
+    instances: usize,
+    /// Triangles in memory.
+    stored_triangles: usize,
+    /// Memory of what is known of each instance, and of their tree.
+    #[serde(rename = "instance_bytes")]
+    bytes: usize,
 }
 
 #[derive(Serialize)]
@@ -85,17 +101,20 @@ impl Info {
         let camera = Camera::of(&scene);
         let mut lights = Lights::of(&scene);
         let (meshes, triangles, materials) = (scene.meshes.len(), scene.triangle_count(), scene.materials.len());
+        let shared = Shared::of(&scene);
         let bounds = scene.bounds().map(|(lower, upper)| Bounds { lower, upper });
-        let warnings = std::mem::take(&mut scene.warnings);
+        let (warnings, animations) = (std::mem::take(&mut scene.warnings), std::mem::take(&mut scene.animations));
         let world = World::new(scene).map_err(CliError::input)?;
         lights.share(&world);
         Ok(Self {
             scene: name,
             meshes,
             triangles,
+            shared: Shared { bytes: world.instance_bytes(), ..shared },
             materials,
             lights,
             camera,
+            animations,
             bounds,
             instruction_set: Isa::detect().level().name(),
             warnings,
@@ -104,7 +123,7 @@ impl Info {
     }
 
     fn table(&self) -> String {
-        let Self { lights, camera, tree, .. } = self;
+        let Self { lights, camera, animations, tree, .. } = self;
         let mut table = String::new();
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
@@ -113,9 +132,20 @@ impl Info {
         row("scene", self.scene.clone());
         row("meshes", self.meshes.to_string());
         row("triangles", format!("{} ({} degenerate, dropped)", self.triangles, tree.degenerate_triangles));
+        let Shared { objects, instances, stored_triangles, bytes } = self.shared;
+        if instances > 0 {
+            let size = memory::size(bytes as u64);
+            row(
+                "instances",
+                format!("{instances} of {objects} objects, {stored_triangles} triangles kept, {size} besides"),
+            );
+        }
         row("materials", self.materials.to_string());
         lights.rows(&mut row);
         camera.rows(&mut row);
+        for Animation { name, begin, end } in animations {
+            row("animation", format!("{name}, {begin:.3} to {end:.3} s"));
+        }
         match &self.bounds {
             Some(Bounds { lower, upper }) => {
                 row("bounds", format!("{}  to  {}", coordinates(*lower), coordinates(*upper)));
@@ -130,6 +160,13 @@ impl Info {
             row("warning", warning.clone());
         }
         table
+    }
+}
+
+impl Shared {
+    fn of(scene: &Scene) -> Self {
+        let (objects, instances) = (scene.objects.len(), scene.instances.len());
+        Self { objects, instances, stored_triangles: scene.stored_triangle_count(), bytes: 0 }
     }
 }
 

@@ -11,6 +11,10 @@ const EXIT_KILLED: i32 = 130;
 
 /// Catches the signals from now on. Until then they end the program as usual, for there is no picture to save.
 pub(super) fn catch() -> Result<(), CliError> {
+    static CAUGHT: AtomicBool = AtomicBool::new(false);
+    if CAUGHT.swap(true, Ordering::Relaxed) {
+        return Ok(());
+    }
     ctrlc::set_handler(|| {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(EXIT_KILLED);

@@ -27,7 +27,7 @@ use crate::world::LookFrom;
 /// What `halfdome irradiance` takes.
 #[derive(Args, Clone, Debug)]
 pub(super) struct IrradianceArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
     /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Their

@@ -3,7 +3,7 @@
 use clap::Args;
 use glam::Vec3;
 
-use crate::scene::{LightOverrides, Overrides};
+use crate::scene::{LightOverrides, MomentOverrides, Overrides};
 
 /// What lights a scene, besides what is in it, and by which random numbers its light is found.
 #[derive(Args, Clone, Debug)]
@@ -14,6 +14,9 @@ pub(super) struct LightArguments {
     /// Material variant of the model to use (glTF's KHR_materials_variants)
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     variant: Option<String>,
+    /// The moment of the model's animations.
+    #[command(flatten)]
+    moment: MomentOverrides,
 
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N", help_heading = "Light")]
@@ -26,6 +29,7 @@ impl LightArguments {
         Overrides {
             light: self.light.clone(),
             variant: self.variant.clone(),
+            moment: self.moment.clone(),
             seed: self.seed,
             eye: Some(Vec3::ZERO),
             target: Some(Vec3::NEG_Z),

@@ -17,6 +17,7 @@ mod interrupt;
 mod irradiance;
 mod job;
 mod light;
+mod manual;
 mod materials;
 mod memory;
 mod merge;
@@ -26,8 +27,11 @@ mod print;
 mod probes;
 mod progress;
 mod render;
+mod render_report;
+mod render_statistics;
 mod render_watch;
 mod summary;
+mod tev;
 mod tree;
 mod validate;
 
@@ -35,7 +39,7 @@ use std::process::ExitCode;
 
 use halfdome_kernel::{Isa, Level};
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use command::{Arguments, Command};
 use error::{CliError, EXIT_DONE, EXIT_INPUT};
@@ -68,6 +72,8 @@ pub fn main() -> ExitCode {
         Command::Denoise(arguments) => (denoise::run(&arguments), arguments.common.progress),
         Command::Probes(arguments) => (probes::run(&arguments), arguments.common.progress),
         Command::Validate(arguments) => (validate::run(&arguments), Mode::Auto),
+        Command::Man(arguments) => (manual::man(&arguments, Arguments::command()), Mode::Auto),
+        Command::Completions(arguments) => (manual::completions(&arguments, Arguments::command()), Mode::Auto),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| {
         error.print(mode);

@@ -21,7 +21,7 @@ pub(super) fn prepare<P: AsRef<Path>>(
     arguments: Overrides,
     outputs: &[P],
 ) -> Result<(Scene, Settings), CliError> {
-    let (mut scene, from_file) = open(name)?;
+    let (mut scene, from_file) = open(name, &arguments)?;
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     inputs::refuse(outputs, &scene.files)?;
@@ -53,16 +53,16 @@ pub(super) fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPo
     pool.map_err(|error| CliError::System(format!("cannot start threads: {error}")))
 }
 
-/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets.
-pub(super) fn open(name: &Path) -> Result<(Scene, Overrides), SceneError> {
+/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets. `overrides` say which
+/// moment is shown and what is shared, where they do.
+pub(super) fn open(name: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
     if name == Path::new(CORNELL) {
         return Ok((scene::cornell_box(), Overrides::default()));
     }
     match name.metadata() {
-        Ok(_) => scene::open(name),
+        Ok(_) => scene::open_with(name, overrides),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            let remedy =
-                "give a scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene";
+            let remedy = "give a scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene";
             Err(SceneError::new(name, Place::File, "no such file", remedy))
         }
         Err(error) => Err(SceneError::unreadable(name, &error)),

@@ -28,7 +28,7 @@ use files::Files;
 /// What `halfdome probes` takes.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ProbesArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
     /// File to write; can be given several times: .json (positions, states and coefficients), .exr (one texel per
@@ -74,7 +74,7 @@ pub(super) struct ProbesArguments {
 impl ProbesArguments {
     /// The grid in a world.
     fn grid(&self, count: [u32; 3], world: &World) -> Result<ProbeGrid, CliError> {
-        let bounds = world.tree().bounds();
+        let bounds = world.bounds();
         let (min, max) = match (self.min, self.max) {
             (Some(min), Some(max)) => (min, max),
             _ if bounds.is_empty() => {

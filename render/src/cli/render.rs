@@ -13,31 +13,67 @@ use super::inputs;
 use super::messages::{Style, print_text};
 use super::prepare::{prepare, thread_pool};
 use super::progress::Progress;
+use super::render_statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
 use super::render_watch::RenderWatch;
 use super::summary::{End, RenderReport};
-use super::{denoiser, interrupt, memory};
+use super::tev::Tev;
+use super::{denoiser, interrupt, memory, render_report};
 use crate::cache::Cache;
 use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
-use crate::film::{BadSamples, Film, Picture};
+use crate::film::{BadSamples, Film, Picture, is_for_denoising};
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::Settings;
 use crate::world::World;
 
-/// Renders; the exit code says whether every sample was taken.
+/// Renders a picture or a sequence; the exit code says whether every sample was taken.
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
+    match arguments.sequence.numbers() {
+        Some(frames) => sequence(arguments, frames),
+        None => render(arguments),
+    }
+}
+
+/// Renders frames one after the other, each written when it is done.
+fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> Result<u8, CliError> {
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    let mut code = EXIT_DONE;
+    for frame in frames {
+        let arguments = arguments.of_frame(frame)?;
+        if arguments.sequence.skip_existing && arguments.outputs()?.iter().all(|path| path.exists()) {
+            print_text(style, &format!("frame {frame} is there"));
+            continue;
+        }
+        if interrupt::requested() {
+            return Ok(EXIT_INTERRUPTED);
+        }
+        print_text(style, &format!("frame {frame}"));
+        match render(&arguments)? {
+            EXIT_INTERRUPTED => return Ok(EXIT_INTERRUPTED),
+            EXIT_LIMIT => code = EXIT_LIMIT,
+            _ => {}
+        }
+    }
+    Ok(code)
+}
+
+/// Renders a picture.
+fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     let begin = Instant::now();
+    let mut recorder = Recorder::start();
     let (film_path, paths) = arguments.film.places(&arguments.outputs()?)?;
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
     }
-    let all: Vec<&PathBuf> = paths.iter().chain(&film_path).collect();
+    let reports: Vec<&PathBuf> = arguments.reports().collect();
+    let all: Vec<&PathBuf> = paths.iter().chain(&film_path).chain(reports.iter().copied()).collect();
     inputs::refuse(&all, arguments.cache.as_slice())?;
     let (mut scene, mut settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &all)?;
     let wants_aov = settings.aov;
-    settings.halves |= arguments.film.noise.is_some();
+    // Errors are estimated by them.
+    settings.halves |= arguments.film.noise.is_some() || !reports.is_empty();
     let method = arguments.denoise.map(|denoiser| denoiser.for_render(&settings)).transpose()?;
     if method.is_some() {
         if let Some(part) = arguments.film.part() {
@@ -48,10 +84,24 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         settings = denoiser::prepare(settings);
     }
     memory::check_denoised(&settings, method.as_ref())?;
+    let has_aovs =
+        wants_aov || settings.light_groups || !settings.aovs.is_empty() || !settings.cryptomatte.kinds.is_empty();
+    if has_aovs && film_path.is_none() && arguments.tev.is_none() && !paths.iter().any(|path| is_exr(path)) {
+        let warning = "AOVs are asked for, but PNG has none: name an .exr (-o) to have them";
+        scene.warnings.push(warning.to_owned());
+    }
+    let [stats_file, report_file] = [&arguments.stats_json, &arguments.report]
+        .map(|path| path.as_deref().map(|path| OutputFile::check(path).map_err(CliError::input)).transpose());
+    let (stats_file, report_file) = (stats_file?, report_file?);
     let film_file = film_path.as_deref().map(|path| OutputFile::check(path).map_err(CliError::input)).transpose()?;
     let checkpoint = match (&film_path, arguments.film.interval()) {
         (Some(path), Some(interval)) => Some(Checkpoint::new(path, interval)?),
         _ => None,
+    };
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    let tev = match &arguments.tev {
+        Some(address) => Some(Tev::connect(address, &shown_name(&paths, &arguments.scene), style)?),
+        None => None,
     };
     let lit = scene.has_light();
     if settings.integrator.needs_light() && !lit {
@@ -59,14 +109,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     }
 
     let pool = thread_pool(&arguments.common)?;
-    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
+    let facts = SceneFacts::of(scene_name.clone(), &scene);
+    let mut seconds = Seconds { load: recorder.lap(), ..Seconds::default() };
     let building = BuildProgress::start(style, scene.triangle_count());
     let watch = |fraction| building.advance(fraction);
     let world = pool.install(|| World::build(scene, &settings.build.into(), &RayonExecutor(&watch)));
     let world = world.map_err(CliError::input)?;
     drop(building);
+    seconds.build = recorder.lap();
+    let facts = facts.with_world(&world);
     let cache = match &arguments.cache {
         Some(path) => Some(read_cache(Some(path), &cached_options(&settings)?, &world)?),
         None => None,
@@ -75,6 +128,14 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     if degenerate > 0 {
         let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
         warnings.push(format!("{dropped} dropped"));
+    }
+    let far = world.instances_out_of_range();
+    if far > 0 {
+        let far = count(far, "instance reaches", "instances reach");
+        warnings.push(format!(
+            "{far} beyond {:e} from the origin, too far away to be seen",
+            halfdome_kernel::MAX_COORDINATE
+        ));
     }
     let before = match &film_path {
         Some(path) if arguments.film.resume => begun(path, &world, &settings, cache.as_ref(), style)?,
@@ -98,6 +159,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         style,
         deadline: arguments.film.time.map(|time| begin + time),
         checkpoint: checkpoint.as_ref(),
+        recorder: (!reports.is_empty()).then_some(&recorder),
+        tev: tev.as_ref(),
     };
     let plan = Plan { cache, film: before, share: arguments.film.share(), noise: arguments.film.noise };
     let mut result = pool.install(|| driver::render_plan(&world, &settings, plan, &watch)).map_err(CliError::input)?;
@@ -108,6 +171,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         false => End::Limit,
     };
     drop(progress);
+    recorder.lap();
     let mut denoised = Ok(());
     if let Some(method) = &method {
         denoised = if end == End::Interrupted {
@@ -125,6 +189,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
             "interrupted before the picture was denoised: it is noisy; an .exr has all that `halfdome denoise` needs";
         report.warn(style, warning.to_owned());
     }
+    if let Some(tev) = &tev {
+        tev.show(&result.picture, false);
+    }
     let is_whole = result.finished && arguments.film.part().is_none();
     if settings.integrator.needs_light() && lit && is_whole && is_black(&result.picture) {
         let warning = "the picture is black although the scene has lights: emitters may face away (try --emission both), \
@@ -135,11 +202,39 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         report.warn(style, warning);
     }
 
+    if end == End::Interrupted && arguments.sequence.frames.is_some() && checkpoint.is_none() {
+        // A frame of a sequence that is there is taken for a whole one.
+        report.warn(style, "interrupted: this frame is not written".to_owned());
+        report.print_end(style, &result, end, &[]);
+        return Ok(EXIT_INTERRUPTED);
+    }
     let (mut written, mut failures) = write_all(&paths, &result.picture, &tone);
     if let (Some(file), Some(path)) = (&film_file, film_path) {
         match file.write(&result.film.encode()) {
             Ok(()) => written.push(path),
             Err(error) => failures.push(error.to_string()),
+        }
+    }
+    if !reports.is_empty() {
+        seconds = Seconds { render: result.elapsed.as_secs_f64(), output: recorder.lap(), ..seconds };
+        let options = Options::of(&settings, arguments.film.noise);
+        let files = written.iter().map(|path| path.display().to_string()).collect();
+        let statistics = Statistics {
+            seconds,
+            files,
+            threads: report.threads,
+            warnings: report.warnings.clone(),
+            ..Statistics::of(facts, options, &result, recorder.into_history(), end)
+        };
+        let json = serde_json::to_string_pretty(&statistics).map(|json| json + "\n").map_err(|it| it.to_string());
+        let html = render_report::html(&statistics, &result.picture, &result.film, &tone).map_err(|it| it.to_string());
+        let texts = [(&stats_file, &arguments.stats_json, json), (&report_file, &arguments.report, html)];
+        for (file, path, text) in texts {
+            let (Some(file), Some(path)) = (file, path) else { continue };
+            match text.and_then(|text| file.write(text.as_bytes()).map_err(|error| error.to_string())) {
+                Ok(()) => written.push(path.clone()),
+                Err(error) => failures.push(error),
+            }
         }
     }
     if let Err(DenoiseError::Failed(message)) = denoised {
@@ -152,6 +247,16 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         End::Interrupted => EXIT_INTERRUPTED,
         End::Limit => EXIT_LIMIT,
     })
+}
+
+/// Whether a path is that of an EXR, which alone has all channels.
+fn is_exr(path: &Path) -> bool {
+    output::Format::from_path(path) == Ok(output::Format::Exr)
+}
+
+/// What a viewer calls the picture: by its file, or the scene.
+fn shown_name(paths: &[PathBuf], scene: &Path) -> String {
+    paths.first().map_or(scene, PathBuf::as_path).display().to_string()
 }
 
 /// The film that was begun, if there is one; refuses that of another picture.
@@ -220,8 +325,7 @@ pub(super) fn refuse_failures(written: &[PathBuf], mut failures: Vec<String>) ->
 
 /// The picture without what only denoising needed.
 fn without_aov(mut picture: Picture) -> Picture {
-    let is_color = |name: &str| ["R", "G", "B", "A"].contains(&name) || name.starts_with("Noisy.");
-    picture.channels.retain(|channel| is_color(&channel.name));
+    picture.channels.retain(|channel| !is_for_denoising(&channel.name));
     picture
 }
 

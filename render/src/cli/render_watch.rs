@@ -8,6 +8,8 @@ use serde_json::json;
 use super::checkpoint::Checkpoint;
 use super::messages::{Style, print_line};
 use super::progress::Progress;
+use super::render_statistics::Recorder;
+use super::tev::Tev;
 use crate::film::{Film, Picture};
 use crate::output::{self, ToneMapping};
 use crate::watch::Watch;
@@ -25,6 +27,10 @@ pub(super) struct RenderWatch<'a> {
     pub(super) deadline: Option<Instant>,
     /// Where the film is kept.
     pub(super) checkpoint: Option<&'a Checkpoint>,
+    /// Who notes how far it is.
+    pub(super) recorder: Option<&'a Recorder>,
+    /// Who shows it.
+    pub(super) tev: Option<&'a Tev>,
 }
 
 impl RenderWatch<'_> {
@@ -48,11 +54,23 @@ impl Watch for RenderWatch<'_> {
     }
 
     fn level(&self, side: u32, picture: &Picture) {
+        if let Some(tev) = self.tev {
+            tev.show(picture, true);
+        }
         // What cannot be written now cannot be written in the end, which tells.
         let written = self.paths.iter().filter(|path| output::write(path, picture, self.tone).is_ok());
         let files: Vec<_> = written.map(|path| path.display().to_string()).collect();
         if self.style == Style::Json {
             print_line(&json!({ "event": "level", "side": side, "files": files }));
+        }
+    }
+
+    fn wave(&self, film: &Film) {
+        if let Some(recorder) = self.recorder {
+            recorder.note(film);
+        }
+        if let Some(tev) = self.tev {
+            tev.show_film(film);
         }
     }
 

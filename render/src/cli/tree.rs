@@ -20,12 +20,12 @@ use super::print::print;
 use super::{interrupt, memory};
 use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
-use crate::scene::{Place, SceneError, value};
+use crate::scene::{MomentOverrides, Overrides, Place, SceneError, Sharing, value};
 
 /// What `halfdome tree` takes.
 #[derive(Args, Clone, Debug)]
 pub(super) struct TreeArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
     /// Tree to write (.bvh); triangles are numbered in the order of the scene, mesh by mesh
@@ -35,6 +35,10 @@ pub(super) struct TreeArguments {
     /// Quality of the BVH: fast, medium or high [default: high]
     #[arg(long, value_name = "QUALITY", value_parser = value::argument(value::quality))]
     build: Option<Quality>,
+
+    /// The moment of the model's animations.
+    #[command(flatten)]
+    moment: MomentOverrides,
 
     /// How it runs.
     #[command(flatten)]
@@ -51,7 +55,10 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
             arguments.output.with_extension("bvh").display()
         )));
     }
-    let (scene, from_file) = open(&arguments.scene)?;
+    // Its triangles are those of all copies.
+    let overrides =
+        Overrides { instances: Some(Sharing::Never), moment: arguments.moment.clone(), ..Overrides::default() };
+    let (scene, from_file) = open(&arguments.scene, &overrides)?;
     inputs::refuse(&[&arguments.output], &scene.files)?;
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));

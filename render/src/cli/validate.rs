@@ -10,9 +10,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::error::{CliError, EXIT_DONE, EXIT_FAILED, EXIT_INTERRUPTED};
 use super::interrupt;
 use super::print::print;
+use crate::output::plot::{Figure, csv, svg};
 use crate::output::{OutputError, OutputFile};
 use crate::scene::count;
-use crate::validate::{self, Effort, Experiment, Figure, Row, Runner, csv, svg};
+use crate::validate::{self, Effort, Experiment, Row, Runner};
 use crate::watch::Watch;
 
 #[derive(Args, Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Where a cube map's light comes from: the sky alone, or a point in a scene, where it is found by path tracing.
 
 use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 
 use super::face::{Axes, Face};
 use super::grid::TexelGrid;
@@ -10,7 +10,7 @@ use crate::integrator::{RayBatch, Wavefront, radiance_by_paths};
 use crate::light::SkyLight;
 use crate::scene::Sky;
 use crate::settings::PathOptions;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// The set of random numbers that places a ray in its texel.
 const TEXEL_SET: u32 = 0;

@@ -6,13 +6,13 @@
 //! as what is gathered is to have no noise.
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, power, unit_double};
-use halfdome_kernel::{Hit, Ray};
 
 use super::follow::Follow;
 use super::lit::{aim, aimed_density};
 use crate::light::Receiver;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that says where a ray is aimed. Those after it are for whoever
 /// follows the ray.

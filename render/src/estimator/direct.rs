@@ -11,8 +11,8 @@
 //! bakes and probes have of it. Which part of the sky is for light samples, the caller knows ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
-use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
 use super::punctual::{PunctualSample, sample_punctual};
@@ -20,7 +20,7 @@ use crate::bsdf::Scattering;
 use crate::light::{Light, Receiver, SampledLight, SkyPart};
 use crate::material::Bsdf;
 use crate::settings::LightSampling;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// Light that a surface reflects if `ray` is not occluded.
 pub(crate) struct ShadowRay {

@@ -1,8 +1,9 @@
 //! Who follows rays on from what they hit: paths, or a coarser irradiance cache.
 
+use crate::world::Hit;
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
-use halfdome_kernel::{Hit, Ray};
 
 /// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
 /// must not count.

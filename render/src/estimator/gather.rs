@@ -11,15 +11,15 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, PointSource, Stratified};
 use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
-use halfdome_kernel::{Hit, Ray};
 
 use super::aimed_rays::{AimedFrom, AimedRays};
 use super::follow::Follow;
 use super::occluders::OccluderSectors;
 use crate::settings::GatherLayout;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that says where in its cell a ray is. Those after it are for whoever follows the rays.
 const JITTER_SET: u32 = 0;

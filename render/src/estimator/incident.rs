@@ -5,14 +5,14 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
-use halfdome_kernel::{Hit, Ray};
 
 use super::direct::{sample_direct, scattered_weight};
 use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that says which light is sampled, and where on it.
 const LIGHT_SET: u32 = 0;

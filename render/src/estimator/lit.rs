@@ -7,13 +7,13 @@
 //! triangles themselves do not aim, as their bounces find each other: so paths do not multiply in a shade.
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
-use halfdome_kernel::{Hit, Ray};
 
 use super::light_warp::light_warp;
 use crate::light::{Receiver, area};
 use crate::settings::LightSampling;
-use crate::world::{Surface, World, interpolate};
+use crate::world::{Hit, Surface, World, interpolate};
 
 /// A ray to a point of a lit triangle.
 pub(crate) struct AimedRay {

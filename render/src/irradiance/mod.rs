@@ -14,9 +14,9 @@ mod points;
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
-use halfdome_kernel::{Hit, Ray};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
@@ -26,7 +26,7 @@ use crate::integrator::{Follower, FrozenCache, GatherSource, fill_for_surfaces, 
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::watch::Watch;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 pub use points::{PointsError, Sensor, read_points, read_positions};
 

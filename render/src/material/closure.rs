@@ -2,7 +2,6 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lobes::Lobes;
 use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Layered, Matte, Sample, Transmissive};
 
 /// A closure of any [`Kind`]. A loop over points of one kind is quicker with the closure of that kind.
@@ -47,12 +46,7 @@ impl Closure {
     /// The part of [`eval`](Bsdf::eval)'s `f |cos θi|` that single microfacets reflect and refract: to compare with
     /// renderers that scatter the rest in another way, or not at all.
     pub fn eval_single(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        match self {
-            Self::Matte(_) => Vec3::ZERO,
-            Self::Glossy(inner) => inner.parts(wo, wi).glossy,
-            Self::Transmissive(inner) => inner.parts(wo, wi).glossy,
-            Self::Layered(inner) => inner.parts(wo, wi).glossy,
-        }
+        self.glossy(wo, wi)
     }
 }
 
@@ -65,6 +59,10 @@ impl Bsdf for Closure {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Evaluation {
         each!(self, inner => inner.eval(wo, wi))
+    }
+
+    fn glossy(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        each!(self, inner => inner.glossy(wo, wi))
     }
 
     #[inline]

@@ -64,6 +64,14 @@ pub struct Metal {
     dip: Vec3,
 }
 
+/// The two colours of a [`Metal`] with the complex refractive index `n + ik` in red, green and blue. The second may be
+/// greater than 1.
+pub fn complex_index_colors(n: Vec3, k: Vec3) -> [Vec3; 2] {
+    let exact = |cos| Vec3::from_array(std::array::from_fn(|i| conductor(cos, n[i], k[i])));
+    let normal = exact(1.0);
+    [normal, exact(EDGE_COS) / (normal + (1.0 - normal) * schlick(EDGE_COS))]
+}
+
 impl Metal {
     /// `normal`: reflectance at normal incidence. `edge`: see above; 1 is Schlick's formula.
     #[inline]
@@ -76,9 +84,8 @@ impl Metal {
 
     /// The metal with the complex refractive index `n + ik` in red, green and blue: exact at 0° and 82°.
     pub fn from_complex_index(n: Vec3, k: Vec3) -> Self {
-        let exact = |cos| Vec3::from_array(std::array::from_fn(|i| conductor(cos, n[i], k[i])));
-        let normal = exact(1.0);
-        Self::new(normal, exact(EDGE_COS) / (normal + (1.0 - normal) * schlick(EDGE_COS)))
+        let [normal, edge] = complex_index_colors(n, k);
+        Self::new(normal, edge)
     }
 
     /// Reflectance.

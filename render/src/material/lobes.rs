@@ -83,6 +83,10 @@ impl<T: Lobes> Bsdf for T {
         Evaluation { f_cos: glossy + wide, density, reverse_density }
     }
 
+    fn glossy(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        self.parts(wo, wi).glossy
+    }
+
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample> {
         let Choice { wi, event, delta } = self.choose(wo, u)?;

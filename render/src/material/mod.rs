@@ -270,6 +270,11 @@ pub trait Bsdf {
     /// What is scattered from `wi` to `wo`; `wo.z > 0`, `wi` on either side.
     fn eval(&self, wo: Vec3, wi: Vec3) -> Evaluation;
 
+    /// The part of [`eval`](Self::eval)'s `f |cos θi|` that rough reflections and refractions have; the others are wide.
+    fn glossy(&self, _wo: Vec3, _wi: Vec3) -> Vec3 {
+        Vec3::ZERO
+    }
+
     /// A direction in which a path goes on; `None` if it is absorbed, which happens too where a microfacet's reflection
     /// points below the horizon. `u` is in [0, 1)².
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample>;

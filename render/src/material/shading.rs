@@ -79,6 +79,15 @@ impl Shading {
         sum
     }
 
+    /// [`Bsdf::glossy`] of world directions.
+    pub fn glossy(&self, closure: &impl Bsdf, wo: Vec3, wi: Vec3) -> Vec3 {
+        let wo = self.frame.to_local(wo);
+        let is_before = self.geometric.dot(wi) > 0.0;
+        // As `eval` does.
+        let both = [wi, self.mirrored(wi)].map(|w| self.frame.to_local(w));
+        both.into_iter().filter(|local| (local.z > 0.0) == is_before).map(|local| closure.glossy(wo, local)).sum()
+    }
+
     /// [`Bsdf::sample`] of world directions. Where a direction was mirrored, or another could have been mirrored to it, the
     /// density and the weight are those of both.
     #[inline]

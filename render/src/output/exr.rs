@@ -144,6 +144,7 @@ mod tests {
             seed: u64::MAX,
             scene_hash: 0x0123_4567_89ab_cdef,
             integrator: "path".to_owned(),
+            attributes: [("cryptomatte/0123456/name".to_owned(), "a \u{e9}".escape_unicode().to_string())].into(),
         };
         Picture { width, height, channels: channels.collect(), metadata }
     }

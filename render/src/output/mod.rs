@@ -12,8 +12,10 @@ mod exr;
 pub(crate) mod false_color;
 mod file;
 mod hdr;
+pub(crate) mod html;
 mod ktx2;
 mod map;
+pub(crate) mod plot;
 mod png;
 mod tone;
 

@@ -9,15 +9,15 @@ use std::f32::consts::PI;
 use std::slice;
 
 use glam::{DQuat, DVec3, Vec3};
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
-use halfdome_kernel::{Hit, Ray};
 
 use super::Options;
 use super::harmonics::basis;
 use super::quadrature::Quadrature;
 use crate::estimator::{AimedFrom, AimedRays, Follow, IncidentSampler, IncidentSink};
 use crate::integrator::{Follower, GatherSource};
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// The set of random numbers by which a probe's directions are turned.
 const TURN_SET: u32 = 0;

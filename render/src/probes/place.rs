@@ -6,14 +6,14 @@
 //! square of their distance, from the nearest to ever farther. So what a covered point sees never mixes in.
 
 use glam::Vec3;
-use halfdome_kernel::{Hit, Ray};
+use halfdome_kernel::Ray;
 use rayon::prelude::*;
 
 use super::gather::ProbeLight;
 use super::quadrature::Quadrature;
 use super::{Probe, ProbeGrid, State};
 use crate::watch::Watch;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// A point is covered if it sees more backs than this part of all directions.
 const BACKS: f32 = 0.25;

@@ -178,7 +178,7 @@ fn threads_leave_no_trace_and_an_interruption_leaves_nothing() {
         }
     }
     let world = World::new(crate::scene::cornell_box()).unwrap();
-    let bounds = world.tree().bounds();
+    let bounds = world.bounds();
     let grid = ProbeGrid { min: bounds.min, max: bounds.max, count: [3, 2, 3] };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

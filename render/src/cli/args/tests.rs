@@ -9,7 +9,7 @@ use super::super::command::{Arguments, Command};
 use super::*;
 use crate::scene::{
     CachedOverrides, CameraKind, CameraOverrides, Daylight, FisheyeMapping, IntegratorOverrides, LightOverrides,
-    LightUnits, SensorFit, SkyOverrides,
+    LightUnits, MomentOverrides, SensorFit, Sharing, SkyOverrides,
 };
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
@@ -41,7 +41,7 @@ fn every_override_can_be_given() {
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
-                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak --instances never --frame -12.5 --fps 30 --animation Walk --animation Camera \
                      --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
     let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
     let expected = Overrides {
@@ -108,6 +108,10 @@ fn every_override_can_be_given() {
         build: Some(halfdome_kernel::Quality::Medium),
         aov: None,
         aov_through: None,
+        cryptomatte: None,
+        cryptomatte_levels: None,
+        aovs: Vec::new(),
+        light_groups: None,
         light: LightOverrides {
             added: Vec::new(),
             sky: Some([1.0, 2.0, 3.0].into()),
@@ -125,6 +129,12 @@ fn every_override_can_be_given() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        instances: Some(Sharing::Never),
+        moment: MomentOverrides {
+            frame: Some(-12.5),
+            fps: Some(30.0),
+            animations: Some(vec!["Walk".into(), "Camera".into()]),
+        },
     };
     assert_eq!(arguments.overriding.overrides(), expected);
     assert_eq!(arguments.tone.mapping().exposure, -1.5);

@@ -42,7 +42,7 @@ pub(super) enum CacheCommand {
 /// A scene as the camera sees it, with the options of the cache.
 #[derive(Args, Clone, Debug)]
 pub(super) struct BuildArguments {
-    /// A scene file (.toml), a model (.obj, .ply, .gltf, .glb), or `cornell` for the built-in scene
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
     /// Cache to write

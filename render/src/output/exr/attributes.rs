@@ -2,7 +2,7 @@
 //!
 //! By pbrt's and the standard's names: `samplesPerPixel` (int), `renderTimeSeconds` (float), `worldToCamera` (m44f),
 //! `integrator` and `software` (string), and, as no integer of the format holds 64 bits, `seed` (decimal) and
-//! `sceneHash` (hexadecimal) as strings.
+//! `sceneHash` (hexadecimal) as strings; and the strings of Cryptomatte layers, `cryptomatte/…`.
 //!
 //! `worldToCamera` follows the OpenEXR standard and its matrix library, Imath: points are row vectors, `p' = p M`,
 //! so that a translation stands in the last row; camera space is left-handed with x to the right, y up and z into the
@@ -40,6 +40,9 @@ pub(super) fn from_metadata(path: &Path, metadata: &Metadata) -> Result<LayerAtt
             .other
             .insert(Text::from("integrator"), AttributeValue::Text(super::text(path, &metadata.integrator)?));
     }
+    for (name, value) in &metadata.attributes {
+        attributes.other.insert(super::text(path, name)?, AttributeValue::Text(Text::from(value.as_str())));
+    }
     Ok(attributes)
 }
 
@@ -75,7 +78,15 @@ pub(super) fn to_metadata(path: &Path, attributes: &LayerAttributes) -> Result<M
             Some(AttributeValue::Text(name)) => name.to_string(),
             Some(_) => return Err(wrong("integrator", "store a string")),
         },
+        attributes: attributes.other.iter().filter_map(|(name, value)| further(name, value)).collect(),
     })
+}
+
+/// The name and value of a further attribute that pictures keep.
+fn further(name: &Text, value: &AttributeValue) -> Option<(String, String)> {
+    let name = name.to_string();
+    let AttributeValue::Text(value) = value else { return None };
+    name.starts_with("cryptomatte/").then(|| (name, value.to_string()))
 }
 
 /// From rows of a matrix for column vectors, z backwards, to rows of one for row vectors, z forwards.
