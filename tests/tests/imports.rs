@@ -15,6 +15,7 @@ const KERNEL: &[&str] =
 
 /// The modules of the renderer, each after all that it imports.
 const RENDER: &[&str] = &[
+    "lpe",
     "settings",
     "film",
     "watch",

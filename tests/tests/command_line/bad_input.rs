@@ -43,7 +43,7 @@ fn files_that_are_not_what_their_names_say() {
     refused("a.gltf", "{\"asset\":\n {\"version\": 2", &["a.gltf:2: ", "not valid glTF"]);
     refused("a.toml", "v 0 0 0\n", &["a.toml:1: "]);
     refused("a.toml", b"[scene]\nfile = \"\xff\"\n", &["a.toml:2: this is not UTF-8"]);
-    refused("a.txt", TRIANGLE, &["`.txt` is not a model format", ".glb, .gltf, .obj or .ply"]);
+    refused("a.txt", TRIANGLE, &["`.txt` is not a model format", ".glb, .gltf, .obj, .pbrt or .ply"]);
     refused("a", TRIANGLE, &["no extension"]);
 }
 

@@ -1,5 +1,6 @@
 //! The program, as its users meet it: what it prints, writes and exits with, above all when something is wrong.
 
+mod animation;
 mod bad_input;
 mod films;
 mod good_input;
@@ -7,7 +8,9 @@ mod inputs;
 mod interruption;
 mod model;
 mod output;
+mod reports;
 mod talk;
+mod tev;
 mod tree;
 mod validate;
 
