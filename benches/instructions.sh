@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Counts the instructions of the kernel's hot paths in Valgrind (benches/benches/instructions.rs) and fails where they exceed
+# Counts the instructions of the kernel's hot paths in Valgrind (benches/src/bin/instructions.rs) and fails where they exceed
 # their limits.
 #
-# On Debian and Ubuntu it installs Valgrind if it is missing (as root, or by sudo); gungraun's program goes into
-# target/tools.
+# On Debian and Ubuntu it installs Valgrind if it is missing (as root, or by sudo).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,6 +11,4 @@ if ! command -v valgrind > /dev/null; then
     $sudo apt-get update
     $sudo apt-get install -y --no-install-recommends valgrind
 fi
-version=$(grep -A 1 '^name = "gungraun-runner"' Cargo.lock | sed -n 's/^version = "\(.*\)"/\1/p')
-cargo install gungraun-runner --version "$version" --locked --root target/tools
-GUNGRAUN_RUNNER=$PWD/target/tools/bin/gungraun-runner cargo bench -p halfdome-benches --features instructions --bench instructions
+cargo run --release -p halfdome-benches --bin instructions

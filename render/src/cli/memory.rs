@@ -34,13 +34,6 @@ fn machine_bytes() -> Option<u64> {
     total_bytes(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }
 
-/// The most memory that this process had so far, as Linux tells it.
-pub(super) fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
-}
-
 /// `MemTotal` of a `/proc/meminfo`.
 fn total_bytes(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;

@@ -33,6 +33,7 @@ mod render_watch;
 mod summary;
 mod tev;
 mod tree;
+mod usage;
 mod validate;
 
 use std::process::ExitCode;

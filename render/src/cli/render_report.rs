@@ -90,6 +90,9 @@ fn rows(statistics: &Statistics) -> Vec<(String, String)> {
     row("Triangles", format!("{}{kept}", scene.triangles));
     row("Meshes, materials, textures", format!("{}, {}, {}", scene.meshes, scene.materials, scene.textures));
     row("Trees", memory::size((scene.tree_bytes + scene.instance_bytes) as u64));
+    if let Some(seconds) = statistics.processor_seconds {
+        row("Processor time", format!("{seconds:.1} s"));
+    }
     if let Some(peak) = statistics.peak_memory {
         row("Memory, at most", memory::size(peak));
     }

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
-use super::memory;
 use super::summary::End;
+use super::usage;
 use crate::driver::{CacheUse, Render};
 use crate::film::{Film, Picture};
 use crate::scene::Scene;
@@ -29,6 +29,8 @@ pub(super) struct Statistics {
     pub(super) options: Options,
     /// Seconds of wall-clock time.
     pub(super) seconds: Seconds,
+    /// Seconds of all threads, where the system tells.
+    pub(super) processor_seconds: Option<f64>,
     pub(super) rays: u64,
     pub(super) rays_per_second: f64,
     pub(super) camera_samples: u64,
@@ -186,6 +188,7 @@ impl Options {
 impl Statistics {
     pub(super) fn of(scene: SceneFacts, options: Options, render: &Render, history: Vec<Moment>, end: End) -> Self {
         let film = &render.film;
+        let usage = usage::of_process();
         let cache = render.cache.map(|CacheUse { records, misses, negative }| CacheFacts { records, misses, negative });
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -195,6 +198,7 @@ impl Statistics {
             scene,
             options,
             seconds: Seconds { render: render.elapsed.as_secs_f64(), ..Seconds::default() },
+            processor_seconds: usage.map(|usage| usage.processor),
             rays: render.rays,
             rays_per_second: super::progress::per_second(render.rays, render.elapsed),
             camera_samples: film.total_samples(),
@@ -210,7 +214,7 @@ impl Statistics {
                 End::Interrupted => "interrupted",
             },
             picture_hash: picture_hash(&render.picture),
-            peak_memory: memory::peak_bytes(),
+            peak_memory: usage.map(|usage| usage.peak_bytes),
             files: Vec::new(),
             warnings: Vec::new(),
         }
