@@ -7,6 +7,7 @@ mod instances;
 mod light_shares;
 mod light_visibility;
 mod lit_triangles;
+mod motion;
 mod names;
 mod reflected;
 mod seen_points;
@@ -27,9 +28,10 @@ use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, Texture};
 pub(crate) use bodies::Bodies;
-pub(crate) use hit::Hit;
+pub(crate) use hit::{Hit, MIDDLE};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
+pub(crate) use motion::Motion;
 pub use seen_points::LookFrom;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
@@ -47,8 +49,9 @@ pub struct World {
     has_closures: bool,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
-    /// The number of the former.
+    /// The number of the former, and of those of them that do not move, which come first.
     placed: usize,
+    still: usize,
     /// What each material says of plain surfaces.
     material_records: Vec<MaterialRecord>,
     /// What is known of each light that is a triangle, by its index.
@@ -57,7 +60,9 @@ pub struct World {
     first_faces: Vec<u32>,
     /// The tree of the triangles in world space.
     bvh: Bvh,
+    /// All other triangles.
     instances: Option<Instances>,
+    motion: Option<Motion>,
     isa: Isa,
     report: BuildReport,
     /// All that emits and can be aimed at.
@@ -108,6 +113,9 @@ impl World {
     /// # Errors
     /// Those of [`new`](Self::new).
     pub fn looking_from(scene: Scene, from: LookFrom) -> Result<Self, WorldError> {
+        // Only pictures are taken for a time.
+        let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
+        let scene = Scene { motion, ..scene };
         let mut world = Self::assemble(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)?;
         world.look(from);
         Ok(world)
@@ -137,34 +145,56 @@ impl World {
         let surroundings_hash = scene.surroundings_hash();
         scene.name_parts();
         scene.place_emitters();
+        let motion = scene.motion.take();
         let (in_world, of_objects) = scene.meshes_by_object();
+        let is_moving = |number: &usize| motion.as_ref().is_some_and(|motion| motion.meshes.contains_key(number));
+        let (moving, in_world): (Vec<usize>, Vec<usize>) = in_world.into_iter().partition(is_moving);
         let Scene { meshes, materials, textures, lights, mut light_labels, instances, sky, optics, .. } = scene;
         light_labels.resize(lights.len(), LightLabel::default());
         let mut triangles = TriangleTable::new(&meshes, &materials);
-        let corners = triangles.add(&in_world);
+        let mut corners = triangles.add(&in_world);
+        let (bvh, report) = Bvh::build_on(executor, &corners, options)?;
+        let still = corners.len();
+        corners.extend(triangles.add(&moving));
         let mut objects = Vec::with_capacity(of_objects.len());
         for numbers in &of_objects {
             let first = triangles.records.len() as u32;
             objects.push((triangles.add(numbers), first));
         }
-        let TriangleTable { records: triangle_records, first_faces, .. } = triangles;
-        let (bvh, report) = Bvh::build_on(executor, &corners, options)?;
-        let instances = match instances.is_empty() {
+        let TriangleTable { records: mut triangle_records, first_faces, .. } = triangles;
+        let spread = motion.as_ref().map(|motion| motion.spread_lights(&lights)).unwrap_or_default();
+        let motion = motion.map(|motion| Motion::new(motion, &meshes, &moving, still as u32));
+        // What moves is shaded one by one.
+        let of_moving = objects.iter().enumerate().filter(|(object, _)| {
+            let mut all = instances.iter().enumerate().filter(|(_, instance)| instance.object == *object);
+            all.any(|(number, _)| motion.as_ref().is_some_and(|motion| motion.instance(number).is_some()))
+        });
+        let of_moving = of_moving.map(|(_, (corners, first))| *first as usize..*first as usize + corners.len());
+        for range in of_moving.chain([still..corners.len()]) {
+            triangle_records[range].iter_mut().for_each(|record| record.is_plain = 0);
+        }
+        let instances = match instances.is_empty() && moving.is_empty() {
             true => None,
-            false => Some(Instances::build(executor, &objects, instances, options)?),
+            false => Some(Instances::build(executor, &objects, instances, motion.as_ref(), options)?),
         };
         drop(objects);
         let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
         let material = |prim: usize| &even[triangle_records[prim].material as usize];
         let front = |prim: usize| front(&triangle_records[prim], &meshes, &first_faces, prim);
         let bounds = instances.as_ref().map_or(bvh.view().bounds(), |all| all.bounds().union(&bvh.view().bounds()));
-        let lights = LightSampler::new(&corners, material, front, lights, SkyLight::new(sky), bounds);
+        let mut shown = lights;
+        let moved: Vec<_> =
+            spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
+        let mut lights = LightSampler::new(&corners, material, front, shown, SkyLight::new(sky), bounds);
+        moved.into_iter().for_each(|(number, light)| lights.replace_punctual(number, light));
         let material_records = materials.iter().map(MaterialRecord::of).collect();
         let emitter = |light: &Light| match *light {
             Light::Triangle(prim_id) => {
                 let face = &triangle_records[prim_id as usize];
                 let material = &materials[face.material as usize];
-                EmitterRecord::of(face, front(prim_id as usize), material, area(&face.corners))
+                let mut record = EmitterRecord::of(face, front(prim_id as usize), material, area(&face.corners));
+                record.is_plain &= u32::from((prim_id as usize) < still);
+                record
             }
             _ => EmitterRecord::NONE,
         };
@@ -181,6 +211,8 @@ impl World {
             has_closures,
             triangle_records,
             placed: corners.len(),
+            still,
+            motion,
             material_records,
             emitter_records,
             first_faces,
@@ -253,9 +285,18 @@ impl World {
         Camera::new(&self.camera, &self.optics, width, height)
     }
 
+    /// The camera at each key of the shutter's time; none if it stands still.
+    pub(crate) fn cameras_on(&self, width: u32, height: u32) -> Vec<Camera> {
+        let poses = self.motion.as_ref().map_or(&[][..], Motion::cameras);
+        poses.iter().map(|pose| Camera::new(pose, &self.optics, width, height)).collect()
+    }
+
     /// Takes pictures from another pose, one that [`Overrides::apply`](crate::scene::Overrides::apply) has let pass.
     pub fn set_camera(&mut self, camera: CameraPose) {
         self.camera = camera;
+        if let Some(motion) = &mut self.motion {
+            motion.stop_camera();
+        }
     }
 
     /// What is known of each triangle.
@@ -280,6 +321,11 @@ impl World {
     #[inline(always)]
     pub(crate) fn placed_records(&self) -> &[TriangleRecord] {
         &self.triangle_records[..self.placed]
+    }
+
+    /// The same of those that do not move.
+    pub(super) fn still_records(&self) -> &[TriangleRecord] {
+        &self.triangle_records[..self.still]
     }
 
     /// The box around all surfaces, instances counting with the boxes around them; empty if there are none.

@@ -18,6 +18,8 @@ pub struct MovingBvh {
     nodes: Vec<Node>,
     blocks: Vec<TriangleBlock>,
     keys: usize,
+    /// The box around all triangles at all times.
+    bounds: Aabb,
 }
 
 impl MovingBvh {
@@ -71,6 +73,7 @@ impl MovingBvh {
             nodes: Vec::with_capacity(keys.len() * shape.len()),
             blocks: Vec::with_capacity(keys.len() * first.len()),
             keys: keys.len(),
+            bounds: Aabb::EMPTY,
         };
         for triangles in keys {
             let mut blocks = first.clone();
@@ -80,6 +83,7 @@ impl MovingBvh {
             tree.nodes.append(&mut nodes);
             tree.blocks.append(&mut blocks);
         }
+        tree.bounds = MovingView::trusted(&tree.nodes, &tree.blocks, tree.keys).bounds();
         Ok((tree, report))
     }
 
@@ -90,7 +94,7 @@ impl MovingBvh {
 
     /// Borrows the tree for tracing.
     pub fn view(&self) -> MovingView<'_> {
-        MovingView::trusted(&self.nodes, &self.blocks, self.keys)
+        MovingView::with_bounds(&self.nodes, &self.blocks, self.keys, self.bounds)
     }
 }
 

@@ -44,7 +44,12 @@ impl<'a> MovingView<'a> {
     /// Borrows a tree that is known to be valid.
     pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize) -> Self {
         let roots = nodes.chunks(nodes.len() / keys).map(|nodes| nodes[0].bounds());
-        Self { nodes, blocks, keys, bounds: roots.fold(Aabb::EMPTY, |a, b| a.union(&b)) }
+        Self::with_bounds(nodes, blocks, keys, roots.fold(Aabb::EMPTY, |a, b| a.union(&b)))
+    }
+
+    /// Borrows a tree that is known to be valid, and whose bounds are known.
+    pub(super) fn with_bounds(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize, bounds: Aabb) -> Self {
+        Self { nodes, blocks, keys, bounds }
     }
 
     /// The nodes at a key, which is less than [`keys`](Self::keys); the first one is the root.

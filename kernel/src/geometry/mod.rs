@@ -39,6 +39,7 @@ pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use closest::SurfacePoint;
+pub use moment::Moment;
 pub use offset::{offset_distance, offset_origin, offset_point, triangle_normal};
 pub use overlap::overlaps;
 pub use packet::{HitPacket, RayPacket};

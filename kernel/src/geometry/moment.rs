@@ -8,9 +8,9 @@ use glam::Vec3;
 
 use super::Aabb;
 
-/// A time between two keys.
+/// A time between two keys: what tells where corners that a [`MovingBvh`](crate::bvh::MovingBvh) has are at a ray's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Moment {
+pub struct Moment {
     /// The key before.
     pub key: usize,
     /// How far it is to the next key: 0 at the key itself, never 1.
@@ -22,7 +22,7 @@ impl Moment {
     ///
     /// The product is exact, so that keys of different numbers agree on a time. Then it is rounded once.
     #[inline(always)]
-    pub(crate) fn new(time: f32, keys: usize) -> Option<Self> {
+    pub fn new(time: f32, keys: usize) -> Option<Self> {
         if time.is_nan() {
             return None;
         }
@@ -37,8 +37,9 @@ impl Moment {
         Aabb { min: self.vector(from.min, to.min), max: self.vector(from.max, to.max) }
     }
 
+    /// The vector between those of this key and the next, or that of this key at the key itself.
     #[inline(always)]
-    fn vector(self, from: Vec3, to: Vec3) -> Vec3 {
+    pub fn vector(self, from: Vec3, to: Vec3) -> Vec3 {
         from * (1.0 - self.fraction) + to * self.fraction
     }
 }

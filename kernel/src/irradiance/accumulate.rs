@@ -237,14 +237,20 @@ impl Grid<'_> {
 /// What sums say together.
 #[inline(always)]
 fn total<const N: usize, L: Lanes<N>>(all: &[Sums<N, L>]) -> Gather {
-    let irradiance = [0, 1, 2].map(|channel| sum(all.iter().map(|sums| sums.irradiance[channel])));
-    let vectors = |of: fn(&Sums<N, L>) -> &[[L; 2]; 3]| {
-        [0, 1, 2].map(|channel| [0, 1].map(|axis| sum(all.iter().map(|sums| of(sums)[channel][axis]))))
-    };
-    let gradients = [vectors(|sums| &sums.rotational), vectors(|sums| &sums.translational)];
+    // A loop, whose body the compiler inlines; it does not inline closures that it sees several times.
+    let (mut irradiance, mut squares) = ([0.0; 3], [0.0; 3]);
+    let [mut rotational, mut translational] = [[[0.0; 2]; 3]; 2];
+    for channel in 0..3 {
+        irradiance[channel] = sum(all.iter().map(|sums| sums.irradiance[channel]));
+        squares[channel] = sum(all.iter().map(|sums| sums.squares[channel]));
+        for axis in 0..2 {
+            rotational[channel][axis] = sum(all.iter().map(|sums| sums.rotational[channel][axis]));
+            translational[channel][axis] = sum(all.iter().map(|sums| sums.translational[channel][axis]));
+        }
+    }
     let inverse_distance = sum(all.iter().map(|sums| sums.inverse_distance));
     let distances = all.iter().flat_map(|sums| sums.minimum_distance.store());
-    let squares = [0, 1, 2].map(|channel| sum(all.iter().map(|sums| sums.squares[channel])));
+    let gradients = [rotational, translational];
     Gather::from_sums(irradiance, gradients, inverse_distance, distances.fold(f32::INFINITY, f32::min), squares)
 }
 

@@ -8,6 +8,7 @@ mod basis;
 mod cube;
 mod face;
 mod fisheye;
+mod moving;
 mod panorama;
 mod plane;
 mod table;
@@ -24,6 +25,7 @@ use self::table::Table;
 use crate::scene::{CameraPose, Clip, Optics, Projection};
 
 pub use face::Face;
+pub(crate) use moving::MovingCamera;
 
 /// A camera for a film of a given size.
 #[derive(Clone, Debug)]

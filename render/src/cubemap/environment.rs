@@ -119,6 +119,7 @@ impl Viewer {
                 rays: &self.rays,
                 hits: &self.hits,
                 samplers: &self.samplers,
+                times: &[],
                 first_set: TEXEL_SET + 1,
                 density: f32::INFINITY,
             };

@@ -66,7 +66,7 @@ fn follow(world: &World, ray: &Ray, hit: &Hit, bounce: u32) -> Features {
             continue;
         }
         let (ray, mut hits) = (Ray::new(surface.origin_towards(direction), direction), [Hit::MISS]);
-        world.intersect_many(&[ray], &mut hits);
+        world.intersect_many_at(&[ray], &[hit.time], &mut hits);
         let seen = follow(world, &ray, &hits[0], bounce + 1);
         let share = weight.element_sum() / total;
         sum.albedo += weight * seen.albedo;

@@ -8,7 +8,7 @@ use halfdome_kernel::sampling::{Address, Sampler, fill2};
 
 use super::features;
 use super::mattes::MatteIds;
-use crate::camera::{Camera, FilmPoint, FilmSample};
+use crate::camera::{Camera, FilmPoint, FilmSample, MovingCamera};
 use crate::film::{FilterSample, FilterSampler, FirstHit, Tile};
 use crate::integrator::{self, LightPaths, Prepared, RayBatch, Scratch};
 use crate::settings::{MatteKind, Settings};
@@ -18,6 +18,8 @@ use crate::world::{Hit, World};
 const FILM_SET: u32 = 0;
 /// The set that places it on the lens: one that no integrator comes to, so that a lens changes no other number.
 const LENS_SET: u32 = u32::MAX;
+/// The set that places it in the time that the shutter is open.
+const TIME_SET: u32 = u32::MAX - 1;
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]
@@ -30,6 +32,8 @@ pub(super) struct TileScratch {
     u_film: Vec<Vec2>,
     /// Numbers for the place on the lens; empty without one.
     u_lens: Vec<Vec2>,
+    /// When each is taken; empty if nothing moves.
+    times: Vec<f32>,
     film: Vec<FilmSample>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
@@ -46,6 +50,8 @@ pub(super) struct FrameRender {
     /// If there are AOVs by light path expressions.
     light_paths: Option<LightPaths>,
     pub(super) camera: Camera,
+    /// If it moves.
+    moving_camera: Option<MovingCamera>,
     filter: FilterSampler,
     /// Of each Cryptomatte layer.
     mattes: Vec<MatteIds>,
@@ -55,9 +61,10 @@ impl FrameRender {
     /// A picture of `world` as its camera sees it.
     pub(super) fn new(world: &World, settings: Settings, prepared: Prepared, light_paths: Option<LightPaths>) -> Self {
         let camera = world.camera_on(settings.width, settings.height);
+        let moving_camera = MovingCamera::new(world.cameras_on(settings.width, settings.height));
         let filter = FilterSampler::new(&settings.filter);
         let mattes = settings.cryptomatte.kinds.iter().map(|&kind| MatteIds::new(world, kind)).collect();
-        Self { settings, prepared, light_paths, camera, filter, mattes }
+        Self { settings, prepared, light_paths, camera, moving_camera, filter, mattes }
     }
 
     /// What a sample's camera ray has hit.
@@ -79,8 +86,20 @@ impl FrameRender {
         pixels: &[(usize, (u32, u32))],
         samples: Range<u32>,
     ) -> u64 {
-        let TileScratch { places, samplers, addresses, u_film, u_lens, film, rays, hits, radiance, light, scratch } =
-            scratch;
+        let TileScratch {
+            places,
+            samplers,
+            addresses,
+            u_film,
+            u_lens,
+            times,
+            film,
+            rays,
+            hits,
+            radiance,
+            light,
+            scratch,
+        } = scratch;
         let Settings { sampler: pattern, seed, width, .. } = self.settings;
         samplers.clear();
         for sample in samples.clone() {
@@ -94,6 +113,12 @@ impl FrameRender {
         if has_lens {
             u_lens.resize(addresses.len(), Vec2::ZERO);
             fill2(world.isa(), pattern, seed, LENS_SET, addresses, u_lens);
+        }
+        times.clear();
+        if let Some(motion) = world.motion() {
+            let mut u_time = vec![Vec2::ZERO; addresses.len()];
+            fill2(world.isa(), pattern, seed, TIME_SET, addresses, &mut u_time);
+            times.extend(u_time.iter().map(|u| motion.time(u.x)));
         }
         places.clear();
         film.clear();
@@ -109,17 +134,24 @@ impl FrameRender {
                 }
                 // Those that see something move up.
                 samplers[film.len()] = samplers[i];
+                if !times.is_empty() {
+                    times[film.len()] = times[i];
+                }
             }
             film.push(FilmSample { film: point, lens: if has_lens { u_lens[i] } else { Vec2::ZERO } });
             places.push((number, sample, filter));
         }
         samplers.truncate(film.len());
+        times.truncate(film.len());
         rays.resize(film.len(), Ray::new(Vec3::ZERO, Vec3::ZERO));
-        self.camera.rays(world.isa(), film, rays);
+        match (&self.moving_camera, world.motion()) {
+            (Some(camera), Some(motion)) => camera.rays(world.isa(), film, |i| motion.camera_moment(times[i]), rays),
+            _ => self.camera.rays(world.isa(), film, rays),
+        }
         hits.resize(rays.len(), Hit::MISS);
         radiance.resize(rays.len(), Vec3::ZERO);
-        world.intersect_side_by_side(rays, hits);
-        let camera = RayBatch { rays, hits, samplers, first_set: integrator::FIRST_SET, density: f32::INFINITY };
+        world.intersect_side_by_side(rays, times, hits);
+        let camera = RayBatch { rays, hits, samplers, times, first_set: integrator::FIRST_SET, density: f32::INFINITY };
         let aovs = self.light_paths.as_ref().map_or(0, LightPaths::count);
         light.resize(rays.len() * aovs, Vec3::ZERO);
         let recorded = self.light_paths.as_ref().map(|paths| (paths, light.as_mut_slice()));

@@ -74,10 +74,10 @@ pub(crate) fn emitted_density(
     if probability == 0.0 {
         return 0.0;
     }
-    let light = world.emitter(emitter.prim_id);
+    let (corners, area) = world.emitter_at(emitter.prim_id, hit.time);
     let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-    let on_light = light_warp(receiver, &light.corners, LightSampling::Mis).density(place);
-    probability * on_light * hit.t * hit.t / (light.area * emitter.normal.dot(ray.direction).abs())
+    let on_light = light_warp(receiver, &corners, LightSampling::Mis).density(place);
+    probability * on_light * hit.t * hit.t / (area * emitter.normal.dot(ray.direction).abs())
 }
 
 /// The part of an emitter's light that counts along a ray which a surface scattered, if light samples without the sky find it
@@ -119,6 +119,8 @@ pub(crate) fn sample_light(
     let rarer = match &world.lights.lights()[choice.index as usize] {
         Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, (*prim_id, choice.probability), u),
         Light::Punctual(light) => {
+            let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
+            let light = moved.as_ref().unwrap_or(light);
             let PunctualSample { direction, shadow, received } = sample_punctual(surface, light, u);
             LightSample { shadow, direction, radiance: received / choice.probability, inv_density: 0.0 }
         }
@@ -137,27 +139,27 @@ fn sample_triangle(
     (prim_id, probability): (u32, f32),
     u: Vec2,
 ) -> Option<LightSample> {
-    let (emitter, receiver) = (world.emitter(prim_id), surface.receiver());
-    let warp = light_warp(&receiver, &emitter.corners, lights);
+    let ((corners, area), receiver) = (world.emitter_at(prim_id, surface.time), surface.receiver());
+    let warp = light_warp(&receiver, &corners, lights);
     let place = warp.map(u);
-    let area = emitter.area / probability * warp.per_density(place);
-    let light = point_on_emitter(world, surface.position, prim_id, place)?;
+    let area = area / probability * warp.per_density(place);
+    let light = point_on_emitter(world, surface, prim_id, place)?;
     let (sample, arrives) = area_light_sample(surface, receiver.behind > 0.0, &light, area);
     arrives.then_some(sample)
 }
 
-/// The point of triangle `prim_id` that `u` means, with its normals on the side that sends light to `receiver`, if both
-/// do; `None` in a hole.
+/// The point of triangle `prim_id` that `u` means, at the time of `receiver`, with its normals on the side that sends light
+/// there, if both do; `None` in a hole.
 #[inline(always)]
-fn point_on_emitter<'w>(world: &'w World, receiver: Vec3, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
+fn point_on_emitter<'w>(world: &'w World, receiver: &Surface, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
     let point = TriangleWarp.map(u);
     let opacity = world.opacity(prim_id, point.to_array());
     if opacity == 0.0 {
         return None;
     }
-    let mut light = world.surface(prim_id, point.x, point.y);
+    let mut light = world.surface_at(&Hit { prim_id, u: point.x, v: point.y, time: receiver.time, ..Hit::MISS });
     light.emission *= opacity;
-    Some(if light.material.emits_both_sides { light.facing(light.position - receiver) } else { light })
+    Some(if light.material.emits_both_sides { light.facing(light.position - receiver.position) } else { light })
 }
 
 /// The light from a point of an emitter, whose front emits and which is chosen with a density per area whose reciprocal is

@@ -27,6 +27,7 @@ pub(crate) struct AoRays {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     occluded: Vec<bool>,
+    times: Vec<f32>,
 }
 
 /// Writes the ambient occlusion along each camera ray to all channels; gives the number of further rays.
@@ -59,28 +60,38 @@ pub(super) fn radiance(
                 ao_rays.rays.push(Ray { t_max, ..Ray::new(surface.origin_towards(direction), direction) });
             }
             if ao_rays.rays.len() == BATCH {
-                traced += ao_rays.trace(world, options.weighting, t_max, radiance);
+                traced += ao_rays.trace(world, options.weighting, (t_max, batch.times), radiance);
             }
         }
     }
-    traced + ao_rays.trace(world, options.weighting, t_max, radiance)
+    traced + ao_rays.trace(world, options.weighting, (t_max, batch.times), radiance)
 }
 
 impl AoRays {
-    /// Adds what each ray counts to its camera ray; gives their number.
-    fn trace(&mut self, world: &World, weighting: AoWeighting, t_max: f32, radiance: &mut [Vec3]) -> u64 {
+    /// Adds what each ray counts to its camera ray; gives their number. There are times of all camera rays, or none.
+    fn trace(
+        &mut self,
+        world: &World,
+        weighting: AoWeighting,
+        (t_max, times): (f32, &[f32]),
+        radiance: &mut [Vec3],
+    ) -> u64 {
         let traced = self.rays.len();
+        self.times.clear();
+        if !times.is_empty() {
+            self.times.extend(self.shares.iter().map(|(index, _)| times[*index]));
+        }
         match weighting {
             AoWeighting::Misses => {
                 self.occluded.resize(traced, false);
-                world.occluded_many(&self.rays, &mut self.occluded);
+                world.occluded_many_at(&self.rays, &self.times, &mut self.occluded);
                 for ((index, share), occluded) in self.shares.iter().zip(&self.occluded) {
                     radiance[*index] += if *occluded { 0.0 } else { *share };
                 }
             }
             AoWeighting::HitLength => {
                 self.hits.resize(traced, Hit::MISS);
-                world.intersect_many(&self.rays, &mut self.hits);
+                world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
                 for ((index, share), hit) in self.shares.iter().zip(&self.hits) {
                     radiance[*index] += share * if hit.is_hit() { hit.t / t_max } else { 1.0 };
                 }

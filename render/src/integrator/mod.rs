@@ -41,6 +41,8 @@ pub(crate) struct RayBatch<'a> {
     /// The numbers of each ray's sample, all of one pattern and seed; sets from [`first_set`](Self::first_set) on are the
     /// integrator's.
     pub samplers: &'a [Sampler],
+    /// When each ray is sent, if anything moves.
+    pub times: &'a [f32],
     pub first_set: u32,
     /// The density per solid angle with which the rays' directions were chosen: infinite for the camera's, which no
     /// light sample competes with; 0 for rays whose own light counts elsewhere.

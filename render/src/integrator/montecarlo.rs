@@ -40,6 +40,7 @@ pub(crate) struct Generation {
     nodes: Vec<Node>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
+    times: Vec<f32>,
     shadow_queue: ShadowQueue,
 }
 
@@ -80,11 +81,11 @@ pub(super) fn radiance(
                 let index = node.path.index as usize;
                 gather.branch(node, ray, hit, &batch.samplers[index], children, &mut radiance[index]);
             }
-            traced += children.shadow_queue.resolve(world, radiance);
+            traced += children.shadow_queue.resolve(world, batch.times, radiance);
             if children.nodes.is_empty() {
                 break;
             }
-            traced += children.trace(world);
+            traced += children.trace(world, batch.times);
             std::mem::swap(parents, children);
         }
     }
@@ -103,9 +104,14 @@ impl Generation {
         self.rays.push(ray);
     }
 
-    fn trace(&mut self, world: &World) -> u64 {
+    /// There are times of all camera rays, or none.
+    fn trace(&mut self, world: &World, times: &[f32]) -> u64 {
         self.hits.resize(self.rays.len(), Hit::MISS);
-        world.intersect_many(&self.rays, &mut self.hits);
+        self.times.clear();
+        if !times.is_empty() {
+            self.times.extend(self.nodes.iter().map(|node| times[node.path.index as usize]));
+        }
+        world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
         self.rays.len() as u64
     }
 }

@@ -46,6 +46,8 @@ pub(super) struct PathBlock {
     v: Column,
     prims: Integers,
     instances: Integers,
+    /// When.
+    time: Column,
     rays: Rays,
     paths: Paths,
     triangles: TriangleColumns,
@@ -94,6 +96,7 @@ impl PathBlock {
         let i = i % LANES;
         self.source[i] = source as u32;
         (self.u[i], self.v[i], self.prims[i], self.instances[i]) = (hit.u, hit.v, hit.prim_id, hit.instance);
+        self.time[i] = hit.time;
     }
 
     /// Looks up the paths and where they have arrived, as far as surfaces are plain and matte.
@@ -137,6 +140,7 @@ impl PathBlock {
     /// Lets path `i` stand at a surface that scatters this part of all light, and has lost some on the way there.
     pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3, transmittance: Vec3) {
         self.position.set(i, surface.position);
+        self.triangles.offset[i] = surface.offset;
         self.normal.set(i, surface.normal);
         self.shading_normal.set(i, surface.shading_normal);
         self.materials.diffuse.set(i, surface.diffuse);
@@ -176,6 +180,7 @@ impl PathBlock {
             tangent: Vec3::ZERO,
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],
+            time: self.time[i],
             is_back: false,
             transmits: self.transmits[i] != 0,
             material: matte,

@@ -16,6 +16,7 @@ pub(crate) struct ShadowQueue {
     shadows: Vec<Ray>,
     pending: Vec<PendingLight>,
     occluded: Vec<bool>,
+    times: Vec<f32>,
 }
 
 /// What it adds to which camera ray's.
@@ -52,11 +53,15 @@ impl ShadowQueue {
         }
     }
 
-    /// Adds the light whose shadow rays are free; gives their number.
-    pub(super) fn resolve(&mut self, world: &World, radiance: &mut [Vec3]) -> u64 {
+    /// Adds the light whose shadow rays are free; gives their number. There are times of all camera rays, or none.
+    pub(super) fn resolve(&mut self, world: &World, times: &[f32], radiance: &mut [Vec3]) -> u64 {
         let count = std::mem::take(&mut self.len);
         self.occluded.resize(count, false);
-        world.occluded_many(&self.shadows[..count], &mut self.occluded);
+        self.times.clear();
+        if !times.is_empty() {
+            self.times.extend(self.pending[..count].iter().map(|pending| times[pending.index as usize]));
+        }
+        world.occluded_many_at(&self.shadows[..count], &self.times, &mut self.occluded);
         for (PendingLight { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
             // Adding nothing is quicker than a branch that nobody can foresee.
             radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };

@@ -85,6 +85,8 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
+    /// Of the paths, if anything moves.
+    times: Vec<f32>,
     /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
     pub(super) order: Vec<u32>,
     /// The paths that go on, while the others are still needed, and their rays.
@@ -151,12 +153,16 @@ impl Wavefront {
         for depth in 1..=step.max_depth() {
             step.advance(self, batch, depth, radiance);
             step.watch(self);
-            traced += self.shadow_queue.resolve(world, radiance);
+            traced += self.shadow_queue.resolve(world, batch.times, radiance);
             step.resolved(self);
             if self.paths.is_empty() {
                 break;
             }
-            world.intersect_many(&self.rays, &mut self.hits);
+            self.times.clear();
+            if !batch.times.is_empty() {
+                self.times.extend(self.paths.iter().map(|path| batch.times[path.index as usize]));
+            }
+            world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
             traced += self.rays.len() as u64;
         }
         traced

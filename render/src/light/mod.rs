@@ -318,6 +318,15 @@ impl LightSampler {
         self.index_of[prim_id as usize]
     }
 
+    /// Lets the punctual light of this number in the scene be another, which no point gets light from that gets none from the
+    /// one that it was.
+    pub(crate) fn replace_punctual(&mut self, number: usize, light: PunctualLight) {
+        let triangles = self.triangles.as_ref().map_or(0, Tree::len);
+        if let Some(place) = self.punctual_numbers.iter().position(|&it| it as usize == number) {
+            self.lights[triangles + place] = Light::Punctual(light);
+        }
+    }
+
     /// The number in the scene of the punctual light that is light `index`.
     pub(crate) fn punctual_number(&self, index: u32) -> usize {
         let triangles = self.triangles.as_ref().map_or(0, Tree::len);

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Animation, Clip, Instance, Material, Object, Optics, PunctualLight, Sky, Texture};
+use super::{Animation, Clip, Instance, Material, Motion, Object, Optics, PunctualLight, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,6 +47,8 @@ pub struct Scene {
     pub camera_clip: Option<Clip>,
     /// What rays see that leave the scene.
     pub sky: Sky,
+    /// What moves while the shutter is open; `None` if nothing does. All else here is as in the middle of that time.
+    pub motion: Option<Motion>,
     /// What the loader skipped or changed: shown to the user, one line each.
     pub warnings: Vec<String>,
     /// The files that it was read from.

@@ -69,7 +69,7 @@ use super::nearest::suggestion;
 use super::objects::{InstanceTable, ObjectTable, Objects, read_instances, read_objects};
 use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
-use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError, Sharing};
+use super::{IntegratorOverrides, Moment, Motion, Overrides, Place, Scene, SceneError, Sharing};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +132,9 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "far",
             "model_clip",
             "rays",
+            "shutter",
+            "shutter_ramp",
+            "shutter_keys",
         ],
     ),
     (
@@ -190,30 +193,57 @@ pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
 /// none. [`Sharing::Never`] means that all meshes are in world space.
 pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    if is_toml {
-        let file = SceneFile::read(path)?;
-        let options = LoadOptions {
-            sharing: overrides.instances.or(file.overrides.instances).unwrap_or_default(),
-            moment: overrides.moment.clone().or(file.overrides.moment.clone()).moment(),
-        };
-        let mut scene = match &file.model {
-            Some(model) => load_with(model, &options)?,
-            None => Scene::default(),
-        };
-        let objects = Objects::load(&file.objects, path, &mut scene, &options)?;
-        let used: Vec<&str> = file.instances.iter().flat_map(InstanceTable::new_materials).collect();
-        material_table::apply(&file.materials, &used, path, &mut scene)?;
-        objects.place(&file.instances, &mut scene)?;
-        if options.sharing == Sharing::Never {
-            scene.place_instances();
-        }
-        scene.files.push(path.to_owned());
-        Ok((scene, file.overrides))
-    } else {
-        let options =
-            LoadOptions { sharing: overrides.instances.unwrap_or_default(), moment: overrides.moment.clone().moment() };
-        Ok((load_with(path, &options)?, Overrides::default()))
+    let file = if is_toml { Some(SceneFile::read(path)?) } else { None };
+    let of_file = file.as_ref().map(|file| file.overrides.clone()).unwrap_or_default();
+    let moments = overrides.moment.clone().or(of_file.moment.clone());
+    let sharing = overrides.instances.or(of_file.instances).unwrap_or_default();
+    let read = |options: &LoadOptions| match &file {
+        Some(file) => assemble(path, file, options),
+        None => load_with(path, options),
+    };
+    let mut scene = read(&LoadOptions { sharing, moment: moments.moment(), ..LoadOptions::default() })?;
+    if let Some(keys) = moments.shutter_moments().filter(|_| !scene.animations.is_empty()) {
+        let ramp = moments.shutter_ramp.unwrap_or(0.0);
+        let read = |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true });
+        add_motion(&mut scene, keys, ramp, read)?;
     }
+    Ok((scene, of_file))
+}
+
+/// The scene of the scene file at `path`.
+fn assemble(path: &Path, file: &SceneFile, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let mut scene = match &file.model {
+        Some(model) => load_with(model, options)?,
+        None => Scene::default(),
+    };
+    let objects = Objects::load(&file.objects, path, &mut scene, options)?;
+    let used: Vec<&str> = file.instances.iter().flat_map(InstanceTable::new_materials).collect();
+    material_table::apply(&file.materials, &used, path, &mut scene)?;
+    objects.place(&file.instances, &mut scene)?;
+    if options.sharing == Sharing::Never {
+        scene.place_instances();
+    }
+    scene.files.push(path.to_owned());
+    Ok(scene)
+}
+
+/// Finds out what moves between the moments of the shutter's keys, of which the scene is that of the middle one.
+fn add_motion(
+    scene: &mut Scene,
+    moments: Vec<Moment>,
+    ramp: f32,
+    read: impl Fn(Moment) -> Result<Scene, SceneError>,
+) -> Result<(), SceneError> {
+    let mut motion = Motion { keys: moments.len(), ramp, ..Motion::default() };
+    let middle = motion.keys / 2;
+    for (key, moment) in moments.into_iter().enumerate().filter(|&(key, _)| key != middle) {
+        if let Err(why) = motion.note(scene, key, read(moment)?) {
+            scene.warnings.push(format!("motion is not blurred: {why}"));
+            return Ok(());
+        }
+    }
+    scene.motion = (!motion.is_still()).then_some(motion);
+    Ok(())
 }
 
 impl SceneFile {
@@ -303,7 +333,7 @@ impl Parser<'_> {
     /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
         match entry.name {
-            _ if section == "camera" => self.set_camera(to, section, entry)?,
+            _ if section == "camera" && !entry.name.starts_with("shutter") => self.set_camera(to, section, entry)?,
             "lights" if section == "scene" => {
                 to.light.light_units = Some(self.read(value::light_units, section, entry)?)
             }
@@ -314,6 +344,9 @@ impl Parser<'_> {
             "frame" => to.moment.frame = Some(self.read(value::frame, section, entry)?),
             "fps" => to.moment.fps = Some(self.read(value::fps, section, entry)?),
             "animation" => to.moment.animations = Some(self.read(value::names, section, entry)?),
+            "shutter" => to.moment.shutter = Some(self.read(value::shutter, section, entry)?),
+            "shutter_ramp" => to.moment.shutter_ramp = Some(self.read(value::shutter_ramp, section, entry)?),
+            "shutter_keys" => to.moment.shutter_keys = Some(self.read(value::shutter_keys, section, entry)?),
             "emission" => to.light.emits_both_sides = Some(self.read(value::emission, section, entry)?),
             "width" => to.width = Some(self.read(value::side, section, entry)?),
             "height" => to.height = Some(self.read(value::side, section, entry)?),

@@ -3,8 +3,8 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::{
-    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Instance, Lens, Material, Mesh, NormalMap, Opacity,
-    Optics, Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
+    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Instance, Lens, Material, Mesh, Motion, NormalMap,
+    Opacity, Optics, Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
 };
 
 impl Scene {
@@ -54,6 +54,9 @@ impl Scene {
             let (width, height) = texture.size();
             [width, height, texture.channels() as u32, texture.bits() as u32].into_iter().for_each(|it| hash.word(it));
             hash.bytes(texture.texel_bytes());
+        }
+        if let Some(motion) = &self.motion {
+            hash.motion(motion);
         }
         hash.count(lights.len());
         lights.iter().for_each(|light| hash.light(light));
@@ -189,6 +192,28 @@ impl Fnv {
             [*set, wrap[0] as u32, wrap[1] as u32, *filter as u32, *space as u32]
                 .into_iter()
                 .for_each(|word| self.word(word));
+        }
+    }
+
+    fn motion(&mut self, motion: &Motion) {
+        let Motion { keys, ramp, meshes, instances, lights, cameras } = motion;
+        self.count(*keys);
+        self.floats(&[*ramp]);
+        for (number, keys) in meshes {
+            self.count(*number);
+            keys.iter().flatten().for_each(|&position| self.vector(position));
+        }
+        for (number, keys) in instances {
+            self.count(*number);
+            keys.iter().for_each(|key| self.floats(&key.to_cols_array()));
+        }
+        for (number, keys) in lights {
+            self.count(*number);
+            keys.iter().for_each(|light| self.light(light));
+        }
+        for CameraPose { eye, target, up, vfov } in cameras {
+            [eye, target, up].into_iter().for_each(|&v| self.vector(v));
+            self.floats(&[*vfov]);
         }
     }
 

@@ -9,4 +9,6 @@ pub struct LoadOptions {
     pub sharing: Sharing,
     /// The moment of its animations; without one it is in the pose of its nodes.
     pub moment: Option<Moment>,
+    /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
+    pub without_pictures: bool,
 }

@@ -22,6 +22,7 @@ mod material_text;
 mod mesh_point;
 mod model;
 mod moment;
+mod motion;
 mod mtl;
 mod nearest;
 mod notes;
@@ -63,6 +64,7 @@ pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from, load_with};
 pub use moment::{Animation, Moment};
+pub use motion::{Motion, Shutter};
 pub use objects::{InstanceTable, ObjectTable};
 pub use optics::{CameraKind, Clip, FisheyeMapping, Lens, Optics, Projection, RayTable, SensorFit};
 pub use overrides::{

@@ -61,11 +61,30 @@ impl Scene {
     /// Puts a copy of each emissive mesh of an object where each instance is, in place of the shared one.
     pub(crate) fn place_emitters(&mut self) {
         let emits = |mesh: &Mesh| mesh.object.is_some() && self.materials[mesh.material].emission != Vec3::ZERO;
-        let (shared, kept): (Vec<Mesh>, Vec<Mesh>) = std::mem::take(&mut self.meshes).into_iter().partition(emits);
-        self.meshes = kept;
+        let mut shared = Vec::new();
+        let mut numbers = Vec::new();
+        for (number, mesh) in std::mem::take(&mut self.meshes).into_iter().enumerate() {
+            if emits(&mesh) {
+                shared.push(mesh);
+            } else {
+                numbers.push(number);
+                self.meshes.push(mesh);
+            }
+        }
+        if let Some(motion) = &mut self.motion {
+            let now = |before: &usize| numbers.binary_search(before).expect("what moves by itself is not shared");
+            motion.meshes = std::mem::take(&mut motion.meshes).into_iter().map(|(it, keys)| (now(&it), keys)).collect();
+        }
         for mesh in shared {
             let Some(object) = mesh.object else { continue };
-            for instance in self.instances.iter().filter(|instance| instance.object == object) {
+            let instances = self.instances.iter().enumerate().filter(|(_, instance)| instance.object == object);
+            for (number, instance) in instances {
+                if let Some(motion) = &mut self.motion
+                    && let Some(keys) = motion.instances.get(&number)
+                {
+                    let at = |key: &Affine3A| mesh.positions.iter().map(|&it| key.transform_point3(it)).collect();
+                    motion.meshes.insert(self.meshes.len(), keys.iter().map(at).collect());
+                }
                 let placed = mesh.clone().placed(&double(&instance.to_world));
                 self.meshes.push(Mesh { object: None, ..placed });
             }
@@ -74,7 +93,10 @@ impl Scene {
 
     /// Puts copies of all objects of a scene file where their instances are: whoever edits or unwraps the model needs
     /// its surfaces in the world.
+    ///
+    /// Nothing moves yet.
     pub(crate) fn place_instances(&mut self) {
+        debug_assert!(self.motion.is_none());
         let (_, of_objects) = self.meshes_by_object();
         let mut copies = Vec::new();
         for instance in std::mem::take(&mut self.instances) {

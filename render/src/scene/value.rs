@@ -5,6 +5,7 @@
 mod film;
 mod integrating;
 mod optical;
+mod shutter;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Quality;
@@ -19,6 +20,7 @@ pub use film::MatteKinds;
 pub(super) use film::{matte_kinds, matte_levels};
 pub(super) use integrating::*;
 pub(super) use optical::*;
+pub(super) use shutter::{shutter, shutter_keys, shutter_ramp};
 
 /// A value whose meaning is not known yet.
 #[derive(Clone, Debug, PartialEq)]

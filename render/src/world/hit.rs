@@ -15,6 +15,17 @@ pub(crate) struct Hit {
     pub prim_id: u32,
     /// Where that is: an index into the world's instance records, of which 0 is the world itself.
     pub instance: u32,
+    /// When: from 0, where the shutter opens, to 1, where it closes.
+    pub time: f32,
+}
+
+/// The middle of the time that the shutter is open, as which rays see the world that have no time.
+pub(crate) const MIDDLE: f32 = 0.5;
+
+/// The time of a ray, if there are times.
+#[inline(always)]
+pub(crate) fn time_of(times: &[f32], ray: usize) -> f32 {
+    times.get(ray).copied().unwrap_or(MIDDLE)
 }
 
 impl Hit {
@@ -27,7 +38,7 @@ impl Hit {
     #[inline(always)]
     pub(crate) const fn of(hit: &kernel::Hit) -> Self {
         let kernel::Hit { t, u, v, prim_id } = *hit;
-        Self { t, u, v, prim_id, instance: 0 }
+        Self { t, u, v, prim_id, instance: 0, time: MIDDLE }
     }
 
     /// Whether something was hit.

@@ -1,5 +1,7 @@
 //! Objects that are kept once and seen at many places: a tree for each object, and one over all instances.
 //!
+//! So are triangles that move by themselves, in a tree of their own.
+//!
 //! Rays go through the tree of all other triangles first, in streams, and then, shortened, from instance to instance. A
 //! hit's triangle is that of the object; an [`InstanceRecord`] takes it to the world.
 //!
@@ -10,13 +12,15 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3, Vec3};
+use halfdome_kernel::bvh::MovingBvh;
 use halfdome_kernel::geometry::Aabb;
 use halfdome_kernel::{
     BuildOptions, Bvh, Executor, Item, Ray, Scene, SceneHit, SceneRay, Triangle, Verdict, offset_distance,
     triangle_normal,
 };
 
-use super::{Hit, TriangleRecord, World, WorldError};
+use super::hit::time_of;
+use super::{Hit, Motion, TriangleRecord, World, WorldError};
 use crate::scene::{Instance, Turn};
 
 /// An instance, as far as shading needs to know.
@@ -43,6 +47,8 @@ pub(super) struct Instances {
     first_prims: Vec<u32>,
     /// Those of the items, after that of the world itself.
     records: Vec<InstanceRecord>,
+    /// The item that has the triangles that move by themselves, in the world's coordinates.
+    moving: Option<u32>,
     /// How many reach beyond what coordinates may be, and are not seen.
     pub(super) out_of_range: usize,
 }
@@ -70,6 +76,13 @@ impl InstanceRecord {
         Self { axes, translation, scale, error, side, unused: 0 }
     }
 
+    /// The same instance elsewhere; `error` stays, as that of the greatest coordinates.
+    pub(super) fn moved(self, axes: [Vec3; 3], translation: Vec3) -> Self {
+        let scale = axes.iter().map(|axis| axis.length_squared()).sum::<f32>().sqrt();
+        let side = if Mat3::from_cols(axes[0], axes[1], axes[2]).determinant() < 0.0 { -1.0 } else { 1.0 };
+        Self { axes, translation, scale, side, ..self }
+    }
+
     /// Where corners of this triangle are, its unit normal on the front, and how far from its plane rays start.
     #[inline(always)]
     pub(crate) fn place(&self, corners: &Triangle, offset: f32) -> (Triangle, Vec3, f32) {
@@ -92,6 +105,7 @@ impl Instances {
         executor: &E,
         objects: &[(Vec<Triangle>, u32)],
         instances: Vec<Instance>,
+        motion: Option<&Motion>,
         options: &BuildOptions,
     ) -> Result<Self, WorldError> {
         let mut trees = Vec::new();
@@ -101,14 +115,32 @@ impl Instances {
         let mut items = Vec::with_capacity(instances.len());
         let (mut first_prims, mut records) = (Vec::with_capacity(instances.len()), vec![InstanceRecord::WORLD]);
         for (number, Instance { object, to_world }) in instances.iter().enumerate() {
-            let item = Item::new(trees[*object].clone()).placed(to_world);
+            let item = Item::new(trees[*object].clone());
+            let keys = motion.and_then(|motion| motion.instance(number));
+            let item = match keys {
+                Some(keys) => item.moving_shared(keys.clone()),
+                None => item.placed(to_world),
+            };
             items.push(item.map_err(|error| WorldError::Instance { number, object: *object, error })?);
             first_prims.push(objects[*object].1);
-            records.push(InstanceRecord::new(to_world, &trees[*object].view().bounds()));
+            let bounds = trees[*object].view().bounds();
+            let record = InstanceRecord::new(to_world, &bounds);
+            let errors =
+                keys.into_iter().flat_map(|keys| keys.iter()).map(|key| InstanceRecord::new(key, &bounds).error);
+            records.push(InstanceRecord { error: errors.fold(record.error, f32::max), ..record });
         }
         drop(instances);
+        let mut moving = None;
+        if let Some((corners, first)) = motion.map(Motion::triangles)
+            && !corners[0].is_empty()
+        {
+            let (tree, _) = MovingBvh::build_on(executor, &corners, options)?;
+            items.push(Item::new(Arc::new(tree)));
+            moving = Some(first_prims.len() as u32);
+            first_prims.push(first);
+        }
         let (scene, report) = Scene::build_on(executor, items, options)?;
-        Ok(Self { scene, first_prims, records, out_of_range: report.out_of_range })
+        Ok(Self { scene, first_prims, records, moving, out_of_range: report.out_of_range })
     }
 
     pub(super) fn records(&self) -> &[InstanceRecord] {
@@ -127,19 +159,21 @@ impl Instances {
 
     fn hit(&self, found: &SceneHit) -> Hit {
         let prim_id = self.first_prims[found.geometry_id as usize] + found.hit.prim_id;
-        Hit { prim_id, instance: found.geometry_id + 1, ..Hit::of(&found.hit) }
+        let instance = if self.moving == Some(found.geometry_id) { 0 } else { found.geometry_id + 1 };
+        Hit { prim_id, instance, ..Hit::of(&found.hit) }
     }
 
     /// Replaces hits by those with instances that are nearer.
-    pub(super) fn intersect_nearer(&self, rays: &[Ray], hits: &mut [Hit]) {
-        let view = self.scene.view();
-        for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
-            let (mut shortened, mut found) = ([SceneRay::zeroed(); BATCH], [SceneHit::MISS; BATCH]);
-            for ((to, ray), hit) in shortened.iter_mut().zip(rays).zip(hits.iter()) {
-                *to = SceneRay::new(Ray { t_max: if hit.is_hit() { hit.t } else { ray.t_max }, ..*ray });
-            }
-            view.intersect_many(&shortened[..rays.len()], &mut found[..rays.len()]);
-            for (hit, found) in hits.iter_mut().zip(&found) {
+    pub(super) fn intersect_nearer(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
+        let (view, reach) = (self.scene.view(), Reach::of(&self.scene));
+        let mut found = [SceneHit::MISS; BATCH];
+        let mut first = 0;
+        while first < rays.len() {
+            let batch = reach
+                .batch(rays, times, &mut first, |i| Some(if hits[i].is_hit() { hits[i].t } else { rays[i].t_max }));
+            view.intersect_many(batch.rays(), &mut found[..batch.len]);
+            for (&i, found) in batch.numbers().iter().zip(&found) {
+                let hit = &mut hits[i as usize];
                 if found.is_hit() && (found.hit.t < hit.t || !hit.is_hit()) {
                     *hit = self.hit(found);
                 }
@@ -148,23 +182,90 @@ impl Instances {
     }
 
     /// Adds to what is known of each ray whether it hits an instance.
-    pub(super) fn occlude(&self, rays: &[Ray], occluded: &mut [bool]) {
-        let view = self.scene.view();
-        for (ray, occluded) in rays.iter().zip(occluded).filter(|(_, occluded)| !**occluded) {
-            *occluded = view.occluded(&SceneRay::new(*ray));
+    pub(super) fn occlude(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
+        let (view, reach) = (self.scene.view(), Reach::of(&self.scene));
+        let mut found = [false; BATCH];
+        let mut first = 0;
+        while first < rays.len() {
+            let batch = reach.batch(rays, times, &mut first, |i| (!occluded[i]).then_some(rays[i].t_max));
+            view.occluded_many(batch.rays(), &mut found[..batch.len]);
+            for (&i, found) in batch.numbers().iter().zip(&found) {
+                occluded[i as usize] = *found;
+            }
         }
     }
 
     /// The nearest hit with an instance that is accepted.
-    pub(super) fn intersect_filtered(&self, ray: &Ray, accepts: impl Fn(&Hit) -> bool) -> Option<Hit> {
+    pub(super) fn intersect_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let verdict = |hit: &SceneHit| if accepts(&self.hit(hit)) { Verdict::Accept } else { Verdict::Reject };
-        self.scene.view().intersect_filtered(&SceneRay::new(*ray), verdict).map(|hit| self.hit(&hit))
+        self.scene.view().intersect_filtered(&SceneRay::new(*ray).at_time(time), verdict).map(|hit| self.hit(&hit))
     }
 
     /// Whether an instance is hit and accepted.
-    pub(super) fn occluded_filtered(&self, ray: &Ray, accepts: impl Fn(&Hit) -> bool) -> bool {
+    pub(super) fn occluded_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> bool {
         let verdict = |hit: &SceneHit| if accepts(&self.hit(hit)) { Verdict::Accept } else { Verdict::Reject };
-        self.scene.view().occluded_filtered(&SceneRay::new(*ray), verdict)
+        self.scene.view().occluded_filtered(&SceneRay::new(*ray).at_time(time), verdict)
+    }
+}
+
+/// A box that no hit with an instance is outside of, a little larger than theirs.
+struct Reach(Aabb);
+
+/// Rays that may hit an instance, and their numbers.
+struct Batch {
+    rays: [SceneRay; BATCH],
+    numbers: [u32; BATCH],
+    len: usize,
+}
+
+impl Reach {
+    /// Beyond what is rounded in the test of a ray, of any of the magnitudes here.
+    const PAD: f32 = 1e-5;
+
+    fn of(scene: &Scene) -> Self {
+        let Aabb { min, max } = scene.view().bounds();
+        let pad = Vec3::splat(Self::PAD * min.abs().max(max.abs()).max_element());
+        Self(Aabb { min: min - pad, max: max + pad })
+    }
+
+    /// Whether a ray comes into the box before `t_max`, or nearly.
+    #[inline(always)]
+    fn meets(&self, ray: &Ray, t_max: f32) -> bool {
+        let pad = Self::PAD * ray.origin.abs();
+        let inverse = ray.direction.recip();
+        // Where a ray runs in a plane of the box, one of these is no number, which `min` and `max` pass over.
+        let (near, far) = ((self.0.min - pad - ray.origin) * inverse, (self.0.max + pad - ray.origin) * inverse);
+        let from = |a: f32, b: f32| a.min(b);
+        let to = |a: f32, b: f32| a.max(b);
+        let enter = from(near.x, far.x).max(from(near.y, far.y)).max(from(near.z, far.z));
+        let leave = to(near.x, far.x).min(to(near.y, far.y)).min(to(near.z, far.z));
+        let slack = 1.0 + Self::PAD;
+        !(enter > leave * slack || enter > t_max * slack || leave * slack < ray.t_min)
+    }
+
+    /// The next rays from `first` on that may hit, as long as `t_max` says, if it says.
+    fn batch(&self, rays: &[Ray], times: &[f32], first: &mut usize, t_max: impl Fn(usize) -> Option<f32>) -> Batch {
+        let mut batch = Batch { rays: [SceneRay::zeroed(); BATCH], numbers: [0; BATCH], len: 0 };
+        while *first < rays.len() && batch.len < BATCH {
+            let (i, ray) = (*first, &rays[*first]);
+            *first += 1;
+            if let Some(t_max) = t_max(i).filter(|&t_max| self.meets(ray, t_max)) {
+                batch.rays[batch.len] = SceneRay::new(Ray { t_max, ..*ray }).at_time(time_of(times, i));
+                batch.numbers[batch.len] = i as u32;
+                batch.len += 1;
+            }
+        }
+        batch
+    }
+}
+
+impl Batch {
+    fn rays(&self) -> &[SceneRay] {
+        &self.rays[..self.len]
+    }
+
+    fn numbers(&self) -> &[u32] {
+        &self.numbers[..self.len]
     }
 }
 
@@ -175,16 +276,18 @@ impl World {
         self.instances.as_ref().map(Instances::records)
     }
 
-    /// A triangle's record in the world.
+    /// The record of a hit's triangle in the world, at its time.
     #[inline(always)]
-    pub(super) fn placed_record(&self, prim_id: u32, instance: u32) -> TriangleRecord {
-        let record = self.triangle_records[prim_id as usize];
-        match self.instance_records() {
-            Some(records) if instance != 0 => {
-                let (corners, normal, offset) = records[instance as usize].place(&record.corners, record.offset);
-                TriangleRecord { corners, normal, offset, ..record }
-            }
-            _ => record,
+    pub(super) fn placed_record(&self, hit: &Hit) -> TriangleRecord {
+        let record = self.triangle_records[hit.prim_id as usize];
+        let Some(records) = self.instance_records() else { return record };
+        if let Some(moved) = self.moved_record(hit) {
+            return moved;
         }
+        if hit.instance == 0 {
+            return record;
+        }
+        let (corners, normal, offset) = records[hit.instance as usize].place(&record.corners, record.offset);
+        TriangleRecord { corners, normal, offset, ..record }
     }
 }

@@ -67,7 +67,7 @@ impl World {
 
     /// Triangles that reflect at least so much, with what they are as lights, as many as are to be aimed at.
     fn fiercest(&self, least: f32) -> Vec<(u32, TriangleLight)> {
-        let areas: Vec<f32> = self.placed_records().par_iter().map(|record| area(&record.corners)).collect();
+        let areas: Vec<f32> = self.still_records().par_iter().map(|record| area(&record.corners)).collect();
         let all: f64 = areas.iter().map(|&area| f64::from(area)).sum();
         let is_small = |area: f32| area > 0.0 && f64::from(area) < SMALL * all;
         let mut lit: Vec<(u32, TriangleLight)> = areas

@@ -6,7 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use halfdome_kernel::Triangle;
+use halfdome_kernel::{Triangle, offset_distance, triangle_normal};
 
 use super::World;
 use crate::material::Kind;
@@ -57,6 +57,14 @@ pub(crate) struct EmitterRecord {
     /// Whether it emits evenly, so that all there is to know is here: 1, else 0.
     pub(crate) is_plain: u32,
     unused: [u32; 5],
+}
+
+impl TriangleRecord {
+    /// The same triangle elsewhere.
+    pub(super) fn with_corners(self, corners: Triangle) -> Self {
+        let normal = triangle_normal(&corners);
+        Self { corners, normal, offset: offset_distance(&corners, normal), ..self }
+    }
 }
 
 impl MaterialRecord {

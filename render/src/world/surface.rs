@@ -12,6 +12,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{offset_distance, offset_point};
 
+use super::hit::MIDDLE;
 use super::{Hit, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
@@ -40,6 +41,8 @@ pub(crate) struct Surface<'w> {
     pub prim_id: u32,
     /// Weights of the second and the third corner.
     pub barycentric: [f32; 2],
+    /// When, as [`Hit::time`].
+    pub time: f32,
     /// Whether the normals were turned: it is seen from behind, or from within.
     pub is_back: bool,
     /// Whether light from behind counts too, as its closure says, if anyone has asked.
@@ -73,6 +76,7 @@ impl World {
             offset: offset_distance(&[position, b, c], normal),
             prim_id: Hit::NO_PRIM,
             barycentric: [0.0; 2],
+            time: MIDDLE,
             is_back: false,
             transmits: false,
             material: &WHITE,
@@ -87,11 +91,11 @@ impl World {
     /// The surface at a hit.
     #[inline(always)]
     pub(crate) fn surface_at(&self, hit: &Hit) -> Surface<'_> {
-        let face = self.placed_record(hit.prim_id, hit.instance);
+        let face = self.placed_record(hit);
         self.surface_of(&face, hit)
     }
 
-    /// The surface at barycentric coordinates of a triangle that is in world space.
+    /// The surface at barycentric coordinates of a triangle that is in world space, in the middle of the shutter's time.
     #[inline(always)]
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
         self.surface_of(&self.triangle_records[prim_id as usize], &Hit { prim_id, u, v, ..Hit::MISS })
@@ -115,6 +119,7 @@ impl World {
             offset: face.offset,
             prim_id,
             barycentric: [u, v],
+            time: hit.time,
             is_back: false,
             transmits: false,
             material,
@@ -135,10 +140,7 @@ impl World {
     #[inline(never)]
     fn details(&self, normal: Vec3, hit: &Hit, weights: [f32; 3]) -> Details {
         let material = self.triangle_records[hit.prim_id as usize].material;
-        let turn = match self.instance_records() {
-            Some(records) if hit.instance != 0 => Some(records[hit.instance as usize].turn()),
-            _ => None,
-        };
+        let turn = self.instance_records().and_then(|_| self.turn_at(hit));
         let point = MeshPoint { turn, ..self.mesh_point(hit.prim_id, weights) };
         let (record, material) = (&self.material_records[material as usize], &self.materials[material as usize]);
         let interpolated = if point.mesh.normals.is_empty() {

@@ -6,14 +6,20 @@
 use halfdome_kernel::sampling::Stream;
 use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};
 
+use super::hit::time_of;
 use super::{Hit, World};
 
 /// Rays whose hits are in memory at once: as many as make a call cost little more for each than thousands do.
 const CHUNK: usize = 1024;
 
 impl World {
-    /// The nearest hit of each ray, [`Hit::MISS`] for none. Rays pass through holes.
+    /// The nearest hit of each ray in the middle of the shutter's time, [`Hit::MISS`] for none. Rays pass through holes.
     pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.intersect_many_at(rays, &[], hits);
+    }
+
+    /// The same, at a time for each ray; without times in the middle.
+    pub(crate) fn intersect_many_at(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         let tree = self.tree();
         for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
             let mut found = [kernel::Hit::MISS; CHUNK];
@@ -22,11 +28,11 @@ impl World {
                 *hit = Hit::of(found);
             }
         }
-        self.pass_on(rays, hits);
+        self.pass_on(rays, times, hits);
     }
 
     /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
-    pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], hits: &mut [Hit]) {
+    pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
         let tree = self.tree();
         for (rays, hits) in rays.chunks(WIDTH).zip(hits.chunks_mut(WIDTH)) {
@@ -36,45 +42,56 @@ impl World {
                 *hit = Hit::of(&found.hit(lane));
             }
         }
-        self.pass_on(rays, hits);
+        self.pass_on(rays, times, hits);
     }
 
     /// Finds nearer hits with instances, and takes rays that hit a hole further.
-    fn pass_on(&self, rays: &[Ray], hits: &mut [Hit]) {
+    fn pass_on(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         if let Some(instances) = &self.instances {
-            instances.intersect_nearer(rays, hits);
+            instances.intersect_nearer(rays, times, hits);
         }
         if self.has_holes {
-            for (ray, hit) in rays.iter().zip(hits).filter(|(ray, hit)| self.is_hole(ray, hit)) {
-                *hit = self.intersect_beyond_holes(ray);
+            for (i, (ray, hit)) in
+                rays.iter().zip(&mut *hits).enumerate().filter(|(_, (ray, hit))| self.is_hole(ray, hit))
+            {
+                *hit = self.intersect_beyond_holes(ray, time_of(times, i));
+            }
+        }
+        if self.motion.is_some() {
+            for (i, hit) in hits.iter_mut().enumerate() {
+                hit.time = time_of(times, i);
             }
         }
     }
 
     /// The nearest hit of a ray that is in no hole.
-    fn intersect_beyond_holes(&self, ray: &Ray) -> Hit {
+    fn intersect_beyond_holes(&self, ray: &Ray, time: f32) -> Hit {
         let hit = self.tree().intersect_filtered(ray, |hit| self.verdict(ray, hit));
         let hit = hit.as_ref().map_or(Hit::MISS, Hit::of);
         let Some(instances) = &self.instances else { return hit };
         let shortened = Ray { t_max: if hit.is_hit() { hit.t } else { ray.t_max }, ..*ray };
-        let nearer = instances.intersect_filtered(&shortened, |hit| !self.is_hole(ray, hit));
+        let nearer = instances.intersect_filtered(&shortened, time, |hit| !self.is_hole(ray, hit));
         nearer.filter(|nearer| nearer.t < hit.t || !hit.is_hit()).unwrap_or(hit)
     }
 
-    /// Whether each ray hits anything. Rays pass through holes.
+    /// Whether each ray hits anything in the middle of the shutter's time. Rays pass through holes.
     pub(crate) fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.occluded_many_at(rays, &[], occluded);
+    }
+
+    /// The same, at a time for each ray; without times in the middle.
+    pub(crate) fn occluded_many_at(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
         let tree = self.tree();
         tree.occluded_many(rays, occluded);
         if let Some(instances) = &self.instances {
-            instances.occlude(rays, occluded);
+            instances.occlude(rays, times, occluded);
         }
         if self.has_holes {
-            for (ray, occluded) in rays.iter().zip(occluded).filter(|(_, occluded)| **occluded) {
-                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(ray, hit))
-                    || self
-                        .instances
-                        .as_ref()
-                        .is_some_and(|instances| instances.occluded_filtered(ray, |hit| !self.is_hole(ray, hit)));
+            for (i, (ray, occluded)) in rays.iter().zip(occluded).enumerate().filter(|(_, (_, occluded))| **occluded) {
+                let is_solid = |hit: &Hit| !self.is_hole(ray, hit);
+                let by_instance =
+                    || self.instances.as_ref().is_some_and(|it| it.occluded_filtered(ray, time_of(times, i), is_solid));
+                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(ray, hit)) || by_instance();
             }
         }
     }
@@ -198,7 +215,7 @@ mod tests {
             let (mut hits, mut occluded) = ([Hit::MISS; 4], [false; 4]);
             world.intersect_many(&rays, &mut hits);
             let mut side_by_side = [Hit::MISS; 4];
-            world.intersect_side_by_side(&rays, &mut side_by_side);
+            world.intersect_side_by_side(&rays, &[], &mut side_by_side);
             assert_eq!(side_by_side, hits);
             world.occluded_many(&rays, &mut occluded);
             assert_eq!(rays.iter().map(|ray| world.occluded(ray)).collect::<Vec<_>>(), occluded);

@@ -3,6 +3,7 @@
 mod blur;
 mod command;
 mod kinds;
+mod motion;
 
 use glam::{Vec2, Vec3};
 use halfdome::scene::{CameraPose, Optics, Scene};

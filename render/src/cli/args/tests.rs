@@ -134,6 +134,7 @@ fn every_override_can_be_given() {
             frame: Some(-12.5),
             fps: Some(30.0),
             animations: Some(vec!["Walk".into(), "Camera".into()]),
+            ..MomentOverrides::default()
         },
     };
     assert_eq!(arguments.overriding.overrides(), expected);

@@ -79,7 +79,7 @@ impl UnmappedHits {
             return 0;
         }
         self.radiance.resize(self.of.len(), Vec3::ZERO);
-        let rays = RayBatch { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, ..*batch };
+        let rays = RayBatch { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, times: &[], ..*batch };
         let traced = indirect(world, None, &rays, wave, &mut self.radiance);
         for (&number, found) in self.of.iter().zip(&self.radiance) {
             radiance[number] = *found;

@@ -192,7 +192,7 @@ impl<'a> Follower<'a> {
 
 impl Follow for Follower<'_> {
     fn follow(&mut self, rays: &[Ray], hits: &[Hit], samplers: &[Sampler], radiance: &mut [Vec3]) -> u64 {
-        let batch = RayBatch { rays, hits, samplers, first_set: self.first_set, density: 0.0 };
+        let batch = RayBatch { rays, hits, samplers, times: &[], first_set: self.first_set, density: 0.0 };
         let (wave, misses, unmapped) = &mut self.scratch;
         match self.source {
             GatherSource::Paths(max_depth) => indirect(self.world, max_depth, &batch, wave, radiance),

@@ -166,7 +166,9 @@ impl Misses {
         world.intersect_many(&self.rays, &mut self.hits);
         // Behind the sets of all surfaces before.
         let first_set = batch.first_set + MAX_SURFACES * SETS_PER_SURFACE;
-        let rays = RayBatch { rays: &self.rays, hits: &self.hits, samplers: &self.samplers, first_set, density: 0.0 };
+        let (rays, hits, samplers) = (&self.rays, &self.hits, &self.samplers);
+        // What records say is of the middle of the shutter's time, too.
+        let rays = RayBatch { rays, hits, samplers, times: &[], first_set, density: 0.0 };
         let further = indirect(world, max_depth, &rays, wave, &mut self.radiance);
         for (&(index, throughput), found) in self.seen.iter().zip(&self.radiance) {
             radiance[index as usize] += throughput * *found;

@@ -35,8 +35,14 @@ fn paths_in_place_of_records_are_as_long() {
     let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
     let mut hits = vec![Hit::MISS; rays.len()];
     world.intersect_many(&rays, &mut hits);
-    let camera =
-        RayBatch { rays: &rays, hits: &hits, samplers: &samplers, first_set: FIRST_SET, density: f32::INFINITY };
+    let camera = RayBatch {
+        rays: &rays,
+        hits: &hits,
+        samplers: &samplers,
+        times: &[],
+        first_set: FIRST_SET,
+        density: f32::INFINITY,
+    };
     for (bounces, expected) in [(Some(1), 1.75), (Some(2), 1.875), (Some(3), 1.9375), (None, 2.0)] {
         let cache = Cache::new(CachedOptions { bounces, ..CachedOptions::default() }, world.surroundings_hash());
         let frozen = FrozenCache::new(cache);

@@ -13,7 +13,7 @@ use crate::light::few::{self, FEW};
 use crate::light::{Receiver, SampledLight, SkyPart, TriangleLight};
 use crate::scene::Material;
 use crate::settings::LightSampling;
-use crate::world::{Surface, World, interpolate};
+use crate::world::{MIDDLE, Surface, World, interpolate};
 
 /// The light chosen for each path of a block, with numbers that say where on each.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -76,6 +76,7 @@ impl LightSamples {
             tangent: Vec3::ZERO,
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],
+            time: MIDDLE,
             is_back: false,
             transmits: false,
             material: surface.material,

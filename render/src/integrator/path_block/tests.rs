@@ -11,6 +11,7 @@ use crate::integrator::state::u_light_choice;
 use crate::light::SkyPart;
 use crate::scene::{CameraPose, Instance, Mesh, Object, Scene};
 use crate::settings::LightSampling;
+use crate::world::MIDDLE;
 
 /// A block's step, compiled for an instruction set.
 struct Step<'a> {
@@ -77,7 +78,7 @@ fn path(number: u32, has_instances: bool) -> (Path, Ray, Hit) {
     let prim_id = number * 7 % TRIANGLES;
     let is_shared = has_instances && prim_id >= TRIANGLES * 3 / 4;
     let instance = if is_shared { 1 + number % 2 } else { 0 };
-    (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id, instance })
+    (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id, instance, time: MIDDLE })
 }
 
 #[test]

@@ -162,6 +162,7 @@ fn every_key_sets_its_option() {
             frame: Some(12.5),
             fps: Some(30.0),
             animations: Some(vec!["Walk".into(), "Camera".into()]),
+            ..MomentOverrides::default()
         },
     };
     assert_eq!(file.overrides, expected);

@@ -81,6 +81,8 @@ pub(crate) struct Document<'a> {
     buffers: Vec<Vec<u8>>,
     /// What compressed buffer views hold, by their numbers.
     decompressed: BTreeMap<usize, Vec<u8>>,
+    /// See [`LoadOptions`].
+    without_pictures: bool,
 }
 
 /// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
@@ -97,7 +99,8 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
         return Err(SceneError::new(path, place, problem, "export the model without it"));
     }
     let buffers = container::buffers(&Disk, path, &root, chunks.binary)?;
-    Ok((Document { files: &Disk, path, root, animations, buffers, decompressed: BTreeMap::new() }, chunks))
+    let decompressed = BTreeMap::new();
+    Ok((Document { files: &Disk, path, root, animations, buffers, decompressed, without_pictures: false }, chunks))
 }
 
 /// What was left out, for the warnings.
@@ -206,7 +209,8 @@ fn read(
     let (mut warnings, mut notes) = (Vec::new(), Notes::default());
     let buffers = container::buffers(files, path, &root, binary)?;
     let decompressed = meshopt::decompress(path, &root, &buffers)?;
-    let document = Document { files, path, root, animations, buffers, decompressed };
+    let without_pictures = options.without_pictures;
+    let document = Document { files, path, root, animations, buffers, decompressed, without_pictures };
     let (materials, textures) = material::read(&document, &mut notes)?;
     let mut scene = Scene { materials, textures, variants: variants::names(&document)?, ..Scene::default() };
     let mut skipped = Skipped::default();

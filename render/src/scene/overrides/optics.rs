@@ -33,6 +33,7 @@ impl Overrides {
             CameraKind::Rays => scene.camera.unwrap_or(NO_POSE),
             _ => self.pose(scene, vfov, film.width / film.height)?,
         };
+        self.move_camera(scene, kind, vfov, film.width / film.height)?;
         // What is seen from and what of it, if it was the aim.
         let target = has_target.then(|| pose.target.distance(pose.eye));
         let base = if self.is_new_camera() || CameraKind::of(&scene.optics) != kind {
@@ -47,6 +48,22 @@ impl Overrides {
             clip: self.clip(scene, base.clip)?,
         };
         (scene.camera, scene.optics) = (Some(pose), optics);
+        Ok(())
+    }
+
+    /// Gives the camera at the shutter's keys what the options say of it.
+    fn move_camera(&self, scene: &mut Scene, kind: CameraKind, vfov: Option<f32>, aspect: f64) -> Result<(), Invalid> {
+        let Some(mut motion) = scene.motion.take() else { return Ok(()) };
+        let middle = scene.camera;
+        if self.is_new_camera() || kind == CameraKind::Rays {
+            motion.cameras.clear();
+        }
+        for pose in &mut motion.cameras {
+            scene.camera = Some(*pose);
+            *pose = self.pose(scene, vfov, aspect)?;
+        }
+        scene.camera = middle;
+        scene.motion = (!motion.is_still()).then_some(motion);
         Ok(())
     }
 

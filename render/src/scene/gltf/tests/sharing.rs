@@ -20,7 +20,7 @@ fn forest() -> Value {
 }
 
 fn read(document: &Value, sharing: Sharing) -> Result<Scene, SceneError> {
-    parse_as(document.clone(), &triangle_bytes(), &LoadOptions { sharing, moment: None })
+    parse_as(document.clone(), &triangle_bytes(), &LoadOptions { sharing, ..LoadOptions::default() })
 }
 
 /// Where the second corner of each triangle is shown.
@@ -87,7 +87,7 @@ fn animations_move_instances() {
     }]);
     let places = |sharing| {
         let moment = Some(Moment { time: 0.5, animations: Vec::new() });
-        let options = LoadOptions { sharing, moment };
+        let options = LoadOptions { sharing, moment, ..LoadOptions::default() };
         let mut scene = parse_as(model.document.clone(), &model.bytes, &options).unwrap();
         assert_eq!(scene.instances.is_empty(), sharing == Sharing::Never);
         scene.place_instances();
