@@ -170,7 +170,7 @@ impl World {
             all.any(|(number, _)| motion.as_ref().is_some_and(|motion| motion.instance(number).is_some()))
         });
         let of_moving = of_moving.map(|(_, (corners, first))| *first as usize..*first as usize + corners.len());
-        for range in of_moving.chain([still..corners.len()]) {
+        for range in of_moving.chain(std::iter::once(still..corners.len())) {
             triangle_records[range].iter_mut().for_each(|record| record.is_plain = 0);
         }
         let instances = match instances.is_empty() && moving.is_empty() {

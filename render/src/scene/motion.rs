@@ -159,7 +159,7 @@ impl PunctualLight {
                 Self::Profiled { position: b, .. },
             ) => {
                 *position = place.vector(*a, *b);
-                *frame = turn.clone();
+                *frame = *turn;
             }
             (
                 Self::Directional { direction, .. },

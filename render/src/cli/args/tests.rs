@@ -9,7 +9,7 @@ use super::super::command::{Arguments, Command};
 use super::*;
 use crate::scene::{
     CachedOverrides, CameraKind, CameraOverrides, Daylight, FisheyeMapping, IntegratorOverrides, LightOverrides,
-    LightUnits, MomentOverrides, SensorFit, Sharing, SkyOverrides,
+    LightUnits, MomentOverrides, SensorFit, Sharing, Shutter, SkyOverrides,
 };
 use crate::settings::{
     AoWeighting, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop, Survival,
@@ -41,7 +41,7 @@ fn every_override_can_be_given() {
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
-                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak --instances never --frame -12.5 --fps 30 --animation Walk --animation Camera \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak --instances never --frame -12.5 --fps 30 --animation Walk --animation Camera --shutter -0.25,0.25 --shutter-ramp .1 --shutter-keys 9 \
                      --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
     let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
     let expected = Overrides {
@@ -134,7 +134,9 @@ fn every_override_can_be_given() {
             frame: Some(-12.5),
             fps: Some(30.0),
             animations: Some(vec!["Walk".into(), "Camera".into()]),
-            ..MomentOverrides::default()
+            shutter: Some(Shutter { open: -0.25, close: 0.25, in_seconds: false }),
+            shutter_ramp: Some(0.1),
+            shutter_keys: Some(9),
         },
     };
     assert_eq!(arguments.overriding.overrides(), expected);

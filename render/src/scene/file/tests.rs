@@ -5,7 +5,7 @@ use halfdome_kernel::sampling::Pattern;
 use super::*;
 use crate::scene::{
     CachedOverrides, CameraKind, CameraOverrides, CameraPose, Daylight, FisheyeMapping, LightOverrides, LightUnits,
-    MomentOverrides, SensorFit, SkyOverrides,
+    MomentOverrides, SensorFit, Shutter, SkyOverrides,
 };
 use crate::settings::Filter;
 use crate::settings::{
@@ -54,6 +54,9 @@ fn every_key_sets_its_option() {
         target = [0.0, -1.0, 0.0]
         up = [0, 0, 1]
         vfov = 45
+        shutter = [-0.25, 0.25]
+        shutter_ramp = 0.1
+        shutter_keys = 9
         [film]
         width = 320
         height = 200
@@ -162,7 +165,9 @@ fn every_key_sets_its_option() {
             frame: Some(12.5),
             fps: Some(30.0),
             animations: Some(vec!["Walk".into(), "Camera".into()]),
-            ..MomentOverrides::default()
+            shutter: Some(Shutter { open: -0.25, close: 0.25, in_seconds: false }),
+            shutter_ramp: Some(0.1),
+            shutter_keys: Some(9),
         },
     };
     assert_eq!(file.overrides, expected);
