@@ -189,8 +189,9 @@ fn instances_and_cameras_move_as_vertices_do() {
         if placed {
             let own = scene.meshes[1].positions.clone();
             let at = |key: usize| own.iter().map(|&it| turned(key).transform_point3(it)).collect::<Vec<_>>();
-            scene.meshes[1].positions = at(2);
-            motion.meshes.insert(1, (0..5).map(at).collect());
+            let places: Vec<Vec<Vec3>> = (0..5).map(at).collect();
+            scene.meshes[1].positions = places[2].clone();
+            motion.meshes.insert(1, places);
         } else {
             scene.meshes[1].object = Some(0);
             scene.objects.push(Object::default());
