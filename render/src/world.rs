@@ -8,6 +8,7 @@ mod light_shares;
 mod light_visibility;
 mod lit_triangles;
 mod motion;
+mod moved;
 mod names;
 mod reflected;
 mod seen_points;

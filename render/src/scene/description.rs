@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Animation, Clip, Instance, Material, Motion, Object, Optics, PunctualLight, Sky, Texture};
+use super::{Animation, CameraPose, Clip, Instance, Material, Motion, Object, Optics, PunctualLight, Sky, Texture};
 
 /// A scene as loaders deliver it and `World` takes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -123,19 +123,6 @@ pub struct Variant {
     pub name: String,
     /// Meshes by index, each with its material.
     pub materials: Vec<(usize, usize)>,
-}
-
-/// A camera's pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraPose {
-    /// The pinhole, or the middle of the lens.
-    pub eye: Vec3,
-    /// A point in the middle of the picture.
-    pub target: Vec3,
-    /// A vector that points up in the picture; not parallel to the view.
-    pub up: Vec3,
-    /// Vertical field of view in degrees, between 0 and 180, of perspective cameras.
-    pub vfov: f32,
 }
 
 impl Mesh {

@@ -65,11 +65,12 @@ use super::light_table;
 use super::load_options::LoadOptions;
 use super::load_with;
 use super::material_table::{self, MaterialTable};
+use super::moving::add_motion;
 use super::nearest::suggestion;
 use super::objects::{InstanceTable, ObjectTable, Objects, read_instances, read_objects};
 use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
-use super::{IntegratorOverrides, Moment, Motion, Overrides, Place, Scene, SceneError, Sharing};
+use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError, Sharing};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -225,25 +226,6 @@ fn assemble(path: &Path, file: &SceneFile, options: &LoadOptions) -> Result<Scen
     }
     scene.files.push(path.to_owned());
     Ok(scene)
-}
-
-/// Finds out what moves between the moments of the shutter's keys, of which the scene is that of the middle one.
-fn add_motion(
-    scene: &mut Scene,
-    moments: Vec<Moment>,
-    ramp: f32,
-    read: impl Fn(Moment) -> Result<Scene, SceneError>,
-) -> Result<(), SceneError> {
-    let mut motion = Motion { keys: moments.len(), ramp, ..Motion::default() };
-    let middle = motion.keys / 2;
-    for (key, moment) in moments.into_iter().enumerate().filter(|&(key, _)| key != middle) {
-        if let Err(why) = motion.note(scene, key, read(moment)?) {
-            scene.warnings.push(format!("motion is not blurred: {why}"));
-            return Ok(());
-        }
-    }
-    scene.motion = (!motion.is_still()).then_some(motion);
-    Ok(())
 }
 
 impl SceneFile {

@@ -2,6 +2,7 @@
 
 mod aov_table;
 mod builtin;
+mod camera_pose;
 mod daylight;
 mod description;
 mod error;
@@ -23,6 +24,7 @@ mod mesh_point;
 mod model;
 mod moment;
 mod motion;
+mod moving;
 mod mtl;
 mod nearest;
 mod notes;
@@ -49,8 +51,9 @@ mod turn;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
+pub use camera_pose::CameraPose;
 pub use daylight::{Daylight, DaylightModel};
-pub use description::{CameraPose, LightLabel, LightUnits, Mesh, Origin, Scene, Variant};
+pub use description::{LightLabel, LightUnits, Mesh, Origin, Scene, Variant};
 pub(crate) use error::count;
 pub use error::{Place, SceneError};
 pub use file::{SceneFile, open, open_with};

@@ -3,20 +3,15 @@
 //! Every path has a time, and so have its hits ([`Hit::time`]). Rays without one see the world as it is in the middle, where
 //! the records of triangles, instances and lights have it; so does whoever estimates how much light there is. A point's place
 //! at another time is interpolated just as the kernel does it.
-//!
-//! Vertex normals and tangents are those of the middle, turned as the triangle has turned since: by the linear map of its
-//! edges and its normal.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, Vec3};
 use halfdome_kernel::Triangle;
 use halfdome_kernel::geometry::Moment;
 
-use super::{Hit, InstanceRecord, TriangleRecord, World};
-use crate::light::area;
-use crate::scene::{self, CameraPose, Mesh, PunctualLight, Turn};
+use crate::scene::{self, CameraPose, Mesh, PunctualLight};
 
 /// All that moves.
 #[derive(Debug)]
@@ -80,7 +75,7 @@ impl Motion {
 
     /// The corners of a triangle at a time, if it moves by itself.
     #[inline]
-    fn corners(&self, prim_id: u32, time: f32) -> Option<Triangle> {
+    pub(super) fn corners(&self, prim_id: u32, time: f32) -> Option<Triangle> {
         let index = prim_id.checked_sub(self.first).filter(|&index| (index as usize) < self.corners[0].len())?;
         let moment = self.moment(time);
         let (from, to) = Self::around(&self.corners, moment);
@@ -89,7 +84,7 @@ impl Motion {
     }
 
     /// The linear part and the translation of an instance at a time, if it moves.
-    fn to_world(&self, instance: u32, time: f32) -> Option<[Vec3; 4]> {
+    pub(super) fn to_world(&self, instance: u32, time: f32) -> Option<[Vec3; 4]> {
         let keys = self.instances.get(&(instance.checked_sub(1)? as usize))?;
         let moment = self.moment(time);
         let (from, to) = Self::around(keys, moment);
@@ -120,7 +115,8 @@ impl Motion {
         self.moment(time)
     }
 
-    fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
+    /// A punctual light, by its number in the scene, where it is at a time; `None` if it stands still.
+    pub(super) fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
         let keys = self.lights.get(&number)?;
         let moment = self.moment(time);
         let (from, to) = Self::around(keys, moment);
@@ -154,76 +150,5 @@ impl scene::Motion {
             (number, light)
         };
         self.lights.iter().map(spread).collect()
-    }
-}
-
-/// How a triangle has turned; `None` if it was or is a line.
-fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
-    let frame = |[a, b, c]: &Triangle| {
-        let [b, c] = [(b - a).as_dvec3(), (c - a).as_dvec3()];
-        let normal = b.cross(c);
-        // As long as the edges are, so that the map is of their magnitude.
-        let length = normal.length().sqrt();
-        (length > 0.0).then(|| glam::DMat3::from_cols(b, c, normal / length))
-    };
-    let (from, to) = (frame(from)?, frame(to)?);
-    let map: Mat3 = (to * from.inverse()).as_mat3();
-    map.is_finite().then(|| Turn::new(map))
-}
-
-impl World {
-    /// What moves, if anything does.
-    pub(crate) fn motion(&self) -> Option<&Motion> {
-        self.motion.as_ref()
-    }
-
-    /// The record of a triangle that moves by itself or with its instance, where it is at the time of a hit; `None` for
-    /// others.
-    pub(super) fn moved_record(&self, hit: &Hit) -> Option<TriangleRecord> {
-        let motion = self.motion.as_ref()?;
-        let record = self.triangle_records[hit.prim_id as usize];
-        if let Some(corners) = motion.corners(hit.prim_id, hit.time) {
-            return Some(record.with_corners(corners));
-        }
-        let (corners, normal, offset) = self.moved_instance(hit)?.place(&record.corners, record.offset);
-        Some(TriangleRecord { corners, normal, offset, ..record })
-    }
-
-    /// The record of a hit's instance at its time, if that moves.
-    fn moved_instance(&self, hit: &Hit) -> Option<InstanceRecord> {
-        let [x, y, z, translation] = self.motion.as_ref()?.to_world(hit.instance, hit.time)?;
-        let still = self.instance_records()?[hit.instance as usize];
-        Some(still.moved([x, y, z], translation))
-    }
-
-    /// How directions on the surface of a hit's triangle have turned: with its instance, or by itself since the middle.
-    pub(super) fn turn_at(&self, hit: &Hit) -> Option<Turn> {
-        if let Some(motion) = &self.motion {
-            if let Some(corners) = motion.corners(hit.prim_id, hit.time) {
-                return turn_between(&self.triangle_records[hit.prim_id as usize].corners, &corners);
-            }
-            if let Some(record) = self.moved_instance(hit) {
-                return Some(record.turn());
-            }
-        }
-        let records = self.instance_records().filter(|_| hit.instance != 0)?;
-        Some(records[hit.instance as usize].turn())
-    }
-
-    /// The corners of an emitter at a time, and its area.
-    #[inline(always)]
-    pub(crate) fn emitter_at(&self, prim_id: u32, time: f32) -> (Triangle, f32) {
-        if let Some(corners) = self.motion.as_ref().and_then(|motion| motion.corners(prim_id, time)) {
-            return (corners, area(&corners));
-        }
-        let emitter = self.emitter(prim_id);
-        (emitter.corners, emitter.area)
-    }
-
-    /// The punctual light that `index` is, where it is at a time, if it moves.
-    #[inline(never)]
-    pub(crate) fn moved_light(&self, index: u32, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
-        let motion = self.motion.as_ref().filter(|motion| !motion.lights.is_empty())?;
-        motion.light(self.lights.punctual_number(index), still, time)
     }
 }
