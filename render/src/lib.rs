@@ -97,6 +97,7 @@ pub mod driver;
 mod estimator;
 mod executor;
 pub mod film;
+mod guide;
 mod integrator;
 pub mod irradiance;
 mod light;

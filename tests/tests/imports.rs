@@ -29,6 +29,7 @@ const RENDER: &[&str] = &[
     "world",
     "bsdf",
     "estimator",
+    "guide",
     "cache",
     "integrator",
     "driver",

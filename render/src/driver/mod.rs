@@ -107,7 +107,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
     let is_precise = |(number, tile): (usize, &Tile)| !plan.share.has(number) || plan.is_precise(tile, level);
     let cache = match &renderer.frame.prepared {
         Prepared::Cache(frozen) => Some(frozen.usage()),
-        Prepared::Nothing => None,
+        Prepared::Guide(_) | Prepared::Nothing => None,
     };
     Ok(Render {
         picture: film.picture(),

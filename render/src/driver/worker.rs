@@ -46,7 +46,8 @@ pub struct Step {
 impl TileWorker {
     /// Every tile of the picture that `world`'s camera sees whose number leaves `number` when divided by `count`, the
     /// number of workers, more than 0. The integrator `cached` reads `cache`, to which nothing is added
-    /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced.
+    /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced. Paths are
+    /// not guided.
     pub fn new(world: &World, settings: &Settings, cache: Option<Cache>, number: usize, count: usize) -> Self {
         let prepared = match &settings.integrator {
             Integrator::Cached(options) => {

@@ -15,6 +15,7 @@ mod path;
 mod path_block;
 mod shadow_queue;
 mod state;
+mod training;
 mod wavefront;
 
 use glam::Vec3;
@@ -22,6 +23,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
 use crate::cache::Cache;
+use crate::guide::Guide;
 use crate::settings::{Integrator, PathOptions, Settings};
 use crate::watch::Watch;
 use crate::world::{Hit, World};
@@ -65,6 +67,8 @@ pub(crate) enum Prepared {
     Nothing,
     /// A frozen irradiance cache.
     Cache(FrozenCache),
+    /// Where paths had better go on.
+    Guide(Guide),
 }
 
 impl Prepared {
@@ -85,6 +89,13 @@ pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, 
             let (frozen, rays) = fill_for_camera(world, settings, cache, watch);
             (Prepared::Cache(frozen), rays)
         }
+        Integrator::Path(options) => match options.guide {
+            Some(paths) => {
+                let (guide, rays) = training::train(world, settings, options, paths, watch);
+                (guide.map_or(Prepared::Nothing, Prepared::Guide), rays)
+            }
+            None => (Prepared::Nothing, 0),
+        },
         _ => (Prepared::Nothing, 0),
     }
 }
@@ -97,7 +108,7 @@ pub(crate) fn radiance_by_paths(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    path::radiance(world, options, rays, wave, radiance, &mut |_| (), None)
+    path::radiance(world, options, rays, wave, radiance, &mut |_| (), path::Companions::default())
 }
 
 /// Writes the radiance that each camera ray sees, and the AOVs of these light paths, side by side for each ray; gives the
@@ -119,7 +130,9 @@ pub(crate) fn radiance(
         Integrator::Path(options) => {
             let count = batch.rays.len();
             let recorder = light.map(|(paths, aovs)| path::Recorder::new(paths, recorded, count, aovs));
-            path::radiance(world, options, batch, wave, radiance, &mut |_| (), recorder)
+            let guide = if let Prepared::Guide(guide) = prepared { Some(guide) } else { None };
+            let companions = path::Companions { recorder, guide, trainer: None };
+            path::radiance(world, options, batch, wave, radiance, &mut |_| (), companions)
         }
         Integrator::Cached(_) => unreachable!("its cache is prepared"),
         Integrator::MonteCarlo(options) => montecarlo::radiance(world, options, batch, generations, radiance),

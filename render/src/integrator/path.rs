@@ -17,6 +17,7 @@
 
 mod aim;
 mod record;
+mod train;
 
 use std::ops::Range;
 
@@ -25,24 +26,36 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::{Ray, Task};
 
 use super::emission::{emission, sky};
-use super::path_block::{BlockClosures, Bounces, Closures, LANES, Lambert, PathBlock, ShadowRays, clamp};
+use super::path_block::{BlockClosures, Bounces, Closures, GuidedBlock, LANES, Lambert, PathBlock, ShadowRays, clamp};
 use super::state::Path;
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::estimator::{ShadowRay, aimed_density, sample_light};
+use crate::guide::Guide;
 use crate::light::{SampledLight, SkyPart};
 use crate::material::{Glossy, Kind, Layered, Transmissive};
 use crate::settings::{LightSampling, PathOptions, Stop};
 use crate::world::{Hit, WHITE, World};
 pub(in crate::integrator) use record::{Recorder, RecorderMemory};
+pub(in crate::integrator) use train::Trainer;
 
 /// What of the sky light samples find: paths go on by the cosine, and find the rest.
 const SKY: SkyPart = SkyPart::Bright;
 
+/// What goes along with paths.
+#[derive(Default)]
+pub(super) struct Companions<'a> {
+    /// Gets what AOVs by light path expressions have of them.
+    pub recorder: Option<Recorder<'a>>,
+    /// Says where they had better go on.
+    pub guide: Option<&'a Guide>,
+    /// Learns that.
+    pub trainer: Option<&'a mut Trainer>,
+}
+
 /// Writes the radiance along each camera ray; gives the number of further rays.
 ///
-/// `watch` sees the rays that are to be traced before they are: the shadow rays of each bounce, and the paths'. `recorder`
-/// gets what AOVs by light path expressions have of it.
+/// `watch` sees the rays that are to be traced before they are: the shadow rays of each bounce, and the paths'.
 pub(super) fn radiance(
     world: &World,
     options: &PathOptions,
@@ -50,8 +63,11 @@ pub(super) fn radiance(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
-    recorder: Option<Recorder>,
+    Companions { recorder, guide, mut trainer }: Companions,
 ) -> u64 {
+    if let Some(trainer) = &mut trainer {
+        trainer.start(batch.rays.len());
+    }
     let scratch = Scratch {
         block: PathBlock::new(),
         shadows: ShadowRays::new(),
@@ -60,7 +76,12 @@ pub(super) fn radiance(
         transmissive: Closures::default(),
         layered: Closures::default(),
     };
-    wave.follow(world, batch, &mut PathTracer { world, options, watch, recorder, scratch }, radiance)
+    wave.follow(
+        world,
+        batch,
+        &mut PathTracer { world, options, watch, recorder, guide: guide.map(GuidedBlock::new), trainer, scratch },
+        radiance,
+    )
 }
 
 struct PathTracer<'a> {
@@ -68,6 +89,8 @@ struct PathTracer<'a> {
     options: &'a PathOptions,
     watch: &'a mut dyn FnMut(&Wavefront),
     recorder: Option<Recorder<'a>>,
+    guide: Option<GuidedBlock<'a>>,
+    trainer: Option<&'a mut Trainer>,
     scratch: Scratch,
 }
 
@@ -87,8 +110,9 @@ impl WavefrontStep for PathTracer<'_> {
     }
 
     fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
-        let Self { world, options, scratch, recorder, .. } = self;
-        let step = Advance { world, options, wave, batch, depth, radiance, recorder: recorder.as_mut(), kept: 0 };
+        let Self { world, options, scratch, recorder, guide, trainer, .. } = self;
+        let (recorder, guide, trainer) = (recorder.as_mut(), guide.as_mut(), trainer.as_deref_mut());
+        let step = Advance { world, options, wave, batch, depth, radiance, recorder, guide, trainer, kept: 0 };
         world.isa().run(Steps { step, scratch });
     }
 
@@ -99,6 +123,9 @@ impl WavefrontStep for PathTracer<'_> {
     fn resolved(&mut self, wave: &Wavefront) {
         if let Some(recorder) = &mut self.recorder {
             recorder.resolve(&wave.shadow_queue);
+        }
+        if let Some(trainer) = &mut self.trainer {
+            trainer.resolve(&wave.shadow_queue);
         }
     }
 }
@@ -112,6 +139,8 @@ struct Advance<'a, 'b> {
     depth: u32,
     radiance: &'a mut [Vec3],
     recorder: Option<&'a mut Recorder<'b>>,
+    guide: Option<&'a mut GuidedBlock<'b>>,
+    trainer: Option<&'a mut Trainer>,
     /// How many paths go on.
     kept: usize,
 }
@@ -144,6 +173,9 @@ impl Task for Steps<'_, '_> {
         if let Some(recorder) = step.recorder {
             recorder.keep_next();
         }
+        if let Some(trainer) = step.trainer {
+            trainer.keep_next();
+        }
     }
 }
 
@@ -165,6 +197,9 @@ impl Advance<'_, '_> {
             self.fill(first..next, block);
             self.arrive(closures, block);
             if self.depth < self.options.max_depth {
+                if let Some(guide) = &mut self.guide {
+                    guide.locate(closures, block);
+                }
                 self.stop(block);
                 self.draw(block);
                 self.sample_lights(closures, block, shadows);
@@ -198,6 +233,7 @@ impl Advance<'_, '_> {
             let light = self.clamped(light);
             self.radiance[path.index as usize] += light;
             self.record_sky(source as usize, light);
+            self.learn_found(source as usize, light);
         }
     }
 
@@ -234,6 +270,7 @@ impl Advance<'_, '_> {
         }
         if found != Vec3::ZERO {
             self.record_emission(source, found);
+            self.learn_found(source, found);
         }
     }
 
@@ -269,7 +306,10 @@ impl Advance<'_, '_> {
                     }
                 }
             }
-            Stop::Roulette { after, survival } if self.depth > after => block.roulette(survival),
+            Stop::Roulette { after, survival } if self.depth > after => match &self.guide {
+                None => block.roulette(survival),
+                Some(guide) => guide.roulette(block, survival),
+            },
             _ => {}
         }
     }
@@ -313,11 +353,17 @@ impl Advance<'_, '_> {
             }
         }
         block.sample_lights(closures, self.options.lights, &WHITE, shadows);
+        if let Some(guide) = &self.guide {
+            guide.reweigh_lights(block, self.options.lights, shadows);
+        }
         if let Some(most) = self.clamp_at_surface() {
             shadows.clamp(most);
         }
         if self.recorder.is_some() {
             self.record_light_samples(closures, block, shadows);
+        }
+        if self.trainer.is_some() {
+            self.learn_light_samples(block, shadows);
         }
         self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
     }
@@ -334,6 +380,7 @@ impl Advance<'_, '_> {
         let (surface, how) = (block.surface(i, &WHITE), (self.options.lights, SKY));
         let Some(sample) = sample_light(self.world, &surface, how, light, block.u_light[i].y) else { return };
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
+        let density = self.bounce_density(i, sample.direction, density);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
             let (light_number, light) = (light.index, block.throughput(i) * radiance);
@@ -342,9 +389,16 @@ impl Advance<'_, '_> {
                 let found = (self.wave.shadow_queue.len(), light_number, sample.direction, radiance);
                 self.record_light_sample(closures, block, i, found);
             }
+            self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
             let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
             self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
         }
+    }
+
+    /// The density with which path `i` goes on in a direction, by that of its closure.
+    #[inline(always)]
+    fn bounce_density(&self, i: usize, direction: Vec3, closure_density: f32) -> f32 {
+        self.guide.as_ref().map_or(closure_density, |guide| guide.density(i, direction, closure_density))
     }
 
     /// What light samples at the surfaces of this step may be at most, unless it is the first one's direct light.
@@ -358,6 +412,9 @@ impl Advance<'_, '_> {
     fn continue_paths<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &mut Bounces) {
         let world = self.world;
         block.bounce(closures, &WHITE, bounces);
+        if let Some(guide) = &self.guide {
+            guide.bounce(closures, block, bounces);
+        }
         if world.lights.sky.has(SKY) {
             for i in 0..block.len {
                 bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
@@ -365,6 +422,9 @@ impl Advance<'_, '_> {
         }
         if self.recorder.is_some() {
             self.record_bounces(closures, block, bounces);
+        }
+        if self.trainer.is_some() {
+            self.learn_bounces(closures, block, bounces);
         }
         let (rays, paths) = self.wave.next_places(self.kept, LANES);
         self.kept += bounces.keep(world.isa(), block.len, rays, paths);

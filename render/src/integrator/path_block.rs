@@ -13,6 +13,7 @@
 mod bounce;
 mod closures;
 mod columns;
+mod guided;
 mod light;
 
 use bytemuck::Zeroable;
@@ -31,6 +32,7 @@ pub(super) use columns::LANES;
 use columns::{
     Column, InstanceColumns, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle,
 };
+pub(super) use guided::GuidedBlock;
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};
 
@@ -185,6 +187,16 @@ impl PathBlock {
             transmits: self.transmits[i] != 0,
             material: matte,
         }
+    }
+
+    /// The surface that path `i` has arrived at: where, and its shading normal.
+    pub(super) fn place(&self, i: usize) -> (Vec3, Vec3) {
+        (self.position.get(i), self.shading_normal.get(i))
+    }
+
+    /// By what the throughput of path `i` was multiplied as chance let it go on.
+    pub(super) fn survival(&self, i: usize) -> f32 {
+        self.survival[i]
     }
 
     /// Ends the paths of whose light less than `cutoff` would be reflected, in every channel.

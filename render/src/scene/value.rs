@@ -13,8 +13,8 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::nearest;
 use super::{Daylight, DaylightModel, LightUnits, Sharing};
-use crate::settings::Filter;
 use crate::settings::MAX_SIDE;
+use crate::settings::{Filter, PathOptions};
 
 pub use film::MatteKinds;
 pub(super) use film::{matte_kinds, matte_levels};
@@ -181,6 +181,19 @@ pub(crate) fn clamp(value: &Value) -> Reading<f32> {
     match value.finite() {
         Some(most) if most > 0.0 => Ok(most),
         _ => expected("a number, finite and more than 0"),
+    }
+}
+
+/// Whether paths are guided, or by how many others; 0 for none.
+pub(crate) fn guide(value: &Value) -> Reading<u32> {
+    match (value, value.integer()) {
+        (Value::Boolean(true), _) => Ok(PathOptions::GUIDE_PATHS),
+        (Value::Boolean(false), _) => Ok(0),
+        (_, Some(paths @ PathOptions::LEAST_GUIDE_PATHS..=PathOptions::MOST_GUIDE_PATHS)) => Ok(paths),
+        _ => {
+            let (least, most) = (PathOptions::LEAST_GUIDE_PATHS, PathOptions::MOST_GUIDE_PATHS);
+            expected(format!("true, false, or a number of paths from {least} to {most}"))
+        }
     }
 }
 

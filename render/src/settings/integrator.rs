@@ -39,6 +39,10 @@ pub struct PathOptions {
     /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
     /// brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
+    /// Path guiding: the number of paths, 1024 to 8,388,608, from which it is learned before the picture where paths had better
+    /// go on; `None` to go on by closures alone. It pays where light comes through a gap; the picture's mean does not
+    /// depend on it.
+    pub guide: Option<u32>,
 }
 
 /// How light is found that more than one technique could find. Delta lights are always sampled, mirror
@@ -219,9 +223,18 @@ impl MonteCarloOptions {
     }
 }
 
+impl PathOptions {
+    /// Paths from which a guide is learned unless another number is given.
+    pub const GUIDE_PATHS: u32 = 1 << 19;
+    /// The fewest: too few for any guide.
+    pub const LEAST_GUIDE_PATHS: u32 = 1 << 10;
+    /// The most: some gigabytes of memory.
+    pub const MOST_GUIDE_PATHS: u32 = 1 << 23;
+}
+
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default(), clamp_indirect: None }
+        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default(), clamp_indirect: None, guide: None }
     }
 }
 

@@ -80,7 +80,7 @@ fn room(solid: &[Corners]) -> World {
 
 /// Paths that find light by bouncing alone, so that their variance has a closed form.
 fn naive(max_depth: u32, stop: Stop) -> Integrator {
-    Integrator::Path(PathOptions { max_depth, lights: LightSampling::Naive, stop, clamp_indirect: None })
+    Integrator::Path(PathOptions { max_depth, lights: LightSampling::Naive, stop, ..PathOptions::default() })
 }
 
 fn closed(runner: &Runner, solid: &[Corners]) -> Result<Outcome, Interrupted> {
@@ -261,7 +261,7 @@ fn threshold(runner: &Runner) -> Result<Outcome, Interrupted> {
 /// the sky, or of ambient occlusion, which sends more of its uniform rays along the surface.
 fn escapes(runner: &Runner) -> Result<Outcome, Interrupted> {
     let paths =
-        |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth, clamp_indirect: None });
+        |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth, ..PathOptions::default() });
     let occlusion = AoOptions {
         weighting: AoWeighting::Misses,
         max_distance: None,

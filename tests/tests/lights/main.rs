@@ -1,5 +1,6 @@
 //! Direct light on a plane against closed forms: lights without a surface, the sky, and Lambert's polygon formula.
 
+mod guide;
 mod lit;
 mod profiles;
 mod sizes;

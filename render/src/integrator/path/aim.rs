@@ -36,6 +36,7 @@ impl Advance<'_, '_> {
             let (surface, numbers) = (block.surface(i, &WHITE), (unit_double(Vec2::new(a, b)), c));
             let Some(aimed) = aim(self.world, &surface, &receiver, numbers) else { continue };
             let (scattered, density) = closures.eval(i, &surface, aimed.ray.direction);
+            let density = self.bounce_density(i, aimed.ray.direction, density);
             let throughput = block.throughput(i) * aimed_weight(scattered, aimed.inv_density / chance, density);
             if throughput.max_element() > 0.0 {
                 let (normal, target) = (block.packed_normal(i), aimed.prim_id + 1);
@@ -44,6 +45,7 @@ impl Advance<'_, '_> {
                 let (rays, paths) = self.wave.next_places(self.kept, 1);
                 (rays[0], paths[0]) = (aimed.ray, path);
                 self.kept += 1;
+                self.learn_aimed(block, i);
                 if self.recorder.is_some() {
                     self.record_onwards(closures, block, i, (aimed.ray.direction, false, 3));
                 }

@@ -6,6 +6,7 @@ use halfdome_kernel::{Isa, Ray};
 
 use super::columns::{Integers, LANES, Paths, Rays, keep};
 use super::{BlockClosures, PathBlock};
+use crate::bsdf::Bounce;
 use crate::integrator::state::Path;
 use crate::scene::Material;
 
@@ -46,6 +47,16 @@ impl PathBlock {
 }
 
 impl Bounces {
+    /// Lets path `i` go on otherwise, if it does.
+    pub(super) fn replace(&mut self, i: usize, block: &PathBlock, origin: Vec3, (bounce, scatters): (Bounce, bool)) {
+        self.rays.origin.set(i, origin);
+        self.rays.direction.set(i, bounce.direction);
+        self.paths.throughput.set(i, block.throughput(i) / block.survival[i] * bounce.weight);
+        self.paths.density[i] = bounce.density;
+        let survives = block.u_roulette[i] < block.survival[i];
+        self.goes_on[i] = u32::from(scatters & survives) & block.goes_on[i];
+    }
+
     /// Rays without an end.
     pub(in crate::integrator) fn new() -> Self {
         let mut bounces = Self::zeroed();

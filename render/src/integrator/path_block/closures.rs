@@ -26,6 +26,9 @@ pub(in crate::integrator) trait BlockClosures {
     /// The part of `f cos θ` that is that of glossy lobes.
     fn glossy(&self, i: usize, direction: Vec3) -> Vec3;
 
+    /// The part of all scattered light that is reflected diffusely, 0 to 1.
+    fn diffuse_share(&self, i: usize) -> f32;
+
     /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
     fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
 }
@@ -52,6 +55,10 @@ impl BlockClosures for Lambert {
 
     fn glossy(&self, _: usize, _: Vec3) -> Vec3 {
         Vec3::ZERO
+    }
+
+    fn diffuse_share(&self, _: usize) -> f32 {
+        1.0
     }
 
     #[inline(always)]
@@ -93,6 +100,11 @@ impl<B: Bsdf> BlockClosures for Closures<B> {
 
     fn glossy(&self, i: usize, direction: Vec3) -> Vec3 {
         self.0[i].glossy(direction)
+    }
+
+    fn diffuse_share(&self, i: usize) -> f32 {
+        let [diffuse, all] = [self.0[i].diffuse_albedo(), self.0[i].albedo()].map(Vec3::element_sum);
+        if all > 0.0 { (diffuse / all).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     #[inline]

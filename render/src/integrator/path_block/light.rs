@@ -35,6 +35,9 @@ pub(super) struct LightSamples {
 pub(in crate::integrator) struct ShadowRays {
     rays: Rays,
     waiting: PendingLights,
+    /// The reciprocals of the densities with which their directions were chosen, and those of the closures' bounces.
+    per_density: Column,
+    bounce_density: Column,
     /// Whether there is any light.
     lit: Integers,
 }
@@ -211,6 +214,7 @@ impl PathBlock {
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
             shadows.waiting.light.set(i, self.throughput(i) * radiance);
+            (shadows.per_density[i], shadows.bounce_density[i]) = (light.inv_density, density);
             let is_chosen = u32::from(self.light_samples.probability[i] > 0.0);
             let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
             shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;
@@ -239,6 +243,13 @@ impl ShadowRays {
     /// The light of ray `i`.
     pub(in crate::integrator) fn light(&self, i: usize) -> Vec3 {
         self.waiting.light.get(i)
+    }
+
+    /// Weighs the light of ray `i` for bounces with another density than the closure's.
+    pub(super) fn reweigh(&mut self, i: usize, lights: LightSampling, density: impl Fn(f32) -> f32) {
+        let (per_density, before) = (self.per_density[i], self.bounce_density[i]);
+        let [before, after] = [before, density(before)].map(|density| lights.light_weight(per_density, density));
+        self.waiting.light.set(i, self.waiting.light.get(i) * (after / before));
     }
 
     /// Scales all light down to at most this radiance in any channel.

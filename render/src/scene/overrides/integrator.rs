@@ -49,6 +49,11 @@ pub struct IntegratorOverrides {
     /// fireflies, less light [default: off]
     #[arg(long, value_name = "L", value_parser = argument(value::clamp), allow_negative_numbers = true)]
     pub clamp_indirect: Option<f32>,
+    /// path: trace paths before the picture and learn from them where light comes from, for rooms that are lit through a
+    /// window or a door ajar; =N by so many paths [default: false; N is 524288]
+    #[arg(long, num_args = 0..=1, require_equals = true)]
+    #[arg(value_name = "N", default_missing_value = "true", value_parser = argument(value::guide))]
+    pub guide: Option<u32>,
     /// montecarlo: number of indirect bounces [default: 1]
     #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
     pub bounces: Option<u32>,
@@ -70,8 +75,10 @@ pub struct IntegratorOverrides {
     pub cached: CachedOverrides,
 }
 
-/// What all paths have; a stopping rule adds its own.
-const PATH: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
+/// What paths have; a stopping rule adds its own.
+const PATH: [&str; 5] = ["max_depth", "lights", "stop", "clamp_indirect", "guide"];
+/// What those have whose cost is shown.
+const HEAT: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
 
 impl IntegratorOverrides {
     /// These options, and those of `fallback` where these are not set. Options belong to their integrator, and to
@@ -91,6 +98,7 @@ impl IntegratorOverrides {
             roulette_after: self.roulette_after.or(rule.roulette_after),
             survival: self.survival.or(rule.survival),
             clamp_indirect: self.clamp_indirect.or(fallback.clamp_indirect),
+            guide: self.guide.or(fallback.guide),
             bounces: self.bounces.or(fallback.bounces),
             rays: self.rays.or(fallback.rays),
             sampling: self.sampling.or(fallback.sampling),
@@ -140,6 +148,9 @@ impl IntegratorOverrides {
         replace(&mut path.lights, self.lights);
         replace(&mut path.stop, self.stop);
         path.clamp_indirect = self.clamp_indirect.or(path.clamp_indirect);
+        if let Some(paths) = self.guide {
+            path.guide = (paths > 0).then_some(paths);
+        }
         match &mut path.stop {
             Stop::Depth => {}
             Stop::Threshold { cutoff, add_back } => {
@@ -156,7 +167,8 @@ impl IntegratorOverrides {
     /// Refuses options that belong to another integrator or stopping rule.
     fn refuse_unused(&self, integrator: &Integrator) -> Result<(), Invalid> {
         let used: &[&str] = match integrator {
-            Integrator::Path(_) | Integrator::Heat(_) => &PATH,
+            Integrator::Path(_) => &PATH,
+            Integrator::Heat(_) => &HEAT,
             Integrator::MonteCarlo(_) => &["bounces", "rays", "sampling", "survival"],
             Integrator::Direct(_) => &["max_depth"],
             Integrator::Ao(_) => &["rays", "sampling", "ao_weighting", "ao_distance"],
@@ -164,7 +176,8 @@ impl IntegratorOverrides {
             Integrator::Flat | Integrator::Normals | Integrator::Albedo => &[],
         };
         let stop = self.stop.unwrap_or_default();
-        let used_by_stop: &[&str] = match (used == PATH, stop) {
+        let follows_paths = matches!(integrator, Integrator::Path(_) | Integrator::Heat(_));
+        let used_by_stop: &[&str] = match (follows_paths, stop) {
             (true, Stop::Threshold { .. }) => &["cutoff", "add_back"],
             (true, Stop::Roulette { .. }) => &["roulette_after", "survival"],
             _ => &[],
@@ -178,6 +191,7 @@ impl IntegratorOverrides {
             ("roulette_after", self.roulette_after.is_some()),
             ("survival", self.survival.is_some()),
             ("clamp_indirect", self.clamp_indirect.is_some()),
+            ("guide", self.guide.is_some()),
             ("bounces", self.bounces.is_some()),
             ("rays", self.rays.is_some()),
             ("sampling", self.sampling.is_some()),
@@ -191,7 +205,7 @@ impl IntegratorOverrides {
         };
         let of_stop = matches!(name, "cutoff" | "add_back" | "roulette_after" | "survival");
         let user = match integrator.name() {
-            path if of_stop && used == PATH => format!("the integrator `{path}` with the stop `{}`", stop.name()),
+            path if of_stop && follows_paths => format!("the integrator `{path}` with the stop `{}`", stop.name()),
             other => format!("the integrator `{other}`"),
         };
         let known = [used, used_by_stop].concat();
@@ -242,7 +256,7 @@ mod tests {
         assert_eq!(
             problem(cutoff.clone()),
             "the integrator `path` with the stop `roulette` does not use `cutoff`\n  \
-             help: leave it out; used are max_depth, lights, stop, clamp_indirect, roulette_after, survival"
+             help: leave it out; used are max_depth, lights, stop, clamp_indirect, guide, roulette_after, survival"
         );
         assert_eq!(
             problem(IntegratorOverrides { rays: Some(3), ..named("flat") }),
