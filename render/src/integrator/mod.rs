@@ -91,7 +91,7 @@ pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, 
         }
         Integrator::Path(options) => match options.guide {
             Some(paths) => {
-                let (guide, rays) = training::train(world, settings, options, paths, watch);
+                let (guide, rays) = training::train(world, settings, options, paths);
                 (guide.map_or(Prepared::Nothing, Prepared::Guide), rays)
             }
             None => (Prepared::Nothing, 0),

@@ -1,7 +1,8 @@
 //! Paths that a [guide](crate::guide) learns from: rounds of them, each twice as many as before and guided by what the
 //! round before has learned. The last round's guide is learned from the last two, three quarters of all paths.
 //!
-//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares.
+//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares. They cannot be stopped, for
+//! a picture that began without its guide would be another one.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -13,7 +14,6 @@ use super::{FIRST_SET, RayBatch, Wavefront};
 use crate::camera::{Camera, FilmPoint, FilmSample};
 use crate::guide::{Guide, GuideSample};
 use crate::settings::{PathOptions, Settings};
-use crate::watch::Watch;
 use crate::world::{Hit, World};
 
 /// Paths that are traced together.
@@ -26,20 +26,11 @@ const LENS_SET: u32 = u32::MAX;
 const TIME_SET: u32 = u32::MAX - 1;
 
 /// Traces so many paths of the picture, in rounds; gives what they teach, and how many rays they were.
-pub(super) fn train(
-    world: &World,
-    settings: &Settings,
-    options: &PathOptions,
-    paths: u32,
-    watch: &dyn Watch,
-) -> (Option<Guide>, u64) {
+pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, paths: u32) -> (Option<Guide>, u64) {
     let camera = world.camera_on(settings.width, settings.height);
     let (mut guide, mut before, mut rays) = (None, Vec::new(), 0);
     let rounds = rounds(paths);
     for (number, &count) in (0..).zip(&rounds) {
-        if watch.stop() {
-            return (None, rays);
-        }
         let round = Round { world, settings, options, camera: &camera, guide: guide.as_ref(), number, count };
         let batches: Vec<_> = (0..count.div_ceil(BATCH)).into_par_iter().map(|batch| round.trace(batch)).collect();
         let mut samples = Vec::new();

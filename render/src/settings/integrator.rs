@@ -187,10 +187,11 @@ impl Integrator {
         matches!(self, Self::Path(_) | Self::Cached(_) | Self::MonteCarlo(_) | Self::Direct(_))
     }
 
-    /// Refuses options with which a render would never end.
+    /// Refuses options with which a render would never end, or that do not go together.
     pub fn check(&self) -> Result<(), Invalid> {
         match self {
             Self::MonteCarlo(options) => options.check(),
+            Self::Path(options) => options.check(),
             _ => Ok(()),
         }
     }
@@ -230,6 +231,17 @@ impl PathOptions {
     pub const LEAST_GUIDE_PATHS: u32 = 1 << 10;
     /// The most: some gigabytes of memory.
     pub const MOST_GUIDE_PATHS: u32 = 1 << 23;
+
+    /// A guided path's throughput is the smaller, the more light there is where it goes.
+    fn check(&self) -> Result<(), Invalid> {
+        match (self.guide, self.stop) {
+            (Some(_), Stop::Threshold { .. }) => Err(Invalid::new(
+                "guided paths cannot end by a threshold: it would end those that go where most light is",
+                "leave out `guide`, or choose the stop `roulette` or `depth`",
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for PathOptions {
@@ -319,6 +331,10 @@ mod tests {
         // Driscoll's example: over four billion rays.
         assert!(check(2, 256).is_ok());
         let error = check(4, 256).unwrap_err();
+        let guided =
+            PathOptions { guide: Some(4096), stop: Stop::named("threshold").unwrap(), ..PathOptions::default() };
+        assert!(Integrator::Path(guided.clone()).check().is_err());
+        assert!(Integrator::Path(PathOptions { guide: None, ..guided }).check().is_ok());
         assert_eq!(error.problem, "4 bounces of 256 rays each are more than 1048576 rays for each sample");
     }
 }

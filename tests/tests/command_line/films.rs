@@ -30,8 +30,13 @@ impl Desk {
 
 #[test]
 fn any_split_gives_the_same_bytes() {
-    for options in ["", "--aov --seed 3", "--integrator cached --cache-error 0.1", "--camera fisheye --filter mitchell"]
-    {
+    for options in [
+        "",
+        "--aov --seed 3",
+        "--integrator cached --cache-error 0.1",
+        "--camera fisheye --filter mitchell",
+        "--guide=16384",
+    ] {
         let desk = Desk::new();
         let scene = format!("render cornell --size 90x70 --progress none {options}");
         desk.ends(0, &format!("{scene} --spp 21 -o whole.exr -o whole.hdf"));

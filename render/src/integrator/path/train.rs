@@ -8,6 +8,8 @@ use crate::integrator::path_block::{BlockClosures, Bounces, PathBlock, ShadowRay
 use crate::integrator::shadow_queue::ShadowQueue;
 use crate::world::WHITE;
 
+/// More is no radiance that a picture could hold.
+const MOST_LIGHT: f32 = 1e25;
 /// No bounce before.
 const NONE: u32 = u32::MAX;
 
@@ -48,12 +50,10 @@ impl Trainer {
         self.waiting.clear();
     }
 
-    /// The bounces that have found light.
+    /// The bounces that have found light, and not so much that sums of it would be infinite.
     pub(in crate::integrator) fn found(&self) -> impl Iterator<Item = GuideSample> {
-        self.bounces
-            .iter()
-            .map(|bounced| bounced.sample)
-            .filter(|sample| sample.light > 0.0 && sample.light.is_finite())
+        let samples = self.bounces.iter().map(|bounced| bounced.sample);
+        samples.filter(|sample| sample.light > 0.0 && sample.light < MOST_LIGHT)
     }
 
     /// Adds light that a path has found after its last bounce to all its bounces.
