@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::directions::{DirectionTrees, Weighted, to_square};
+use super::directions::{DirectionTrees, weighted};
 use super::fraction::best_fraction;
 use super::{GuideCell, GuideSample};
 
@@ -132,10 +132,4 @@ fn cell(samples: Vec<GuideSample>) -> (GuideCell, DirectionTrees) {
     }
     let tree = directions.add(&mut weighted(&samples, side));
     (GuideCell { fraction, tree, side }, directions)
-}
-
-/// What of bounces a tree of directions is made from. Delta functions cannot be guided, and gloss is not.
-pub(super) fn weighted<'a>(samples: impl IntoIterator<Item = &'a GuideSample>, side: u8) -> Vec<Weighted> {
-    let smooth = samples.into_iter().filter(|sample| sample.closure_density.is_finite());
-    smooth.map(|sample| (to_square(sample.direction, side).0, sample.light * sample.share)).collect()
 }

@@ -6,6 +6,8 @@
 
 use glam::{Vec2, Vec3};
 
+use super::GuideSample;
+
 /// The part of a tree's light from which on a square is cut into four.
 const CUT_FROM: f32 = 0.01;
 /// Bounces that a square must have to be cut.
@@ -20,6 +22,12 @@ const LEAST_PART: f32 = 0.01;
 
 /// Of a bounce: where its direction is in the square, and the light that it found.
 pub(super) type Weighted = (Vec2, f32);
+
+/// What of bounces a tree of directions is made from. Delta functions cannot be guided, and gloss is not.
+pub(super) fn weighted<'a>(samples: impl IntoIterator<Item = &'a GuideSample>, side: u8) -> Vec<Weighted> {
+    let smooth = samples.into_iter().filter(|sample| sample.closure_density.is_finite());
+    smooth.map(|sample| (to_square(sample.direction, side).0, sample.light * sample.share)).collect()
+}
 
 /// All trees of a guide.
 #[derive(Debug, Default)]

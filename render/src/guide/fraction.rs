@@ -6,8 +6,7 @@
 //! bounces are judged by the other half, and the other way around, so that what is mere noise does not seem to help.
 
 use super::GuideSample;
-use super::cells::weighted;
-use super::directions::{DirectionTrees, to_square};
+use super::directions::{DirectionTrees, to_square, weighted};
 
 /// Among which it is chosen.
 const FRACTIONS: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
