@@ -30,11 +30,17 @@ pub(crate) struct SetupLanes<const N: usize, L: Lanes<N>> {
 impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
     /// From the rays' numbers in the order of [`Ray`](super::Ray).
     #[inline(always)]
-    pub(crate) fn new([ox, oy, oz, t_min, dx, dy, dz, t_max]: [L; 8], scene: &Aabb) -> Self {
+    pub(crate) fn new(rays: [L; 8], scene: &Aabb) -> Self {
+        Self::within(rays, &BoxLanes::splat(scene))
+    }
+
+    /// The same, with a box for each ray.
+    #[inline(always)]
+    pub(crate) fn within([ox, oy, oz, t_min, dx, dy, dz, t_max]: [L; 8], scenes: &BoxLanes<L>) -> Self {
         let (o, d) = ([ox, oy, oz], [dx, dy, dz]);
         let size = [dx.abs(), dy.abs(), dz.abs()];
         let largest = size[0].max(size[1]).max(size[2]);
-        let live = if scene.is_empty() { 0 } else { in_limits(&o, &size, largest) & t_min.le(t_max).bits() };
+        let live = in_limits(&o, &size, largest) & t_min.le(t_max).bits() & scenes.not_empty::<N>();
         let fastest = [size[0].eq(largest), size[1].eq(largest)];
 
         let least = largest * L::splat(LEAST_COMPONENT);
@@ -42,7 +48,7 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         let zero = L::splat(0.0);
         let negative = [inverse[0].lt(zero), inverse[1].lt(zero), inverse[2].lt(zero)];
 
-        let reach = [reach(ox, scene, 0), reach(oy, scene, 1), reach(oz, scene, 2)];
+        let reach = scenes.reach::<N>(&o);
         let reach_z = along::<2, N, L>(fastest, reach);
         let (mut near_shift, mut far_shift) = (o, o);
         for axis in 0..3 {
@@ -75,6 +81,74 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         let near = L::select(negative, upper, lower).mul_sub(self.inverse[axis], self.near_shift[axis]);
         let far = L::select(negative, lower, upper).mul_sub(self.inverse[axis], self.far_shift[axis]);
         (near, far)
+    }
+}
+
+impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
+    /// Widens boxes by `pad` besides, along each axis, as [`Slabs::widen`] does.
+    #[inline(always)]
+    pub(crate) fn widen(&mut self, pad: [L; 3]) {
+        for axis in 0..3 {
+            let distance = pad[axis] * self.inverse[axis].abs();
+            self.near_shift[axis] = self.near_shift[axis] + distance;
+            self.far_shift[axis] = self.far_shift[axis] - distance;
+        }
+    }
+}
+
+/// A box in each lane.
+pub(crate) struct BoxLanes<L> {
+    min: [L; 3],
+    max: [L; 3],
+}
+
+impl<L> BoxLanes<L> {
+    /// The same box in all lanes.
+    #[inline(always)]
+    pub(crate) fn splat<const N: usize>(aabb: &Aabb) -> Self
+    where
+        L: Lanes<N>,
+    {
+        let Aabb { min, max } = aabb;
+        let (min, max) = (
+            [L::splat(min.x), L::splat(min.y), L::splat(min.z)],
+            [L::splat(max.x), L::splat(max.y), L::splat(max.z)],
+        );
+        Self { min, max }
+    }
+
+    /// The lanes in which something is inside.
+    #[inline(always)]
+    fn not_empty<const N: usize>(&self) -> u32
+    where
+        L: Lanes<N>,
+    {
+        let [[ax, ay, az], [bx, by, bz]] = [self.min, self.max];
+        (ax.le(bx) & ay.le(by) & az.le(bz)).bits()
+    }
+
+    /// How far the boxes reach from origins along each axis.
+    #[inline(always)]
+    pub(crate) fn reach<const N: usize>(&self, o: &[L; 3]) -> [L; 3]
+    where
+        L: Lanes<N>,
+    {
+        let [[ax, ay, az], [bx, by, bz]] = [self.min, self.max];
+        [reach(o[0], ax, bx), reach(o[1], ay, by), reach(o[2], az, bz)]
+    }
+}
+
+#[inline(always)]
+fn reach<const N: usize, L: Lanes<N>>(o: L, min: L, max: L) -> L {
+    (min - o).abs().max((max - o).abs())
+}
+
+impl<L: Lanes<8>> BoxLanes<L> {
+    /// From rows of a lower and an upper corner, the third and the last number of each of no meaning.
+    #[inline(always)]
+    pub(crate) fn from_rows<S: Simd<F8 = L>>(rows: [L; 8]) -> Self {
+        let [ax, ay, az, _, bx, by, bz, _] = S::transpose(rows);
+        Self { min: [ax, ay, az], max: [bx, by, bz] }
     }
 }
 
@@ -186,12 +260,6 @@ fn in_limits<const N: usize, L: Lanes<N>>(o: &[L; 3], size: &[L; 3], largest: L)
 #[inline(always)]
 fn inverse<const N: usize, L: Lanes<N>>(d: L, size: L, least: L) -> L {
     L::splat(1.0) / L::select(size.lt(least), least.copysign(d), d)
-}
-
-/// How far the scene reaches from an origin along an axis.
-#[inline(always)]
-fn reach<const N: usize, L: Lanes<N>>(o: L, scene: &Aabb, axis: usize) -> L {
-    (L::splat(scene.min[axis]) - o).abs().max((L::splat(scene.max[axis]) - o).abs())
 }
 
 /// Of a vector, the component `k` of x, y and z in the order in which the axis along which the ray is fastest is the last.

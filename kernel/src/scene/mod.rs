@@ -83,6 +83,7 @@ mod search;
 mod shape;
 mod space;
 mod sphere;
+mod stream;
 #[cfg(test)]
 mod tests;
 #[cfg(any(feature = "alloc", test))]
@@ -110,7 +111,8 @@ use core::slice;
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
 use search::Judged;
-use walk::{IntersectAll, Judge, OccludedAll};
+use stream::{Nearest, Occluded, StreamAll};
+use walk::{IntersectAll, OccludedAll, Trace};
 
 impl SceneView<'_> {
     /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.
@@ -164,7 +166,10 @@ impl SceneView<'_> {
             Level::Scalar => reference::for_each_hit(self, ray, &mut |hit| {
                 let _ = judge(&hit);
             }),
-            _ => dispatch(self.isa(), Judge { scene: self, ray, search: Judged { t_max, judge: &mut judge } }),
+            _ => {
+                let mut search = Judged { t_max, judge: &mut judge };
+                dispatch(self.isa(), Trace { scene: self, ray, search: &mut search });
+            }
         }
         flow
     }
@@ -201,34 +206,45 @@ impl SceneView<'_> {
                 let _ = judge(&hit);
             }),
             _ => {
-                let search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
-                dispatch(self.isa(), Judge { scene: self, ray, search });
+                let mut search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
+                dispatch(self.isa(), Trace { scene: self, ray, search: &mut search });
             }
         }
         len
     }
 
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
+    ///
+    /// The quickest way for many rays: 32 of them are traced at the same time, as a [stream](crate::traverse).
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
+        let rays = &rays[..rays.len().min(hits.len())];
         match self.isa().level() {
             Level::Scalar => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = reference::intersect(self, ray).unwrap_or(SceneHit::MISS);
                 }
             }
-            _ => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
+            _ if is_few(rays) => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
+            _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Nearest(hits) }),
         }
     }
 
     /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
     pub fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
+        let rays = &rays[..rays.len().min(occluded.len())];
         match self.isa().level() {
             Level::Scalar => {
                 for (ray, occluded) in rays.iter().zip(occluded) {
                     *occluded = reference::intersect(self, ray).is_some();
                 }
             }
-            _ => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
+            _ if is_few(rays) => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
+            _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Occluded(occluded) }),
         }
     }
+}
+
+/// Whether rays are too few for a stream, or there is no room for one on the stack.
+fn is_few(rays: &[SceneRay]) -> bool {
+    cfg!(target_os = "none") || rays.len() < stream::LEAST
 }

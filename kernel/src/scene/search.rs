@@ -38,14 +38,14 @@ pub(super) struct Closest {
 
 impl Closest {
     #[inline(always)]
-    pub(super) fn new(ray: &Ray) -> Self {
-        Self { best: SceneHit { hit: Hit { t: ray.t_max, ..Hit::MISS }, ..SceneHit::MISS } }
+    pub(super) fn new(t_max: f32) -> Self {
+        Self { best: SceneHit { hit: Hit::none_before(t_max), ..SceneHit::MISS } }
     }
 
     /// What a hit of one item has to precede by `t` and `prim_id` alone, to precede the best: of equally near hits the
     /// geometry decides, then the part, then the path.
     #[inline(always)]
-    fn to_precede(&self, common: &SceneHit) -> Hit {
+    pub(super) fn to_precede(&self, common: &SceneHit) -> Hit {
         let best = &self.best;
         let prim_id = match common.geometry_id.cmp(&best.geometry_id) {
             Ordering::Less => Hit::NO_PRIM,
@@ -53,6 +53,15 @@ impl Closest {
             Ordering::Greater => 0,
         };
         Hit { t: best.hit.t, prim_id, ..Hit::MISS }
+    }
+
+    /// Takes the hit of one item, unless that is what it [had to precede](Self::to_precede).
+    #[inline(always)]
+    pub(super) fn take(&mut self, hit: Hit, common: &SceneHit) {
+        let before = self.to_precede(common);
+        if hit.t != before.t || hit.prim_id != before.prim_id {
+            self.best = SceneHit { hit, ..*common };
+        }
     }
 }
 
@@ -78,11 +87,7 @@ impl Search for Closest {
         common: SceneHit,
         _stack: &mut TraversalStack,
     ) -> ControlFlow<()> {
-        let before = self.to_precede(&common);
-        let hit = single::closest::<S>(tree, ray, before);
-        if hit.t != before.t || hit.prim_id != before.prim_id {
-            self.best = SceneHit { hit, ..common };
-        }
+        self.take(single::closest::<S>(tree, ray, self.to_precede(&common)), &common);
         ControlFlow::Continue(())
     }
 }

@@ -155,6 +155,13 @@ impl<'a> SceneView<'a> {
         self.parts
     }
 
+    /// What has the box of this number in the tree, and its item.
+    #[inline(always)]
+    pub(super) fn item_of(&self, number: u32) -> Option<(&'a Part, &'a Item<'a>)> {
+        let part = self.parts.get(number as usize)?;
+        Some((part, self.items.get(part.item as usize)?))
+    }
+
     /// The box around all items at all times; empty if there are none.
     #[inline]
     pub fn bounds(&self) -> Aabb {

@@ -19,7 +19,7 @@ pub(super) fn filtered(
     ray: &SceneRay,
     mut filter: impl FnMut(&SceneHit) -> Verdict,
 ) -> Option<SceneHit> {
-    let mut best = Closest::new(&ray.ray).best;
+    let mut best = Closest::new(ray.ray.t_max).best;
     let mut judge = |hit: &SceneHit| {
         if hit.precedes(&best) {
             let verdict = filter(hit);
@@ -32,23 +32,43 @@ pub(super) fn filtered(
         }
         ControlFlow::Continue(best.hit.t)
     };
-    let search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
-    dispatch(scene.isa(), Judge { scene, ray, search });
+    let mut search = Judged { t_max: ray.ray.t_max, judge: &mut judge };
+    dispatch(scene.isa(), Trace { scene, ray, search: &mut search });
     best.is_hit().then_some(best)
 }
 
-/// One ray, and who judges its hits.
-pub(super) struct Judge<'a> {
+/// One ray, and what it looks for.
+pub(super) struct Trace<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
-    pub search: Judged<'a>,
+    pub search: &'a mut Q,
 }
 
-impl Work for Judge<'_> {
+impl<Q: Search> Work for Trace<'_, Q> {
     type Output = ();
     #[inline(always)]
-    fn run<S: Simd>(mut self) {
-        Memory::new().trace::<S, _>(self.scene, self.ray, &mut self.search);
+    fn run<S: Simd>(self) {
+        Memory::new().trace::<S, _>(self.scene, self.ray, self.search);
+    }
+}
+
+/// One ray, and what has the box of a number in the scene's tree.
+pub(super) struct MeetItem<'a, Q> {
+    pub scene: &'a SceneView<'a>,
+    pub ray: &'a SceneRay,
+    pub number: u32,
+    pub search: &'a mut Q,
+}
+
+impl<Q: Search> Work for MeetItem<'_, Q> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let Self { scene, ray, number, search } = self;
+        let triangles = &mut TraversalStack::new();
+        let mut visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
+        // Whether it was ended early, the search knows.
+        let _ = visit.meet_number::<S>(number);
     }
 }
 
@@ -65,7 +85,7 @@ impl Work for IntersectAll<'_> {
     fn run<S: Simd>(self) {
         let mut memory = Memory::new();
         for (ray, hit) in self.rays.iter().zip(self.hits) {
-            let mut search = Closest::new(&ray.ray);
+            let mut search = Closest::new(ray.ray.t_max);
             memory.trace::<S, _>(self.scene, ray, &mut search);
             *hit = if search.best.is_hit() { search.best } else { SceneHit::MISS };
         }
@@ -202,11 +222,8 @@ impl<Q: Search> Visit<'_, '_, Q> {
     /// Traces the ray through what has the box of this number, if it sees that.
     #[inline(always)]
     fn meet_number<S: Simd>(&mut self, number: u32) -> ControlFlow<()> {
-        let scene = self.scene;
-        let part = scene.parts().get(number as usize);
-        let item = part.and_then(|part| scene.items().get(part.item as usize));
-        match (part, item) {
-            (Some(part), Some(item)) if item.mask & self.ray.mask != 0 => self.meet::<S>(item, part.item, part.prim_id),
+        match self.scene.item_of(number) {
+            Some((part, item)) if item.mask & self.ray.mask != 0 => self.meet::<S>(item, part.item, part.prim_id),
             _ => ControlFlow::Continue(()),
         }
     }

@@ -29,7 +29,7 @@ mod query;
 pub mod reference;
 pub(crate) mod single;
 mod stack;
-mod stream;
+pub(crate) mod stream;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -3,7 +3,7 @@
 
 use core::hint::select_unpredictable;
 
-use crate::bvh::{BvhView, Child, Node, WIDTH};
+use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::setup::Slabs;
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Lanes, Simd};
@@ -79,14 +79,20 @@ pub(super) fn intersect_children<S: Simd>(
 /// The octant in whose order a node's children are visited: the ray's own, from near to far. A search for any hit goes
 /// from far to near: what is near the origin is mostly what the ray has just left.
 #[inline(always)]
-pub(super) fn visit_octant<const ANY: bool>(octant: u8) -> u8 {
-    if ANY { octant ^ 7 } else { octant }
+pub(super) fn visit_octant(octant: u8, any: bool) -> u8 {
+    if any { octant ^ 7 } else { octant }
 }
 
 /// Prefetches a node, or a leaf's first block, whole.
 #[inline(always)]
 pub(super) fn prefetch<S: Simd>(tree: &BvhView, child: u32) {
-    let node = tree.nodes().as_ptr().wrapping_add(child as usize).cast();
-    let block = tree.blocks().as_ptr().wrapping_add(Child::first_block(child) as usize).cast();
+    prefetch_of::<S>(tree.nodes(), tree.blocks(), child);
+}
+
+/// The same, of a tree of these nodes and blocks.
+#[inline(always)]
+pub(super) fn prefetch_of<S: Simd>(nodes: &[Node], blocks: &[TriangleBlock], child: u32) {
+    let node = nodes.as_ptr().wrapping_add(child as usize).cast();
+    let block = blocks.as_ptr().wrapping_add(Child::first_block(child) as usize).cast();
     S::prefetch::<{ size_of::<Node>() }>(select_unpredictable(Child::is_node(child), node, block));
 }

@@ -138,7 +138,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
         S::F8::compress(
             enter,
             leave,
-            node.order[usize::from(visit_octant::<ANY>(self.octant) & 7)],
+            node.order[usize::from(visit_octant(self.octant, ANY) & 7)],
             &[0, 1, 2, 3, 4, 5, 6, 7],
             slots,
             near,

@@ -18,7 +18,7 @@ pub(in crate::traverse) fn trace<S: Simd>(tree: &BvhView, ray: &Ray) -> bool {
     let test = NodeTest::<S::F8>::new(&slabs, ray.t_min);
     let lines = LineLanes::<S::F8>::splat(&line.numbers);
     let interval = [S::F8::splat(ray.t_min), S::F8::splat(ray.t_max)];
-    let order = usize::from(visit_octant::<true>(slabs.octant()) & 7);
+    let order = usize::from(visit_octant(slabs.octant(), true) & 7);
     let mut stack = UninitStack::new();
     let mut child = Child::Node(0).pack();
     loop {

@@ -95,7 +95,7 @@ pub(crate) fn push_children_between<S: Simd>(
 
 /// A node between two keys, with the children's order of the first.
 #[inline(always)]
-fn node_between<S: Simd>(from: &Node, to: &Node, fraction: f32) -> Node {
+pub(crate) fn node_between<S: Simd>(from: &Node, to: &Node, fraction: f32) -> Node {
     let mut node = *from;
     for axis in 0..3 {
         for side in 0..2 {

@@ -1,12 +1,11 @@
 //! A ray of a stream: what it needs at a visit, in whole cache lines, and its own short stack.
 
 use super::NONE;
-use crate::bvh::{BvhView, Child, Node, WIDTH};
+use crate::bvh::{Child, Node, WIDTH};
 use crate::geometry::setup_lanes::SetupRows;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::Hit;
 use crate::simd::{CompressChildren, Lanes, Simd};
 use crate::traverse::node_test::{self, visit_octant};
-use crate::traverse::single;
 
 /// Entries of a ray's stack: enough for nearly all rays. One that needs more is traced by the single-ray intersector.
 const ROOM: usize = 32;
@@ -18,7 +17,7 @@ const IN_ORDER: u32 = 0o76543210;
 /// [`NONE`].
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-pub(super) struct ActiveRay {
+pub(crate) struct ActiveRay {
     /// [`Slabs::inverse`](crate::geometry::setup::Slabs::inverse) and `near_shift`, then the ray's interval.
     slabs: [f32; 8],
     far_shift: [f32; 3],
@@ -26,14 +25,14 @@ pub(super) struct ActiveRay {
     near_rows: [u8; 3],
     /// [`visit_octant`].
     octant: u8,
-    pub(super) best: Hit,
+    pub(crate) best: Hit,
     /// [`Line::numbers`](crate::geometry::setup::Line::numbers).
     pub(super) line: [f32; 8],
     /// Of a block's rows, those of the first corners' coordinates, in the order of the line's axes, times eight.
     pub(super) corners: [u8; 3],
     height: u8,
     /// Of the ray in its batch.
-    pub(super) number: usize,
+    pub(crate) number: usize,
     children: Entries<u32>,
     near: Entries<f32>,
 }
@@ -72,18 +71,24 @@ impl ActiveRay {
         root: &Node,
         (near, far): (S::F8, S::F8),
     ) -> u32 {
-        self.slabs = setups.slabs[lane];
-        self.far_shift = setups.far_shift(lane);
-        self.near_rows = setups.classes.near_rows(lane);
-        self.octant = visit_octant::<ANY>(setups.classes.octant(lane));
+        self.set_up(setups, lane, ANY);
         self.best = Hit::none_before(self.slabs[7]);
-        self.line = setups.lines[lane];
-        self.corners = setups.classes.corner_offsets(lane);
         self.number = number;
         (self.children.0[0], self.near.0[0]) = (NONE, f32::NEG_INFINITY);
         self.height = 1;
         let _ = self.push_children::<S>(root, near, far, root.order[usize::from(self.octant & 7)]);
         self.pop()
+    }
+
+    /// Becomes the ray of a lane, and keeps its number, its best hit and its stack.
+    #[inline(always)]
+    pub(crate) fn set_up(&mut self, setups: &SetupRows, lane: usize, any: bool) {
+        self.slabs = setups.slabs[lane];
+        self.far_shift = setups.far_shift(lane);
+        self.near_rows = setups.classes.near_rows(lane);
+        self.octant = visit_octant(setups.classes.octant(lane), any);
+        self.line = setups.lines[lane];
+        self.corners = setups.classes.corner_offsets(lane);
     }
 
     #[inline(always)]
@@ -94,7 +99,7 @@ impl ActiveRay {
     /// Visits a node: puts the children that the ray meets on the stack. Whether there was room.
     #[inline(always)]
     #[must_use]
-    pub(super) fn visit_node<S: Simd>(&mut self, node: &Node) -> bool {
+    pub(crate) fn visit_node<S: Simd>(&mut self, node: &Node) -> bool {
         let [ix, iy, iz, nx, ny, nz, t_min, _] = self.slabs;
         let [fx, fy, fz] = self.far_shift;
         let rows: &[[f32; WIDTH]; 8] = bytemuck::cast_ref(node);
@@ -123,14 +128,14 @@ impl ActiveRay {
 
     /// Takes what is on top of the stack: [`NONE`] if nothing is left.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> u32 {
+    pub(crate) fn pop(&mut self) -> u32 {
         self.height = self.height.wrapping_sub(1);
         self.children.0[usize::from(self.height) % ROOM]
     }
 
     /// Takes a hit if it precedes the best one, and forgets what is behind it.
     #[inline(always)]
-    pub(super) fn accept<S: Simd>(&mut self, hit: Hit) {
+    pub(crate) fn accept<S: Simd>(&mut self, hit: Hit) {
         if hit.precedes(&self.best) {
             self.best = hit;
             self.cull::<S>(hit.t);
@@ -139,7 +144,7 @@ impl ActiveRay {
 
     /// Forgets subtrees that begin behind `t_max`. As near is not nearer: there may be a tie to decide.
     #[inline(always)]
-    fn cull<S: Simd>(&mut self, t_max: f32) {
+    pub(crate) fn cull<S: Simd>(&mut self, t_max: f32) {
         let height = self.height;
         let t_max = S::F8::splat(t_max.min(f32::MAX));
         let (mut from, mut left) = (0u8, 0u8);
@@ -172,17 +177,22 @@ impl ActiveRay {
 
     /// Any hit will do, and has been found.
     #[inline(always)]
-    pub(super) fn end_with_any(&mut self) {
+    pub(crate) fn end_with_any(&mut self) {
         self.best = Hit::any_if(true);
         self.height = 1;
     }
 
-    /// Finishes a ray whose stack is full.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn finish(&mut self, tree: &BvhView, ray: &Ray, any: bool) {
-        self.best = single::finish(tree, ray, self.best, any);
-        self.height = 1;
+    /// Puts a subtree on the stack that no hit culls. Whether there was room.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn push(&mut self, child: u32) -> bool {
+        let top = usize::from(self.height);
+        let (Some(children), Some(near)) = (self.children.0.get_mut(top), self.near.0.get_mut(top)) else {
+            return false;
+        };
+        (*children, *near) = (child, f32::NEG_INFINITY);
+        self.height += 1;
+        true
     }
 }
 

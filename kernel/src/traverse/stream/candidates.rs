@@ -1,8 +1,8 @@
 //! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
 //! its own.
 
-use super::MAX_ACTIVE;
 use super::active::ActiveRay;
+use super::Trees;
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Hit;
 use crate::geometry::triangle::{self, LineLanes};
@@ -58,10 +58,10 @@ impl Candidates {
 
     /// Tests all of them, tells their rays of the hits, and forgets them.
     #[inline(always)]
-    pub(super) fn test<const ANY: bool, S: Simd>(
+    pub(super) fn test<const ANY: bool, const N: usize, S: Simd>(
         &mut self,
-        blocks: &[TriangleBlock],
-        active: &mut [ActiveRay; MAX_ACTIVE],
+        trees: &impl Trees,
+        active: &mut [ActiveRay; N],
     ) {
         let mut first = 0;
         while first < self.len {
@@ -72,7 +72,7 @@ impl Candidates {
             for k in self.len - first..WIDTH {
                 (codes[k % WIDTH], rays[k % WIDTH]) = (codes[0], rays[0]);
             }
-            test_eight::<ANY, S>(blocks, codes, rays, active);
+            test_eight::<ANY, N, S>(trees, codes, rays, active);
             first += WIDTH;
         }
         self.len = 0;
@@ -139,18 +139,18 @@ fn corner<S: Simd>(triangles: &[Seen; WIDTH], corner: usize) -> [S::F8; 3] {
 
 /// Tests eight candidates.
 #[inline(always)]
-fn test_eight<const ANY: bool, S: Simd>(
-    blocks: &[TriangleBlock],
+fn test_eight<const ANY: bool, const N: usize, S: Simd>(
+    trees: &impl Trees,
     codes: &[u32; WIDTH],
     numbers: &[u8; WIDTH],
-    active: &mut [ActiveRay; MAX_ACTIVE],
+    active: &mut [ActiveRay; N],
 ) {
-    let places = numbers.map(|number| usize::from(number) % MAX_ACTIVE);
+    let places = numbers.map(|number| usize::from(number) % N);
     let rays = places.map(|place| &active[place]);
-    let mut triangles = [Seen::new(blocks, codes[0], rays[0]); WIDTH];
+    let mut triangles = [Seen::new(trees.blocks(places[0]), codes[0], rays[0]); WIDTH];
     let mut rows = [S::F8::load(&rays[0].line); WIDTH];
     for lane in 1..WIDTH {
-        triangles[lane] = Seen::new(blocks, codes[lane], rays[lane]);
+        triangles[lane] = Seen::new(trees.blocks(places[lane]), codes[lane], rays[lane]);
         rows[lane] = S::F8::load(&rays[lane].line);
     }
     let [t_min, t_max] = [S::F8::load(&rays.map(|ray| ray.t_min())), S::F8::load(&rays.map(|ray| ray.best.t))];
@@ -170,6 +170,7 @@ fn test_eight<const ANY: bool, S: Simd>(
     let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
     for lane in lanes_of(crossing.bits & within.bits()) {
         let lane = lane % WIDTH;
+        let blocks = trees.blocks(places[lane]);
         let block = blocks.get(codes[lane] as usize / WIDTH).unwrap_or(&TriangleBlock::EMPTY);
         let prim_id = block.prim_id[codes[lane] as usize % WIDTH];
         active[places[lane]].accept::<S>(Hit { t: t[lane], u: u[lane], v: v[lane], prim_id });

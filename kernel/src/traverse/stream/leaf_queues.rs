@@ -212,7 +212,7 @@ impl Waiting {
             let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
             self.numbers[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
-            let order = root.order[usize::from(visit_octant::<ANY>(classes.octant(lane)) & 7)];
+            let order = root.order[usize::from(visit_octant(classes.octant(lane), ANY) & 7)];
             let leaves = &QUEUE_OF[classes.fastest(lane) % 3];
             let (kept, nears) = (&mut self.leaves[i], &mut self.near[i]);
             let height = S::F8::compress(near[lane], far[lane], order, leaves, kept, nears);

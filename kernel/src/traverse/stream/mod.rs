@@ -13,153 +13,225 @@ mod candidates;
 mod lanes;
 pub(super) mod leaf_queues;
 
-use active::{ActiveRay, after_block};
+pub(crate) use active::ActiveRay;
+use active::after_block;
 use candidates::Candidates;
 
-use crate::bvh::{BvhView, Child, Node, WIDTH};
-use crate::geometry::setup_lanes::SetupLanes;
+use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
+use crate::geometry::setup_lanes::{SetupLanes, SetupRows};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Simd};
-use crate::traverse::node_test::{intersect_children, prefetch};
+use crate::traverse::node_test::{intersect_children, prefetch_of};
+use crate::traverse::single;
 
 /// What a ray visits next when nothing is left: an empty child, which no node pushes.
-const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Rays that are traced at the same time. Fewer hide less latency; more do not fit into the first-level cache.
-pub(super) const MAX_ACTIVE: usize = 64;
+const MAX_ACTIVE: usize = 64;
+
+/// The trees that the rays of a stream are in, each at its place.
+pub(crate) trait Trees {
+    fn nodes(&self, place: usize) -> &[Node];
+    fn blocks(&self, place: usize) -> &[TriangleBlock];
+}
+
+/// All rays are in the same tree.
+impl Trees for BvhView<'_> {
+    #[inline(always)]
+    fn nodes(&self, _place: usize) -> &[Node] {
+        self.nodes()
+    }
+
+    #[inline(always)]
+    fn blocks(&self, _place: usize) -> &[TriangleBlock] {
+        self.blocks()
+    }
+}
 
 /// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
-    let mut stream = Stream::EMPTY;
+    let mut stream = Stream::<MAX_ACTIVE>::EMPTY;
+    let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
     loop {
-        stream.start::<ANY, S>(tree, rays);
-        let [nodes, leaves, done] = stream.classify::<S>();
+        while stream.has_room_for_eight(rays.len()) {
+            let lanes = ray_lanes::<S>(&rays[stream.started..]);
+            stream.start_eight::<ANY, S>(&SetupLanes::new(lanes, &tree.bounds()), rays.len(), root, tree);
+        }
+        let Next { nodes, leaves, ended } = stream.classify::<S>();
         if stream.busy == 0 {
             return;
         }
-        stream.visit_nodes::<ANY, S>(nodes, tree, rays);
+        let crowded = stream.visit_nodes::<S>(nodes, tree);
         stream.visit_leaves::<ANY, S>(leaves, tree);
-        for i in rays_of(done) {
-            write(stream.active[i].number, stream.active[i].best.or_miss());
+        for place in places_of(ended) {
+            write(stream.active[place].number, stream.active[place].best.or_miss());
         }
-        stream.busy &= !done;
+        for place in places_of(crowded) {
+            let ray = &stream.active[place];
+            if let Some(original) = rays.get(ray.number) {
+                write(ray.number, single::finish(tree, original, ray.best, ANY).or_miss());
+            }
+        }
+        stream.busy &= !(ended | crowded);
     }
 }
 
-/// The rays that are traced at the same time.
-struct Stream {
-    active: [ActiveRay; MAX_ACTIVE],
+/// The numbers of up to eight rays, one in each lane, in the order of [`Ray`]; NaN where there are no more.
+#[inline(always)]
+fn ray_lanes<S: Simd>(rays: &[Ray]) -> [S::F8; WIDTH] {
+    let mut rows = [S::F8::splat(f32::NAN); WIDTH];
+    for (row, ray) in rows.iter_mut().zip(rays) {
+        *row = S::F8::load(bytemuck::cast_ref(ray));
+    }
+    S::transpose(rows)
+}
+
+/// Up to `N` rays that are traced at the same time, each at a place of its own; `N` is a multiple of eight, and at most 64.
+pub(crate) struct Stream<const N: usize> {
+    pub(crate) active: [ActiveRay; N],
     /// What each of them visits next.
-    next: [u32; MAX_ACTIVE],
+    next: [u32; N],
     /// A bit for each place that has a ray.
-    busy: u64,
+    pub(crate) busy: u64,
     /// Rays that were started, of all in the batch.
-    started: usize,
+    pub(crate) started: usize,
     candidates: Candidates,
 }
 
-impl Stream {
+/// The places of rays by what they visit next.
+pub(crate) struct Next {
+    pub(crate) nodes: u64,
+    pub(crate) leaves: u64,
+    /// Nothing: their stack is empty, or only what lies under a [`NONE`] is left.
+    pub(crate) ended: u64,
+}
+
+impl<const N: usize> Stream<N> {
     /// All zeros, which are written in place: with anything else a copy would be made on the stack.
-    const EMPTY: Self = Self {
-        active: [ActiveRay::EMPTY; MAX_ACTIVE],
-        next: [0; MAX_ACTIVE],
+    pub(crate) const EMPTY: Self = Self {
+        active: [ActiveRay::EMPTY; N],
+        next: [0; N],
         busy: 0,
         started: 0,
         candidates: Candidates::EMPTY,
     };
 
-    /// Starts rays, eight at a time, while there are places for so many.
+    /// The places without a ray.
+    const ALL: u64 = u64::MAX >> (64 - N);
+
+    /// Whether there are rays to start, of so many in all, and places for eight.
     #[inline(always)]
-    fn start<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, rays: &[Ray]) {
-        while self.started < rays.len() && self.busy.count_zeros() as usize >= WIDTH {
-            self.start_eight::<ANY, S>(tree, rays);
-        }
+    pub(crate) fn has_room_for_eight(&self, rays: usize) -> bool {
+        self.started < rays && (Self::ALL & !self.busy).count_ones() as usize >= WIDTH
     }
 
-    /// Starts up to eight rays: makes them ready, and tests the root, with a ray in each lane.
+    /// Starts the next rays of the batch, up to eight, from their setup: tests the root of their tree, with a ray in each
+    /// lane. Gives their places.
     #[inline(always)]
-    fn start_eight<const ANY: bool, S: Simd>(&mut self, tree: &BvhView, rays: &[Ray]) {
-        let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
-        let rays = &rays[self.started..];
-        let mut rows = [S::F8::splat(f32::NAN); WIDTH];
-        for (row, ray) in rows.iter_mut().zip(rays) {
-            *row = S::F8::load(bytemuck::cast_ref(ray));
-        }
-        let setups = SetupLanes::new(S::transpose(rows), &tree.bounds());
-        let (near, far) = intersect_children::<S>(&setups, root);
+    pub(crate) fn start_eight<const ANY: bool, S: Simd>(
+        &mut self,
+        setups: &SetupLanes<WIDTH, S::F8>,
+        rays: usize,
+        root: &Node,
+        trees: &impl Trees,
+    ) {
+        let (near, far) = intersect_children::<S>(setups, root);
         let live = setups.live;
-        let setups = setups.rows::<S>();
-        for (lane, i) in rays_of(!self.busy).enumerate().take(WIDTH.min(rays.len())) {
+        let setups: SetupRows = setups.rows::<S>();
+        let count = WIDTH.min(rays - self.started);
+        for (lane, i) in places_of(Self::ALL & !self.busy).enumerate().take(count) {
+            let i = i % N;
             let (near, far) = (near[lane], far[lane]);
             let next = self.active[i].start::<ANY, S>(&setups, lane, self.started + lane, root, (near, far));
             // One that can hit nothing is done at once.
             let next = if live >> lane & 1 != 0 { next } else { NONE };
             self.next[i] = next;
             self.busy |= 1 << i;
-            prefetch::<S>(tree, next);
+            prefetch_of::<S>(trees.nodes(i), trees.blocks(i), next);
         }
-        self.started += WIDTH.min(rays.len());
+        self.started += count;
     }
 
-    /// The rays that visit a node next, those that visit a leaf, and those that are done.
+    /// What the rays visit next.
     #[inline(always)]
-    fn classify<S: Simd>(&self) -> [u64; 3] {
-        let (mut leaves, mut done) = (0, 0);
+    pub(crate) fn classify<S: Simd>(&self) -> Next {
+        let (mut leaves, mut ended) = (0, 0);
         for (eight, next) in self.next.as_chunks::<WIDTH>().0.iter().enumerate() {
             let [negative, none] = S::classify(next);
             leaves |= u64::from(negative) << (WIDTH * eight);
-            done |= u64::from(none) << (WIDTH * eight);
+            ended |= u64::from(none) << (WIDTH * eight);
         }
-        [!leaves & self.busy, leaves & !done & self.busy, done & self.busy]
+        Next { nodes: !leaves & self.busy, leaves: leaves & !ended & self.busy, ended: ended & self.busy }
     }
 
-    /// Visits the nodes that `rays` visit next.
+    /// Visits the nodes that the rays at `visitors` visit next. Gives the places of those whose stacks have no room for it:
+    /// somebody else has to finish them.
     #[inline(always)]
-    fn visit_nodes<const ANY: bool, S: Simd>(&mut self, visitors: u64, tree: &BvhView, rays: &[Ray]) {
-        for i in rays_of(visitors) {
-            let Some(node) = tree.nodes().get(self.next[i] as usize) else { continue };
-            let ray = &mut self.active[i];
-            if !ray.visit_node::<S>(node)
-                && let Some(original) = rays.get(ray.number)
-            {
-                ray.finish(tree, original, ANY);
+    pub(crate) fn visit_nodes<S: Simd>(&mut self, visitors: u64, trees: &impl Trees) -> u64 {
+        let mut crowded = 0;
+        for i in places_of(visitors) {
+            let i = i % N;
+            let Some(node) = trees.nodes(i).get(self.next[i] as usize) else { continue };
+            if !self.active[i].visit_node::<S>(node) {
+                crowded |= 1 << i;
             }
         }
         // Apart from the visits, whose results take long to arrive.
-        for i in rays_of(visitors) {
-            let next = self.active[i].pop();
-            prefetch::<S>(tree, next);
-            self.next[i] = next;
+        for i in places_of(visitors) {
+            self.go_on::<S>(i, trees);
         }
+        crowded
     }
 
-    /// Visits the first blocks of the leaves that `rays` visit next.
+    /// What the ray at a place visits next is what is on top of its stack.
     #[inline(always)]
-    fn visit_leaves<const ANY: bool, S: Simd>(&mut self, visitors: u64, tree: &BvhView) {
-        for i in rays_of(visitors) {
+    pub(crate) fn go_on<S: Simd>(&mut self, place: usize, trees: &impl Trees) {
+        let next = self.active[place % N].pop();
+        self.visit_next::<S>(place, next, trees);
+    }
+
+    /// What the ray at a place visits next.
+    #[inline(always)]
+    pub(crate) fn visit_next<S: Simd>(&mut self, place: usize, next: u32, trees: &impl Trees) {
+        prefetch_of::<S>(trees.nodes(place), trees.blocks(place), next);
+        self.next[place % N] = next;
+    }
+
+    /// What the ray at a place visits next.
+    #[inline(always)]
+    pub(crate) fn next(&self, place: usize) -> u32 {
+        self.next[place % N]
+    }
+
+    /// Visits the first blocks of the leaves that the rays at `visitors` visit next.
+    #[inline(always)]
+    pub(crate) fn visit_leaves<const ANY: bool, S: Simd>(&mut self, visitors: u64, trees: &impl Trees) {
+        for i in places_of(visitors) {
+            let i = i % N;
             if self.candidates.is_full() {
-                self.candidates.test::<ANY, S>(tree.blocks(), &mut self.active);
+                self.candidates.test::<ANY, N, S>(trees, &mut self.active);
             }
             let block = Child::first_block(self.next[i]);
-            self.candidates.collect::<S>(&self.active[i], i as u8, block, tree.blocks());
+            self.candidates.collect::<S>(&self.active[i], i as u8, block, trees.blocks(i));
         }
-        self.candidates.test::<ANY, S>(tree.blocks(), &mut self.active);
-        for i in rays_of(visitors) {
+        self.candidates.test::<ANY, N, S>(trees, &mut self.active);
+        for i in places_of(visitors) {
+            let i = i % N;
             let next = after_block::<ANY>(self.next[i], &mut self.active[i]);
-            prefetch::<S>(tree, next);
-            self.next[i] = next;
+            self.visit_next::<S>(i, next, trees);
         }
     }
 }
 
 /// The places set in a bit mask, lowest first.
 #[inline(always)]
-fn rays_of(mut places: u64) -> impl Iterator<Item = usize> {
+pub(crate) fn places_of(mut places: u64) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let place = places.trailing_zeros() as usize;
         let is_there = places != 0;
         places &= places.wrapping_sub(1);
-        is_there.then_some(place % MAX_ACTIVE)
+        is_there.then_some(place)
     })
 }
