@@ -110,10 +110,8 @@ impl<L> BoxLanes<L> {
         L: Lanes<N>,
     {
         let Aabb { min, max } = aabb;
-        let (min, max) = (
-            [L::splat(min.x), L::splat(min.y), L::splat(min.z)],
-            [L::splat(max.x), L::splat(max.y), L::splat(max.z)],
-        );
+        let (min, max) =
+            ([L::splat(min.x), L::splat(min.y), L::splat(min.z)], [L::splat(max.x), L::splat(max.y), L::splat(max.z)]);
         Self { min, max }
     }
 

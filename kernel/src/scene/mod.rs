@@ -4,7 +4,7 @@
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
 //! | one | [`SceneView::intersect`] | [`SceneView::occluded`] |
-//! | a slice | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
+//! | a slice: the quickest way for many | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
 //! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
 //!
@@ -215,7 +215,8 @@ impl SceneView<'_> {
 
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
     ///
-    /// The quickest way for many rays: 32 of them are traced at the same time, as a [stream](crate::traverse).
+    /// The quickest way for many rays, whether they share an origin, run side by side or neither: 32 of them are traced at
+    /// the same time, as a stream.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         match self.isa().level() {

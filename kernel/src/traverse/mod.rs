@@ -23,7 +23,7 @@
 
 mod collector;
 mod leaf_test;
-mod node_test;
+pub(crate) mod node_test;
 mod packet;
 mod query;
 pub mod reference;

@@ -91,7 +91,7 @@ pub(super) fn prefetch<S: Simd>(tree: &BvhView, child: u32) {
 
 /// The same, of a tree of these nodes and blocks.
 #[inline(always)]
-pub(super) fn prefetch_of<S: Simd>(nodes: &[Node], blocks: &[TriangleBlock], child: u32) {
+pub(crate) fn prefetch_of<S: Simd>(nodes: &[Node], blocks: &[TriangleBlock], child: u32) {
     let node = nodes.as_ptr().wrapping_add(child as usize).cast();
     let block = blocks.as_ptr().wrapping_add(Child::first_block(child) as usize).cast();
     S::prefetch::<{ size_of::<Node>() }>(select_unpredictable(Child::is_node(child), node, block));

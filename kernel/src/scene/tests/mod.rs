@@ -6,6 +6,7 @@ mod motion;
 mod near;
 mod order;
 mod shapes;
+mod streams;
 mod transforms;
 mod updates;
 
@@ -63,15 +64,18 @@ fn check(scene: &SceneView, rays: &[SceneRay]) -> usize {
             assert_eq!(bits(scene.intersect_filtered(ray, verdict)), bits(filtered), "{level}, filtered, {ray:?}");
             assert_eq!(scene.occluded_filtered(ray, verdict), filtered.is_some(), "{level}, any filtered, {ray:?}");
         }
-        let (mut hits, mut occluded) = (vec![SceneHit::MISS; rays.len()], vec![false; rays.len()]);
-        scene.intersect_many(rays, &mut hits);
-        scene.occluded_many(rays, &mut occluded);
+        // Enough for a stream, and a few more than one holds.
+        let batch: Vec<_> = rays.iter().copied().cycle().take(rays.len().max(70)).collect();
+        let (mut hits, mut occluded) = (vec![SceneHit::MISS; batch.len()], vec![false; batch.len()]);
+        scene.intersect_many(&batch, &mut hits);
+        scene.occluded_many(&batch, &mut occluded);
         for (ray, expected) in rays.iter().zip(&expected).take(60) {
             check_all_hits(&scene, ray, *expected);
         }
-        for ((hit, occluded), &expected) in hits.into_iter().zip(occluded).zip(&expected) {
-            assert_eq!(bits(Some(hit)), bits(Some(expected.unwrap_or(SceneHit::MISS))), "{level}, many");
-            assert_eq!(occluded, expected.is_some(), "{level}, many");
+        let found = batch.iter().zip(hits.into_iter().zip(occluded));
+        for ((ray, (hit, occluded)), &expected) in found.zip(expected.iter().cycle()) {
+            assert_eq!(bits(Some(hit)), bits(Some(expected.unwrap_or(SceneHit::MISS))), "{level}, many, {ray:?}");
+            assert_eq!(occluded, expected.is_some(), "{level}, many, any hit, {ray:?}");
         }
     }
     expected.iter().flatten().count()

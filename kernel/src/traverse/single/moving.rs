@@ -107,7 +107,7 @@ pub(crate) fn node_between<S: Simd>(from: &Node, to: &Node, fraction: f32) -> No
 
 /// Triangles between two keys.
 #[inline(always)]
-fn block_between<S: Simd>(from: &TriangleBlock, to: &TriangleBlock, fraction: f32) -> TriangleBlock {
+pub(crate) fn block_between<S: Simd>(from: &TriangleBlock, to: &TriangleBlock, fraction: f32) -> TriangleBlock {
     let mut block = *from;
     for corner in 0..3 {
         for axis in 0..3 {

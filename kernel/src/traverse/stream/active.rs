@@ -1,10 +1,13 @@
 //! A ray of a stream: what it needs at a visit, in whole cache lines, and its own short stack.
 
 use super::NONE;
-use crate::bvh::{Child, Node, WIDTH};
-use crate::geometry::setup_lanes::SetupRows;
+use crate::bvh::{Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::Hit;
+use crate::geometry::setup_lanes::{FORWARD, SetupRows};
+use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{CompressChildren, Lanes, Simd};
+use crate::traverse::collector::ClosestHit;
+use crate::traverse::leaf_test::{corners, intersect_block};
 use crate::traverse::node_test::{self, visit_octant};
 
 /// Entries of a ray's stack: enough for nearly all rays. One that needs more is traced by the single-ray intersector.
@@ -175,6 +178,31 @@ impl ActiveRay {
         }
     }
 
+    /// Tests the triangles of a block.
+    #[inline(always)]
+    pub(crate) fn visit_block<const ANY: bool, S: Simd>(&mut self, block: &TriangleBlock) {
+        let line = LineLanes::<S::F8>::splat(&self.line);
+        let axes = FORWARD[usize::from(self.corners[2] / WIDTH as u8) % 3];
+        if ANY {
+            let interval = [S::F8::splat(self.t_min()), S::F8::splat(self.best.t)];
+            if triangle::occludes(&line, corners(block, axes), interval) != 0 {
+                self.end_with_any();
+            }
+        } else {
+            let mut closest = ClosestHit { best: self.best };
+            // This collector never breaks off.
+            let _ = intersect_block(block, &line, axes, self.t_min(), &mut closest);
+            self.accept::<S>(closest.best);
+        }
+    }
+
+    /// What the ray visits after the first block of a leaf: the rest of it, or what is on the stack.
+    #[inline(always)]
+    pub(crate) fn after_block<const ANY: bool>(&mut self, leaf: u32) -> u32 {
+        let has_ended = ANY && self.best.is_hit();
+        if Child::has_more_blocks(leaf) && !has_ended { Child::without_first_block(leaf) } else { self.pop() }
+    }
+
     /// Any hit will do, and has been found.
     #[inline(always)]
     pub(crate) fn end_with_any(&mut self) {
@@ -201,11 +229,4 @@ impl ActiveRay {
 fn slabs<L: Lanes<WIDTH>>(rows: &[[f32; WIDTH]; 8], row: usize, inverse: f32, near: f32, far: f32) -> (L, L) {
     let inverse = L::splat(inverse);
     (node_test::slab(rows, row, inverse, L::splat(near)), node_test::slab(rows, row ^ 1, inverse, L::splat(far)))
-}
-
-/// What `ray` visits after the first block of a leaf: the rest of it, or what is on the stack.
-#[inline(always)]
-pub(super) fn after_block<const ANY: bool>(leaf: u32, ray: &mut ActiveRay) -> u32 {
-    let has_ended = ANY && ray.best.is_hit();
-    if Child::has_more_blocks(leaf) && !has_ended { Child::without_first_block(leaf) } else { ray.pop() }
 }

@@ -1,8 +1,8 @@
 //! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
 //! its own.
 
-use super::active::ActiveRay;
 use super::Trees;
+use super::active::ActiveRay;
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Hit;
 use crate::geometry::triangle::{self, LineLanes};

@@ -14,7 +14,6 @@ mod lanes;
 pub(super) mod leaf_queues;
 
 pub(crate) use active::ActiveRay;
-use active::after_block;
 use candidates::Candidates;
 
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
@@ -110,15 +109,10 @@ pub(crate) struct Next {
 
 impl<const N: usize> Stream<N> {
     /// All zeros, which are written in place: with anything else a copy would be made on the stack.
-    pub(crate) const EMPTY: Self = Self {
-        active: [ActiveRay::EMPTY; N],
-        next: [0; N],
-        busy: 0,
-        started: 0,
-        candidates: Candidates::EMPTY,
-    };
+    pub(crate) const EMPTY: Self =
+        Self { active: [ActiveRay::EMPTY; N], next: [0; N], busy: 0, started: 0, candidates: Candidates::EMPTY };
 
-    /// The places without a ray.
+    /// All places.
     const ALL: u64 = u64::MAX >> (64 - N);
 
     /// Whether there are rays to start, of so many in all, and places for eight.
@@ -136,22 +130,25 @@ impl<const N: usize> Stream<N> {
         rays: usize,
         root: &Node,
         trees: &impl Trees,
-    ) {
+    ) -> u64 {
         let (near, far) = intersect_children::<S>(setups, root);
         let live = setups.live;
         let setups: SetupRows = setups.rows::<S>();
         let count = WIDTH.min(rays - self.started);
+        let mut places = 0;
         for (lane, i) in places_of(Self::ALL & !self.busy).enumerate().take(count) {
             let i = i % N;
+            places |= 1 << i;
             let (near, far) = (near[lane], far[lane]);
             let next = self.active[i].start::<ANY, S>(&setups, lane, self.started + lane, root, (near, far));
             // One that can hit nothing is done at once.
             let next = if live >> lane & 1 != 0 { next } else { NONE };
             self.next[i] = next;
-            self.busy |= 1 << i;
             prefetch_of::<S>(trees.nodes(i), trees.blocks(i), next);
         }
+        self.busy |= places;
         self.started += count;
+        places
     }
 
     /// What the rays visit next.
@@ -180,16 +177,10 @@ impl<const N: usize> Stream<N> {
         }
         // Apart from the visits, whose results take long to arrive.
         for i in places_of(visitors) {
-            self.go_on::<S>(i, trees);
+            let next = self.active[i % N].pop();
+            self.visit_next::<S>(i, next, trees);
         }
         crowded
-    }
-
-    /// What the ray at a place visits next is what is on top of its stack.
-    #[inline(always)]
-    pub(crate) fn go_on<S: Simd>(&mut self, place: usize, trees: &impl Trees) {
-        let next = self.active[place % N].pop();
-        self.visit_next::<S>(place, next, trees);
     }
 
     /// What the ray at a place visits next.
@@ -219,7 +210,7 @@ impl<const N: usize> Stream<N> {
         self.candidates.test::<ANY, N, S>(trees, &mut self.active);
         for i in places_of(visitors) {
             let i = i % N;
-            let next = after_block::<ANY>(self.next[i], &mut self.active[i]);
+            let next = self.active[i].after_block::<ANY>(self.next[i]);
             self.visit_next::<S>(i, next, trees);
         }
     }
