@@ -114,6 +114,14 @@ pub enum InvalidTree {
         /// Its lane.
         lane: u32,
     },
+    /// A point or curve that no ray can hit, as it is not finite, out of limits or without a radius, or an unused lane that
+    /// holds numbers.
+    BadPrimitive {
+        /// The block that has it.
+        block: u32,
+        /// Its lane.
+        lane: u32,
+    },
     /// A leaf names an item that there is not, or that has no box.
     BadItem {
         /// The place in the list of items.
@@ -363,6 +371,10 @@ impl fmt::Display for InvalidTree {
             Self::BadTriangle { block, lane } => {
                 write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
             }
+            Self::BadPrimitive { block, lane } => write!(
+                f,
+                "primitive {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none, or no radius"
+            ),
             Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
             Self::BadKeys { keys } => {
                 write!(

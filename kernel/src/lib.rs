@@ -139,15 +139,16 @@ pub mod scene;
 mod simd;
 pub mod traverse;
 
-pub use bvh::BvhView;
 #[cfg(feature = "rayon")]
 pub use bvh::RayonExecutor;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, Serial};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, RoundBvh, Serial};
+pub use bvh::{BvhView, RoundView};
 pub use error::{Error, InvalidMesh, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
-    Aabb, Hit, HitPacket, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket, Surface, SurfacePoint,
-    Triangle, offset_distance, offset_origin, offset_point, triangle_normal,
+    Aabb, CubicCurve, Disc, Hit, HitPacket, LinearCurve, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket,
+    RoundSurface, Sphere, Surface, SurfacePoint, Triangle, offset_distance, offset_origin, offset_point,
+    triangle_normal,
 };
 /// The crate of the vectors and transforms in this crate's interface, version 0.34: another version has other types.
 pub use glam;

@@ -5,6 +5,8 @@
 //! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
 //! tree's triangles. [`BvhView`] borrows the result, from wherever it lies; as a [`blob`] it can be written to a file and
 //! traced from there.
+//!
+//! A [`RoundView`] has points or curves in its blocks, all of a kind, and the same nodes.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
@@ -43,6 +45,10 @@ mod primitive;
 mod refit;
 #[cfg(any(feature = "alloc", test))]
 mod reinsertion;
+mod round_block;
+#[cfg(any(feature = "alloc", test))]
+mod round_tree;
+mod round_view;
 #[cfg(any(feature = "alloc", test))]
 mod top_down;
 mod validate;
@@ -72,6 +78,11 @@ pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 pub use options::{BuildOptions, Quality};
 #[cfg(any(feature = "alloc", test))]
 pub use refit::Refit;
+pub use round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, RoundBlocks, SphereBlock};
+pub(crate) use round_block::{used_lanes, with_blocks};
+#[cfg(any(feature = "alloc", test))]
+pub use round_tree::{RoundBuild, RoundBvh, RoundReport};
+pub use round_view::RoundView;
 pub use view::BvhView;
 
 #[cfg(test)]

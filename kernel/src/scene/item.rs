@@ -137,6 +137,7 @@ impl<'a> Item<'a> {
                 return self.placement.aabb(0, &widened(&tree.at_key(key).bounds(), &tree.bounds()));
             }
             Target::Moving(tree) => (tree.bounds(), key),
+            Target::Round(tree) => (tree.bounds(), key),
             Target::Shape(shape) => (shape.bounds(part), key),
             Target::Scene(scene) => (scene.bounds(), key),
         };
@@ -169,6 +170,7 @@ impl Item<'_> {
             Target::Nothing => Aabb::EMPTY,
             Target::Mesh(tree) => self.placement.reach(&tree.bounds()),
             Target::Moving(tree) => self.placement.reach(&tree.bounds()),
+            Target::Round(tree) => self.placement.reach(&tree.bounds()),
             Target::Shape(shape) => {
                 let boxes = (0..shape.count()).map(|part| shape.bounds(part)).filter(Aabb::is_usable);
                 self.placement.reach(&boxes.fold(Aabb::EMPTY, |sum, aabb| sum.union(&aabb)))

@@ -1,4 +1,4 @@
-//! Scenes: triangles, geometry of the caller's and other scenes, each where a transform puts it, standing still or
+//! Scenes: triangles, points, curves, geometry of the caller's and other scenes, each where a transform puts it, standing still or
 //! moving.
 //!
 //! | rays | closest hit | any hit |
@@ -79,6 +79,7 @@ mod owned;
 mod quad;
 mod ray;
 pub mod reference;
+mod round;
 mod search;
 mod shape;
 mod space;
@@ -92,6 +93,7 @@ mod transform;
 mod view;
 mod walk;
 
+pub use crate::geometry::Sphere;
 #[cfg(any(feature = "alloc", test))]
 pub use handle::Handle;
 pub use inverse::MAX_CONDITION;
@@ -102,7 +104,7 @@ pub use owned::{Commit, Scene};
 pub use quad::Quads;
 pub use ray::{SceneHit, SceneRay};
 pub use shape::Shape;
-pub use sphere::{Sphere, Spheres};
+pub use sphere::Spheres;
 pub use view::{Instances, Part, SceneView};
 
 use core::ops::ControlFlow;

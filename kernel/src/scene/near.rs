@@ -15,7 +15,7 @@ use glam::Vec3;
 
 use super::object::Target;
 use super::space::{Proximity, Space, between, next};
-use super::{Item, SceneHit, SceneView, reference};
+use super::{Item, SceneHit, SceneView, reference, round};
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::closest::{Foot, closest_point};
 use crate::geometry::moment::Moment;
@@ -24,8 +24,8 @@ use crate::simd::Level;
 
 impl SceneView<'_> {
     /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and whose
-    /// it is: a hit with the distance for its `t`. Items count whose mask has a bit in common with `mask`; shapes of the
-    /// caller's do not. Of equally close ones the lowest `geometry_id` counts, then the lowest `prim_id`, then the lowest
+    /// it is: a hit with the distance for its `t`. Items count whose mask has a bit in common with `mask`; points, curves and
+    /// shapes of the caller's do not. Of equally close ones the lowest `geometry_id` counts, then the lowest `prim_id`, then the lowest
     /// `path`.
     ///
     /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
@@ -42,8 +42,8 @@ impl SceneView<'_> {
 
     /// Gives `visit` whatever [overlaps](overlaps()) a box at a time, once for each way to it and in an order that is the
     /// tree's own, until it breaks off; tells whether it did. Hits have a `t` of 0. Touching counts; the box may be
-    /// infinite, or a point. Items count whose mask has a bit in common with `mask`, and primitives of the caller's shapes
-    /// with their boxes.
+    /// infinite, or a point. Items count whose mask has a bit in common with `mask`, and points, curves and
+    /// primitives of the caller's shapes with their boxes.
     pub fn for_each_overlap(
         &self,
         aabb: &Aabb,
@@ -194,6 +194,13 @@ impl<Q: Proximity> Visit<'_, Q> {
                 let keys = [moment.key, next(moment)];
                 let walk = Walk::new(keys.map(|key| tree.nodes(key)), moment.fraction, *space);
                 self.triangles(walk, keys.map(|key| tree.blocks(key)), place)
+            }
+            Target::Round(tree) => {
+                let mut walk = Walk::new([tree.nodes(); 2], 0.0, *space);
+                while let Some(numbers) = walk.next(self.search) {
+                    round::meet(&tree, numbers, space, self.search, place)?;
+                }
+                ControlFlow::Continue(())
             }
             Target::Shape(shape) => self.search.meet_box(&space.aabb(&shape.bounds(place.hit.prim_id)), place),
             Target::Scene(scene) => self.scene(&scene, space, first_path, place.depth + 1),

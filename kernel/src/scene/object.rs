@@ -1,4 +1,4 @@
-//! What an item is an instance of: triangles, geometry of the caller's, another scene. Borrowed, or with `alloc` shared by
+//! What an item is an instance of: triangles, points, curves, geometry of the caller's, another scene. Borrowed, or with `alloc` shared by
 //! [`Arc`].
 
 #[cfg(any(feature = "alloc", test))]
@@ -7,8 +7,8 @@ use alloc::sync::Arc;
 use super::SceneView;
 use super::shape::Shape;
 #[cfg(any(feature = "alloc", test))]
-use crate::bvh::{Bvh, MovingBvh};
-use crate::bvh::{BvhView, MovingView};
+use crate::bvh::{Bvh, MovingBvh, RoundBvh};
+use crate::bvh::{BvhView, MovingView, RoundView};
 
 /// What an item is. Many items may have the same object, whose memory is there once.
 ///
@@ -22,6 +22,8 @@ pub enum Object<'a> {
     Mesh(BvhView<'a>),
     /// Triangles that move by themselves.
     Moving(MovingView<'a>),
+    /// Points or curves.
+    Round(RoundView<'a>),
     /// Geometry of the caller's.
     Shape(&'a dyn Shape),
     /// A scene.
@@ -32,6 +34,9 @@ pub enum Object<'a> {
     /// Triangles that move by themselves, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedMoving(Arc<MovingBvh>),
+    /// Points or curves, shared.
+    #[cfg(any(feature = "alloc", test))]
+    SharedRound(Arc<RoundBvh>),
     /// Geometry of the caller's, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedShape(Arc<dyn Shape + Send + 'a>),
@@ -46,6 +51,7 @@ pub(super) enum Target<'a> {
     Nothing,
     Mesh(BvhView<'a>),
     Moving(MovingView<'a>),
+    Round(RoundView<'a>),
     Shape(&'a dyn Shape),
     Scene(SceneView<'a>),
 }
@@ -57,12 +63,15 @@ impl Object<'_> {
             Self::Nothing => Target::Nothing,
             Self::Mesh(tree) => Target::Mesh(*tree),
             Self::Moving(tree) => Target::Moving(*tree),
+            Self::Round(tree) => Target::Round(*tree),
             Self::Shape(shape) => Target::Shape(*shape),
             Self::Scene(scene) => Target::Scene(**scene),
             #[cfg(any(feature = "alloc", test))]
             Self::SharedMesh(tree) => Target::Mesh(tree.view()),
             #[cfg(any(feature = "alloc", test))]
             Self::SharedMoving(tree) => Target::Moving(tree.view()),
+            #[cfg(any(feature = "alloc", test))]
+            Self::SharedRound(tree) => Target::Round(tree.view()),
             #[cfg(any(feature = "alloc", test))]
             Self::SharedShape(shape) => Target::Shape(&**shape),
             #[cfg(any(feature = "alloc", test))]
@@ -80,6 +89,12 @@ impl<'a> From<BvhView<'a>> for Object<'a> {
 impl<'a> From<MovingView<'a>> for Object<'a> {
     fn from(tree: MovingView<'a>) -> Self {
         Self::Moving(tree)
+    }
+}
+
+impl<'a> From<RoundView<'a>> for Object<'a> {
+    fn from(tree: RoundView<'a>) -> Self {
+        Self::Round(tree)
     }
 }
 
@@ -106,6 +121,13 @@ impl From<Arc<Bvh>> for Object<'_> {
 impl From<Arc<MovingBvh>> for Object<'_> {
     fn from(tree: Arc<MovingBvh>) -> Self {
         Self::SharedMoving(tree)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+impl From<Arc<RoundBvh>> for Object<'_> {
+    fn from(tree: Arc<RoundBvh>) -> Self {
+        Self::SharedRound(tree)
     }
 }
 

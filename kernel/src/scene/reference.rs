@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use super::object::Target;
 use super::space::{Proximity, Space, between, next};
-use super::{SceneHit, SceneRay, SceneView, shape};
+use super::{SceneHit, SceneRay, SceneView, round, shape};
 use crate::bvh::TriangleBlock;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
@@ -73,6 +73,7 @@ fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see:
                     loop_over(tree.blocks(key), tree.blocks(to), fraction, &local, &mut see_here);
                 }
             }
+            Target::Round(tree) => round::for_each_hit(&tree, &local, &mut see_here),
             Target::Shape(shape) => shape::intersect(shape, part.prim_id, &local, time).into_iter().for_each(see_here),
             Target::Scene(inner) => {
                 all_hits(&inner, &SceneRay { ray: local, time, mask }, first_path + item.first_path, depth + 1, see);
@@ -129,6 +130,7 @@ pub(super) fn search(
                     loop_over(tree.blocks(moment.key), tree.blocks(next(moment)), moment.fraction)?;
                 }
             }
+            Target::Round(tree) => round::meet(&tree, 0..tree.blocks().len(), &space, search, place(Hit::NO_PRIM))?,
             Target::Shape(shape) => search.meet_box(&space.aabb(&shape.bounds(part.prim_id)), place(part.prim_id))?,
             Target::Scene(inner) => {
                 self::search(&inner, &space, (time, mask), (first_path + item.first_path, depth + 1), search)?;

@@ -3,17 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Shape;
-use crate::geometry::{Aabb, Hit, Ray};
-
-/// A sphere: the surface, not the ball.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Sphere {
-    /// The centre.
-    pub center: Vec3,
-    /// The radius; spheres of radius zero, less or NaN are left out.
-    pub radius: f32,
-}
+use crate::geometry::{Aabb, Hit, Ray, Sphere};
 
 /// Spheres, hit from outside and inside. `u` and `v` of hits are zero, as the normal is `point - center`.
 #[derive(Clone, Copy, Debug)]

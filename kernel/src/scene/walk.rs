@@ -4,8 +4,8 @@ use core::ops::{ControlFlow, Range};
 
 use super::object::Target;
 use super::search::{Any, Closest, ItemCollector, Judged, Search};
-use super::shape;
 use super::{Item, SceneHit, SceneRay, SceneView};
+use super::{round, shape};
 use crate::geometry::Hit;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
@@ -244,6 +244,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
                 let mut collector = ItemCollector { search: &mut *self.search, common };
                 moving::walk::<S, _>(&tree, &ray, time, self.triangles, &mut collector)
             }
+            Target::Round(tree) => round::enter(&tree, &ray, self.isa, self.triangles, &mut *self.search, common),
             Target::Shape(shape) => match shape::intersect(shape, prim_id, &ray, time) {
                 Some(hit) if hit.t <= self.search.t_max() => self.search.report(SceneHit { hit, ..common }),
                 _ => ControlFlow::Continue(()),

@@ -6,9 +6,9 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 
 use super::collector::Collector;
-use crate::bvh::{BvhView, Child, MAX_STACK, TriangleBlock, WIDTH};
+use crate::bvh::{BvhView, Child, MAX_STACK, RoundBlock, RoundView, TriangleBlock, WIDTH, used_lanes, with_blocks};
 use crate::geometry::closest::{self, Foot};
-use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_side, intersect_triangle, overlaps};
+use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_round, intersect_side, intersect_triangle, overlaps};
 
 /// What [`BvhView::intersect`] gives.
 pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
@@ -79,6 +79,22 @@ pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -
             }
         }
     }
+    ControlFlow::Continue(())
+}
+
+/// Shows `collector` the hits of `ray` with all points or curves of a tree as they lie.
+pub(crate) fn walk_round<C: Collector>(tree: &RoundView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
+    with_blocks!(tree.blocks(), slice => {
+        for block in slice {
+            for (lane, prim_id) in used_lanes(block) {
+                if let Some(hit) = intersect_round(ray, &block.primitive(lane))
+                    && hit.t <= collector.t_max()
+                {
+                    collector.report(Hit { prim_id, ..hit }, true)?;
+                }
+            }
+        }
+    });
     ControlFlow::Continue(())
 }
 

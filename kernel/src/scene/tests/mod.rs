@@ -5,6 +5,7 @@ mod limits;
 mod motion;
 mod near;
 mod order;
+mod round;
 mod shapes;
 mod streams;
 mod transforms;
@@ -20,7 +21,7 @@ use super::*;
 use crate::bvh::{MovingBvh, Node};
 use crate::traverse::reference as trees;
 use crate::traverse::tests::{Random, isas, rays_at, soup};
-use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, Triangle};
+use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Triangle};
 
 fn bvh(triangles: &[Triangle]) -> Bvh {
     Bvh::build(triangles, &BuildOptions::default()).unwrap().0
@@ -136,6 +137,7 @@ struct Stock {
     moving: Vec<MovingBvh>,
     spheres: Vec<Sphere>,
     quads: Vec<[Vec3; 4]>,
+    rounds: Vec<RoundBvh>,
     keys: Vec<Vec<Affine3A>>,
 }
 
@@ -164,7 +166,8 @@ impl Stock {
                 (0..2 + i % 4).map(|_| shaken(random, &first, 0.8)).collect()
             })
             .collect();
-        Self { meshes: meshes.into(), moving: moving.into(), spheres, quads, keys }
+        let rounds = round::trees(random, [20, 30, 40, 12]);
+        Self { meshes: meshes.into(), moving: moving.into(), spheres, quads, rounds, keys }
     }
 
     /// Items of all kinds in all kinds of places.
@@ -178,11 +181,12 @@ impl Stock {
         (0..count)
             .map(|_| {
                 let pick = random.bits() as usize / 16;
-                let item = match random.bits() % if inner.is_empty() { 6 } else { 8 } {
+                let item = match random.bits() % if inner.is_empty() { 8 } else { 10 } {
                     0 | 1 => Item::new(self.meshes[pick % self.meshes.len()].view()),
                     2 | 3 => Item::new(self.moving[pick % self.moving.len()].view()),
                     4 => Item::new(shapes.0),
                     5 => Item::new(shapes.1),
+                    6 | 7 => Item::new(self.rounds[pick % self.rounds.len()].view()),
                     _ => Item::new(inner[pick % inner.len()]),
                 };
                 let item = item.with_mask([u32::MAX, 1, 2, 6][random.bits() as usize % 4]);

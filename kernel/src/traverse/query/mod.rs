@@ -6,6 +6,7 @@ mod facing;
 mod filter;
 mod hits;
 mod overlap;
+mod round;
 // Miri would take hours.
 #[cfg(all(test, not(miri)))]
 mod tests;

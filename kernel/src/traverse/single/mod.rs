@@ -8,6 +8,7 @@
 mod any;
 mod closest;
 pub(crate) mod moving;
+pub(crate) mod round;
 
 use core::ops::{ControlFlow, Range};
 

@@ -1,0 +1,204 @@
+//! Builds a tree over points or curves and owns it.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::build::build_tree;
+use super::contents::{Contents, LeafShape};
+use super::executor::{Executor, Serial};
+use super::node::{Child, Node, WIDTH};
+use super::options::BuildOptions;
+use super::primitive::Primitive;
+use super::round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, SphereBlock, leaf_bounds};
+use super::{Bvh, RoundBlocks, RoundView, validate};
+use crate::error::{Error, InvalidTree};
+use crate::geometry::round::{RoundFault, RoundPrimitive};
+use crate::geometry::{Aabb, CubicCurve, Disc, LinearCurve, Sphere};
+
+/// A tree over spheres, discs or round curves that owns its memory.
+#[derive(Clone, Debug)]
+pub struct RoundBvh {
+    nodes: Vec<Node>,
+    blocks: Blocks,
+    bounds: Aabb,
+}
+
+#[derive(Clone, Debug)]
+pub enum Blocks {
+    Spheres(Vec<SphereBlock>),
+    Discs(Vec<DiscBlock>),
+    LinearCurves(Vec<LinearCurveBlock>),
+    CubicCurves(Vec<CubicCurveBlock>),
+}
+
+/// What trees can be built over.
+pub trait RoundBuild: RoundPrimitive {
+    #[doc(hidden)]
+    type Block: RoundBlock<Primitive = Self>;
+    #[doc(hidden)]
+    const BLOCK_COST: f32;
+    #[doc(hidden)]
+    fn keep(blocks: Vec<Self::Block>) -> Blocks;
+}
+
+macro_rules! build {
+    ($($primitive:ident: $block:ident, $kind:ident, $cost:literal;)*) => {$(
+        impl RoundBuild for $primitive {
+            type Block = $block;
+            const BLOCK_COST: f32 = $cost;
+            fn keep(blocks: Vec<$block>) -> Blocks {
+                Blocks::$kind(blocks)
+            }
+        }
+    )*};
+}
+
+build! {
+    Sphere: SphereBlock, Spheres, 0.6;
+    Disc: DiscBlock, Discs, 0.6;
+    LinearCurve: LinearCurveBlock, LinearCurves, 0.8;
+    CubicCurve: CubicCurveBlock, CubicCurves, 2.0;
+}
+
+/// What a build left out, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RoundReport {
+    /// Primitives in the tree.
+    pub kept: usize,
+    /// Primitives without a radius that is more than zero, with one that is less, or without a normal.
+    pub degenerate: usize,
+    /// Primitives with a number that is NaN or infinite.
+    pub not_finite: usize,
+    /// Primitives that reach beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE).
+    pub out_of_range: usize,
+    /// The first primitive that was left out; [`RoundPrimitive::fault`] says why.
+    pub first_dropped: Option<u32>,
+    /// Trees that were too deep, before one that was built with less regard for cost.
+    pub too_deep: u32,
+}
+
+impl RoundReport {
+    /// Primitives that are not in the tree, for whatever reason.
+    pub fn dropped(&self) -> usize {
+        self.degenerate + self.not_finite + self.out_of_range
+    }
+}
+
+impl fmt::Display for RoundReport {
+    /// Such as `12 primitives kept, 3 dropped, the first of them 7: 2 without a radius or normal, 1 not finite`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.kept == 1 { "" } else { "s" };
+        write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;
+        if let Some(first) = self.first_dropped {
+            write!(f, ", the first of them {first}")?;
+        }
+        let reasons = [
+            (self.degenerate, "without a radius or normal"),
+            (self.not_finite, "not finite"),
+            (self.out_of_range, "too far away"),
+        ];
+        let mut separator = ": ";
+        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
+            write!(f, "{separator}{count} {reason}")?;
+            separator = ", ";
+        }
+        Ok(())
+    }
+}
+
+impl RoundBvh {
+    /// Builds a tree over `primitives` on this thread; a hit's `prim_id` is an index into them.
+    ///
+    /// Primitives that no ray can hit are left out and counted. The tree depends on the primitives and options alone, and has
+    /// them in it: it needs about 20 bytes each for spheres, 32 for discs, 36 for linear and 68 for cubic curves, and a third
+    /// to a half more where leaves are not full, besides 256 bytes a node.
+    ///
+    /// # Errors
+    /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold: up to
+    /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), if few share a block fewer.
+    pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, RoundReport), Error> {
+        Self::build_on(&Serial, primitives, options)
+    }
+
+    /// Like [`build`](Self::build), where `executor` says: it brings the threads, and hears how far the build is. The tree
+    /// does not depend on it.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_on<E: Executor, P: RoundBuild>(
+        executor: &E,
+        primitives: &[P],
+        options: &BuildOptions,
+    ) -> Result<(Self, RoundReport), Error> {
+        if primitives.len() > Bvh::MAX_TRIANGLES {
+            return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
+        }
+        let mut report = RoundReport::default();
+        let prims = || usable(primitives, &mut report);
+        let tree = build_tree(executor, &Rounds(primitives), prims, options.quality)?;
+        report.too_deep = tree.too_deep;
+        let (nodes, blocks) = (tree.collapsed.nodes, tree.collapsed.blocks);
+        let bounds = nodes[0].bounds();
+        Ok((Self { nodes, blocks: P::keep(blocks), bounds }, report))
+    }
+
+    /// Borrows the tree for tracing.
+    pub fn view(&self) -> RoundView<'_> {
+        let blocks = match &self.blocks {
+            Blocks::Spheres(blocks) => RoundBlocks::Spheres(blocks),
+            Blocks::Discs(blocks) => RoundBlocks::Discs(blocks),
+            Blocks::LinearCurves(blocks) => RoundBlocks::LinearCurves(blocks),
+            Blocks::CubicCurves(blocks) => RoundBlocks::CubicCurves(blocks),
+        };
+        RoundView::with_bounds(&self.nodes, blocks, self.bounds)
+    }
+
+    /// Memory of nodes and blocks in bytes.
+    pub fn bytes(&self) -> usize {
+        let blocks = match &self.blocks {
+            Blocks::Spheres(blocks) => size_of_val(&blocks[..]),
+            Blocks::Discs(blocks) => size_of_val(&blocks[..]),
+            Blocks::LinearCurves(blocks) => size_of_val(&blocks[..]),
+            Blocks::CubicCurves(blocks) => size_of_val(&blocks[..]),
+        };
+        size_of_val(&self.nodes[..]) + blocks
+    }
+}
+
+/// The primitives that a ray can hit; counts them and the others.
+fn usable<P: RoundPrimitive>(primitives: &[P], report: &mut RoundReport) -> Vec<Primitive> {
+    *report = RoundReport { too_deep: report.too_deep, ..RoundReport::default() };
+    let mut prims = Vec::with_capacity(primitives.len());
+    for (prim_id, primitive) in (0..).zip(primitives) {
+        let Some(fault) = primitive.fault() else {
+            prims.push(Primitive::new(&primitive.bounds(), prim_id));
+            continue;
+        };
+        report.first_dropped.get_or_insert(prim_id);
+        match fault {
+            RoundFault::NotFinite => report.not_finite += 1,
+            RoundFault::OutOfRange => report.out_of_range += 1,
+            RoundFault::Degenerate => report.degenerate += 1,
+        }
+    }
+    report.kept = prims.len();
+    prims
+}
+
+/// Primitives in blocks of eight.
+struct Rounds<'a, P>(&'a [P]);
+
+impl<P: RoundBuild> Contents for Rounds<'_, P> {
+    type Block = P::Block;
+    const EMPTY: P::Block = P::Block::EMPTY;
+    const SHAPE: LeafShape = LeafShape { lanes: WIDTH as u32, blocks: 2, cost: P::BLOCK_COST };
+
+    fn put(&self, block: &mut P::Block, lane: usize, prim_id: u32) {
+        block.set(lane, &self.0[prim_id as usize], prim_id);
+    }
+
+    fn validate(&self, nodes: &[Node], blocks: &[P::Block]) -> Result<u32, InvalidTree> {
+        validate::validate_nodes(nodes, blocks.len(), |first, end| leaf_bounds(&blocks[first..end], first as u32))
+    }
+}

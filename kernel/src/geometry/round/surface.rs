@@ -1,0 +1,62 @@
+//! What a hit with a point or a curve says of the surface, and where a ray may start that leaves it.
+//!
+//! The point is found in `f64` and rounded once. Along the normal `n` that puts it off the surface by `u Σ |n| |x|` at most,
+//! with `u = 2⁻²⁴`, and so does its sum with the offset; the offset is twice as much, so that the origin is truly outside. The
+//! normal's own rounding tilts the plane along which the most grazing ray leaves: a unit or two of the primitive's extent are
+//! for that. As the test of the next ray is in `f64` too, it finds no crossing there.
+
+use glam::Vec3;
+
+use super::{RayFrame, RoundPrimitive, crossing};
+use crate::geometry::{Ray, offset_point};
+
+/// The rounding of the point and of its sum with the offset, twice over, in units of its coordinates.
+const POINT_ERROR: f32 = 4.0 / (1u32 << 24) as f32;
+/// What the normal's rounding may come to, in units of the primitive's extent.
+const NORMAL_ERROR: f32 = 2.0 / (1u32 << 24) as f32;
+
+/// What a hit with a point or a curve says of the surface besides where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoundSurface {
+    /// The point: nearer to the surface than `ray.at(t)`.
+    pub point: Vec3,
+    /// The unit normal of the side that the ray has met. Cubic curves have edges between their pieces.
+    pub normal: Vec3,
+    /// The same from the curve itself, which has no edges, for shading; it may differ from `normal` by half a degree or so.
+    pub shading_normal: Vec3,
+    /// Whether the ray has met the outside, or of a disc the side that it faces.
+    pub is_front: bool,
+    /// The distance from the surface at which a ray that leaves it has to start.
+    pub offset: f32,
+}
+
+impl RoundSurface {
+    /// The surface where `ray` meets a primitive; `None` if it does not hit it. In a scene, both are in the item's own space.
+    pub fn of<P: RoundPrimitive>(ray: &Ray, primitive: &P) -> Option<Self> {
+        let frame = RayFrame::new(ray)?;
+        if primitive.fault().is_some() {
+            return None;
+        }
+        let (crossing, is_entry) = crossing(&frame, ray, primitive)?;
+        let [x, y, z] = frame.at(crossing.z);
+        let point = Vec3::new(x as f32, y as f32, z as f32);
+        let is_front = if P::IS_FLAT { crossing.outward[2] <= 0.0 } else { is_entry };
+        let side = |outward: [f64; 3]| {
+            let normal = frame.turn_back(outward);
+            if is_front { normal } else { -normal }
+        };
+        let (normal, smooth) = (side(crossing.outward), P::smooth_outward(&frame, &primitive.numbers(), &crossing));
+        let bounds = primitive.bounds();
+        let extent = (bounds.max - bounds.min).max_element();
+        let offset = normal.abs().dot(point.abs()) * POINT_ERROR + extent * NORMAL_ERROR;
+        Some(Self { point, normal, shading_normal: side(smooth), is_front, offset })
+    }
+
+    /// Where a ray into `direction` starts that leaves the surface, to the side to which it points.
+    ///
+    /// On the outside that ray does not hit the primitive again, unless a curve bends into its way. Inside of what is
+    /// thinner than its coordinates' units in the last place, it may come out at the far side.
+    pub fn origin(&self, direction: Vec3) -> Vec3 {
+        offset_point(self.point, self.normal, self.offset, direction)
+    }
+}

@@ -1,0 +1,140 @@
+//! Rays that leave a surface on its outside do not hit it again: thin curves far away, and others.
+
+use super::*;
+
+/// The radius and the distance of what is hit.
+const RADIUS: f32 = 1e-4;
+const DISTANCE: f32 = 1e3;
+
+/// A direction at least so steep (the sine) over a surface.
+fn away(random: &mut Random, normal: Vec3, least: f32) -> Vec3 {
+    let (a, b) = normal.any_orthonormal_pair();
+    let (sin, cos) = (random.unit() * std::f32::consts::TAU).sin_cos();
+    let side = a * cos + b * sin;
+    let sine = least + (1.0 - least) * random.unit() * [1.0, 1e-2, 1e-5][random.bits() as usize % 3];
+    // Less is lost in the rounding of the direction.
+    let sine = sine.max(1e-6);
+    (side * (1.0 - sine * sine).max(0.0).sqrt() + normal * sine) * [1.0, 1e-3, 1e4][random.bits() as usize % 3]
+}
+
+/// Shoots rays at primitives from the distance, each at a place on its axis, and from where they hit away again, at least so
+/// steep. Gives how many hit.
+fn leave<P: RoundPrimitive>(
+    primitives: &[P],
+    tree: RoundView,
+    target: impl Fn(&P, f32) -> Sphere,
+    least: f32,
+    rays: usize,
+) -> usize {
+    let mut random = Random::new(101);
+    let mut hits = 0;
+    for i in 0..rays {
+        let primitive = &primitives[random.bits() as usize % primitives.len()];
+        let Sphere { center, radius } = target(primitive, random.unit());
+        let far = random.direction() * DISTANCE;
+        let aim = center + random.vector() * radius;
+        // From where an eye is at a round place, and from the far end of the world.
+        let ray = Ray::new(far, aim - far);
+        let ray = if i % 2 == 0 { ray } else { Ray::new(center + far, aim - (center + far)) };
+        let Some(hit) = tree.intersect(&ray) else { continue };
+        hits += 1;
+        let surface = RoundSurface::of(&ray, &primitives[hit.prim_id as usize]).unwrap();
+        assert!(surface.is_front, "{ray:?} {surface:?}");
+        let direction = away(&mut random, surface.normal, least);
+        let leaving = Ray::new(surface.origin(direction), direction);
+        assert_eq!(intersect_round(&leaving, &primitives[hit.prim_id as usize]), None, "{i}: {ray:?} {leaving:?}");
+        if i % 16 == 0 {
+            // Any other that is hit is a neighbour in the way.
+            let again = tree.intersect(&leaving);
+            assert!(again.is_none_or(|again| again.prim_id != hit.prim_id), "{i}: {ray:?} {leaving:?}");
+        }
+    }
+    hits
+}
+
+fn build<P: halfdome_kernel::bvh::RoundBuild>(primitives: &[P]) -> RoundBvh {
+    let (tree, report) = RoundBvh::build(primitives, &BuildOptions::default()).unwrap();
+    assert_eq!(report.kept, primitives.len());
+    tree
+}
+
+/// Places around the origin, and at the distance from it.
+fn places(random: &mut Random, count: usize) -> Vec<Vec3> {
+    (0..count).map(|i| random.direction() * [1.0, DISTANCE, DISTANCE][i % 3]).collect()
+}
+
+fn leave_all(rays: usize) {
+    let mut random = Random::new(102);
+    let places = places(&mut random, 64);
+    let curve = |random: &mut Random, place: Vec3| {
+        let end = place + random.vector() * [1e-3, 0.1, 5.0][random.bits() as usize % 3];
+        let thinner = RADIUS * [1.0, 0.5, 0.0][random.bits() as usize % 3];
+        LinearCurve { ends: [Sphere::new(place, RADIUS), Sphere::new(end, thinner)] }
+    };
+    let curves: Vec<_> = places.iter().map(|&place| curve(&mut random, place)).collect();
+    let on_axis = |curve: &LinearCurve, u: f32| {
+        let [a, b] = curve.ends;
+        Sphere::new(a.center.lerp(b.center, u), a.radius + (b.radius - a.radius) * u)
+    };
+    let hits = leave(&curves, build(&curves).view(), on_axis, 0.0, rays);
+    assert!(hits > rays / 8, "{hits}");
+
+    // What turns by less than twice the steepness is not in the way of what leaves it.
+    let bent = |random: &mut Random, place: Vec3| {
+        let (along, bend) = (random.direction(), random.direction());
+        let length = [0.02, 0.5][random.bits() as usize % 2];
+        let control = |k: f32| place + (along * k + bend * (0.02 * k * k)) * length;
+        CubicCurve { controls: [0.0, 1.0, 2.0, 3.0].map(|k| Sphere::new(control(k), RADIUS)) }
+    };
+    let curves: Vec<_> = places.iter().map(|&place| bent(&mut random, place)).collect();
+    let on_curve = |curve: &CubicCurve, u: f32| {
+        let [a, b, c, d] = curve.controls.map(|control| control.center);
+        let (v, w) = (1.0 - u, u);
+        Sphere::new(a * v * v * v + (b * v + c * w) * 3.0 * v * w + d * w * w * w, RADIUS)
+    };
+    let hits = leave(&curves, build(&curves).view(), on_curve, 0.2, rays / 4);
+    assert!(hits > rays / 32, "{hits}");
+
+    let spheres: Vec<_> = places.iter().map(|&place| Sphere::new(place, RADIUS)).collect();
+    let hits = leave(&spheres, build(&spheres).view(), |&sphere, _| sphere, 0.0, rays / 4);
+    assert!(hits > rays / 32, "{hits}");
+
+    let mut disc = |&center: &Vec3| Disc { center, radius: RADIUS, normal: random.direction() };
+    let discs: Vec<_> = places.iter().map(&mut disc).collect();
+    let mut hits = 0;
+    for (i, disc) in discs.iter().cycle().take(rays / 4).enumerate() {
+        let ray = Ray::new(Vec3::ZERO, disc.center + random.vector() * RADIUS * 0.5);
+        let Some(surface) = RoundSurface::of(&ray, disc) else { continue };
+        hits += 1;
+        let direction = away(&mut random, surface.normal, 0.0) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let leaving = Ray::new(surface.origin(direction), direction);
+        assert_eq!(intersect_round(&leaving, disc), None, "{i}: {ray:?} {leaving:?}");
+    }
+    assert!(hits > rays / 100, "{hits}");
+}
+
+#[test]
+fn thin_curves_far_away_are_left_behind() {
+    leave_all(200_000);
+}
+
+/// A minute or so.
+#[test]
+#[ignore = "ten million rays: cargo test --release -p halfdome-kernel --test round -- --ignored"]
+fn ten_million_rays_leave_thin_curves_far_away() {
+    // Every sixth at least hits.
+    leave_all(60_000_000);
+}
+
+#[test]
+fn without_the_offset_they_would_be_hit_again() {
+    let mut random = Random::new(103);
+    let mut hits = 0;
+    for _ in 0..1000 {
+        let center = random.direction() * DISTANCE;
+        let sphere = Sphere::new(center, RADIUS * 100.0);
+        let surface = RoundSurface::of(&Ray::new(Vec3::ZERO, center), &sphere).unwrap();
+        hits += usize::from(intersect_round(&Ray::new(surface.point, surface.normal), &sphere).is_some());
+    }
+    assert!(hits > 100, "{hits}");
+}
