@@ -77,16 +77,17 @@
 //! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
 //! | to follow triangles that move | `Bvh::refit` |
 //! | where the next ray may start | [`offset_origin`] |
+//! | spheres, discs, round curves in place of triangles | [`RoundView`], [`geometry::round`] |
 //!
 //! # Modules
 //!
 //! | module | has |
 //! | --- | --- |
-//! | [`geometry`] | rays, hits, packets, boxes, the triangle test |
+//! | [`geometry`] | rays, hits, packets, boxes, the triangle test; spheres, discs and round curves |
 //! | [`mesh`] | triangles as others keep them: indexed, strided, quantised |
 //! | [`bvh`] | the tree: building, refitting, validating, as bytes |
 //! | [`traverse`] | tracing rays through a tree, and the scalar reference |
-//! | [`scene`] | instances, nesting, motion, masks, spheres, quads, shapes of the caller's |
+//! | [`scene`] | instances, nesting, motion, masks, points and curves, quads, shapes of the caller's |
 //! | [`sampling`] | random numbers, Sobol' points, warps of directions and points with densities, alias tables |
 //! | [`irradiance`] | irradiance of a point, its gradients and Hessian, from the rays of a gather |
 //! | [`columns`] | rows of memory transposed into SIMD lanes |

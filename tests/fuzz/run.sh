@@ -11,7 +11,7 @@ cd "$(dirname "$0")/../.."
 minutes=${1:?"how many minutes each?"}
 shift
 fuzzers=("$@")
-[ ${#fuzzers[@]} -gt 0 ] || fuzzers=(blobs differential trees)
+[ ${#fuzzers[@]} -gt 0 ] || fuzzers=(blobs differential round trees)
 seconds=$(awk -v minutes="$minutes" 'BEGIN { printf "%d", minutes * 60 }')
 [ "$seconds" -gt 0 ] || { echo "error: more than no time is needed" >&2; exit 1; }
 

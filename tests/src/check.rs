@@ -1,8 +1,12 @@
 //! All ways to trace, on every instruction set that the machine has, compared bit for bit.
 
 use glam::Vec3;
+use halfdome_kernel::bvh::RoundBuild;
+use halfdome_kernel::geometry::intersect_round;
 use halfdome_kernel::traverse::{PacketWidth, Width, reference};
-use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Isa, Level, Quality, Ray, RayPacket, Triangle};
+use halfdome_kernel::{
+    Bvh, BvhView, Hit, HitPacket, Isa, Item, Level, Quality, Ray, RayPacket, RoundBvh, Scene, Triangle,
+};
 
 /// Rays that are enough for a batch to be traced as one.
 const BATCH: usize = 70;
@@ -126,4 +130,31 @@ where
             }
         }
     }
+}
+
+/// What every ray hits of points or curves, by the loop; trees of all qualities agree with it on every instruction set, by
+/// themselves and in a scene.
+pub fn check_round<P: RoundBuild>(primitives: &[P], rays: &[Ray]) -> Vec<Option<Hit>> {
+    let nearest = |ray: &Ray| {
+        let hit = |(prim_id, primitive)| intersect_round(ray, primitive).map(|hit| Hit { prim_id, ..hit });
+        (0..).zip(primitives).filter_map(hit).min_by(|a: &Hit, b| a.t.total_cmp(&b.t).then(a.prim_id.cmp(&b.prim_id)))
+    };
+    let expected: Vec<Option<Hit>> = rays.iter().map(nearest).collect();
+    for quality in Quality::ALL {
+        let (tree, report) = RoundBvh::build(primitives, &quality.into()).expect("there are few");
+        assert_eq!(report.kept + report.dropped(), primitives.len());
+        let (scene, _) = Scene::build(vec![Item::new(tree.view())], &quality.into()).expect("one item is a scene");
+        for isa in isas() {
+            let (tree, scene) = (tree.view().with_isa(isa), scene.view().with_isa(isa));
+            for (ray, &expected) in rays.iter().zip(&expected) {
+                let level = isa.level();
+                assert_eq!(bits(tree.intersect(ray)), bits(expected), "{level}, {ray:?}");
+                assert_eq!(tree.occluded(ray), expected.is_some(), "{level}, any, {ray:?}");
+                let found = scene.intersect(&(*ray).into()).map(|found| found.hit);
+                assert_eq!(bits(found), bits(expected), "{level}, scene, {ray:?}");
+                assert_eq!(scene.occluded(&(*ray).into()), expected.is_some(), "{level}, scene, any, {ray:?}");
+            }
+        }
+    }
+    expected
 }

@@ -7,12 +7,10 @@
 use super::setup::{LEAST_COMPONENT, OWN_PAD, is_in_limits, raise};
 use super::{Aabb, Hit, Ray};
 
-/// The hit that `test` finds with a primitive whose box is `aabb`, clamped to that; `None` if it is then outside of the ray's
-/// interval.
+/// A hit with a primitive in whose box the ray is in this [`interval`], clamped to that; `None` if it is then outside of the
+/// ray's own.
 #[inline(always)]
-pub(crate) fn clamped(ray: &Ray, aabb: &Aabb, test: impl FnOnce() -> Option<Hit>) -> Option<Hit> {
-    let (near, far) = interval(ray, aabb)?;
-    let hit = test()?;
+pub(crate) fn clamped(ray: &Ray, (near, far): (f32, f32), hit: Hit) -> Option<Hit> {
     // Adding zero makes a negative zero positive. A NaN fails every comparison.
     let t = hit.t.max(near).min(far) + 0.0;
     (!hit.t.is_nan() && ray.t_min <= t && t <= ray.t_max).then_some(Hit { t, ..hit })
@@ -20,7 +18,7 @@ pub(crate) fn clamped(ray: &Ray, aabb: &Aabb, test: impl FnOnce() -> Option<Hit>
 
 /// Where `ray` is in `aabb`, widened by a bound of the rounding; `None` if nowhere, or if the ray is beyond the limits.
 #[inline(always)]
-fn interval(ray: &Ray, aabb: &Aabb) -> Option<(f32, f32)> {
+pub(crate) fn interval(ray: &Ray, aabb: &Aabb) -> Option<(f32, f32)> {
     if aabb.is_empty() || !is_in_limits(ray) {
         return None;
     }

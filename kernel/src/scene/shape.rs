@@ -23,6 +23,7 @@ pub trait Shape: Sync {
 
 /// The hit of a ray with a primitive of a shape: the definition.
 pub(super) fn intersect(shape: &dyn Shape, prim_id: u32, ray: &Ray, time: f32) -> Option<Hit> {
-    let hit = own_box::clamped(ray, &shape.bounds(prim_id), || shape.intersect(prim_id, ray, time))?;
-    Some(Hit { prim_id, ..hit })
+    let interval = own_box::interval(ray, &shape.bounds(prim_id))?;
+    let hit = shape.intersect(prim_id, ray, time)?;
+    own_box::clamped(ray, interval, Hit { prim_id, ..hit })
 }

@@ -5,7 +5,7 @@
 pub mod check;
 
 use glam::Vec3;
-use halfdome_kernel::{Ray, Triangle};
+use halfdome_kernel::{Ray, Sphere, Triangle};
 
 /// Bytes that are taken from the front; at their end all are zero.
 pub struct Bytes<'a>(pub &'a [u8]);
@@ -52,6 +52,15 @@ impl Bytes<'_> {
         let count = self.below(most + 1);
         let pool: Vec<Vec3> = (0..1 + self.below(24)).map(|_| self.vector()).collect();
         (0..count).map(|_| [0; 3].map(|_| pool[usize::from(self.byte()) % pool.len()])).collect()
+    }
+
+    /// A sphere of any bits, or around a point.
+    pub fn sphere(&mut self, near: Vec3) -> Sphere {
+        match self.byte() % 4 {
+            0 => Sphere::new(self.vector(), self.float()),
+            1 => Sphere::new(near, self.float().abs()),
+            _ => Sphere::new(near + self.vector() * 0.01, self.float().abs() * 0.01),
+        }
     }
 
     /// A ray: of any bits, or aimed at the corners of a triangle.

@@ -6,6 +6,7 @@ mod known_failures;
 mod limits;
 mod malformed;
 mod oracle;
+mod round;
 mod stack;
 mod strategies;
 

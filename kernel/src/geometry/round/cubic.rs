@@ -19,6 +19,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec4, Vec3};
 
+use super::frame::max;
 use super::line_test::{Crossing, LineTest, Span};
 use super::linear::{capsule_margin, cone_span};
 use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
@@ -156,11 +157,6 @@ fn gap([a, b, c, d]: [[f64; 3]; 4], x: f64, y: f64) -> f64 {
     let [a, b, c, d] = [a[0] * x + a[1] * y, b[0] * x + b[1] * y, c[0] * x + c[1] * y, d[0] * x + d[1] * y];
     let (least, most) = (min(min(a, b), min(c, d)), max(max(a, b), max(c, d)));
     max(max(least, -most), 0.0)
-}
-
-#[inline(always)]
-fn max(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 #[inline(always)]

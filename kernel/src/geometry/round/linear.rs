@@ -14,6 +14,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::frame::{dot, max};
 use super::line_test::{LineTest, Span};
 use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
 use crate::geometry::Aabb;
@@ -123,17 +124,29 @@ pub(super) fn cone_span(a: [f64; 4], b: [f64; 4]) -> Option<Span> {
     for (end, is_exit) in [(&mut span.enter, false), (&mut span.exit, true)] {
         let u = end.u;
         end.outward = [-(a[0] + u * e[0]), -(a[1] + u * e[1]), end.z - (a[2] + u * e[2])];
-        if end.outward == [0.0; 3] {
-            end.outward = tip_outward(if u > 0.5 { e } else { [-e[0], -e[1], -e[2]] }, is_exit);
+        if a[3] - u * delta <= THIN * end.z.abs() {
+            end.outward = thin_outward(e, delta, is_exit);
         }
     }
     Some(span)
 }
 
-/// The normal at the tip of a cone, which lies behind it as seen along `e`: that of a plane through the tip that the cone does not
-/// cross, with the line on its outer side.
+/// A radius less than this times the distance is too small for a normal to be told from the centre: what is left has too few
+/// digits.
+const THIN: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// The normal of a cone where it is so thin: that of a plane that touches the whole cone, on the side from which the line comes, or to
+/// which it goes.
 #[inline(always)]
-fn tip_outward(e: [f64; 3], is_exit: bool) -> [f64; 3] {
-    let is_along = if is_exit { e[2] >= 0.0 } else { e[2] <= 0.0 };
-    [e[0], e[1], if is_along { e[2] } else { 0.0 }]
+fn thin_outward(e: [f64; 3], delta: f64, is_exit: bool) -> [f64; 3] {
+    let (side, square) = (if is_exit { 1.0 } else { -1.0 }, dot(e, e));
+    let along = e[2] / square;
+    let across = [-along * e[0], -along * e[1], 1.0 - along * e[2]];
+    let length = libm::sqrt(dot(across, across));
+    if square == 0.0 || length == 0.0 {
+        return [0.0, 0.0, side];
+    }
+    let (sin, cos) = (delta / libm::sqrt(square), libm::sqrt(max(square - delta * delta, 0.0)));
+    let (m, n) = (side * cos / length, sin);
+    [across[0] * m + e[0] * n, across[1] * m + e[1] * n, across[2] * m + e[2] * n]
 }

@@ -72,13 +72,11 @@ pub fn intersect_round<P: RoundPrimitive>(ray: &Ray, primitive: &P) -> Option<Hi
 /// The hit of a ray with a primitive without a fault: the definition.
 #[inline(always)]
 pub(crate) fn intersect<P: RoundPrimitive>(frame: &RayFrame, ray: &Ray, primitive: &P) -> Option<Hit> {
-    let test = || {
-        let (crossing, _) = crossing(frame, ray, primitive)?;
-        // Adding zero makes a negative zero positive.
-        let u = (crossing.u as f32).clamp(0.0, 1.0) + 0.0;
-        Some(Hit { t: frame.t_at(crossing.z) as f32, u, v: 0.0, prim_id: 0 })
-    };
-    own_box::clamped(ray, &primitive.bounds(), test)
+    let interval = own_box::interval(ray, &primitive.bounds())?;
+    let (crossing, _) = crossing(frame, ray, primitive)?;
+    // Adding zero makes a negative zero positive.
+    let u = (crossing.u as f32).clamp(0.0, 1.0) + 0.0;
+    own_box::clamped(ray, interval, Hit { t: frame.t_at(crossing.z) as f32, u, v: 0.0, prim_id: 0 })
 }
 
 /// The crossing of a ray with a primitive that counts, and whether it is an entry.

@@ -1,9 +1,10 @@
 //! What a hit with a point or a curve says of the surface, and where a ray may start that leaves it.
 //!
 //! The point is found in `f64` and rounded once. Along the normal `n` that puts it off the surface by `u Σ |n| |x|` at most,
-//! with `u = 2⁻²⁴`, and so does its sum with the offset; the offset is twice as much, so that the origin is truly outside. The
-//! normal's own rounding tilts the plane along which the most grazing ray leaves: a unit or two of the primitive's extent are
-//! for that. As the test of the next ray is in `f64` too, it finds no crossing there.
+//! with `u = 2⁻²⁴`, and so does its sum with the offset; the offset has twice as much, so that the origin is truly outside.
+//! As the test of the next ray is in `f64` too, it finds no crossing there. Two terms are for thin curves that are seen from
+//! afar, where a normal may be off by `2⁻²⁰`, or is that of a touching plane nearby (`linear`): one of the extent, along which a
+//! grazing ray might come back, and one of the distance.
 
 use glam::Vec3;
 
@@ -12,8 +13,10 @@ use crate::geometry::{Ray, offset_point};
 
 /// The rounding of the point and of its sum with the offset, twice over, in units of its coordinates.
 const POINT_ERROR: f32 = 4.0 / (1u32 << 24) as f32;
-/// What the normal's rounding may come to, in units of the primitive's extent.
-const NORMAL_ERROR: f32 = 2.0 / (1u32 << 24) as f32;
+/// What the normal may be off, in units of the primitive's extent.
+const NORMAL_ERROR: f32 = 1.0 / (1u32 << 20) as f32;
+/// How far a plane that touches a thin curve may be from the point, in units of the distance.
+const PLANE_ERROR: f32 = 1.0 / (1u32 << 31) as f32;
 
 /// What a hit with a point or a curve says of the surface besides where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +51,8 @@ impl RoundSurface {
         let (normal, smooth) = (side(crossing.outward), P::smooth_outward(&frame, &primitive.numbers(), &crossing));
         let bounds = primitive.bounds();
         let extent = (bounds.max - bounds.min).max_element();
-        let offset = normal.abs().dot(point.abs()) * POINT_ERROR + extent * NORMAL_ERROR;
+        let offset =
+            normal.abs().dot(point.abs()) * POINT_ERROR + extent * NORMAL_ERROR + crossing.z.abs() as f32 * PLANE_ERROR;
         Some(Self { point, normal, shading_normal: side(smooth), is_front, offset })
     }
 
