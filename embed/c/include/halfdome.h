@@ -5,7 +5,8 @@
  * Pointers must be NULL or point to as much memory as the function says, which outputs must not share with inputs. NULL,
  * wrong sizes and counts, NaN, and blobs of another kind or version are told by a status. No panic leaves the library.
  *
- * Trees and scenes do not change once they are made: any number of threads may trace one at the same time.
+ * Any number of threads may trace a tree or a scene at the same time. What changes one (hd_tree_refit, hd_scene_insert and its
+ * kin, hd_scene_commit) needs it for itself; what a scene has been given does not change under it.
  *
  * Structures that may grow begin with struct_size: set it to their sizeof and all that you do not need to zero, and a
  * program that was compiled with this header will work with later libraries of the same HD_ABI_VERSION. hd_ray and hd_hit
@@ -24,6 +25,21 @@
  * The version of this interface: what a program compiled with this header needs.
  */
 #define HD_ABI_VERSION 1
+
+/**
+ * Positions are three floats.
+ */
+#define HD_POSITIONS_F32 0
+
+/**
+ * Positions are three uint16_t, of which each is q * scale + offset.
+ */
+#define HD_POSITIONS_U16 1
+
+/**
+ * Positions are three int16_t, likewise.
+ */
+#define HD_POSITIONS_I16 2
 
 /**
  * What the library thinks best: HD_QUALITY_HIGH.
@@ -54,6 +70,21 @@
  * What the address of a blob must be a multiple of, if it is to be traced where it lies.
  */
 #define HD_BLOB_ALIGNMENT 64
+
+/**
+ * A filter's verdict: the hit does not count, and the ray goes on.
+ */
+#define HD_REJECT 0
+
+/**
+ * The hit counts.
+ */
+#define HD_ACCEPT 1
+
+/**
+ * The hit counts, and the search ends with it, whether there are nearer ones or not.
+ */
+#define HD_STOP 2
 
 /**
  * What became of a call.
@@ -109,7 +140,7 @@ typedef int32_t hd_status;
 #endif // __cplusplus
 
 /**
- * A scene, ready to be traced.
+ * A scene, ready to be traced as it was at its last commit.
  */
 typedef struct hd_scene hd_scene;
 
@@ -127,25 +158,42 @@ typedef struct hd_mesh {
      */
     size_t struct_size;
     /**
-     * x, y and z of each vertex.
+     * x, y and z of each vertex: floats, unless position_format says otherwise.
      */
-    const float *positions;
+    const void *positions;
     /**
      * How many vertices there are.
      */
     size_t vertex_count;
     /**
-     * Bytes from one vertex to the next, a multiple of 4, at least 12; 0 stands for 12.
+     * Bytes from one vertex to the next, a multiple of the size of a number, and at least that of three; 0 stands for that.
      */
     size_t vertex_stride;
     /**
-     * Three vertices for each triangle, counter-clockwise when seen from the front. NULL: 0, 1, 2, 3 …
+     * Three vertices for each triangle, counter-clockwise when seen from the front: uint32_t, unless index_size says otherwise.
+     * NULL: 0, 1, 2, 3 …
      */
-    const uint32_t *indices;
+    const void *indices;
     /**
      * How many indices there are, a multiple of three; without indices vertex_count is.
      */
     size_t index_count;
+    /**
+     * The bytes of an index: 4, or 2 for uint16_t. 0 stands for 4.
+     */
+    uint32_t index_size;
+    /**
+     * One of HD_POSITIONS_*.
+     */
+    uint32_t position_format;
+    /**
+     * What positions of 16 bits are multiplied by. All 0 stands for all 1.
+     */
+    float scale[3];
+    /**
+     * What is added to positions of 16 bits then.
+     */
+    float offset[3];
 } hd_mesh;
 
 /**
@@ -316,6 +364,57 @@ typedef struct hd_scene_hit {
     uint64_t path;
 } hd_scene_hit;
 
+/**
+ * The name of an item, valid until the item is removed. Numbers of items are used again, but under other names.
+ */
+typedef struct hd_handle {
+    /**
+     * The item's number: the geometry_id of its hits.
+     */
+    uint32_t index;
+    /**
+     * How many items had this number before.
+     */
+    uint32_t generation;
+} hd_handle;
+
+/**
+ * What a commit did.
+ */
+typedef struct hd_commit {
+    /**
+     * sizeof(hd_commit)
+     */
+    size_t struct_size;
+    /**
+     * How many items were inserted, changed or removed.
+     */
+    size_t changed;
+    /**
+     * How many items rays can see if their masks allow; others are empty, flat or removed, or reach beyond the limits.
+     */
+    size_t seen;
+    /**
+     * The expected number of nodes of the scene's own tree that a random ray visits.
+     */
+    float cost;
+    /**
+     * 1 if that tree was built anew, and 0 if it was fitted to the changes.
+     */
+    uint32_t rebuilt;
+} hd_commit;
+
+/**
+ * Judges a hit: HD_REJECT, HD_ACCEPT or HD_STOP. user is what was given with it. It must return, by no exception and no
+ * longjmp; it may trace other rays.
+ */
+typedef uint32_t (*hd_filter)(void *user, const struct hd_hit *hit);
+
+/**
+ * hd_filter for the hits of a scene.
+ */
+typedef uint32_t (*hd_scene_filter)(void *user, const struct hd_scene_hit *hit);
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -341,6 +440,26 @@ const char *hd_status_name(int32_t status);
  * every machine. Hits have the numbers of the triangles in the mesh.
  */
 hd_status hd_tree_build(const struct hd_mesh *mesh, const struct hd_build_options *options, struct hd_tree **tree);
+
+/**
+ * Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker than a
+ * new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is beyond 1.5.
+ * decay may be NULL. Hits are those of a new tree.
+ *
+ * Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again; the tree
+ * is then copied first, as is one that was opened in a blob.
+ *
+ * HD_ERROR_VALUE if triangles that rays could hit are gone or new ones have come, as where two corners become one; the
+ * tree is then as it was.
+ */
+hd_status hd_tree_refit(struct hd_tree *tree,
+                        const struct hd_mesh *mesh,
+                        float *decay);
+
+/**
+ * Writes the three corners of a triangle, x, y and z each, to nine numbers. Looks through the whole tree.
+ */
+hd_status hd_tree_triangle(const struct hd_tree *tree, uint32_t prim_id, float *corners);
 
 /**
  * Describes a tree.
@@ -399,7 +518,9 @@ hd_status hd_tree_load(const uint8_t *bytes, size_t size, struct hd_tree **tree)
 
 /**
  * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
- * in it can be freed before it; blobs that trees were opened in have to stay.
+ * in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
+ * items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
+ * items, is built again now and then.
  */
 hd_status hd_scene_build(const struct hd_item *items,
                          size_t count,
@@ -445,6 +566,158 @@ hd_status hd_scene_instances(const struct hd_scene *scene,
  * Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.
  */
 void hd_scene_free(struct hd_scene *scene);
+
+/**
+ * Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their number, and 0.
+ *
+ * This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is in
+ * keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
+ */
+hd_status hd_scene_insert(struct hd_scene *scene,
+                          const struct hd_item *item,
+                          struct hd_handle *handle);
+
+/**
+ * Removes an item: rays see it until the next commit, and its handle is valid no more.
+ */
+hd_status hd_scene_remove(struct hd_scene *scene, struct hd_handle handle);
+
+/**
+ * Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points, from the
+ * next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays where it was.
+ */
+hd_status hd_scene_set_transform(struct hd_scene *scene,
+                                 struct hd_handle handle,
+                                 const float *rows);
+
+/**
+ * Says which rays see an item from the next commit on: those whose mask has a bit in common. 0 stands for all bits.
+ */
+hd_status hd_scene_set_mask(struct hd_scene *scene, struct hd_handle handle, uint32_t mask);
+
+/**
+ * Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who sees it.
+ * Its handle stays.
+ */
+hd_status hd_scene_set_item(struct hd_scene *scene,
+                            struct hd_handle handle,
+                            const struct hd_item *item);
+
+/**
+ * Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or built again
+ * where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the changes still wait.
+ */
+hd_status hd_scene_commit(struct hd_scene *scene,
+                          struct hd_commit *commit);
+
+/**
+ * Gives the handle of the item that a hit names by its geometry_id. HD_ERROR_VALUE if it was removed since.
+ */
+hd_status hd_scene_handle(const struct hd_scene *scene, uint32_t geometry_id, struct hd_handle *handle);
+
+/**
+ * Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are nearer
+ * than what it accepted so far, each once, roughly from near to far.
+ */
+hd_status hd_intersect_filtered(const struct hd_tree *tree,
+                                const struct hd_ray *ray,
+                                hd_filter filter,
+                                void *user,
+                                struct hd_hit *hit);
+
+/**
+ * Finds out whether a ray hits anything that a filter accepts.
+ */
+hd_status hd_occluded_filtered(const struct hd_tree *tree,
+                               const struct hd_ray *ray,
+                               hd_filter filter,
+                               void *user,
+                               bool *occluded);
+
+/**
+ * Writes the nearest hits of a ray, nearest first: as many as there are and as hits has room for, and their number to
+ * *count. With a capacity of 0, *count is the number of all hits.
+ */
+hd_status hd_nearest_hits(const struct hd_tree *tree,
+                          const struct hd_ray *ray,
+                          struct hd_hit *hits,
+                          size_t capacity,
+                          size_t *count);
+
+/**
+ * hd_intersect_filtered for a scene.
+ */
+hd_status hd_scene_intersect_filtered(const struct hd_scene *scene,
+                                      const struct hd_scene_ray *ray,
+                                      hd_scene_filter filter,
+                                      void *user,
+                                      struct hd_scene_hit *hit);
+
+/**
+ * hd_occluded_filtered for a scene.
+ */
+hd_status hd_scene_occluded_filtered(const struct hd_scene *scene,
+                                     const struct hd_scene_ray *ray,
+                                     hd_scene_filter filter,
+                                     void *user,
+                                     bool *occluded);
+
+/**
+ * hd_nearest_hits for a scene.
+ */
+hd_status hd_scene_nearest_hits(const struct hd_scene *scene,
+                                const struct hd_scene_ray *ray,
+                                struct hd_scene_hit *hits,
+                                size_t capacity,
+                                size_t *count);
+
+/**
+ * Finds the point of a tree's triangles that is closest to a point (three numbers) and not farther than radius, which may
+ * be infinite. Writes its coordinates to the three numbers of closest, and to hit which triangle it is on, with the distance as t;
+ * where there is none, HD_NO_PRIM, and closest is all 0. closest may be NULL. Of equally close triangles the lowest counts.
+ */
+hd_status hd_closest_point(const struct hd_tree *tree,
+                           const float *point,
+                           float radius,
+                           float *closest,
+                           struct hd_hit *hit);
+
+/**
+ * hd_closest_point for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands
+ * for all bits.
+ */
+hd_status hd_scene_closest_point(const struct hd_scene *scene,
+                                 const float *point,
+                                 float radius,
+                                 float time,
+                                 uint32_t mask,
+                                 float *closest,
+                                 struct hd_scene_hit *hit);
+
+/**
+ * Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each, and
+ * writes as many of their numbers as prim_ids has room for, in an order that is the tree's own. *count is the number of all of
+ * them, which may be more than capacity. Touching counts.
+ */
+hd_status hd_overlaps(const struct hd_tree *tree,
+                      const float *min,
+                      const float *max,
+                      uint32_t *prim_ids,
+                      size_t capacity,
+                      size_t *count);
+
+/**
+ * hd_overlaps for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands for
+ * all bits. Hits have a t of 0.
+ */
+hd_status hd_scene_overlaps(const struct hd_scene *scene,
+                            const float *min,
+                            const float *max,
+                            float time,
+                            uint32_t mask,
+                            struct hd_scene_hit *hits,
+                            size_t capacity,
+                            size_t *count);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -24,12 +24,12 @@ pub unsafe extern "C" fn hd_tree_save(
 ) -> hd_status {
     guard(|| {
         let owned;
-        let blob: &[u8] = match &handle("tree", tree)?.memory {
+        let blob: &[u8] = match &handle("tree", tree)?.0 {
             Memory::Own(bvh) => {
                 owned = bvh.to_bytes();
                 &owned
             }
-            Memory::Blob(blob) => blob,
+            Memory::Blob { bytes, .. } => bytes,
         };
         if bytes.is_null() && capacity == 0 {
             // SAFETY: the caller's promise.
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut 
         let open = || {
             // SAFETY: the caller's promise, which is for as long as the tree lives.
             let blob: &'static [u8] = unsafe { elements("bytes", bytes, size) }?;
-            Ok(hd_tree { view: BvhView::from_bytes(blob)?, memory: Memory::Blob(blob) })
+            Ok(hd_tree(Memory::Blob { bytes: blob, view: BvhView::from_bytes(blob)? }))
         };
         // SAFETY: the caller's promise.
         unsafe { make("tree", tree, open) }

@@ -1,5 +1,6 @@
 //! What crosses the border: pointers from C become slices and references, or a [`Failure`] that names the argument.
 
+use std::mem::MaybeUninit;
 use std::slice;
 
 use bytemuck::{AnyBitPattern, Zeroable};
@@ -72,6 +73,11 @@ pub(crate) fn handle<'a, T>(name: &str, handle: Option<&'a T>) -> Result<&'a T, 
     handle.ok_or_else(|| Failure::new(HD_ERROR_NULL, format!("{name} is NULL")))
 }
 
+/// The handle behind a pointer, to be changed.
+pub(crate) fn handle_mut<'a, T>(name: &str, handle: Option<&'a mut T>) -> Result<&'a mut T, Failure> {
+    handle.ok_or_else(|| Failure::new(HD_ERROR_NULL, format!("{name} is NULL")))
+}
+
 /// Makes a new handle and writes it to where C wants it; NULL if it cannot be made.
 ///
 /// # Safety
@@ -90,49 +96,46 @@ pub(crate) unsafe fn make<T>(
     Ok(())
 }
 
-/// A reference that outlives what it is told to.
-///
-/// # Safety
-/// What it refers to stays where and as it is for as long as the reference, or anything made of it, is used.
-pub(crate) unsafe fn forever<T: ?Sized>(reference: &T) -> &'static T {
-    // SAFETY: the caller's promise.
-    unsafe { &*std::ptr::from_ref(reference) }
-}
-
 /// A structure that may grow with later versions of the header.
 ///
 /// # Safety
-/// The first field is a `usize`, `struct_size`, and any bits are a value.
+/// The first field is a `usize`, `struct_size`, any bits are a value, and zeros are what a program wants that knows no
+/// more than the first [`FIRST_SIZE`](Self::FIRST_SIZE) bytes.
 pub(crate) unsafe trait Versioned: Copy {
     /// Its name in C.
     const NAME: &'static str;
+    /// Its size in the first header that had it.
+    const FIRST_SIZE: usize = size_of::<Self>();
 }
 
-/// Checks the `struct_size` of the structure at `pointer`: version 1 of the header has one of each.
+/// The `struct_size` of the structure at `pointer`, if this library knows structures of that size.
 ///
 /// # Safety
 /// If `pointer` is not null, a structure of as many bytes lies there as its first field says, which nobody else uses
 /// meanwhile.
-unsafe fn check_version<T: Versioned>(name: &str, pointer: *const T) -> Result<(), Failure> {
+unsafe fn known_size<T: Versioned>(name: &str, pointer: *const T) -> Result<usize, Failure> {
     check(name, pointer, 1)?;
     // SAFETY: the pointer is aligned and not null, and the caller promises the field.
     let size = unsafe { pointer.cast::<usize>().read() };
-    if size == size_of::<T>() {
-        return Ok(());
+    let (first, known, which) = (T::FIRST_SIZE, size_of::<T>(), T::NAME);
+    if size == first || size == known {
+        return Ok(size);
     }
-    let (known, which) = (size_of::<T>(), T::NAME);
-    fail(HD_ERROR_VERSION, format!("{name}->struct_size is {size}; this library knows {which} of {known} bytes"))
+    let sizes = if first == known { known.to_string() } else { format!("{first} or {known}") };
+    fail(HD_ERROR_VERSION, format!("{name}->struct_size is {size}; this library knows {which} of {sizes} bytes"))
 }
 
-/// The structure that a function reads.
+/// The structure that a function reads; what an older program does not know of is zero.
 ///
 /// # Safety
 /// If `pointer` is not null, a structure of as many bytes lies there as its first field says.
 pub(crate) unsafe fn versioned<T: Versioned>(name: &str, pointer: *const T) -> Result<T, Failure> {
-    // SAFETY: the caller's promise; the structure is all there if its size is right.
+    // SAFETY: the caller's promise; as many bytes are there as are copied, and zeros are a value of the rest.
     unsafe {
-        check_version(name, pointer)?;
-        Ok(pointer.read())
+        let size = known_size(name, pointer)?;
+        let mut structure = MaybeUninit::<T>::zeroed();
+        structure.as_mut_ptr().cast::<u8>().copy_from_nonoverlapping(pointer.cast(), size);
+        Ok(structure.assume_init())
     }
 }
 
@@ -142,9 +145,10 @@ pub(crate) unsafe fn versioned<T: Versioned>(name: &str, pointer: *const T) -> R
 /// If `pointer` is not null, a structure of as many bytes lies there as its first field says, which nobody else uses
 /// during `'a`.
 pub(crate) unsafe fn versioned_room<'a, T: Versioned>(name: &str, pointer: *mut T) -> Result<&'a mut T, Failure> {
+    const { assert!(T::FIRST_SIZE == size_of::<T>(), "what is written has not grown yet") };
     // SAFETY: the caller's promise; the structure is all there if its size is right, and any bits are a value.
     unsafe {
-        check_version(name, pointer)?;
+        known_size(name, pointer)?;
         Ok(&mut *pointer)
     }
 }
@@ -166,6 +170,35 @@ mod tests {
             assert_eq!(status(elements("x", at.byte_add(2), 1)), HD_ERROR_ALIGNMENT);
             assert_eq!(status(elements("x", at, usize::MAX / 4)), HD_ERROR_SIZE);
             assert_eq!(status(elements("x", at, usize::MAX)), HD_ERROR_SIZE);
+        }
+    }
+
+    /// Grew by its last field.
+    #[derive(Clone, Copy)]
+    #[repr(C)]
+    struct Grown {
+        struct_size: usize,
+        old: usize,
+        new: usize,
+    }
+
+    // SAFETY: struct_size comes first, and numbers may have any bits.
+    unsafe impl Versioned for Grown {
+        const NAME: &'static str = "Grown";
+        const FIRST_SIZE: usize = 2 * size_of::<usize>();
+    }
+
+    #[test]
+    fn structures_of_older_headers_end_in_zeros() {
+        let (old, new) = (2 * size_of::<usize>(), 3 * size_of::<usize>());
+        for (struct_size, expected) in [(old, Some(0)), (new, Some(9)), (0, None), (old + 1, None), (new + 8, None)] {
+            let grown = Grown { struct_size, old: 7, new: 9 };
+            // SAFETY: it is there, and sizes beyond its own are refused.
+            let read = unsafe { versioned("x", &raw const grown) };
+            match expected {
+                Some(new) => assert_eq!(read.map(|read| (read.old, read.new)).unwrap(), (7, new)),
+                None => assert_eq!(read.err().unwrap().status, HD_ERROR_VERSION),
+            }
         }
     }
 

@@ -12,6 +12,8 @@ mod border;
 // In the order of the header.
 pub mod status;
 
+pub mod mesh;
+
 pub mod tree;
 
 pub mod trace;
@@ -19,3 +21,7 @@ pub mod trace;
 pub mod blob;
 
 pub mod scene;
+
+pub mod changes;
+
+pub mod query;

@@ -2,28 +2,20 @@
 //!
 //! A scene shares the memory of what is in it, so handles can be freed in any order.
 
-use std::any::Any;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
-use halfdome_kernel::scene::{Item, Object, Scene, SceneHit, SceneRay, SceneView};
+use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay};
 
-use crate::border::{Versioned, check, elements, forever, handle, make, room, versioned};
+use crate::border::{Versioned, check, elements, handle, make, room, versioned};
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
-use crate::trace::{Traceable, any, closest, hd_hit, hd_ray};
+use crate::trace::{Filter, Traceable, any, closest, hd_hit, hd_ray};
 use crate::tree::{build_options, hd_build_options, hd_tree};
 
-/// A scene, ready to be traced.
-pub struct hd_scene(Arc<Level>);
-
-/// A scene, its tree, and what keeps that alive which it borrows.
-struct Level {
-    view: SceneView<'static>,
-    _scene: Arc<Scene<'static>>,
-    _items: Vec<Arc<dyn Any + Send + Sync>>,
-}
+/// A scene, ready to be traced as it was at its last commit.
+pub struct hd_scene(pub(crate) Arc<Scene<'static>>);
 
 /// Something in a scene: either a tree or a scene, of which there may be many instances.
 #[derive(Clone, Copy)]
@@ -85,12 +77,25 @@ impl Traceable for hd_scene {
     type Hit = hd_scene_hit;
     type KernelRay = SceneRay;
     type KernelHit = SceneHit;
+    const MISS: SceneHit = SceneHit::MISS;
 
     fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
-        seeing(rays, hits, |rays, hits| self.0.view.intersect_many(rays, hits));
+        seeing(rays, hits, |rays, hits| self.0.view().intersect_many(rays, hits));
     }
     fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
-        seeing(rays, occluded, |rays, occluded| self.0.view.occluded_many(rays, occluded));
+        seeing(rays, occluded, |rays, occluded| self.0.view().occluded_many(rays, occluded));
+    }
+    fn filtered(&self, ray: &SceneRay, filter: &mut Filter<SceneHit>) -> Option<SceneHit> {
+        self.0.view().intersect_filtered(&sees_all(ray), filter)
+    }
+    fn occluded_filtered(&self, ray: &SceneRay, filter: &mut Filter<SceneHit>) -> bool {
+        self.0.view().occluded_filtered(&sees_all(ray), filter)
+    }
+    fn nearest_hits(&self, ray: &SceneRay, hits: &mut [SceneHit]) -> usize {
+        self.0.view().nearest_hits(&sees_all(ray), hits)
+    }
+    fn count_hits(&self, ray: &SceneRay) -> usize {
+        self.0.view().count_hits(&sees_all(ray))
     }
 }
 
@@ -103,14 +108,25 @@ fn seeing<T>(rays: &[SceneRay], answers: &mut [T], trace: impl Fn(&[SceneRay], &
         return trace(rays, answers);
     }
     for (rays, answers) in rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK)) {
-        let sees_all = |ray: &SceneRay| if ray.mask == 0 { ray.with_mask(u32::MAX) } else { *ray };
         let changed: [SceneRay; CHUNK] = std::array::from_fn(|i| sees_all(&rays[i.min(rays.len() - 1)]));
         trace(&changed[..rays.len()], answers);
     }
 }
 
+/// A ray with all bits for a mask of 0.
+fn sees_all(ray: &SceneRay) -> SceneRay {
+    ray.with_mask(mask_of(ray.mask))
+}
+
+/// A mask as the kernel has it, where 0 stands for all bits.
+pub(crate) fn mask_of(mask: u32) -> u32 {
+    if mask == 0 { u32::MAX } else { mask }
+}
+
 /// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
-/// in it can be freed before it; blobs that trees were opened in have to stay.
+/// in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
+/// items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
+/// items, is built again now and then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_build(
     items: *const hd_item,
@@ -125,68 +141,49 @@ pub unsafe extern "C" fn hd_scene_build(
             }
             // SAFETY: the caller's promise.
             let options = unsafe { build_options(options) }?;
-            let (mut placed, mut memory) = (Vec::new(), Vec::new());
+            let mut placed = Vec::new();
             for number in 0..count {
-                // SAFETY: the caller's promise; what an item borrows, the level keeps.
-                let made = unsafe { item(&format!("items[{number}]"), items.add(number), &mut memory) };
+                // SAFETY: the caller's promise.
+                let made = unsafe { item(&format!("items[{number}]"), items.add(number)) };
                 placed.push(made.map_err(|failure| failure.at(number))?);
             }
             let (scene, _) = Scene::build(placed, &options)?;
-            let scene = Arc::new(scene);
-            // SAFETY: the level keeps the scene beside the view, which it never gives away for longer.
-            let view = unsafe { forever(&*scene) }.view();
-            Ok(hd_scene(Arc::new(Level { view, _scene: scene, _items: memory })))
+            Ok(hd_scene(Arc::new(scene)))
         };
         // SAFETY: the caller's promise.
         unsafe { make("scene", scene, build) }
     })
 }
 
-/// What the kernel makes of an item. It borrows what is added to `memory`.
+/// What the kernel makes of an item.
 ///
 /// # Safety
 /// If `item` is not null, an item lies there whose pointers are null or to as much as it says.
-unsafe fn item(
-    name: &str,
-    item: *const hd_item,
-    memory: &mut Vec<Arc<dyn Any + Send + Sync>>,
-) -> Result<Item<'static>, Failure> {
+pub(crate) unsafe fn item(name: &str, item: *const hd_item) -> Result<Item<'static>, Failure> {
     // SAFETY: the caller's promise.
     let (item, tree, scene) = unsafe {
         let item = versioned(name, item)?;
         (item, item.tree.as_ref(), item.scene.as_ref())
     };
     let object = match (tree, scene) {
-        (Some(tree), None) => {
-            memory.extend(tree.memory.shared());
-            Object::Mesh(tree.view)
-        }
-        (None, Some(hd_scene(level))) => {
-            memory.push(level.clone());
-            // SAFETY: the memory keeps the level.
-            Object::Scene(unsafe { forever(&level.view) })
-        }
+        (Some(tree), None) => tree.object(),
+        (None, Some(hd_scene(scene))) => scene.clone().into(),
         (None, None) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
         (Some(_), Some(_)) => return Err(Failure::new(HD_ERROR_VALUE, "it has both a tree and a scene")),
     };
     let floats = item.transform_count.saturating_mul(12);
     // SAFETY: the caller's promise.
     let floats = unsafe { elements("its transforms", item.transforms, floats) }?;
-    let keys: Arc<[Affine3A]> = floats.as_chunks().0.iter().map(transform).collect();
-    let placed = match *keys {
+    let placed = match floats.as_chunks().0 {
         [] => Item::new(object),
-        [only] => Item::new(object).placed(&only)?,
-        _ => {
-            memory.push(Arc::new(keys.clone()));
-            // SAFETY: the memory keeps the keys.
-            Item::new(object).moving(unsafe { forever(&*keys) })?
-        }
+        [only] => Item::new(object).placed(&transform(only))?,
+        keys => Item::new(object).moving_shared(keys.iter().map(transform).collect())?,
     };
-    Ok(placed.with_mask(if item.mask == 0 { u32::MAX } else { item.mask }))
+    Ok(placed.with_mask(mask_of(item.mask)))
 }
 
 /// The transform whose matrix has these rows.
-fn transform(rows: &[f32; 12]) -> Affine3A {
+pub(crate) fn transform(rows: &[f32; 12]) -> Affine3A {
     let column = |k: usize| Vec3::new(rows[k], rows[4 + k], rows[8 + k]);
     Affine3A {
         matrix3: glam::Mat3A::from_cols(column(0).into(), column(1).into(), column(2).into()),
@@ -250,11 +247,11 @@ pub unsafe extern "C" fn hd_scene_instances(
     capacity: usize,
 ) -> hd_status {
     guard(|| {
-        let hd_scene(level) = handle("scene", scene)?;
+        let view = handle("scene", scene)?.0.view();
         check("hit", hit, 1)?;
         // SAFETY: the caller's promise.
         let hit: SceneHit = bytemuck::cast(unsafe { *hit });
-        let found = level.view.instances(&hit).map(|(number, _)| number);
+        let found = view.instances(&hit).map(|(number, _)| number);
         if found.clone().count() != hit.depth as usize {
             return Err(Failure::new(HD_ERROR_VALUE, "hit is none of this scene"));
         }

@@ -67,7 +67,7 @@ impl From<Error> for Failure {
         let status = match error {
             Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
             Error::InvalidScene(InvalidScene::TooManyPaths { .. }) => HD_ERROR_LIMIT,
-            Error::InvalidScene(_) => HD_ERROR_VALUE,
+            Error::InvalidScene(_) | Error::InvalidMesh(_) | Error::Refit(_) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
             Error::OtherByteOrder | Error::OtherVersion { .. } => HD_ERROR_VERSION,
             _ => HD_ERROR_BLOB,

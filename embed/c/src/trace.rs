@@ -3,7 +3,7 @@
 use std::ffi::{CStr, c_char};
 
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
-use halfdome_kernel::{BvhView, Hit, Isa, Ray};
+use halfdome_kernel::{Hit, Isa, Ray, Verdict};
 
 use crate::border::{elements, handle, room};
 use crate::status::hd_status::*;
@@ -53,10 +53,19 @@ pub(crate) trait Traceable {
     type Hit: Pod;
     type KernelRay: Pod;
     type KernelHit: Pod;
+    /// What is written for a ray that hits nothing.
+    const MISS: Self::KernelHit;
 
     fn intersect_many(&self, rays: &[Self::KernelRay], hits: &mut [Self::KernelHit]);
     fn occluded_many(&self, rays: &[Self::KernelRay], occluded: &mut [bool]);
+    fn filtered(&self, ray: &Self::KernelRay, filter: &mut Filter<Self::KernelHit>) -> Option<Self::KernelHit>;
+    fn occluded_filtered(&self, ray: &Self::KernelRay, filter: &mut Filter<Self::KernelHit>) -> bool;
+    fn nearest_hits(&self, ray: &Self::KernelRay, hits: &mut [Self::KernelHit]) -> usize;
+    fn count_hits(&self, ray: &Self::KernelRay) -> usize;
 }
+
+/// What judges hits.
+pub(crate) type Filter<'a, H> = dyn FnMut(&H) -> Verdict + 'a;
 
 impl Traceable for hd_tree {
     const NAME: &'static str = "tree";
@@ -65,12 +74,25 @@ impl Traceable for hd_tree {
     type Hit = hd_hit;
     type KernelRay = Ray;
     type KernelHit = Hit;
+    const MISS: Hit = Hit::MISS;
 
     fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
-        BvhView::intersect_many(&self.view, rays, hits);
+        self.view().intersect_many(rays, hits);
     }
     fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        BvhView::occluded_many(&self.view, rays, occluded);
+        self.view().occluded_many(rays, occluded);
+    }
+    fn filtered(&self, ray: &Ray, filter: &mut Filter<Hit>) -> Option<Hit> {
+        self.view().intersect_filtered(ray, filter)
+    }
+    fn occluded_filtered(&self, ray: &Ray, filter: &mut Filter<Hit>) -> bool {
+        self.view().occluded_filtered(ray, filter)
+    }
+    fn nearest_hits(&self, ray: &Ray, hits: &mut [Hit]) -> usize {
+        self.view().nearest_hits(ray, hits)
+    }
+    fn count_hits(&self, ray: &Ray) -> usize {
+        self.view().count_hits(ray)
     }
 }
 
@@ -78,7 +100,11 @@ impl Traceable for hd_tree {
 ///
 /// # Safety
 /// That of [`elements`].
-unsafe fn rays<'a, T: Traceable>(name: &str, rays: *const T::Ray, count: usize) -> Result<&'a [T::KernelRay], Failure> {
+pub(crate) unsafe fn rays<'a, T: Traceable>(
+    name: &str,
+    rays: *const T::Ray,
+    count: usize,
+) -> Result<&'a [T::KernelRay], Failure> {
     // SAFETY: the caller's promise.
     let rays: &[T::Ray] = unsafe { elements(name, rays, count) }?;
     let is_nan = |ray: &T::Ray| {

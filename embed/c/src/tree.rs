@@ -1,65 +1,50 @@
-//! Trees: made of triangles, described and freed.
+//! Trees: made of triangles, moved with them, described and freed.
 
-use std::any::Any;
 use std::sync::Arc;
 
-use glam::Vec3;
-use halfdome_kernel::{BuildOptions, Bvh, BvhView, MAX_COORDINATE, Quality, Triangle};
+use halfdome_kernel::bvh::Serial;
+use halfdome_kernel::mesh::IndexedMesh;
+use halfdome_kernel::scene::Object;
+use halfdome_kernel::{BuildOptions, Bvh, BvhView, Quality};
 
-use crate::border::{Versioned, elements, forever, handle, make, versioned, versioned_room};
+use crate::border::{Versioned, check, handle, handle_mut, make, room, room_for_one, versioned, versioned_room};
+use crate::mesh::{hd_mesh, with_mesh};
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 
 /// A tree of triangles, ready to be traced.
-pub struct hd_tree {
-    /// Borrows the memory.
-    pub(crate) view: BvhView<'static>,
-    pub(crate) memory: Memory,
-}
+pub struct hd_tree(pub(crate) Memory);
 
 /// Where a tree lies.
 pub(crate) enum Memory {
     /// Here; shared with the scenes that the tree is in.
     Own(Arc<Bvh>),
     /// In a blob of the program's, which it keeps as long as the tree and those scenes.
-    Blob(&'static [u8]),
+    Blob { bytes: &'static [u8], view: BvhView<'static> },
 }
 
-impl Memory {
-    /// What a scene has to keep.
-    pub(crate) fn shared(&self) -> Option<Arc<dyn Any + Send + Sync>> {
-        match self {
-            Self::Own(bvh) => Some(bvh.clone()),
-            Self::Blob(_) => None,
+impl hd_tree {
+    /// Borrows the tree for tracing.
+    pub(crate) fn view(&self) -> BvhView<'_> {
+        match &self.0 {
+            Memory::Own(bvh) => bvh.view(),
+            Memory::Blob { view, .. } => *view,
+        }
+    }
+
+    /// The tree as it is now, for a scene.
+    pub(crate) fn object(&self) -> Object<'static> {
+        match &self.0 {
+            Memory::Own(bvh) => bvh.clone().into(),
+            Memory::Blob { view, .. } => (*view).into(),
         }
     }
 }
 
 impl From<Bvh> for hd_tree {
     fn from(bvh: Bvh) -> Self {
-        let bvh = Arc::new(bvh);
-        // SAFETY: the tree keeps its memory beside the view, and whoever copies the view shares the memory.
-        let view = unsafe { forever(&*bvh) }.view();
-        Self { view, memory: Memory::Own(bvh) }
+        Self(Memory::Own(Arc::new(bvh)))
     }
-}
-
-/// Triangles.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct hd_mesh {
-    /// sizeof(hd_mesh)
-    pub struct_size: usize,
-    /// x, y and z of each vertex.
-    pub positions: *const f32,
-    /// How many vertices there are.
-    pub vertex_count: usize,
-    /// Bytes from one vertex to the next, a multiple of 4, at least 12; 0 stands for 12.
-    pub vertex_stride: usize,
-    /// Three vertices for each triangle, counter-clockwise when seen from the front. NULL: 0, 1, 2, 3 …
-    pub indices: *const u32,
-    /// How many indices there are, a multiple of three; without indices vertex_count is.
-    pub index_count: usize,
 }
 
 /// How to build a tree.
@@ -101,11 +86,6 @@ pub struct hd_tree_info {
     pub bounds_max: [f32; 3],
 }
 
-// SAFETY: struct_size comes first; numbers and pointers may have any bits.
-unsafe impl Versioned for hd_mesh {
-    const NAME: &'static str = "hd_mesh";
-}
-
 // SAFETY: struct_size comes first; numbers may have any bits.
 unsafe impl Versioned for hd_build_options {
     const NAME: &'static str = "hd_build_options";
@@ -129,8 +109,7 @@ pub unsafe extern "C" fn hd_tree_build(
             // SAFETY: the caller's promise.
             let (mesh, options) = unsafe { (versioned("mesh", mesh)?, build_options(options)?) };
             // SAFETY: the caller's promise.
-            let triangles = unsafe { triangles(&mesh) }?;
-            let (bvh, _) = Bvh::build(&triangles, &options)?;
+            let (bvh, _) = unsafe { with_mesh(&mesh, |mesh| Ok(Bvh::build_mesh(mesh, &options)?)) }?;
             Ok(bvh.into())
         };
         // SAFETY: the caller's promise.
@@ -158,62 +137,67 @@ pub(crate) unsafe fn build_options(options: *const hd_build_options) -> Result<B
     Ok(quality.into())
 }
 
-/// The mesh's triangles.
+/// Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker than a
+/// new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is beyond 1.5.
+/// decay may be NULL. Hits are those of a new tree.
 ///
-/// # Safety
-/// Where its pointers are not null, as many elements lie there as it says.
-unsafe fn triangles(mesh: &hd_mesh) -> Result<Vec<Triangle>, Failure> {
-    let stride = if mesh.vertex_stride == 0 { size_of::<[f32; 3]>() } else { mesh.vertex_stride };
-    if stride < size_of::<[f32; 3]>() || stride % size_of::<f32>() != 0 {
-        let message = format!("mesh->vertex_stride is {stride}: it must be 0, or a multiple of 4 from 12 on");
-        return Err(Failure::new(HD_ERROR_SIZE, message));
-    }
-    let stride = stride / size_of::<f32>();
-    let floats = mesh.vertex_count.checked_sub(1).map_or(0, |last| last.saturating_mul(stride).saturating_add(3));
-    // SAFETY: the caller's promise; after the last vertex nothing is read.
-    let positions = unsafe { elements("mesh->positions", mesh.positions, floats) }?;
-    let vertices: Vec<Vec3> = positions.chunks(stride).map(|vertex| Vec3::from_slice(&vertex[..3])).collect();
-    if mesh.indices.is_null() && mesh.index_count == 0 {
-        whole_triangles("vertex_count", vertices.len())?;
-        return (0..).zip(vertices.as_chunks().0).map(|(number, &corners)| checked(number, corners)).collect();
-    }
-    // SAFETY: the caller's promise.
-    let indices = unsafe { elements("mesh->indices", mesh.indices, mesh.index_count) }?;
-    whole_triangles("index_count", indices.len())?;
-    let triangle = |(number, corners): (usize, &[u32; 3])| {
-        if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices.len()) {
-            let count = vertices.len();
-            let message = format!("triangle {number} has the index {index}, and there are {count} vertices");
-            return Err(Failure::new(HD_ERROR_VALUE, message));
+/// Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again; the tree
+/// is then copied first, as is one that was opened in a blob.
+///
+/// HD_ERROR_VALUE if triangles that rays could hit are gone or new ones have come, as where two corners become one; the
+/// tree is then as it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_tree_refit(tree: Option<&mut hd_tree>, mesh: *const hd_mesh, decay: *mut f32) -> hd_status {
+    guard(|| {
+        let tree = handle_mut("tree", tree)?;
+        // SAFETY: the caller's promise.
+        let mesh = unsafe { versioned("mesh", mesh) }?;
+        if !decay.is_null() {
+            check("decay", decay, 1)?;
         }
-        checked(number, corners.map(|index| vertices[index as usize]))
-    };
-    (0..).zip(indices.as_chunks().0).map(triangle).collect()
+        let refit = |mesh: &IndexedMesh| {
+            let refit = match &mut tree.0 {
+                Memory::Own(bvh) => Arc::make_mut(bvh).refit_mesh_on(&Serial, mesh)?,
+                Memory::Blob { bytes, .. } => {
+                    let mut bvh = Bvh::from_bytes(bytes)?;
+                    let refit = bvh.refit_mesh_on(&Serial, mesh)?;
+                    *tree = bvh.into();
+                    refit
+                }
+            };
+            Ok(refit.decay)
+        };
+        // SAFETY: the caller's promise.
+        let now = unsafe { with_mesh(&mesh, refit) }?;
+        if !decay.is_null() {
+            // SAFETY: the caller's promise.
+            *unsafe { room_for_one("decay", decay) }? = now;
+        }
+        Ok(())
+    })
 }
 
-fn whole_triangles(name: &str, count: usize) -> Result<(), Failure> {
-    if count.is_multiple_of(3) {
-        return Ok(());
-    }
-    Err(Failure::new(HD_ERROR_SIZE, format!("mesh->{name} is {count}: it must be a multiple of three")))
-}
-
-/// The triangle, if its corners are within the kernel's limits.
-fn checked(number: usize, corners: Triangle) -> Result<Triangle, Failure> {
-    match corners.iter().find(|corner| !corner.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()) {
-        None => Ok(corners),
-        Some(Vec3 { x, y, z }) => {
-            let limit = format!("coordinates must be from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e}");
-            Err(Failure::new(HD_ERROR_VALUE, format!("triangle {number} has the corner ({x}, {y}, {z}): {limit}")))
-        }
-    }
+/// Writes the three corners of a triangle, x, y and z each, to nine numbers. Looks through the whole tree.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_tree_triangle(tree: Option<&hd_tree>, prim_id: u32, corners: *mut f32) -> hd_status {
+    guard(|| {
+        let tree = handle("tree", tree)?;
+        check("corners", corners, 9)?;
+        let Some(triangle) = tree.view().triangle(prim_id) else {
+            return Err(Failure::new(HD_ERROR_VALUE, format!("the tree has no triangle {prim_id}")));
+        };
+        // SAFETY: the caller's promise.
+        let corners = unsafe { room("corners", corners, 9) }?;
+        corners.copy_from_slice(bytemuck::cast_slice(&triangle));
+        Ok(())
+    })
 }
 
 /// Describes a tree.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_describe(tree: Option<&hd_tree>, info: *mut hd_tree_info) -> hd_status {
     guard(|| {
-        let tree = handle("tree", tree)?.view;
+        let tree = handle("tree", tree)?.view();
         // SAFETY: the caller's promise.
         let info = unsafe { versioned_room("info", info) }?;
         let used = tree.blocks().iter().flat_map(|block| block.prim_id).filter(|&id| id != crate::trace::HD_NO_PRIM);

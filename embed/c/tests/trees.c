@@ -82,6 +82,42 @@ static void meshes_of_all_forms(void) {
     CHECK(hit.t == 3.0f && hit.prim_id == 0);
     hd_tree_free(tree);
 
+    /* As a program knows it that was compiled with the first header. */
+    mesh.struct_size = offsetof(hd_mesh, index_size);
+    mesh.index_size = 77;
+    mesh.position_format = 77;
+    OK(hd_tree_build(&mesh, NULL, &tree));
+    OK(hd_intersect(tree, &ray, &hit));
+    CHECK(hit.t == 3.0f && hit.prim_id == 0);
+    hd_tree_free(tree);
+
+    /* 16 bits a number, at 0.5 q + (-1, 2, 3), and 16 bits an index. */
+    const int16_t quantised[] = {2, -4, -6, 99, 4, -4, -6, 99, 2, -2, -6};
+    const uint16_t indices[] = {0, 1, 2};
+    mesh = mesh_of(NULL, 3, NULL, 3);
+    mesh.positions = quantised;
+    mesh.vertex_stride = 8;
+    mesh.indices = indices;
+    mesh.index_size = 2;
+    mesh.position_format = HD_POSITIONS_I16;
+    const float scale[3] = {0.5f, 0.5f, 0.5f}, offset[3] = {-1.0f, 2.0f, 3.0f};
+    memcpy(mesh.scale, scale, sizeof scale);
+    memcpy(mesh.offset, offset, sizeof offset);
+    ray = ray_of(0.25f, 0.5f, -3.0f, 0.0f, 0.0f, 1.0f);
+    OK(hd_tree_build(&mesh, NULL, &tree));
+    OK(hd_intersect(tree, &ray, &hit));
+    CHECK(hit.t == 3.0f && hit.u == 0.25f && hit.v == 0.5f && hit.prim_id == 0);
+    hd_tree_free(tree);
+    /* A scale of nothing is one of 1. */
+    const uint16_t whole[] = {0, 0, 9, 1, 0, 9, 0, 1, 9};
+    mesh = mesh_of(NULL, 3, NULL, 0);
+    mesh.positions = whole;
+    mesh.position_format = HD_POSITIONS_U16;
+    OK(hd_tree_build(&mesh, NULL, &tree));
+    OK(hd_intersect(tree, &ray, &hit));
+    CHECK(hit.t == 12.0f && hit.prim_id == 0);
+    hd_tree_free(tree);
+
     mesh = mesh_of(NULL, 0, NULL, 0);
     OK(hd_tree_build(&mesh, NULL, &tree));
     OK(hd_intersect(tree, &ray, &hit));
@@ -103,6 +139,12 @@ static void bad_meshes_are_refused(void) {
     FAILS(HD_ERROR_NULL, "mesh->indices", hd_tree_build(&mesh, NULL, &tree));
     mesh = good, mesh.positions = (const float *)((const char *)corners + 1);
     FAILS(HD_ERROR_ALIGNMENT, "mesh->positions", hd_tree_build(&mesh, NULL, &tree));
+    mesh = good, mesh.index_size = 3;
+    FAILS(HD_ERROR_VALUE, "index_size is 3", hd_tree_build(&mesh, NULL, &tree));
+    mesh = good, mesh.position_format = 3;
+    FAILS(HD_ERROR_VALUE, "position_format is 3", hd_tree_build(&mesh, NULL, &tree));
+    mesh = good, mesh.position_format = HD_POSITIONS_U16, mesh.vertex_stride = 7;
+    FAILS(HD_ERROR_SIZE, "a multiple of 2 from 6 on", hd_tree_build(&mesh, NULL, &tree));
     mesh = good, mesh.index_count = 5;
     FAILS(HD_ERROR_SIZE, "multiple of three", hd_tree_build(&mesh, NULL, &tree));
     mesh = mesh_of(corners, 2, NULL, 0);
