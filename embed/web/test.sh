@@ -9,4 +9,4 @@ cd "$(dirname "$0")"
 npm install --no-package-lock --no-audit --no-fund --silent
 cargo build --release -p halfdome
 
-node --test npm/test.mjs page/test.mjs
+node --test npm/*.mjs page/test.mjs

@@ -1,12 +1,17 @@
 /** What a ray is in a Float32Array: origin x, y, z, least t, direction x, y, z, greatest t. */
 export const RAY_FLOATS: 8;
 
-export interface BuildOptions {
+export interface MeshOptions {
   /** How much time to spend on a tree that is quick to trace; "high" unless told otherwise. */
   quality?: "fast" | "medium" | "high";
+}
+
+export interface EngineOptions {
   /** false: the build without SIMD, even where there is SIMD. Hits are the same to the bit. */
   simd?: boolean;
 }
+
+export interface BuildOptions extends MeshOptions, EngineOptions {}
 
 /** The nearest hits of a batch, one element for each ray. */
 export interface Hits {
@@ -18,6 +23,35 @@ export interface Hits {
   v: Float32Array;
   /** Number of the triangle, or -1 where nothing is hit. Of equally near ones the lowest. */
   triangle: Int32Array;
+}
+
+export interface SceneHits extends Hits {
+  /** Number of the instance, or -1 where nothing is hit; of equally near ones the lowest. Scene.instance says which it is. */
+  instance: Int32Array;
+}
+
+/** All hits of a batch: those of ray i are the elements from starts[i] to starts[i + 1], nearest first. */
+export interface AllHits extends Hits {
+  /** One element more than there are rays; the last is the number of all hits. */
+  starts: Uint32Array;
+}
+
+export interface AllSceneHits extends AllHits, SceneHits {}
+
+/** The points of the surface that are closest to points, one element for each. */
+export interface ClosestPoints {
+  /** x, y, z of each; NaN where there is none. */
+  position: Float32Array;
+  /** How far it is; Infinity where there is none. */
+  distance: Float32Array;
+  u: Float32Array;
+  v: Float32Array;
+  /** -1 where there is none. */
+  triangle: Int32Array;
+}
+
+export interface ClosestScenePoints extends ClosestPoints {
+  instance: Int32Array;
 }
 
 /** A tree over a mesh. It stays as it is, whatever happens to the arrays that it was built from. */
@@ -43,6 +77,27 @@ export interface Tree {
    */
   any(rays: Float32Array, occluded?: Uint8Array): Uint8Array;
 
+  /**
+   * All hits of each ray, or the nearest `most`.
+   * @throws as closest() does, and RangeError if there is no memory left for them
+   */
+  allHits(rays: Float32Array, options?: { most?: number }): AllHits;
+
+  /**
+   * The point of the triangles that is closest to each point, if it is not farther than `radius`.
+   * @param points x, y, z of each
+   * @throws as closest() does
+   */
+  closestPoint(points: Float32Array, options?: { radius?: number }): ClosestPoints;
+
+  /**
+   * Moves the tree to where its triangles are now: quicker than build(). Gives the cost of rays as a multiple of what it was when
+   * the tree was built: from 1.5 on a new tree pays.
+   * @param positions of the same triangles, in the same order
+   * @throws RangeError if others can be hit than those in the tree, as where two corners became one; it is then as it was
+   */
+  refit(positions: Float32Array, indices?: Uint32Array | Uint16Array | null): number;
+
   /** Gives the memory back; without it that happens when nothing refers to the tree any more. */
   free(): void;
 }
@@ -59,6 +114,55 @@ export function build(
   indices?: Uint32Array | Uint16Array | null,
   options?: BuildOptions,
 ): Promise<Tree>;
+
+/** 16 numbers, column by column, the last row 0, 0, 0, 1: as `matrixWorld.elements` of three.js. */
+export type Matrix = ArrayLike<number>;
+
+/** Triangles that a scene has once, however many instances show them. */
+export interface Mesh {
+  readonly triangles: number;
+  readonly bytes: number;
+  /** As of a tree; rays see it from the next commit on, in all instances. */
+  refit(positions: Float32Array, indices?: Uint32Array | Uint16Array | null): number;
+}
+
+/** A mesh at a place in a scene. Changes are seen from the next commit on. */
+export interface Instance {
+  /** What hits call it. It is used again after the instance was removed. */
+  readonly number: number;
+  readonly mesh: Mesh;
+  /** @throws RangeError if the matrix is nearly flat or not finite. One that scales by 0 hides. */
+  setTransform(matrix: Matrix): void;
+  /** Rays see it whose mask has a bit in common; 0 hides it. */
+  setMask(mask: number): void;
+  setMesh(mesh: Mesh): void;
+  /** @throws TypeError, as all of these, if it was removed already */
+  remove(): void;
+}
+
+/** Meshes at many places that move. Rays see the scene as of its last commit. */
+export interface Scene {
+  readonly simd: boolean;
+  /** @throws as build() does */
+  addMesh(positions: Float32Array, indices?: Uint32Array | Uint16Array | null, options?: MeshOptions): Mesh;
+  /** Adds an instance: where its own coordinates say, and for all rays to see, unless told otherwise. */
+  insert(mesh: Mesh, options?: { transform?: Matrix; mask?: number }): Instance;
+  /** The instance of this number; undefined if it was removed. */
+  instance(number: number): Instance | undefined;
+  /** Makes all changes since the last commit. Gives the number of instances that rays can see if their masks allow. */
+  commit(): number;
+
+  /** As of a tree. Rays see the instances whose mask has a bit in common with `mask`. */
+  closest(rays: Float32Array, options?: { hits?: SceneHits; mask?: number }): SceneHits;
+  any(rays: Float32Array, options?: { occluded?: Uint8Array; mask?: number }): Uint8Array;
+  allHits(rays: Float32Array, options?: { most?: number; mask?: number }): AllSceneHits;
+  closestPoint(points: Float32Array, options?: { radius?: number; mask?: number }): ClosestScenePoints;
+
+  free(): void;
+}
+
+/** An empty scene. */
+export function createScene(options?: EngineOptions): Promise<Scene>;
 
 /** Whether WebAssembly has SIMD here. */
 export function hasSimd(): boolean;

@@ -161,15 +161,15 @@ test("wrong arguments have errors that say what would be right, and leave the tr
     return true;
   };
   const building = [
-    [[[1, 2, 3]], TypeError, "positions is a Array, and should be a Float32Array"],
+    [[[1, 2, 3]], TypeError, "positions is an Array, and should be a Float32Array"],
     [[null], TypeError, "positions is null, and should be a Float32Array"],
     [[new Float64Array(9)], TypeError, "positions is a Float64Array, and should be a Float32Array"],
     [[new Float32Array(10)], RangeError, "positions has 10 numbers, which are not a multiple of 9, three vertices for each triangle"],
     [[new Float32Array(10), new Uint16Array(3)], RangeError, "positions has 10 numbers, which are not a multiple of 3, which is a vertex"],
     [[new Float32Array(9).fill(NaN, 4)], RangeError, "positions[4] is NaN, and should be between ±4398046511104"],
     [[new Float32Array(9).fill(Infinity, 8)], RangeError, "positions[8] is Infinity, and should be between ±4398046511104"],
-    [[SQUARE, [0, 1, 2]], TypeError, "indices is a Array, and should be a Uint32Array or Uint16Array"],
-    [[SQUARE, new Int32Array(3)], TypeError, "indices is a Int32Array, and should be a Uint32Array or Uint16Array"],
+    [[SQUARE, [0, 1, 2]], TypeError, "indices is an Array, and should be a Uint32Array or Uint16Array"],
+    [[SQUARE, new Int32Array(3)], TypeError, "indices is an Int32Array, and should be a Uint32Array or Uint16Array"],
     [[SQUARE, new Uint16Array(4)], RangeError, "indices has 4 numbers, which are not a multiple of 3"],
     [[SQUARE, new Uint16Array([0, 1, 4])], RangeError, "indices[2] is 4, and there are 4 vertices"],
     [[SQUARE, new Uint16Array(3), { quality: "best" }], RangeError, 'quality is "best", and should be one of fast, medium, high'],
@@ -180,7 +180,7 @@ test("wrong arguments have errors that say what would be right, and leave the tr
 
   const tree = await build(SQUARE, new Uint16Array(SQUARE_INDICES));
   const tracing = [
-    [() => tree.closest([0]), TypeError, "rays is a Array, and should be a Float32Array"],
+    [() => tree.closest([0]), TypeError, "rays is an Array, and should be a Float32Array"],
     [() => tree.closest(), TypeError, "rays is undefined, and should be a Float32Array"],
     [() => tree.closest(new Float32Array(9)), RangeError, "rays has 9 numbers, which are not a multiple of 8"],
     [() => tree.any(new Float32Array(16).fill(NaN, 11)), RangeError, "rays[11], of ray 1, is NaN"],
@@ -200,24 +200,44 @@ test("wrong arguments have errors that say what would be right, and leave the tr
 });
 
 test("what gets past the checks is refused by the WebAssembly, which goes on", async () => {
-  for (const file of ["halfdome.wasm", "halfdome-simd.wasm"].slice(0, hasSimd() ? 2 : 1)) {
+  const files = ["halfdome.wasm", "halfdome-scene.wasm", "halfdome-simd.wasm", "halfdome-scene-simd.wasm"];
+  for (const file of files.slice(0, hasSimd() ? 4 : 2)) {
     const { instance } = await WebAssembly.instantiate(await readFile(new URL(file, import.meta.url)));
-    const { memory, positions, indices, rays, build, closest } = instance.exports;
+    const { memory, positions, indices, rays, points, ...calls } = instance.exports;
     // The address comes first, as asking for it may move the memory.
     const put = (address, numbers) => new numbers.constructor(memory.buffer, address, numbers.length).set(numbers);
     assert.equal(positions(2 ** 30 - 1), 0, "there is no memory for 4 GiB");
     put(positions(9), SQUARE.subarray(0, 9));
     put(indices(3), new Uint32Array([0, 1, 3]));
-    assert.equal(build(2), -1, "vertex 3 does not exist");
+    assert.equal(calls.add_mesh(2), -1, "vertex 3 does not exist");
     put(positions(9), SQUARE.subarray(0, 9));
     indices(0);
-    assert.equal(build(3), -1, "quality 3 does not exist");
+    assert.equal(calls.add_mesh(3), -1, "quality 3 does not exist");
     put(positions(9), SQUARE.subarray(0, 9));
-    assert.equal(build(0), 1);
+    assert.equal(calls.add_mesh(0), 0);
     put(rays(1), DOWN);
     // More rays than there are.
-    const address = closest(1000);
+    const address = calls.closest(0, 1000);
     assert.equal(new Uint32Array(memory.buffer, address, 4)[3], 0);
+    // Meshes and items that there are not.
+    assert.equal(new Int32Array(memory.buffer, calls.closest(7, 1), 4)[3], -1);
+    assert.equal(new Uint32Array(memory.buffer, calls.all_hits(-7, 1, 9), 1)[0], 0);
+    points(1);
+    assert.equal(new Int32Array(memory.buffer, calls.closest_points(7, 9), 4)[3], -1);
+    assert.deepEqual([calls.triangles(7), calls.bytes(7), calls.refit(7)], [0, 0, -1]);
+    if (!file.includes("scene")) {
+      assert.equal(calls.commit, undefined);
+      continue;
+    }
+    const { matrix } = calls;
+    put(matrix(), new Float32Array(16).fill(NaN));
+    assert.equal(calls.insert(0, -1), -1, "NaN is no place");
+    put(matrix(), new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]));
+    assert.equal(calls.insert(7, -1), -1, "there is no mesh 7");
+    assert.equal(calls.insert(0, -1), 0);
+    assert.deepEqual([calls.set_transform(1), calls.set_mask(1, 1), calls.set_mesh(1, 0), calls.set_mesh(0, 1), calls.remove(1)], [-1, -1, -1, -1, -1]);
+    assert.equal(calls.commit(), 1);
+    assert.equal(new Int32Array(memory.buffer, calls.scene_closest(1, -1), 5)[4], 0);
   }
 });
 

@@ -1,26 +1,43 @@
 //! The kernel behind functions that JavaScript calls: `index.js`, beside, is their only caller.
 //!
-//! An instance holds one tree. JavaScript asks for room, writes there what the next function reads, and reads where that
-//! says; no function keeps an address. Numbers that would be wrong are refused on the JavaScript side, which knows how to
-//! say so; here they lead to no more than a tree that is not built. So this border needs no unsafe code but the names of
-//! its functions.
+//! An instance holds meshes, and with the feature `scene` a scene of them. JavaScript asks for room, writes there what the
+//! next function reads, and reads where that says; no function keeps an address. Numbers that would be wrong are refused on
+//! the JavaScript side, which knows how to say so; here they lead to no more than something that is not built. So this border
+//! needs no unsafe code but the names of its functions.
+
+mod answer;
+#[cfg(feature = "scene")]
+pub mod scene;
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use glam::Vec3;
-use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray, Triangle};
+use halfdome_kernel::mesh::{IndexedMesh, Indices, Positions};
+use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray, Serial};
 
-/// All that an instance has.
+use answer::Answer;
+
+/// All that an instance has, but for its scene.
 #[derive(Default)]
 struct State {
     positions: Vec<f32>,
     indices: Vec<u32>,
-    bvh: Option<Bvh>,
     rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    occluded: Vec<bool>,
-    /// What the last batch gave, as JavaScript reads it.
-    answer: Vec<u32>,
+    /// Coordinates, and how far to look.
+    points: Vec<[f32; 4]>,
+    meshes: Vec<Arc<Bvh>>,
+    answer: Answer,
+}
+
+impl State {
+    fn rays(&self, count: usize) -> &[Ray] {
+        &self.rays[..count.min(self.rays.len())]
+    }
+
+    fn points(&self, count: usize) -> &[[f32; 4]] {
+        &self.points[..count.min(self.points.len())]
+    }
 }
 
 thread_local! {
@@ -48,60 +65,121 @@ pub extern "C" fn rays(count: usize) -> *mut Ray {
     STATE.with_borrow_mut(|state| room(&mut state.rays, count, NO_RAY))
 }
 
-/// Builds the tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, unless there are
-/// none, indices, which it forgets. Gives the number of triangles in it, or -1 if it refuses them.
+/// Room for `count` points of 16 bytes (coordinates, and how far to look): its address, or 0.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn build(quality: usize) -> i32 {
+pub extern "C" fn points(count: usize) -> *mut [f32; 4] {
+    STATE.with_borrow_mut(|state| room(&mut state.points, count, [0.0; 4]))
+}
+
+/// Builds a tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, unless there are none,
+/// indices, which it forgets. Gives the mesh's number, or -1 if it refuses them.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn add_mesh(quality: usize) -> i32 {
     STATE
         .with_borrow_mut(|state| {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
-            let triangles = triangles(&positions, &indices)?;
             let options = BuildOptions::from(*Quality::ALL.get(quality)?);
-            let (bvh, report) = Bvh::build(&triangles, &options).ok()?;
-            state.bvh = Some(bvh);
-            i32::try_from(report.kept).ok()
+            let (bvh, _) = Bvh::build_mesh(&mesh(&positions, &indices)?, &options).ok()?;
+            state.meshes.push(Arc::new(bvh));
+            i32::try_from(state.meshes.len() - 1).ok()
         })
         .unwrap_or(-1)
 }
 
-/// Traces `count` of the rays to their nearest hits. Gives the address of all `t`, then all `u`, all `v`, and all numbers
-/// of triangles, -1 for none.
+/// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was when the
+/// tree was built; -1 if the triangles are not those of the tree.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn closest(count: usize) -> *const u32 {
-    STATE.with_borrow_mut(|State { bvh, rays, hits, answer, .. }| {
-        let rays = &rays[..count.min(rays.len())];
-        hits.clear();
-        hits.resize(rays.len(), Hit::MISS);
-        if let Some(bvh) = bvh {
-            bvh.view().intersect_many(rays, hits);
-        }
-        answer.clear();
-        answer.extend(hits.iter().map(|hit| hit.t.to_bits()));
-        answer.extend(hits.iter().map(|hit| hit.u.to_bits()));
-        answer.extend(hits.iter().map(|hit| hit.v.to_bits()));
-        answer.extend(hits.iter().map(|hit| hit.prim_id));
-        answer.as_ptr()
+pub extern "C" fn refit(number: usize) -> f32 {
+    STATE
+        .with_borrow_mut(|state| {
+            let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
+            // A scene that has the tree keeps it as it is.
+            let bvh = Arc::make_mut(state.meshes.get_mut(number)?);
+            Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, &indices)?).ok()?.decay)
+        })
+        .unwrap_or(-1.0)
+}
+
+/// How many triangles a mesh has that can be hit.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn triangles(mesh: usize) -> usize {
+    STATE.with_borrow(|state| {
+        let blocks = state.meshes.get(mesh).into_iter().flat_map(|bvh| bvh.view().blocks());
+        blocks.flat_map(|block| block.prim_id).filter(|&prim_id| prim_id != Hit::NO_PRIM).count()
     })
 }
 
-/// Traces `count` of the rays until they hit anything. Gives the address of a byte for each: 1 if it does, else 0.
+/// The bytes that a mesh takes.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn any(count: usize) -> *const bool {
-    STATE.with_borrow_mut(|State { bvh, rays, occluded, .. }| {
-        let rays = &rays[..count.min(rays.len())];
-        occluded.clear();
-        occluded.resize(rays.len(), false);
-        if let Some(bvh) = bvh {
-            bvh.view().occluded_many(rays, occluded);
+pub extern "C" fn bytes(mesh: usize) -> usize {
+    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, |bvh| bvh.statistics().bytes))
+}
+
+/// Traces `count` of the rays to their nearest hits with a mesh; see [`Answer`] for what is at the address.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
+    STATE.with_borrow_mut(|state| {
+        let mut hits = vec![Hit::MISS; count.min(state.rays.len())];
+        if let Some(bvh) = state.meshes.get(mesh) {
+            bvh.view().intersect_many(state.rays(count), &mut hits);
         }
-        occluded.as_ptr()
+        state.answer.clear();
+        state.answer.push_hits(hits.iter());
+        state.answer.address()
     })
 }
 
-/// The bytes that the tree takes.
+/// Traces `count` of the rays until they hit anything of a mesh. Gives the address of a byte for each: 1 if it does, else 0.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn bytes() -> usize {
-    STATE.with_borrow(|state| state.bvh.as_ref().map_or(0, |bvh| bvh.statistics().bytes))
+pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
+    STATE.with_borrow_mut(|state| {
+        let mut occluded = vec![false; count.min(state.rays.len())];
+        if let Some(bvh) = state.meshes.get(mesh) {
+            bvh.view().occluded_many(state.rays(count), &mut occluded);
+        }
+        state.answer.clear();
+        state.answer.push_bytes(&occluded);
+        state.answer.address()
+    })
+}
+
+/// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to the end
+/// of each ray's, and behind that of what [`Answer`] says.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32 {
+    STATE.with_borrow_mut(|state| {
+        let (mut hits, mut ends) = (Vec::new(), Vec::new());
+        for ray in state.rays(count) {
+            if let Some(bvh) = state.meshes.get(mesh) {
+                hits.extend(bvh.view().hits(ray).take(most));
+            }
+            ends.push(hits.len() as u32);
+        }
+        state.answer.clear();
+        state.answer.push_words(ends);
+        state.answer.push_hits(hits.iter());
+        state.answer.address()
+    })
+}
+
+/// Finds what of a mesh is closest to `count` of the points. Gives the address of what [`Answer`] says, with distances for `t`,
+/// and behind that three coordinates for each.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
+    STATE.with_borrow_mut(|state| {
+        let bvh = state.meshes.get(mesh);
+        let closest = |&[x, y, z, radius]: &[f32; 4]| {
+            let found = bvh.and_then(|bvh| bvh.view().closest_point(Vec3::new(x, y, z), radius));
+            found.map_or((Vec3::NAN, Hit::MISS), |found| {
+                (found.point, Hit { t: found.distance, u: found.u, v: found.v, prim_id: found.prim_id })
+            })
+        };
+        let found: Vec<(Vec3, Hit)> = state.points(count).iter().map(closest).collect();
+        state.answer.clear();
+        state.answer.push_hits(found.iter().map(|(_, hit)| hit));
+        state.answer.push_places(found.iter().map(|&(place, _)| place));
+        state.answer.address()
+    })
 }
 
 /// Makes `list` as long as asked for: its address, or null if there is no memory left.
@@ -114,13 +192,8 @@ fn room<T: Clone>(list: &mut Vec<T>, count: usize, value: T) -> *mut T {
     list.as_mut_ptr()
 }
 
-/// The triangles of a mesh; of consecutive vertices if it has no indices. `None` if one has a vertex that does not exist.
-fn triangles(positions: &[f32], indices: &[u32]) -> Option<Vec<Triangle>> {
-    let vertices: Vec<Vec3> = positions.as_chunks().0.iter().map(|&vertex| Vec3::from_array(vertex)).collect();
-    if indices.is_empty() {
-        return Some(vertices.as_chunks().0.to_vec());
-    }
-    let vertex = |index: u32| vertices.get(index as usize).copied();
-    let corners = indices.as_chunks().0.iter();
-    corners.map(|&[a, b, c]| Some([vertex(a)?, vertex(b)?, vertex(c)?])).collect()
+/// A mesh of consecutive vertices if it has no indices. `None` if there is a vertex that does not exist.
+fn mesh<'a>(positions: &'a [f32], indices: &'a [u32]) -> Option<IndexedMesh<'a>> {
+    let positions = Positions::from(positions.as_chunks::<3>().0);
+    IndexedMesh::new(positions, if indices.is_empty() { Indices::InOrder } else { Indices::U32(indices) }).ok()
 }

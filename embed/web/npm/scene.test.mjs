@@ -1,0 +1,169 @@
+// Runs under `node --test`: all hits, closest points, refits and scenes that change, against loops in double precision.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { build, createScene, hasSimd } from "./index.js";
+
+/** Right triangles (0, 0), (1, 0), (0, 1) at z = 0, -1, -2 … */
+function layers(count, x = 0) {
+  return new Float32Array(Array.from({ length: count }, (_, i) => [x, 0, -i, x + 1, 0, -i, x, 1, -i]).flat());
+}
+
+/** A ray straight down at x + 0.25 and y = 0.25. */
+const downAt = (...xs) => new Float32Array(xs.flatMap((x) => [x + 0.25, 0.25, 2, 0, 0, 0, -1, Infinity]));
+
+const moved = (x, y = 0, z = 0) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1];
+
+const refuses = (type, message) => (error) => {
+  assert.ok(error instanceof type && error.message === message, `${error}`);
+  return true;
+};
+
+test("all hits are in order, or the nearest few", async () => {
+  for (const simd of [false, true]) {
+    const tree = await build(layers(40), null, { simd });
+    const { starts, t, u, v, triangle } = tree.allHits(downAt(0, 9, 0));
+    assert.deepEqual([...starts], [0, 40, 40, 80]);
+    for (let i = 0; i < 80; i++) {
+      assert.deepEqual([t[i], u[i], v[i], triangle[i]], [2 + (i % 40), 0.25, 0.25, i % 40]);
+    }
+    const few = tree.allHits(downAt(0, 9, 0), { most: 3 });
+    assert.deepEqual([...few.starts], [0, 3, 3, 6]);
+    assert.deepEqual([...few.triangle], [0, 1, 2, 0, 1, 2]);
+    assert.deepEqual([...tree.allHits(new Float32Array(0)).starts], [0]);
+    // More rays than go over at once.
+    const rays = new Float32Array(8 * 9001);
+    for (let i = 0; i < 9001; i++) {
+      rays.set(downAt(i % 3 ? 9 : 0), 8 * i);
+    }
+    const many = tree.allHits(rays, { most: 2 });
+    assert.equal(many.starts[9001], 2 * 3001);
+    assert.ok(many.starts.every((start, i) => start === 2 * Math.ceil(i / 3)));
+    assert.ok(many.triangle.every((triangle, i) => triangle === i % 2));
+    assert.throws(() => tree.allHits(downAt(0), { most: 0 }), refuses(RangeError, "most is 0, and should be a whole number from 1 on, or Infinity"));
+  }
+});
+
+test("closest points", async () => {
+  const tree = await build(layers(6));
+  const points = new Float32Array([0.25, 0.25, 2, -3, 0, -6, 0.5, 0.25, -2.25]);
+  const found = tree.closestPoint(points);
+  assert.deepEqual([...found.triangle], [0, 5, 2]);
+  assert.deepEqual([...found.position], [0.25, 0.25, 0, 0, 0, -5, 0.5, 0.25, -2]);
+  assert.deepEqual([...found.distance].map((d) => Math.round(1e4 * d)), [20000, Math.round(1e4 * Math.sqrt(10)), 2500]);
+  const near = tree.closestPoint(points, { radius: 1 });
+  assert.deepEqual([...near.triangle], [-1, -1, 2]);
+  assert.ok(Number.isNaN(near.position[0]) && near.distance[0] === Infinity);
+  assert.equal(tree.closestPoint(new Float32Array(3 * 5000)).triangle.length, 5000);
+  for (const [call, type, message] of [
+    [() => tree.closestPoint([0, 0, 0]), TypeError, "points is an Array, and should be a Float32Array"],
+    [() => tree.closestPoint(new Float32Array(4)), RangeError, "points has 4 numbers, which are not a multiple of 3"],
+    [() => tree.closestPoint(new Float32Array([0, 0, 0, 0, NaN, 0])), RangeError, "points[4], of point 1, is NaN"],
+    [() => tree.closestPoint(points, { radius: -1 }), RangeError, "radius is -1, and should be 0 or more; it may be Infinity"],
+  ]) {
+    assert.throws(call, refuses(type, message));
+  }
+});
+
+test("a refit follows the triangles, or leaves the tree as it was", async () => {
+  const tree = await build(layers(6));
+  const decay = tree.refit(layers(6, 7));
+  assert.ok(decay > 0.99 && decay < 1.01, `${decay}`);
+  assert.deepEqual([...tree.closest(downAt(0, 7)).triangle], [-1, 0]);
+  const message =
+    "the triangles are not those of the tree: as many are needed, in the same order, of which the same ones have an area";
+  assert.throws(() => tree.refit(layers(5, 9)), refuses(RangeError, message));
+  assert.throws(() => tree.refit(new Float32Array(54)), refuses(RangeError, message));
+  assert.throws(() => tree.refit(layers(6).fill(NaN, 3, 4)), RangeError);
+  assert.deepEqual([...tree.closest(downAt(0, 7)).triangle], [-1, 0]);
+});
+
+for (const simd of [false, true]) {
+  test(`a scene changes at its commits, ${simd ? "with" : "without"} SIMD`, async () => {
+    const scene = await createScene({ simd });
+    assert.equal(scene.simd, simd && hasSimd());
+    const mesh = scene.addMesh(layers(2));
+    const other = scene.addMesh(layers(1), new Uint16Array([0, 2, 1]), { quality: "fast" });
+    assert.deepEqual([mesh.triangles, other.triangles], [2, 1]);
+    const seen = (xs, options) => [...scene.closest(downAt(...xs), options).instance];
+    const instances = Array.from({ length: 10 }, (_, i) => scene.insert(mesh, { transform: moved(2 * i), mask: i === 4 ? 2 : 1 }));
+    assert.deepEqual(seen([0, 8]), [-1, -1]);
+    assert.equal(scene.commit(), 10);
+    assert.deepEqual(seen([0, 8, 18, 20]), [0, 4, 9, -1]);
+    assert.deepEqual(seen([0, 8], { mask: 1 }), [0, -1]);
+    assert.equal(scene.instance(9), instances[9]);
+    assert.deepEqual([...scene.any(downAt(0, 8, 20), { mask: 1 })], [1, 0, 0]);
+
+    instances[0].setTransform(moved(100, 0, -3));
+    instances[4].setMask(3);
+    instances[5].setTransform(new Float32Array(16).fill(0).fill(1, 15));
+    instances[6].setMesh(other);
+    instances[7].remove();
+    assert.deepEqual(seen([0, 8, 10, 14]), [0, 4, 5, 7]);
+    assert.equal(scene.commit(), 8);
+    assert.deepEqual(seen([0, 8, 10, 14, 100]), [-1, 4, -1, -1, 0]);
+    assert.equal(scene.closest(downAt(100)).t[0], 5);
+    assert.deepEqual([...scene.allHits(downAt(2, 12, 14)).starts], [0, 2, 3, 3]);
+    const all = scene.allHits(downAt(2, 12));
+    assert.deepEqual([[...all.triangle], [...all.instance]], [[0, 1, 0], [1, 1, 6]]);
+
+    // Its number is used again, the instance is not.
+    assert.equal(scene.instance(7), undefined);
+    assert.throws(() => instances[7].remove(), refuses(TypeError, "this instance was removed"));
+    assert.throws(() => instances[7].setMask(1), refuses(TypeError, "this instance was removed"));
+    const again = scene.insert(other, { transform: moved(14) });
+    assert.equal(again.number, 7);
+    scene.commit();
+    assert.equal(scene.instance(seen([14])[0]), again);
+    assert.throws(() => instances[7].setTransform(moved(0)), TypeError);
+
+    const { position, instance, distance } = scene.closestPoint(new Float32Array([98, 0, -3, 0, 0, 0]));
+    assert.deepEqual([[...position.subarray(0, 3)], [...instance], [...distance]], [[100, 0, -3], [0, 1], [2, 2]]);
+    assert.deepEqual([...scene.closestPoint(new Float32Array([8, 0, 0]), { mask: 2, radius: 1 }).instance], [4]);
+
+    // All instances of a mesh follow it.
+    assert.ok(mesh.refit(layers(2, 0.5)) > 0);
+    assert.deepEqual(seen([2.5, 3.5]), [1, -1]);
+    scene.commit();
+    assert.deepEqual(seen([2, 2.5, 12, 14]), [-1, 1, 6, 7]);
+    mesh.refit(layers(2));
+    scene.commit();
+    assert.deepEqual(seen([2, 2.5]), [1, 1]);
+  });
+}
+
+test("wrong arguments have errors that say what would be right, and leave the scene as it was", async () => {
+  const scene = await createScene();
+  const mesh = scene.addMesh(layers(1));
+  const stranger = (await createScene()).addMesh(layers(1));
+  const instance = scene.insert(mesh);
+  scene.commit();
+  const flat = moved(0);
+  flat[0] = 1e-6;
+  const inMesh = "mesh should be one that addMesh of this scene gave";
+  for (const [call, type, message] of [
+    [() => scene.addMesh([1, 2, 3]), TypeError, "positions is an Array, and should be a Float32Array"],
+    [() => scene.addMesh(layers(1), null, { quality: "best" }), RangeError, 'quality is "best", and should be one of fast, medium, high'],
+    [() => scene.insert(null), TypeError, inMesh],
+    [() => scene.insert({}), TypeError, inMesh],
+    [() => scene.insert(stranger), TypeError, inMesh],
+    [() => instance.setMesh(stranger), TypeError, inMesh],
+    [() => scene.insert(mesh, { mask: -1 }), RangeError, "mask is -1, and should be a whole number of 32 bits"],
+    [() => instance.setMask(0.5), RangeError, "mask is 0.5, and should be a whole number of 32 bits"],
+    [() => instance.setTransform(null), TypeError, "transform is null, and should be 16 numbers, column by column"],
+    [() => instance.setTransform([1, 2]), TypeError, "transform is an Array, and should be 16 numbers, column by column"],
+    [() => instance.setTransform(moved(NaN)), RangeError, "transform[12] is NaN, and should be a finite number"],
+    [() => instance.setTransform(moved(1e300)), RangeError, "transform[12] is 1e+300, and should be a finite number"],
+    [() => instance.setTransform([...moved(0).slice(0, 15), 2]), RangeError, "the last row of transform is 0, 0, 0, 2, and should be 0, 0, 0, 1"],
+    [() => instance.setTransform(flat), RangeError, "the transform is nearly flat: it should have an inverse, or scale by exactly 0, which hides"],
+    [() => scene.closest(downAt(0), { hits: 7 }), TypeError, "hits is 7, and should hold the arrays t, u, v, triangle and instance"],
+    [() => scene.any(downAt(0), { mask: "1" }), RangeError, "mask is 1, and should be a whole number of 32 bits"],
+  ]) {
+    assert.throws(call, refuses(type, message));
+    scene.commit();
+    assert.deepEqual([...scene.closest(downAt(0)).instance], [0]);
+  }
+  scene.free();
+  assert.throws(() => scene.closest(downAt(0)), refuses(TypeError, "this scene was freed"));
+  assert.throws(() => instance.setMask(1), refuses(TypeError, "this scene was freed"));
+});
