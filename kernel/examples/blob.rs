@@ -1,7 +1,9 @@
-//! A tree as bytes, traced where they lie: `cargo run -p halfdome-kernel --example blob`.
+//! A tree and a scene as bytes, traced where they lie: `cargo run -p halfdome-kernel --example blob`.
 
-use glam::{Vec3, vec3};
-use halfdome_kernel::{BuildOptions, Bvh, BvhView, Error, Ray};
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3, vec3};
+use halfdome_kernel::{BuildOptions, Bvh, BvhView, Error, Item, Ray, Scene, SceneView};
 
 /// What another program wrote, at an address that suits it; on a microcontroller this stays in flash.
 static TRIANGLE: &[u8] = halfdome_kernel::include_blob!("../src/bvh/blob/triangle.bvh");
@@ -21,5 +23,18 @@ fn main() -> Result<(), Error> {
 
     let truncated = BvhView::from_bytes(&blob[..100]).expect_err("most of it is missing");
     println!("{truncated}");
+
+    // A scene of the triangle twice, which is in the blob once. Items need memory, which the program gives.
+    let triangle = Arc::new(bvh);
+    let behind = Affine3A::from_scale_rotation_translation(Vec3::splat(4.0), Default::default(), Vec3::NEG_Z);
+    let items = vec![Item::new(triangle.clone()), Item::new(triangle).placed(&behind)?];
+    let (scene, _) = Scene::build(items, &BuildOptions::default())?;
+    let blob = scene.to_bytes()?;
+    println!("the scene takes {} bytes", blob.len());
+    let mut items = [const { Item::nothing() }; 2];
+    let scene = SceneView::from_bytes(&blob, &mut items)?;
+    for x in [0.0, 2.0] {
+        println!("{:?}", scene.intersect(&Ray::new(vec3(x, 0.0, 3.0), Vec3::NEG_Z).into()));
+    }
     Ok(())
 }

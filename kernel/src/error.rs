@@ -23,8 +23,10 @@ pub enum Error {
     Refit(RefitError),
     /// The buffers are not a mesh.
     InvalidMesh(InvalidMesh),
-    /// The bytes do not begin as a blob does.
+    /// The bytes do not begin as a tree's blob does.
     NotABlob,
+    /// The bytes do not begin as a scene's blob does.
+    NotAScene,
     /// The blob was written by a machine with another order of bytes.
     OtherByteOrder,
     /// The blob is older or newer than what can be read.
@@ -60,7 +62,7 @@ pub enum Error {
         /// The checksum that it has.
         computed: u32,
     },
-    /// The blob's header does not describe its tree.
+    /// The blob's header does not describe what is in it.
     BadHeader {
         /// What is wrong in it.
         field: &'static str,
@@ -174,6 +176,29 @@ pub enum InvalidScene {
         /// The index of the item with which they become too many.
         item: usize,
     },
+    /// An item is a shape of the caller's, which cannot be written as bytes.
+    NotSaved {
+        /// The item's index in its scene.
+        item: usize,
+        /// How many scenes that lies in.
+        depth: usize,
+    },
+    /// A record in a scene's blob that names what there is not.
+    BadRecord {
+        /// What the record is of.
+        record: &'static str,
+        /// Its index among those.
+        index: usize,
+    },
+    /// There is less memory, or fewer scenes were given, than a scene's blob needs.
+    TooFew {
+        /// What there is too few of.
+        what: &'static str,
+        /// How many are needed.
+        needed: usize,
+        /// How many there are.
+        given: usize,
+    },
 }
 
 impl core::error::Error for InvalidScene {}
@@ -202,6 +227,20 @@ impl fmt::Display for InvalidScene {
             }
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
+            }
+            Self::NotSaved { item, depth } => {
+                write!(f, "item {item} is a shape of the program's, which cannot be written as bytes")?;
+                match depth {
+                    0 => Ok(()),
+                    1 => write!(f, "; it is in a scene in the scene"),
+                    _ => write!(f, "; it is in a scene {depth} scenes down"),
+                }
+            }
+            Self::BadRecord { record, index } => {
+                write!(f, "the blob's {record} {index} names what there is not, or is out of order")
+            }
+            Self::TooFew { what, needed, given } => {
+                write!(f, "the scene needs {needed} {what}, and {given} were given")
             }
         }
     }
@@ -308,27 +347,28 @@ impl fmt::Display for Error {
             Self::Refit(error) => error.fmt(f),
             Self::InvalidMesh(error) => error.fmt(f),
             Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
+            Self::NotAScene => write!(f, "these bytes are not a scene, which would begin with 89 48 44 53 43 4e 0d 0a"),
             Self::OtherByteOrder => {
                 let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
-                write!(f, "the tree was written on a {theirs}-endian machine, and this one is {ours}-endian")
+                write!(f, "the blob was written on a {theirs}-endian machine, and this one is {ours}-endian")
             }
             Self::OtherVersion { found, readable } => {
                 let age = if found < readable { "older" } else { "newer" };
-                write!(f, "the tree is of version {found}, {age} than {readable}, the only one that can be read here")
+                write!(f, "the blob is of version {found}, {age} than {readable}, the only one that can be read here")
             }
             Self::Truncated { needed, found } => {
-                write!(f, "the tree is cut off: {found} bytes of at least {needed} are there")
+                write!(f, "the blob is cut off: {found} bytes of at least {needed} are there")
             }
             Self::TrailingBytes { needed, found } => {
-                write!(f, "the tree has {needed} bytes, and {} more follow it", found - needed)
+                write!(f, "the blob has {needed} bytes, and {} more follow it", found - needed)
             }
             Self::Misaligned { alignment } => {
-                write!(f, "the tree begins at an address that is not a multiple of {alignment}")
+                write!(f, "the blob begins at an address that is not a multiple of {alignment}")
             }
             Self::Damaged { stored, computed } => {
-                write!(f, "the tree is damaged: its checksum should be {stored:08x} and is {computed:08x}")
+                write!(f, "the blob is damaged: its checksum should be {stored:08x} and is {computed:08x}")
             }
-            Self::BadHeader { field } => write!(f, "the tree's header is wrong: its {field} cannot be"),
+            Self::BadHeader { field } => write!(f, "the blob's header is wrong: its {field} cannot be"),
         }
     }
 }

@@ -66,6 +66,8 @@
 //! # }
 //! ```
 //!
+//! Scenes of instances are written and traced in place likewise: see [`scene::blob`].
+//!
 //! Sample a hemisphere, or gather irradiance over it: see [`sampling`] and [`irradiance`], which have examples.
 //!
 //! | of a tree | by |
@@ -143,7 +145,7 @@ pub mod traverse;
 #[cfg(feature = "rayon")]
 pub use bvh::RayonExecutor;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, RoundBvh, Serial};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, RoundBvh, Serial, UnknownQuality};
 pub use bvh::{BvhView, RoundView};
 pub use error::{Error, InvalidMesh, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
@@ -156,7 +158,7 @@ pub use glam;
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
 pub use scene::{Item, SceneHit, SceneRay, SceneView};
-pub use simd::{Isa, Level, Task};
+pub use simd::{Isa, Level, Task, UnknownLevel};
 pub use traverse::{Facing, Hits, Verdict};
 
 /// Runs the examples of the crate's README.

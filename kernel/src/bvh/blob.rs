@@ -31,7 +31,8 @@ pub const BLOB_VERSION: u32 = 1;
 pub const BLOB_ALIGNMENT: usize = align_of::<Node>();
 
 const MAGIC: [u8; 8] = *b"\x89HDBVH\r\n";
-const BYTE_ORDER: u32 = 0x0102_0304;
+/// What tells the order of bytes.
+pub(crate) const BYTE_ORDER: u32 = 0x0102_0304;
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -169,8 +170,8 @@ fn stored_bounds(root: &Node) -> [[f32; 3]; 2] {
     [min + 0.0, max + 0.0].map(|corner| corner.to_array())
 }
 
-/// The checksum of a blob, or of what will be one when the checksum is in its place.
-fn checksum(bytes: &[u8]) -> u32 {
+/// The checksum of a blob, or of what will be one when the checksum is in its place: the last word of its header.
+pub(crate) fn checksum(bytes: &[u8]) -> u32 {
     let mut crc = crc32fast::Hasher::new();
     crc.update(&bytes[..HEADER - 4]);
     crc.update(&bytes[HEADER..]);
@@ -196,6 +197,20 @@ mod owned {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
     #[repr(C, align(64))]
     struct Line([u8; BLOB_ALIGNMENT]);
+
+    impl Blob {
+        /// So many zeros, a multiple of [`BLOB_ALIGNMENT`].
+        pub(crate) fn zeroed(len: usize) -> Self {
+            Self(vec![Line::zeroed(); len / BLOB_ALIGNMENT])
+        }
+
+        /// A copy of bytes, and behind them zeros up to a multiple of [`BLOB_ALIGNMENT`].
+        pub(crate) fn of(bytes: &[u8]) -> Self {
+            let mut blob = Self::zeroed(bytes.len().next_multiple_of(BLOB_ALIGNMENT));
+            blob[..bytes.len()].copy_from_slice(bytes);
+            blob
+        }
+    }
 
     impl Deref for Blob {
         type Target = [u8];
@@ -229,7 +244,7 @@ mod owned {
                 cost: self.cost,
                 checksum: 0,
             };
-            let mut blob = Blob(vec![Line::zeroed(); header.blob_len() as usize / BLOB_ALIGNMENT]);
+            let mut blob = Blob::zeroed(header.blob_len() as usize);
             let (head, sections) = blob.split_at_mut(HEADER);
             head.copy_from_slice(bytemuck::bytes_of(&header));
             let (node_bytes, block_bytes) = sections.split_at_mut(size_of_val(nodes));

@@ -23,6 +23,8 @@ mod collapse;
 #[cfg(any(feature = "alloc", test))]
 mod contents;
 #[cfg(any(feature = "alloc", test))]
+mod copy;
+#[cfg(any(feature = "alloc", test))]
 mod executor;
 #[cfg(any(feature = "alloc", test))]
 mod fit;
@@ -75,7 +77,7 @@ pub use moving::MovingBvh;
 pub use moving_view::MovingView;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
-pub use options::{BuildOptions, Quality};
+pub use options::{BuildOptions, Quality, UnknownQuality};
 #[cfg(any(feature = "alloc", test))]
 pub use refit::Refit;
 pub use round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, RoundBlocks, SphereBlock};

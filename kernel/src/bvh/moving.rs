@@ -87,6 +87,14 @@ impl MovingBvh {
         Ok((tree, report))
     }
 
+    /// A copy of a tree that lies in somebody's memory.
+    pub(crate) fn copy_of(tree: &MovingView) -> Self {
+        let keys = 0..tree.keys();
+        let nodes = keys.clone().flat_map(|key| tree.nodes(key)).copied().collect();
+        let blocks = keys.flat_map(|key| tree.blocks(key)).copied().collect();
+        Self { nodes, blocks, keys: tree.keys(), bounds: tree.bounds() }
+    }
+
     /// Memory of nodes and blocks in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])

@@ -42,7 +42,7 @@ impl<'a> MovingView<'a> {
     }
 
     /// Borrows a tree that is known to be valid.
-    pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize) -> Self {
+    pub(crate) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize) -> Self {
         let roots = nodes.chunks(nodes.len() / keys).map(|nodes| nodes[0].bounds());
         Self::with_bounds(nodes, blocks, keys, roots.fold(Aabb::EMPTY, |a, b| a.union(&b)))
     }

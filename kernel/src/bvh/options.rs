@@ -88,10 +88,22 @@ impl fmt::Display for Quality {
 }
 
 impl FromStr for Quality {
-    type Err = ();
+    type Err = UnknownQuality;
 
     /// The quality of this [`name`](Self::name).
-    fn from_str(name: &str) -> Result<Self, ()> {
-        Self::ALL.into_iter().find(|quality| quality.name() == name).ok_or(())
+    fn from_str(name: &str) -> Result<Self, UnknownQuality> {
+        Self::ALL.into_iter().find(|quality| quality.name() == name).ok_or(UnknownQuality)
     }
 }
+
+/// A name that is none of a [`Quality`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownQuality;
+
+impl fmt::Display for UnknownQuality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("qualities are named fast, medium and high")
+    }
+}
+
+impl core::error::Error for UnknownQuality {}

@@ -81,7 +81,7 @@ impl Bvh {
 }
 
 /// The expected cost of a ray that meets the root's box: each node and block by the area of the box that it is in.
-fn expected_cost(nodes: &[Node]) -> f32 {
+pub(super) fn expected_cost(nodes: &[Node]) -> f32 {
     let area = |aabb: Aabb| f64::from(aabb.half_area());
     let whole = area(nodes[0].bounds());
     let mut cost = f64::from(NODE) * whole;

@@ -27,7 +27,7 @@ impl<'a> BvhView<'a> {
     }
 
     /// Borrows a tree that is known to be valid.
-    pub(super) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Self {
+    pub(crate) fn trusted(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Self {
         Self::with_bounds(nodes, blocks, nodes.first().map_or(Aabb::EMPTY, Node::bounds))
     }
 

@@ -47,7 +47,7 @@ impl<'a> Item<'a> {
     }
 
     /// Nothing: a place in a scene that is free.
-    pub fn nothing() -> Self {
+    pub const fn nothing() -> Self {
         Self { object: Object::Nothing, placement: Placement::AsItIs, mask: 0, first_path: 0 }
     }
 

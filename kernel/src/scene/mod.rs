@@ -68,6 +68,7 @@
 //!
 //! Nothing here allocates or panics while tracing.
 
+pub mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
 mod inverse;
@@ -94,6 +95,7 @@ mod view;
 mod walk;
 
 pub use crate::geometry::Sphere;
+pub use blob::{SCENE_BLOB_VERSION, SceneBlob};
 #[cfg(any(feature = "alloc", test))]
 pub use handle::Handle;
 pub use inverse::MAX_CONDITION;

@@ -286,6 +286,11 @@ impl<'a> Scene<'a> {
         size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.bytes()
     }
 
+    /// How its own tree is built.
+    pub fn options(&self) -> BuildOptions {
+        self.options
+    }
+
     fn item_mut(&mut self, handle: Handle) -> Result<&mut Item<'a>, InvalidScene> {
         if !self.places.contains(handle) {
             let Handle { index, generation } = handle;

@@ -52,14 +52,26 @@ impl fmt::Display for Level {
 }
 
 impl FromStr for Level {
-    type Err = ();
+    type Err = UnknownLevel;
 
     /// The level of this [`name`](Self::name); `portable` works everywhere.
-    fn from_str(name: &str) -> Result<Self, ()> {
+    fn from_str(name: &str) -> Result<Self, UnknownLevel> {
         let is_named = |level: &Level| level.name() == name || (*level == Self::Portable && name == "portable");
-        Self::ALL.into_iter().find(is_named).ok_or(())
+        Self::ALL.into_iter().find(is_named).ok_or(UnknownLevel)
     }
 }
+
+/// A name that is none of a [`Level`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownLevel;
+
+impl fmt::Display for UnknownLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("instruction sets are named scalar, portable (or sse2, on x86-64), avx2 and avx512")
+    }
+}
+
+impl core::error::Error for UnknownLevel {}
 
 /// A level that this processor has: proof that its instructions may run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,7 +23,7 @@ mod uninit;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-pub use isa::{Isa, Level, Task};
+pub use isa::{Isa, Level, Task, UnknownLevel};
 pub(crate) use isa::{Work, dispatch};
 pub(crate) use portable::Portable;
 pub(crate) use uninit::UninitStack;

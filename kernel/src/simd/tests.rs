@@ -154,7 +154,7 @@ fn levels_are_found_by_their_names() {
         assert_eq!(level.name().parse(), Ok(level));
     }
     assert_eq!("portable".parse(), Ok(Level::Portable));
-    assert_eq!("mmx".parse::<Level>(), Err(()));
+    assert_eq!("mmx".parse::<Level>(), Err(UnknownLevel));
 }
 
 #[test]

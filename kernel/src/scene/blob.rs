@@ -1,0 +1,445 @@
+//! Scenes as bytes: items, where they are, the trees of their meshes and the scenes in them, in one blob that is traced where
+//! it lies or loaded.
+//!
+//! A blob is a header of 64 bytes and then, without gaps, as many of each as the header says:
+//!
+//! | bytes each | |
+//! | --- | --- |
+//! | 256 | nodes of meshes, key by key where these move |
+//! | 320 | their blocks of triangles |
+//! | 256 | nodes of the scenes' own trees, key by key |
+//! | 64 | transforms: four columns of three numbers and a zero |
+//! | 20 | meshes: which nodes and blocks, and how many keys; 0 keys of one that cannot move |
+//! | 32 | scenes: which items, parts, numbers in leaves and nodes; the last scene is the outermost |
+//! | 20 | items: what kind (0 nothing, 1 a mesh, 2 a scene), which, mask, which transforms |
+//! | 8 | parts ([`Part`]) |
+//! | 4 | numbers in the leaves of the scenes' trees |
+//!
+//! and zeros up to a multiple of 64. A scene's items are meshes or scenes before it, so no scene is in itself. The header:
+//!
+//! | offset | bytes | |
+//! | --- | --- | --- |
+//! | 0 | 8 | `89 48 44 53 43 4e 0d 0a` |
+//! | 8 | 4 | the number 0x01020304: in which order bytes are |
+//! | 12 | 4 | version |
+//! | 16 | 36 | how many of each of the above, in that order |
+//! | 52 | 4 | children a node |
+//! | 56 | 4 | how the scene's tree was built: 0 fast, 1 medium, 2 high |
+//! | 60 | 4 | CRC-32 of all bytes but these four, as in [`bvh::blob`](crate::bvh::blob) |
+//!
+//! What holds of a tree's blob holds of these: other orders of bytes and versions are refused, and a blob that is accepted is
+//! safe to trace, whoever made it. Every tree is checked once, however many items have it.
+//!
+//! # In place
+//! An [`Item`] is larger than what a blob says of it, so the caller gives memory for items: one slice for each scene. Where no
+//! scene lies in another, that is all:
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! # use glam::{Affine3A, Vec3};
+//! # use halfdome_kernel::{BuildOptions, Bvh, Item, Ray, Scene, SceneView};
+//! # let (bvh, _) = Bvh::build(&[[Vec3::ZERO, Vec3::X, Vec3::Y]], &BuildOptions::default())?;
+//! # let right = Affine3A::from_translation(Vec3::X * 5.0);
+//! let items = vec![Item::new(bvh.view()), Item::new(bvh.view()).placed(&right)?];
+//! let bytes = Scene::build(items, &BuildOptions::default())?.0.to_bytes()?;
+//! // Elsewhere, without an allocator:
+//! let mut items = [const { Item::nothing() }; 2];
+//! let scene = SceneView::from_bytes(&bytes, &mut items)?;
+//! let hit = scene.intersect(&Ray::new(Vec3::new(5.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
+//! assert_eq!((hit.geometry_id, hit.hit.t), (1, 1.0));
+//! # }
+//! # Ok::<(), halfdome_kernel::Error>(())
+//! ```
+//!
+//! Where they do, [`SceneBlob`] opens one after the other.
+
+use core::ops::Range;
+
+use bytemuck::{AnyBitPattern, Pod, Zeroable};
+use glam::Affine3A;
+
+use super::{Item, Object, Part, SceneView};
+use crate::bvh::blob::{BYTE_ORDER, checksum};
+use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, TriangleBlock, WIDTH};
+use crate::error::{Error, InvalidScene};
+
+/// The version of the blobs of scenes that this crate writes, and the only one that it reads.
+pub const SCENE_BLOB_VERSION: u32 = 1;
+
+const MAGIC: [u8; 8] = *b"\x89HDSCN\r\n";
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Header {
+    magic: [u8; 8],
+    byte_order: u32,
+    version: u32,
+    nodes: u32,
+    blocks: u32,
+    scene_nodes: u32,
+    transforms: u32,
+    meshes: u32,
+    scenes: u32,
+    items: u32,
+    parts: u32,
+    numbers: u32,
+    width: u32,
+    quality: u32,
+    checksum: u32,
+}
+
+const HEADER: usize = size_of::<Header>();
+const _: () = assert!(HEADER == BLOB_ALIGNMENT && size_of::<Affine3A>() == 64);
+
+/// The qualities that a header may name.
+const QUALITIES: u32 = 3;
+
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct MeshRecord {
+    first_node: u32,
+    nodes: u32,
+    first_block: u32,
+    blocks: u32,
+    keys: u32,
+}
+
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct SceneRecord {
+    first_item: u32,
+    items: u32,
+    first_part: u32,
+    parts: u32,
+    first_number: u32,
+    numbers: u32,
+    first_node: u32,
+    nodes: u32,
+}
+
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct ItemRecord {
+    kind: u32,
+    object: u32,
+    mask: u32,
+    first_transform: u32,
+    transforms: u32,
+}
+
+const NOTHING: u32 = 0;
+const MESH: u32 = 1;
+const SCENE: u32 = 2;
+
+/// A scene as bytes, checked.
+///
+/// Scenes that lie in others have lower numbers than those: they are opened one after the other, each with memory for its
+/// items and with the views of those before it.
+///
+/// ```
+/// # #[cfg(feature = "alloc")] {
+/// # use glam::Vec3;
+/// # use halfdome_kernel::scene::SceneBlob;
+/// # use halfdome_kernel::{BuildOptions, Bvh, Item, Scene};
+/// # let options = BuildOptions::default();
+/// # let (bvh, _) = Bvh::build(&[[Vec3::ZERO, Vec3::X, Vec3::Y]], &options)?;
+/// # let (inside, _) = Scene::build(vec![Item::new(bvh.view())], &options)?;
+/// # let inside = inside.view();
+/// # let bytes = Scene::build(vec![Item::new(&inside), Item::new(&inside)], &options)?.0.to_bytes()?;
+/// let blob = SceneBlob::open(&bytes)?;
+/// assert_eq!((blob.scenes(), blob.item_count(0), blob.item_count(1)), (2, Some(1), Some(2)));
+/// let mut items = [const { Item::nothing() }; 1];
+/// let inner = [blob.view(0, &mut items, &[])?];
+/// let mut items = [const { Item::nothing() }; 2];
+/// let scene = blob.view(1, &mut items, &inner)?;
+/// assert_eq!(scene.levels(), 1);
+/// # }
+/// # Ok::<(), halfdome_kernel::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct SceneBlob<'a> {
+    nodes: &'a [Node],
+    blocks: &'a [TriangleBlock],
+    scene_nodes: &'a [Node],
+    transforms: &'a [Affine3A],
+    meshes: &'a [MeshRecord],
+    scenes: &'a [SceneRecord],
+    items: &'a [ItemRecord],
+    parts: &'a [Part],
+    numbers: &'a [u32],
+    #[cfg(any(feature = "alloc", test))]
+    quality: u32,
+}
+
+impl<'a> SceneView<'a> {
+    /// Borrows the scene in a blob that lies at a multiple of [`BLOB_ALIGNMENT`] bytes, and in which no scene lies in another.
+    /// What is in `items` is replaced; there may be more of them than needed.
+    ///
+    /// # Errors
+    /// Those of [`SceneBlob::open`] and [`SceneBlob::view`].
+    pub fn from_bytes<'b: 'a>(bytes: &'b [u8], items: &'a mut [Item<'b>]) -> Result<Self, Error> {
+        let blob = SceneBlob::open(bytes)?;
+        blob.view(blob.scenes() - 1, items, &[])
+    }
+}
+
+impl<'a> SceneBlob<'a> {
+    /// Checks a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and no memory.
+    ///
+    /// # Errors
+    /// - [`Error::NotAScene`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: by the first bytes.
+    /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
+    /// - [`Error::Misaligned`]: it does not lie where it can be traced; with `alloc`, `Scene::from_bytes` copies it.
+    /// - [`Error::Damaged`]: the checksum is another.
+    /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by halfdome.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, Error> {
+        let header = Header::read(bytes)?;
+        if bytes.as_ptr().align_offset(BLOB_ALIGNMENT) != 0 {
+            return Err(Error::Misaligned { alignment: BLOB_ALIGNMENT });
+        }
+        let computed = checksum(bytes);
+        if computed != header.checksum {
+            return Err(Error::Damaged { stored: header.checksum, computed });
+        }
+        if header.width != WIDTH as u32 {
+            return Err(Error::BadHeader { field: "number of children a node" });
+        }
+        if header.quality >= QUALITIES {
+            return Err(Error::BadHeader { field: "quality" });
+        }
+        if header.scenes == 0 {
+            return Err(Error::BadHeader { field: "number of scenes" });
+        }
+        let mut rest = &bytes[HEADER..];
+        let nodes = section(&mut rest, header.nodes)?;
+        let blocks = section(&mut rest, header.blocks)?;
+        let scene_nodes = section(&mut rest, header.scene_nodes)?;
+        // Of a transform whose zeros are others, nothing is known.
+        let words: &[[u32; 16]] = bytemuck::cast_slice(&rest[..header.transforms as usize * size_of::<Affine3A>()]);
+        let transforms = section(&mut rest, header.transforms)?;
+        let blob = Self {
+            nodes,
+            blocks,
+            scene_nodes,
+            transforms,
+            meshes: section(&mut rest, header.meshes)?,
+            scenes: section(&mut rest, header.scenes)?,
+            items: section(&mut rest, header.items)?,
+            parts: section(&mut rest, header.parts)?,
+            numbers: section(&mut rest, header.numbers)?,
+            #[cfg(any(feature = "alloc", test))]
+            quality: header.quality,
+        };
+        let are_zero = words.iter().all(|words| [3, 7, 11, 15].iter().all(|&place| words[place] == 0));
+        if !are_zero || rest.iter().any(|&byte| byte != 0) {
+            return Err(Error::BadHeader { field: "padding" });
+        }
+        blob.check()?;
+        Ok(blob)
+    }
+
+    /// Checks that records follow each other, that no scene is in itself, and all trees of meshes.
+    fn check(&self) -> Result<(), Error> {
+        let (mut node, mut block) = (0, 0);
+        for (index, record) in self.meshes.iter().enumerate() {
+            let bad = InvalidScene::BadRecord { record: "mesh", index };
+            follow(&mut node, record.first_node, record.nodes, bad)?;
+            follow(&mut block, record.first_block, record.blocks, bad)?;
+            let (nodes, blocks) = self.mesh_parts(record).ok_or(bad)?;
+            match record.keys {
+                0 => BvhView::new(nodes, blocks).map(|_| ())?,
+                keys => MovingView::new(nodes, blocks, keys as usize).map(|_| ())?,
+            }
+        }
+        let (mut item, mut part, mut number, mut scene_node) = (0, 0, 0, 0);
+        let mut transform = 0;
+        for (scene, record) in self.scenes.iter().enumerate() {
+            let bad = InvalidScene::BadRecord { record: "scene", index: scene };
+            follow(&mut item, record.first_item, record.items, bad)?;
+            follow(&mut part, record.first_part, record.parts, bad)?;
+            follow(&mut number, record.first_number, record.numbers, bad)?;
+            follow(&mut scene_node, record.first_node, record.nodes, bad)?;
+            let items = self.items.get(range(record.first_item, record.items)).ok_or(bad)?;
+            for (index, item) in (record.first_item as usize..).zip(items) {
+                let bad = InvalidScene::BadRecord { record: "item", index };
+                follow(&mut transform, item.first_transform, item.transforms, bad)?;
+                let is_there = match item.kind {
+                    NOTHING => item.object == 0,
+                    MESH => (item.object as usize) < self.meshes.len(),
+                    SCENE => (item.object as usize) < scene,
+                    _ => false,
+                };
+                if !is_there {
+                    return Err(bad.into());
+                }
+            }
+        }
+        let ends = [
+            (node, self.nodes.len()),
+            (block, self.blocks.len()),
+            (scene_node, self.scene_nodes.len()),
+            (transform, self.transforms.len()),
+            (item, self.items.len()),
+            (part, self.parts.len()),
+            (number, self.numbers.len()),
+        ];
+        if ends.iter().any(|&(end, len)| end != len as u64) {
+            return Err(Error::BadHeader { field: "table of counts" });
+        }
+        Ok(())
+    }
+
+    /// How many scenes there are: those that lie in others, and last the outermost.
+    pub fn scenes(&self) -> usize {
+        self.scenes.len()
+    }
+
+    /// How many items a scene has; `None` if there is no such scene.
+    pub fn item_count(&self, scene: usize) -> Option<usize> {
+        self.scenes.get(scene).map(|record| record.items as usize)
+    }
+
+    /// Borrows a scene. `items` are replaced by its own, of which there are [`item_count`](Self::item_count); `inner` are the
+    /// views of the scenes before it, as far as they are in it.
+    ///
+    /// # Errors
+    /// [`InvalidScene::TooFew`] if there are fewer items or scenes than needed; and, of bytes that were not written by halfdome,
+    /// those of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
+    pub fn view<'s, 'i: 's>(
+        &self,
+        scene: usize,
+        items: &'s mut [Item<'i>],
+        inner: &'i [SceneView<'i>],
+    ) -> Result<SceneView<'s>, Error>
+    where
+        'a: 'i,
+    {
+        let too_few = |what, needed, given| InvalidScene::TooFew { what, needed, given };
+        let record = self.scenes.get(scene).ok_or(too_few("scenes", scene + 1, self.scenes.len()))?;
+        let (needed, given) = (record.items as usize, items.len());
+        let items = items.get_mut(..needed).ok_or(too_few("items", needed, given))?;
+        for (place, record) in items.iter_mut().zip(self.records_of(record)) {
+            let object = match record.kind {
+                SCENE => {
+                    let scene = record.object as usize;
+                    Object::Scene(inner.get(scene).ok_or(too_few("scenes", scene + 1, inner.len()))?)
+                }
+                MESH => self.mesh(record.object),
+                _ => Object::Nothing,
+            };
+            let item = Item::new(object).with_mask(record.mask);
+            *place = match self.transforms_of(record) {
+                [] => item,
+                keys => item.moving(keys)?,
+            };
+        }
+        let (parts, nodes, numbers) = self.tree_of(record);
+        SceneView::new(items, parts, nodes, numbers)
+    }
+
+    /// The items of a scene.
+    fn records_of(&self, scene: &SceneRecord) -> &'a [ItemRecord] {
+        self.items.get(range(scene.first_item, scene.items)).unwrap_or(&[])
+    }
+
+    /// Where an item is at its keys; nowhere else than its own coordinates say if there are none.
+    fn transforms_of(&self, item: &ItemRecord) -> &'a [Affine3A] {
+        self.transforms.get(range(item.first_transform, item.transforms)).unwrap_or(&[])
+    }
+
+    /// The parts, nodes and numbers of a scene.
+    fn tree_of(&self, scene: &SceneRecord) -> (&'a [Part], &'a [Node], &'a [u32]) {
+        (
+            self.parts.get(range(scene.first_part, scene.parts)).unwrap_or(&[]),
+            self.scene_nodes.get(range(scene.first_node, scene.nodes)).unwrap_or(&[]),
+            self.numbers.get(range(scene.first_number, scene.numbers)).unwrap_or(&[]),
+        )
+    }
+
+    /// A mesh, which was checked.
+    fn mesh(&self, index: u32) -> Object<'a> {
+        let record = self.meshes.get(index as usize);
+        match record.and_then(|record| Some((record.keys, self.mesh_parts(record)?))) {
+            Some((0, (nodes, blocks))) => Object::Mesh(BvhView::trusted(nodes, blocks)),
+            Some((keys, (nodes, blocks))) => Object::Moving(MovingView::trusted(nodes, blocks, keys as usize)),
+            None => Object::Nothing,
+        }
+    }
+
+    fn mesh_parts(&self, record: &MeshRecord) -> Option<(&'a [Node], &'a [TriangleBlock])> {
+        let nodes = self.nodes.get(range(record.first_node, record.nodes))?;
+        Some((nodes, self.blocks.get(range(record.first_block, record.blocks))?))
+    }
+}
+
+/// The next elements of the rest.
+fn section<'a, T: AnyBitPattern>(rest: &mut &'a [u8], count: u32) -> Result<&'a [T], Error> {
+    let misaligned = Error::Misaligned { alignment: BLOB_ALIGNMENT };
+    let (section, after) = rest.split_at_checked(count as usize * size_of::<T>()).ok_or(misaligned)?;
+    *rest = after;
+    bytemuck::try_cast_slice(section).map_err(|_| misaligned)
+}
+
+fn range(first: u32, count: u32) -> Range<usize> {
+    first as usize..(first as usize).saturating_add(count as usize)
+}
+
+/// Whether what a record has begins where that of the one before it ended.
+fn follow(end: &mut u64, first: u32, count: u32, bad: InvalidScene) -> Result<(), InvalidScene> {
+    if *end != u64::from(first) {
+        return Err(bad);
+    }
+    *end += u64::from(count);
+    Ok(())
+}
+
+impl Header {
+    /// The header of a blob of the right length.
+    fn read(bytes: &[u8]) -> Result<Self, Error> {
+        let start = bytes.get(..MAGIC.len()).unwrap_or(bytes);
+        if !MAGIC.starts_with(start) {
+            return Err(Error::NotAScene);
+        }
+        let found = bytes.len() as u64;
+        let Some(header) = bytes.get(..HEADER) else {
+            return Err(Error::Truncated { needed: HEADER as u64, found });
+        };
+        let header: Self = bytemuck::pod_read_unaligned(header);
+        match header.byte_order {
+            BYTE_ORDER => {}
+            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::OtherByteOrder),
+            _ => return Err(Error::BadHeader { field: "byte order" }),
+        }
+        if header.version != SCENE_BLOB_VERSION {
+            return Err(Error::OtherVersion { found: header.version, readable: SCENE_BLOB_VERSION });
+        }
+        let needed = header.blob_len();
+        match found {
+            _ if found < needed => Err(Error::Truncated { needed, found }),
+            _ if found > needed => Err(Error::TrailingBytes { needed, found }),
+            _ => Ok(header),
+        }
+    }
+
+    /// The length of the blob in bytes.
+    fn blob_len(&self) -> u64 {
+        let sizes = [
+            (self.nodes, size_of::<Node>()),
+            (self.blocks, size_of::<TriangleBlock>()),
+            (self.scene_nodes, size_of::<Node>()),
+            (self.transforms, size_of::<Affine3A>()),
+            (self.meshes, size_of::<MeshRecord>()),
+            (self.scenes, size_of::<SceneRecord>()),
+            (self.items, size_of::<ItemRecord>()),
+            (self.parts, size_of::<Part>()),
+            (self.numbers, size_of::<u32>()),
+        ];
+        let len = sizes.iter().map(|&(count, each)| u64::from(count) * each as u64).sum::<u64>();
+        (HEADER as u64 + len).next_multiple_of(BLOB_ALIGNMENT as u64)
+    }
+}
+
+#[cfg(any(feature = "alloc", test))]
+mod owned;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,249 @@
+//! Writing blobs of scenes, and loading them into memory of their own.
+
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use bytemuck::bytes_of;
+
+use super::*;
+use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, Serial};
+use crate::error::InvalidTree;
+use crate::scene::Scene;
+use crate::scene::object::Target;
+use crate::scene::top_level::TopLevel;
+use crate::scene::transform::Placement;
+
+impl Scene<'_> {
+    /// The scene, as of its last commit, as bytes: equal for scenes of equal items and options, whatever was changed on the way.
+    /// What several items have is there once.
+    ///
+    /// # Errors
+    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
+    pub fn to_bytes(&self) -> Result<Blob, Error> {
+        self.view().to_bytes(&self.options())
+    }
+}
+
+impl Scene<'static> {
+    /// A copy of the scene in a blob, which may begin at any address, with all that is in it. Its items have the handles of a
+    /// scene that was built of them: their indices, and generation 0.
+    ///
+    /// # Errors
+    /// Those of [`SceneView::from_bytes`], but for [`Error::Misaligned`]; scenes may lie in others.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        let copy;
+        let aligned = match bytes.as_ptr().align_offset(BLOB_ALIGNMENT) {
+            0 => bytes,
+            _ => {
+                Header::read(bytes)?;
+                copy = Blob::of(bytes);
+                &copy[..bytes.len()]
+            }
+        };
+        SceneBlob::open(aligned)?.load()
+    }
+}
+
+impl SceneBlob<'_> {
+    fn load(&self) -> Result<Scene<'static>, Error> {
+        let options = Quality::ALL.get(self.quality as usize).copied().unwrap_or_default().into();
+        let copy = |index: u32| match self.mesh(index) {
+            Object::Mesh(tree) => Object::from(Arc::new(Bvh::copy_of(&tree))),
+            Object::Moving(tree) => Object::from(Arc::new(MovingBvh::copy_of(&tree))),
+            _ => Object::Nothing,
+        };
+        let meshes: Vec<Object<'static>> = (0..self.meshes.len() as u32).map(copy).collect();
+        let mut scenes: Vec<Arc<Scene<'static>>> = Vec::with_capacity(self.scenes.len());
+        for record in self.scenes {
+            let object = |item: &ItemRecord| match item.kind {
+                MESH => meshes.get(item.object as usize).cloned(),
+                SCENE => scenes.get(item.object as usize).cloned().map(Object::from),
+                _ => None,
+            };
+            let item = |record: &ItemRecord| {
+                let item = Item::new(object(record).unwrap_or(Object::Nothing)).with_mask(record.mask);
+                match self.transforms_of(record) {
+                    [] => Ok(item),
+                    keys => item.moving_shared(keys.into()),
+                }
+            };
+            let mut items = self.records_of(record).iter().map(item).collect::<Result<Vec<_>, Error>>()?;
+            // A blob that cannot be traced in place is not to be loaded either.
+            let (parts, nodes, numbers) = self.tree_of(record);
+            SceneView::new(&mut items, parts, nodes, numbers)?;
+            scenes.push(Arc::new(Scene::build(items, &options)?.0));
+        }
+        // Nothing is in the last but what is before it, and it is in nothing.
+        let scene = scenes.pop().ok_or(Error::BadHeader { field: "number of scenes" })?;
+        Ok(Arc::try_unwrap(scene).unwrap_or_else(|shared| (*shared).clone()))
+    }
+}
+
+impl SceneView<'_> {
+    /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with `options`.
+    ///
+    /// # Errors
+    /// Those of `Scene::to_bytes`.
+    pub fn to_bytes(&self, options: &BuildOptions) -> Result<Blob, Error> {
+        let mut writer = Writer { options: *options, ..Writer::default() };
+        writer.scene(self, 0)?;
+        writer.finish()
+    }
+}
+
+/// Where something lies, by which it is known again.
+type Place = (usize, usize, usize);
+
+/// The sections of a blob under way.
+#[derive(Default)]
+struct Writer {
+    options: BuildOptions,
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+    scene_nodes: Vec<Node>,
+    transforms: Vec<[f32; 16]>,
+    meshes: Vec<MeshRecord>,
+    scenes: Vec<SceneRecord>,
+    items: Vec<ItemRecord>,
+    parts: Vec<Part>,
+    numbers: Vec<u32>,
+    known_meshes: BTreeMap<Place, u32>,
+    known_scenes: BTreeMap<Place, u32>,
+}
+
+impl Writer {
+    /// Writes a scene that is `depth` scenes deep, and before it all that is in it: its number.
+    fn scene(&mut self, scene: &SceneView, depth: usize) -> Result<u32, Error> {
+        let items = scene.items();
+        let place = (items.as_ptr().addr(), items.len(), scene.tree().nodes(0).as_ptr().addr());
+        if let Some(&known) = self.known_scenes.get(&place) {
+            return Ok(known);
+        }
+        let mut objects = Vec::with_capacity(items.len());
+        for (index, item) in items.iter().enumerate() {
+            objects.push(match item.object.target() {
+                Target::Nothing => (NOTHING, 0),
+                Target::Mesh(tree) => (MESH, self.mesh(&[tree.nodes()], &[tree.blocks()], 0)?),
+                Target::Moving(tree) => {
+                    let keys = 0..tree.keys();
+                    let nodes: Vec<&[Node]> = keys.clone().map(|key| tree.nodes(key)).collect();
+                    let blocks: Vec<&[TriangleBlock]> = keys.map(|key| tree.blocks(key)).collect();
+                    (MESH, self.mesh(&nodes, &blocks, number(tree.keys())?)?)
+                }
+                Target::Scene(inner) => (SCENE, self.scene(&inner, depth + 1)?),
+                _ => return Err(InvalidScene::NotSaved { item: index, depth }.into()),
+            });
+        }
+        let keys = items.iter().map(Item::keys).max().unwrap_or(1);
+        let (top, _) = TopLevel::build(&Serial, items, keys, &self.options)?;
+        let tree = top.tree.view();
+        let mut record = SceneRecord {
+            first_item: number(self.items.len())?,
+            items: number(items.len())?,
+            first_part: number(self.parts.len())?,
+            parts: number(top.parts.len())?,
+            first_number: number(self.numbers.len())?,
+            numbers: number(tree.items().len())?,
+            first_node: number(self.scene_nodes.len())?,
+            nodes: 0,
+        };
+        (0..tree.keys()).for_each(|key| self.scene_nodes.extend_from_slice(tree.nodes(key)));
+        record.nodes = number(self.scene_nodes.len())? - record.first_node;
+        self.parts.extend_from_slice(&top.parts);
+        self.numbers.extend_from_slice(tree.items());
+        for (item, (kind, object)) in items.iter().zip(objects) {
+            let first_transform = number(self.transforms.len())?;
+            self.place(&item.placement);
+            let transforms = number(self.transforms.len())? - first_transform;
+            self.items.push(ItemRecord { kind, object, mask: item.mask, first_transform, transforms });
+        }
+        let index = number(self.scenes.len())?;
+        self.scenes.push(record);
+        self.known_scenes.insert(place, index);
+        Ok(index)
+    }
+
+    /// Writes the nodes and blocks of a mesh at its keys, unless that was done before: its number.
+    fn mesh(&mut self, nodes: &[&[Node]], blocks: &[&[TriangleBlock]], keys: u32) -> Result<u32, Error> {
+        let first = nodes.first().copied().unwrap_or(&[]);
+        let place = (first.as_ptr().addr(), first.len(), keys as usize);
+        if let Some(&known) = self.known_meshes.get(&place) {
+            return Ok(known);
+        }
+        let (first_node, first_block) = (number(self.nodes.len())?, number(self.blocks.len())?);
+        nodes.iter().for_each(|nodes| self.nodes.extend_from_slice(nodes));
+        blocks.iter().for_each(|blocks| self.blocks.extend_from_slice(blocks));
+        let index = number(self.meshes.len())?;
+        let (nodes, blocks) = (number(self.nodes.len())? - first_node, number(self.blocks.len())? - first_block);
+        self.meshes.push(MeshRecord { first_node, nodes, first_block, blocks, keys });
+        self.known_meshes.insert(place, index);
+        Ok(index)
+    }
+
+    /// Writes the transforms of a placement.
+    fn place(&mut self, placement: &Placement) {
+        let columns = |transform: &Affine3A| {
+            let mut numbers = [0.0; 16];
+            for (column, three) in transform.to_cols_array().as_chunks::<3>().0.iter().enumerate() {
+                numbers[4 * column..][..3].copy_from_slice(three);
+            }
+            numbers
+        };
+        match placement {
+            Placement::AsItIs => {}
+            Placement::Moving { keys, .. } => self.transforms.extend(keys.iter().map(columns)),
+            Placement::Flat { .. } | Placement::Still { .. } => {
+                self.transforms.extend(placement.to_scene(0.0).iter().map(columns));
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Blob, Error> {
+        let quality = Quality::ALL.iter().position(|&quality| quality == self.options.quality).unwrap_or_default();
+        let mut header = Header {
+            magic: MAGIC,
+            byte_order: BYTE_ORDER,
+            version: SCENE_BLOB_VERSION,
+            nodes: number(self.nodes.len())?,
+            blocks: number(self.blocks.len())?,
+            scene_nodes: number(self.scene_nodes.len())?,
+            transforms: number(self.transforms.len())?,
+            meshes: number(self.meshes.len())?,
+            scenes: number(self.scenes.len())?,
+            items: number(self.items.len())?,
+            parts: number(self.parts.len())?,
+            numbers: number(self.numbers.len())?,
+            width: WIDTH as u32,
+            quality: quality as u32,
+            checksum: 0,
+        };
+        let mut blob = Blob::zeroed(header.blob_len() as usize);
+        let sections: [&[u8]; 10] = [
+            bytes_of(&header),
+            bytemuck::cast_slice(&self.nodes),
+            bytemuck::cast_slice(&self.blocks),
+            bytemuck::cast_slice(&self.scene_nodes),
+            bytemuck::cast_slice(&self.transforms),
+            bytemuck::cast_slice(&self.meshes),
+            bytemuck::cast_slice(&self.scenes),
+            bytemuck::cast_slice(&self.items),
+            bytemuck::cast_slice(&self.parts),
+            bytemuck::cast_slice(&self.numbers),
+        ];
+        let mut rest = &mut blob[..];
+        for section in sections {
+            let (place, after) = rest.split_at_mut(section.len());
+            place.copy_from_slice(section);
+            rest = after;
+        }
+        header.checksum = checksum(&blob);
+        blob[..HEADER].copy_from_slice(bytes_of(&header));
+        Ok(blob)
+    }
+}
+
+/// A count as a blob has it.
+fn number(count: usize) -> Result<u32, Error> {
+    u32::try_from(count).map_err(|_| InvalidTree::TooLarge { limit: u32::MAX }.into())
+}

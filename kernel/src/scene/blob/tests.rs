@@ -1,0 +1,369 @@
+//! Scenes come back from their blobs as they were; blobs that are not right are told apart.
+
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use glam::{Quat, Vec3, vec3};
+
+use super::*;
+use crate::bvh::{Blob, Child, MovingBvh};
+use crate::error::InvalidTree;
+use crate::scene::{Scene, Spheres};
+use crate::traverse::tests::{Random, soup};
+use crate::{BuildOptions, Bvh, Quality, Ray, SceneHit, SceneRay, Triangle};
+
+fn bvh(count: usize, seed: u64) -> Arc<Bvh> {
+    Arc::new(Bvh::build(&soup(&mut Random(seed), count, 0.5), &BuildOptions::default()).unwrap().0)
+}
+
+fn build(items: Vec<Item>) -> Scene {
+    Scene::build(items, &BuildOptions::default()).unwrap().0
+}
+
+/// A place on a grid.
+fn at(i: usize) -> Affine3A {
+    Affine3A::from_translation(vec3((i % 5) as f32, (i / 5) as f32, 0.0) * 3.0)
+}
+
+/// One mesh three times: as it is, turned and larger, and moving.
+fn inner() -> Scene<'static> {
+    let mesh = bvh(12, 1);
+    let turned = Affine3A::from_scale_rotation_translation(Vec3::splat(1.5), Quat::from_rotation_x(1.0), Vec3::Y);
+    let keys: Arc<[Affine3A]> = [at(1), at(2), at(7)].into();
+    let items = vec![
+        Item::new(mesh.clone()),
+        Item::new(mesh.clone()).placed(&turned).unwrap().with_mask(2),
+        Item::new(mesh).moving_shared(keys).unwrap(),
+    ];
+    Scene::build(items, &Quality::Fast.into()).unwrap().0
+}
+
+/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, and a scene three times.
+fn town() -> Scene<'static> {
+    let mut random = Random(3);
+    let from = soup(&mut random, 9, 0.5);
+    let to: Vec<Triangle> = from.iter().map(|corners| corners.map(|corner| corner * 1.5 + Vec3::Z)).collect();
+    let deforms = Arc::new(MovingBvh::build(&[&from, &to], &BuildOptions::default()).unwrap().0);
+    let inner = Arc::new(inner());
+    let items = vec![
+        Item::new(inner.clone()).placed(&at(10)).unwrap(),
+        Item::nothing(),
+        Item::new(bvh(20, 2)).with_mask(6),
+        Item::new(inner.clone()),
+        Item::new(deforms).placed(&at(3)).unwrap(),
+        Item::new(inner).placed(&Affine3A::from_scale(vec3(1.0, 0.0, 1.0))).unwrap(),
+    ];
+    Scene::build(items, &Quality::Medium.into()).unwrap().0
+}
+
+fn rays(count: usize) -> Vec<SceneRay> {
+    let mut random = Random(5);
+    let count = if cfg!(miri) { 20 } else { count };
+    let ray = |i: usize| {
+        let cell = Vec3::from(at(random.bits() as usize % 15).translation);
+        let target = cell + random.vector() * 0.6;
+        let origin = target + random.vector() * 5.0 + Vec3::Z * 6.0;
+        let ray = SceneRay::new(Ray::new(origin, target - origin)).at_time(random.unit());
+        if i.is_multiple_of(3) { ray.with_mask(1 << (i % 4)) } else { ray }
+    };
+    (0..count).map(ray).collect()
+}
+
+fn bits(hit: Option<SceneHit>) -> Option<[u32; 8]> {
+    hit.map(bytemuck::cast)
+}
+
+/// What `look` says of the scene in a blob of one or two scenes, traced in place.
+fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Result<T, Error> {
+    let blob = SceneBlob::open(bytes)?;
+    let mut items = vec![Item::nothing(); blob.item_count(0).unwrap()];
+    let first = blob.view(0, &mut items, &[])?;
+    if blob.scenes() == 1 {
+        return Ok(look(&first));
+    }
+    let inner = [first];
+    let mut items = vec![Item::nothing(); blob.item_count(1).unwrap()];
+    Ok(look(&blob.view(1, &mut items, &inner)?))
+}
+
+fn error(bytes: &[u8]) -> Error {
+    let (borrowed, owned) = (in_place(bytes, |_| ()).err(), Scene::from_bytes(bytes).err());
+    assert_eq!(borrowed, owned);
+    borrowed.expect("it is wrong")
+}
+
+/// A word.
+fn put(blob: &mut [u8], offset: usize, value: u32) {
+    blob[offset..offset + 4].copy_from_slice(&value.to_ne_bytes());
+}
+
+/// Puts the right checksum to a blob that was changed.
+fn sign(mut blob: Blob) -> Blob {
+    let sum = checksum(&blob);
+    put(&mut blob, 60, sum);
+    blob
+}
+
+/// Where each section begins, in their order.
+fn sections(blob: &Blob) -> [usize; 9] {
+    let header: Header = bytemuck::pod_read_unaligned(&blob[..HEADER]);
+    let sizes = [
+        header.nodes as usize * 256,
+        header.blocks as usize * 320,
+        header.scene_nodes as usize * 256,
+        header.transforms as usize * 64,
+        header.meshes as usize * 20,
+        header.scenes as usize * 32,
+        header.items as usize * 20,
+        header.parts as usize * 8,
+    ];
+    let mut at = [HEADER; 9];
+    for (i, size) in sizes.into_iter().enumerate() {
+        at[i + 1] = at[i] + size;
+    }
+    at
+}
+
+#[test]
+fn scenes_come_back_as_they_were() {
+    let rays = rays(800);
+    for scene in [inner(), town(), Scene::default()] {
+        let blob = scene.to_bytes().unwrap();
+        let loaded = Scene::from_bytes(&blob).unwrap();
+        assert_eq!(loaded.to_bytes().unwrap(), blob);
+        let mut found = 0;
+        let check = |other: &SceneView| {
+            assert_eq!((other.bounds(), other.levels()), (scene.view().bounds(), scene.view().levels()));
+            assert_eq!(other.to_bytes(&scene.options()).unwrap(), blob);
+            for ray in &rays {
+                let hit = scene.view().intersect(ray);
+                assert_eq!(bits(other.intersect(ray)), bits(hit));
+                assert_eq!(other.occluded(ray), hit.is_some());
+                if let Some(hit) = hit {
+                    found += 1;
+                    let [ours, theirs] = [&scene.view(), other].map(|view| view.to_scene(&hit, ray.time));
+                    assert_eq!(ours, theirs);
+                }
+            }
+        };
+        in_place(&blob, check).unwrap();
+        assert!(found > 20 || scene.handles().next().is_none() || cfg!(miri), "{found}");
+        for ray in &rays {
+            assert_eq!(bits(loaded.view().intersect(ray)), bits(scene.view().intersect(ray)));
+        }
+    }
+}
+
+#[test]
+fn a_loaded_scene_goes_on() {
+    let mut scene = Scene::from_bytes(&inner().to_bytes().unwrap()).unwrap();
+    assert_eq!(scene.options().quality, Quality::Fast);
+    let handles: Vec<_> = scene.handles().collect();
+    assert_eq!(handles.len(), 3);
+    scene.remove(handles[1]).unwrap();
+    scene.set_transform(handles[0], &at(20)).unwrap();
+    scene.commit().unwrap();
+    assert!(scene.view().bounds().max.y > 11.0);
+}
+
+/// Bytes depend on what a scene is, not on how it came to be.
+#[test]
+fn the_way_there_does_not_matter() {
+    let mesh = bvh(12, 1);
+    let item = |i: usize| Item::new(mesh.clone()).placed(&at(i)).unwrap();
+    let options = BuildOptions::default();
+    let mut items: Vec<Item> = (0..20).map(item).collect();
+    let mut scene = Scene::build((0..20).map(|i| item(19 - i)).collect(), &options).unwrap().0;
+    let handles: Vec<_> = scene.handles().collect();
+    for (i, &handle) in handles.iter().enumerate() {
+        scene.set_transform(handle, &at(i)).unwrap();
+    }
+    scene.commit().unwrap();
+    scene.remove(handles[7]).unwrap();
+    scene.commit().unwrap();
+    items[7] = Item::nothing();
+    let built = Scene::build(items, &options).unwrap().0.to_bytes().unwrap();
+    let changed = scene.to_bytes().unwrap();
+    assert_eq!(changed, built);
+    // What was not committed is not there.
+    scene.set_mask(handles[0], 0).unwrap();
+    assert_eq!(scene.to_bytes().unwrap(), built);
+    // One mesh, however many items: of each of them a transform, a record and a part.
+    let mesh_bytes = mesh.statistics().bytes;
+    assert!(built.len() < mesh_bytes + 20 * 120 + 5000, "{} of {mesh_bytes}", built.len());
+}
+
+#[test]
+fn shapes_of_the_callers_are_named() {
+    let shapes = Spheres(&[]);
+    let mesh = bvh(2, 1);
+    let inside = build(vec![Item::new(mesh.clone()), Item::new(mesh.clone()), Item::new(&shapes)]);
+    assert_eq!(inside.to_bytes().err(), Some(InvalidScene::NotSaved { item: 2, depth: 0 }.into()));
+    let view = inside.view();
+    let outside = build(vec![Item::new(mesh), Item::new(&view)]);
+    let error = outside.to_bytes().unwrap_err();
+    assert_eq!(error, InvalidScene::NotSaved { item: 2, depth: 1 }.into());
+    let said = alloc::format!("{error}");
+    assert_eq!(
+        said,
+        "item 2 is a shape of the program's, which cannot be written as bytes; it is in a scene in the scene"
+    );
+}
+
+#[test]
+fn too_little_memory_is_told() {
+    let blob = inner().to_bytes().unwrap();
+    let mut items = vec![Item::nothing(); 2];
+    let error = SceneView::from_bytes(&blob, &mut items).err();
+    assert_eq!(error, Some(InvalidScene::TooFew { what: "items", needed: 3, given: 2 }.into()));
+    // More than needed is as good.
+    let mut items = vec![Item::nothing(); 9];
+    assert_eq!(SceneView::from_bytes(&blob, &mut items).unwrap().items().len(), 3);
+    let blob = town().to_bytes().unwrap();
+    let mut items = vec![Item::nothing(); 9];
+    let error = SceneView::from_bytes(&blob, &mut items).err();
+    assert_eq!(error, Some(InvalidScene::TooFew { what: "scenes", needed: 1, given: 0 }.into()));
+    let blob = SceneBlob::open(&blob).unwrap();
+    let error = blob.view(2, &mut items, &[]).err();
+    assert_eq!(error, Some(InvalidScene::TooFew { what: "scenes", needed: 3, given: 2 }.into()));
+    assert_eq!((blob.item_count(1), blob.item_count(2)), (Some(6), None));
+}
+
+#[test]
+fn every_flipped_bit_is_noticed() {
+    let mut blob = town().to_bytes().unwrap();
+    // In the trees, whose bytes are but summed up, some bits will do; all in the header and in the records.
+    let records = sections(&blob)[3];
+    let step = |byte: usize| {
+        if cfg!(miri) {
+            997
+        } else if (HEADER..records).contains(&byte) {
+            13
+        } else {
+            1
+        }
+    };
+    let mut byte = 0;
+    while byte < blob.len() {
+        for bit in 0..8 {
+            blob[byte] ^= 1 << bit;
+            match (byte, error(&blob)) {
+                (0..8, Error::NotAScene)
+                | (8..12, Error::BadHeader { field: "byte order" })
+                | (12..16, Error::OtherVersion { .. })
+                | (16..52, Error::Truncated { .. } | Error::TrailingBytes { .. } | Error::Damaged { .. })
+                | (52.., Error::Damaged { .. }) => {}
+                (_, error) => panic!("bit {bit} of byte {byte}: {error:?}"),
+            }
+            blob[byte] ^= 1 << bit;
+        }
+        byte += step(byte);
+    }
+    assert!(in_place(&blob, |_| ()).is_ok());
+}
+
+#[test]
+fn every_truncation_is_noticed_and_so_is_what_follows() {
+    let blob = town().to_bytes().unwrap();
+    for cut in (0..blob.len()).step_by(if cfg!(miri) { 997 } else { 7 }) {
+        let needed = if cut < 64 { 64 } else { blob.len() as u64 };
+        assert_eq!(error(&blob[..cut]), Error::Truncated { needed, found: cut as u64 });
+    }
+    let mut longer = Blob::zeroed(blob.len() + 64);
+    longer[..blob.len()].copy_from_slice(&blob);
+    let (needed, found) = (blob.len() as u64, blob.len() as u64 + 64);
+    assert_eq!(error(&longer), Error::TrailingBytes { needed, found });
+    // More than there is memory.
+    let mut huge = blob.clone();
+    (16..52).step_by(4).for_each(|place| put(&mut huge, place, u32::MAX));
+    assert!(matches!(error(&huge), Error::Truncated { .. }));
+}
+
+#[test]
+fn bytes_of_other_kinds_and_machines_are_told_apart() {
+    let tree = bvh(3, 1).to_bytes();
+    assert_eq!(error(&tree), Error::NotAScene);
+    assert_eq!(error(b"ply\nformat"), Error::NotAScene);
+    let blob = inner().to_bytes().unwrap();
+    assert_eq!(Bvh::from_bytes(&blob).err(), Some(Error::NotABlob));
+    let mut turned = blob.clone();
+    turned[8..].chunks_exact_mut(4).for_each(<[u8]>::reverse);
+    assert_eq!(error(&turned), Error::OtherByteOrder);
+    let mut newer = blob.clone();
+    put(&mut newer, 12, 7);
+    assert_eq!(error(&sign(newer)), Error::OtherVersion { found: 7, readable: SCENE_BLOB_VERSION });
+}
+
+#[test]
+fn where_it_cannot_be_traced_it_can_be_loaded() {
+    let blob = town().to_bytes().unwrap();
+    let mut bytes = vec![0; blob.len() + 2 * BLOB_ALIGNMENT];
+    let start = bytes.as_ptr().align_offset(BLOB_ALIGNMENT);
+    for offset in [0, 1, 2, 4, 8, 16, 32, 63] {
+        let bytes = &mut bytes[start + offset..][..blob.len()];
+        bytes.copy_from_slice(&blob);
+        let error = (offset != 0).then_some(Error::Misaligned { alignment: 64 });
+        assert_eq!(SceneBlob::open(bytes).err(), error);
+        assert_eq!(Scene::from_bytes(bytes).unwrap().to_bytes().unwrap(), blob);
+    }
+}
+
+/// Checksums are no seal: what tracing relies on is checked for itself.
+#[test]
+fn forged_blobs_are_refused() {
+    let original = town().to_bytes().unwrap();
+    let [nodes, _, scene_nodes, transforms, meshes, scenes, items, parts, numbers] = sections(&original);
+    let forge = |changes: &[(usize, u32)]| {
+        let mut blob = original.clone();
+        changes.iter().for_each(|&(offset, value)| put(&mut blob, offset, value));
+        error(&sign(blob))
+    };
+    let header = |field| Error::BadHeader { field };
+    let record = |record, index| Error::from(InvalidScene::BadRecord { record, index });
+    assert_eq!(forge(&[(52, 4)]), header("number of children a node"));
+    assert_eq!(forge(&[(56, 3)]), header("quality"));
+    assert_eq!(forge(&[(numbers, 99)]), InvalidTree::BadItem { place: 0 }.into());
+
+    // The inner scene is the first: its items are 0 to 2, those of the town 3 to 8, of which 3, 6 and 8 are that scene.
+    let item = |index: usize, field: usize| items + 20 * index + 4 * field;
+    let scene = |index: usize, field: usize| scenes + 32 * index + 4 * field;
+    // In itself, in one after it, of no mesh, of no kind, nothing that is something.
+    assert_eq!(forge(&[(item(0, 0), SCENE), (item(0, 1), 0)]), record("item", 0));
+    assert_eq!(forge(&[(item(3, 1), 1)]), record("item", 3));
+    assert_eq!(forge(&[(item(3, 1), 7)]), record("item", 3));
+    assert_eq!(forge(&[(item(5, 1), 3)]), record("item", 5));
+    assert_eq!(forge(&[(item(5, 0), 3)]), record("item", 5));
+    assert_eq!(forge(&[(item(4, 1), 1)]), record("item", 4));
+    // Transforms of another item; fewer than there are.
+    assert_eq!(forge(&[(item(2, 3), 0)]), record("item", 2));
+    assert_eq!(forge(&[(item(8, 4), 0)]), header("table of counts"));
+    for field in [0, 2, 4, 6] {
+        assert_eq!(forge(&[(scene(1, field), 1)]), record("scene", 1));
+    }
+    assert_eq!(forge(&[(scene(1, 1), u32::MAX)]), record("scene", 1));
+    assert_eq!(forge(&[(scene(1, 3), 0)]), header("table of counts"));
+    assert_eq!(forge(&[(meshes + 20, 9)]), record("mesh", 1));
+    assert_eq!(forge(&[(meshes + 4, u32::MAX)]), record("mesh", 0));
+    // More keys than a tree has, and a number of keys that does not divide it.
+    assert_eq!(forge(&[(meshes + 16, 7)]), InvalidTree::BadKeys { keys: 7 }.into());
+
+    // Trees: a plane that is no number, a child that is the root itself; of a mesh, and of the town.
+    for (nodes, of_boxes) in [(nodes, false), (scene_nodes, true)] {
+        let bad_box = forge(&[(nodes, f32::NAN.to_bits())]);
+        assert_eq!(bad_box, InvalidTree::BadBox { node: 0, slot: 0 }.into(), "{of_boxes}");
+        let cyclic = forge(&[(nodes + 6 * 8 * 4, Child::Node(0).pack())]);
+        assert_eq!(cyclic, InvalidTree::BadChild { node: 0, slot: 0 }.into(), "{of_boxes}");
+    }
+    // A box that does not enclose its item any more, as that was moved away.
+    let far = forge(&[(transforms + 48, 1e6f32.to_bits())]);
+    assert!(matches!(far, Error::InvalidTree(InvalidTree::BadBox { .. })), "{far:?}");
+    assert_eq!(forge(&[(transforms, f32::NAN.to_bits())]), InvalidScene::NotFinite { key: 0 }.into());
+    assert_eq!(forge(&[(transforms, 1e-5f32.to_bits())]), InvalidScene::Singular { key: 0 }.into());
+    // What is between the numbers.
+    assert_eq!(forge(&[(transforms + 12, 1)]), header("padding"));
+    assert_eq!(forge(&[(original.len() - 4, 1)]), header("padding"));
+    // Parts of items that there are not, and of a primitive that there is not.
+    assert!(matches!(forge(&[(parts, 77)]), Error::InvalidTree(InvalidTree::BadItem { .. })));
+    assert!(matches!(forge(&[(parts + 4, 1)]), Error::InvalidTree(InvalidTree::BadItem { .. })));
+}
