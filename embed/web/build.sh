@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the web page into embed/web/dist/, which any static server can show, and the WebAssembly of the npm package;
-# `build.sh npm` the package alone, which takes a tenth of the time.
+# `build.sh npm` the package alone, without the renderer.
 #
 # On Debian and Ubuntu it installs what is missing (as root, or by sudo): wasm-opt, and Rust's library for the target.
 set -euo pipefail
@@ -30,7 +30,7 @@ build() {
     local features="--enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals"
     # shellcheck disable=SC2086
     wasm-opt -O3 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
-    # Scenes need several times as much code: who wants trees alone does not load it.
+    # Scenes need twice as much code: who wants trees alone does not load it.
     RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown -p halfdome-npm --features scene
     # shellcheck disable=SC2086
     wasm-opt -O3 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome-scene$suffix.wasm"
