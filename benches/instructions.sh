@@ -6,9 +6,5 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-if ! command -v valgrind > /dev/null; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends valgrind
-fi
+.ci/install valgrind valgrind
 cargo run --release -p halfdome-benches --bin instructions

@@ -12,23 +12,6 @@ cd "$(dirname "$0")/.."
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(arm wasm)
 
-# Installs what a target needs: its name for rustup, then a command and the packages that have it, in turn.
-install() {
-    rustup target add "$1"
-    shift
-    packages=()
-    while [ $# -gt 0 ]; do
-        # shellcheck disable=SC2206
-        command -v "$1" > /dev/null || packages+=($2)
-        shift 2
-    done
-    if [ ${#packages[@]} -gt 0 ]; then
-        sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-        $sudo apt-get update
-        $sudo apt-get install -y --no-install-recommends "${packages[@]}"
-    fi
-}
-
 # The tests on a target, with further flags for the compiler.
 run() {
     printf '\n== %s %s\n' "$1" "$2"
@@ -43,12 +26,13 @@ export CARGO_TARGET_WASM32_WASIP1_RUNNER
 for target in "${targets[@]}"; do
     case $target in
     arm)
-        install aarch64-unknown-linux-gnu qemu-aarch64 qemu-user \
-            aarch64-linux-gnu-gcc "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
+        rustup target add aarch64-unknown-linux-gnu
+        .ci/install qemu-aarch64 qemu-user aarch64-linux-gnu-gcc "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
         run aarch64-unknown-linux-gnu ""
         ;;
     wasm)
-        install wasm32-wasip1 node nodejs
+        rustup target add wasm32-wasip1
+        .ci/install node nodejs
         run wasm32-wasip1 ""
         run wasm32-wasip1 "-C target-feature=+simd128"
         ;;

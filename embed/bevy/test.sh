@@ -6,9 +6,5 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-if ! ls /usr/share/vulkan/icd.d/*.json > /dev/null 2>&1; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends libvulkan1 mesa-vulkan-drivers
-fi
+ls /usr/share/vulkan/icd.d/*.json > /dev/null 2>&1 || ../../.ci/install "a Vulkan driver" "libvulkan1 mesa-vulkan-drivers"
 cargo test --locked "$@"

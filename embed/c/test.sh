@@ -6,15 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-packages=()
-command -v gcc > /dev/null || packages+=(gcc libc6-dev)
-command -v g++ > /dev/null || packages+=(g++)
-command -v valgrind > /dev/null || packages+=(valgrind)
-if [ ${#packages[@]} -gt 0 ]; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends "${packages[@]}"
-fi
+../../.ci/install gcc "gcc libc6-dev" g++ g++ valgrind valgrind
 
 cargo build --release -p halfdome-c
 target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/release

@@ -7,11 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-if ! command -v qemu-system-arm > /dev/null; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends qemu-system-arm
-fi
+../../.ci/install qemu-system-arm qemu-system-arm
 rustup target add thumbv7em-none-eabihf
 host=$(rustc -vV | sed -n 's/^host: //p')
 out=$(mktemp -d)

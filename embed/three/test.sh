@@ -3,8 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-# shellcheck source=embed/install-browser.sh
-. ../install-browser.sh
+../../.ci/install node "nodejs npm" "${CHROMIUM:-chromium}" chromium
 npm install --no-package-lock --no-audit --no-fund --silent
 cargo build --release -p halfdome
 target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/release

@@ -13,11 +13,7 @@ case $what in
     *) echo "usage: $0 [npm]" >&2; exit 1 ;;
 esac
 
-if ! command -v wasm-opt > /dev/null; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends binaryen
-fi
+../../.ci/install wasm-opt binaryen
 rustup target add wasm32-unknown-unknown
 # Wherever CARGO_TARGET_DIR or Cargo's configuration wants it.
 target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
