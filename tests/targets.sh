@@ -12,10 +12,10 @@ cd "$(dirname "$0")/.."
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(arm wasm)
 
-# The tests on a target, with further flags for the compiler.
+# The tests on a target, with further flags for the compiler. A folder of its own, so that other builds need not wait.
 run() {
     printf '\n== %s %s\n' "$1" "$2"
-    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --test checksums --target "$1"
+    RUSTFLAGS="$2" cargo test --release -p halfdome-kernel --lib --test checksums --target "$1" --target-dir target/targets
 }
 
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc

@@ -16,7 +16,7 @@ seconds=$(awk -v minutes="$minutes" 'BEGIN { printf "%d", minutes * 60 }')
 [ "$seconds" -gt 0 ] || { echo "error: more than no time is needed" >&2; exit 1; }
 
 rustup run nightly rustc --version || rustup toolchain install nightly --profile minimal
-cargo fuzz --version || cargo install cargo-fuzz --locked
+cargo fuzz --version || cargo install cargo-fuzz --locked --debug
 
 for fuzzer in "${fuzzers[@]}"; do
     printf '\n== %s\n' "$fuzzer"
