@@ -16,28 +16,33 @@ esac
 ../../.ci/install wasm-opt binaryen
 rustup target add wasm32-unknown-unknown
 # Wherever CARGO_TARGET_DIR or Cargo's configuration wants it.
-target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+base=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 
-# Builds both crates with flags for the compiler and for wasm-opt; file names get a suffix.
+# Builds both crates with flags for the compiler and for wasm-opt, in a target folder of their own; file names get a suffix.
 build() {
     local suffix=$1 flags=$2 optimizer=$3
-    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown "${crates[@]}"
+    local target=$base/wasm$suffix
+    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown --target-dir "$target" "${crates[@]}"
     local built=$target/wasm32-unknown-unknown/web
     local features="--enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals"
     # shellcheck disable=SC2086
-    wasm-opt -O3 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
+    wasm-opt -O2 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
     # Scenes need twice as much code: who wants trees alone does not load it.
-    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown -p halfdome-npm --features scene
+    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown --target-dir "$target" \
+        -p halfdome-npm --features scene
     # shellcheck disable=SC2086
-    wasm-opt -O3 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome-scene$suffix.wasm"
+    wasm-opt -O2 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome-scene$suffix.wasm"
     [ "$what" = all ] || return 0
     # shellcheck disable=SC2086
-    wasm-opt -O3 $features $optimizer "$built/halfdome_page.wasm" -o "dist/page$suffix.wasm"
+    wasm-opt -O2 $features $optimizer "$built/halfdome_page.wasm" -o "dist/page$suffix.wasm"
 }
 
 [ "$what" = npm ] || { rm -rf dist && mkdir dist; }
-build "" "" ""
+# At a time, as link-time optimisation keeps one core busy.
+build "" "" "" &
+plain=$!
 build "-simd" "-C target-feature=+simd128" "--enable-simd"
+wait "$plain"
 [ "$what" = npm ] || cp page/index.html page/style.css page/*.js npm/simd.js dist/
 
 printf '\n%-28s %9s %9s\n' "" bytes gzipped
