@@ -74,6 +74,8 @@ pub struct World {
     /// Of each punctual light, in the scene's order.
     light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
+    /// Which of the lit triangles are plain otherwise.
+    plain_lit: Vec<u32>,
 }
 
 /// Why a scene cannot be made ready.
@@ -132,8 +134,10 @@ impl World {
         Ok(world)
     }
 
-    /// Finds out how far lights reach, and what they light fiercely.
+    /// Finds out how far lights reach, and what they light fiercely; what was found before is forgotten.
     fn look(&mut self, from: LookFrom) {
+        self.lights.forget_visibility();
+        self.forget_lit_triangles();
         if let Some(points) = self.seen_points(from) {
             self.estimate_light_visibility(&points);
             self.find_lit_triangles(&points);
@@ -227,6 +231,7 @@ impl World {
             optics,
             light_labels,
             surroundings_hash,
+            plain_lit: Vec::new(),
         })
     }
 
@@ -298,6 +303,13 @@ impl World {
         if let Some(motion) = &mut self.motion {
             motion.stop_camera();
         }
+    }
+
+    /// The same, and prepares for what is seen from there, so that pictures have the noise of a world that was made with this
+    /// camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
+    pub fn look_through(&mut self, camera: CameraPose) {
+        self.set_camera(camera);
+        self.look(LookFrom::Camera);
     }
 
     /// What is known of each triangle.

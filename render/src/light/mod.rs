@@ -42,6 +42,8 @@ pub(crate) struct LightSampler {
     few: Vec<TriangleLight>,
     points: Option<Tree<Points>>,
     directional: Patches,
+    /// The same as if nothing were in between.
+    free_directional: Patches,
     /// The numbers of punctual lights in the scene, in the order of `lights`.
     punctual_numbers: Vec<u32>,
     pub(crate) sky: SkyLight,
@@ -196,6 +198,7 @@ impl LightSampler {
             few: if are_few { emitting } else { Vec::new() },
             points: Tree::build(&points),
             lights,
+            free_directional: directional.clone(),
             directional,
             punctual_numbers,
             sky,
@@ -284,6 +287,12 @@ impl LightSampler {
             self.directional.scale(index, visibility);
         }
         self.sky.set_visibility(sky, open);
+    }
+
+    /// Knows of nothing that is in between.
+    pub(crate) fn forget_visibility(&mut self) {
+        self.directional.clone_from(&self.free_directional);
+        self.sky.forget_visibility();
     }
 
     /// All lights, if they are few triangles and light samples are to find nothing of this part of the sky.

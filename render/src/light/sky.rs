@@ -67,8 +67,8 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             picture
         });
-        let visibility = if picture.is_some() { [1.0; 3] } else { [1.0, 0.0, 0.0] };
-        let mut light = Self { constant, mean, picture, visibility, parts: Box::default() };
+        let mut light = Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default() };
+        light.forget_visibility();
         if let Some(picture) = light.picture.take_if(|_| mean != Vec3::ZERO) {
             // A sun may be most of the mean, so that the second time counts.
             let sun = SUN * clipped_mean(&picture, SUN * clipped_mean(&picture, f64::INFINITY));
@@ -85,6 +85,11 @@ impl SkyLight {
 
     fn part(&self, part: SkyPart) -> Option<&(Peaks, Patches)> {
         self.parts[part as usize].as_ref()
+    }
+
+    /// Knows of nothing that is in between.
+    pub(crate) fn forget_visibility(&mut self) {
+        self.visibility = if self.picture.is_some() { [1.0; 3] } else { [1.0, 0.0, 0.0] };
     }
 
     /// Takes estimates of the part of the scene that each part of the sky reaches; `open` is the part of scattered rays that

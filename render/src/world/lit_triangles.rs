@@ -39,10 +39,20 @@ impl World {
     /// Looks for lit triangles.
     pub(super) fn find_lit_triangles(&mut self, points: &SeenPoints) {
         let Some(lit) = self.worthy_lit_triangles(points) else { return };
-        for prim_id in lit.prims() {
-            self.triangle_records[*prim_id as usize].is_plain = 0;
+        for &prim_id in lit.prims() {
+            if std::mem::replace(&mut self.triangle_records[prim_id as usize].is_plain, 0) != 0 {
+                self.plain_lit.push(prim_id);
+            }
         }
         self.lights.lit = lit;
+    }
+
+    /// Knows of none.
+    pub(super) fn forget_lit_triangles(&mut self) {
+        for prim_id in self.plain_lit.drain(..) {
+            self.triangle_records[prim_id as usize].is_plain = 1;
+        }
+        self.lights.lit = LitTriangles::default();
     }
 
     /// Those that are worth aiming at.
