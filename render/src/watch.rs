@@ -12,6 +12,12 @@ pub trait Watch: Sync {
     /// Whether to stop; asked often. The samples so far still make a picture.
     fn stop(&self) -> bool;
 
+    /// Whether nobody wants the picture any more, not even what there is of it: the first samples, which
+    /// [`stop`](Self::stop) leaves alone, are then not all taken. Asked often; who says so once goes on saying so, and stops.
+    fn gives_up(&self) -> bool {
+        false
+    }
+
     /// `records` more were added to an irradiance cache.
     fn gathered(&self, _records: u64) {}
 
@@ -27,6 +33,11 @@ pub trait Watch: Sync {
     /// Sees the picture of each level from [`coarsest`](Self::coarsest) on down to 1, if it is more than 1: one sample for
     /// each square of `side` pixels. Called from the thread that renders, which waits.
     fn level(&self, _side: u32, _picture: &Picture) {}
+
+    /// Whether [`level`](Self::level) is to see the channel of this name.
+    fn wants_channel(&self, _name: &str) -> bool {
+        true
+    }
 
     /// Sees the film after each wave of samples. Called from the thread that renders.
     fn wave(&self, _film: &Film) {}

@@ -11,6 +11,7 @@ use super::mattes::MatteIds;
 use crate::camera::{Camera, FilmPoint, FilmSample, MovingCamera};
 use crate::film::{FilterSample, FilterSampler, FirstHit, Tile};
 use crate::integrator::{self, LightPaths, Prepared, RayBatch, Scratch};
+use crate::lpe::Event;
 use crate::settings::{MatteKind, Settings};
 use crate::world::{Hit, World};
 
@@ -65,6 +66,11 @@ impl FrameRender {
         let filter = FilterSampler::new(&settings.filter);
         let mattes = settings.cryptomatte.kinds.iter().map(|&kind| MatteIds::new(world, kind)).collect();
         Self { settings, prepared, light_paths, camera, moving_camera, filter, mattes }
+    }
+
+    /// The paths that have found light since they were last taken, if they are [listed](LightPaths::listing).
+    pub(super) fn take_paths(&self) -> Vec<(Vec<Event>, Vec3)> {
+        self.light_paths.as_ref().map(LightPaths::take_paths).unwrap_or_default()
     }
 
     /// What a sample's camera ray has hit.

@@ -1,12 +1,13 @@
 //! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
 //!
 //! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
-//! are already, so that a render which is stopped leaves a picture without holes. The first wave can be watched from
+//! are already, so that a render which is stopped leaves a picture without holes, unless nobody wants it. The first wave can be watched from
 //! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
 //! threads, on no shares and no interruption.
 
 mod features;
 mod frame;
+mod history;
 mod levels;
 mod mattes;
 mod plan;
@@ -25,6 +26,7 @@ use frame::{FrameRender, TileScratch};
 
 pub use crate::integrator::CacheUse;
 pub use crate::watch::{MAX_PREVIEW_SIDE, Watch};
+pub use history::{LightPath, SampleHistory, pixel_history};
 pub use plan::{Plan, Share, film_header};
 pub use worker::{Step, TileWorker};
 
@@ -146,6 +148,9 @@ impl Renderer<'_> {
         let mut rays = 0;
         for side in levels::sides(coarsest) {
             let sample = |scratch: &mut TileScratch, (tile, _): (&mut Tile, &bool)| {
+                if self.watch.gives_up() {
+                    return 0;
+                }
                 let pixels = tile.pixels().enumerate().filter(|&(_, (x, y))| levels::is_new(x, y, side, coarsest));
                 let pixels: Vec<_> = pixels.collect();
                 let rays = self.frame.sample(self.world, scratch, tile, &pixels, first..first + 1);
@@ -156,8 +161,11 @@ impl Renderer<'_> {
             let tiles = film.tiles.par_iter_mut().zip(&is_new).filter(|(_, is_new)| **is_new);
             rays += tiles.map_init(TileScratch::default, sample).sum::<u64>();
             film.seconds = start.elapsed().as_secs_f64();
+            if self.watch.gives_up() {
+                return rays;
+            }
             if coarsest > 1 {
-                let mut picture = film.picture();
+                let mut picture = film.picture_of(|name| self.watch.wants_channel(name));
                 levels::fill_squares(&mut picture, side);
                 self.watch.level(side, &picture);
             }

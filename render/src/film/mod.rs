@@ -69,6 +69,11 @@ impl Film {
 
     /// The picture.
     pub fn picture(&self) -> Picture {
+        self.picture_of(|_| true)
+    }
+
+    /// The picture with some of its channels, by their names.
+    pub fn picture_of(&self, wants: impl Fn(&str) -> bool) -> Picture {
         let FilmHeader { width, height, seed, scene_hash, world_to_camera, ref integrator, .. } = self.header;
         let metadata = Metadata {
             samples_per_pixel: self.samples().start,
@@ -79,7 +84,7 @@ impl Film {
             integrator: integrator.clone(),
             attributes: self.header.cryptomatte.iter().flat_map(MatteLayer::attributes).collect(),
         };
-        Picture { width, height, channels: self.channels(), metadata }
+        Picture { width, height, channels: self.channels(&wants), metadata }
     }
 
     /// Whether every tile of a share has a sample, by whether the share has it; with `level`, that is known too.

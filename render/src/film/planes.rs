@@ -18,10 +18,14 @@ pub(crate) fn is_for_denoising(name: &str) -> bool {
 }
 
 impl Film {
-    /// The channels, with alpha if the film has a border.
-    pub(super) fn channels(&self) -> Vec<Channel> {
+    /// The channels of names that are wanted, with alpha if the film has a border.
+    pub(super) fn channels(&self, wants: &dyn Fn(&str) -> bool) -> Vec<Channel> {
         let mut channels = Vec::new();
-        let mut push = |name: String, value: &dyn Fn(&Tile, usize) -> f64| channels.push(self.plane(name, value));
+        let mut push = |name: String, value: &dyn Fn(&Tile, usize) -> f64| {
+            if wants(&name) {
+                channels.push(self.plane(name, value));
+            }
+        };
         for (c, color) in COLORS.into_iter().enumerate() {
             push(color.to_owned(), &|tile, pixel| f64::from(tile.radiance(pixel)[c]));
         }
@@ -58,7 +62,7 @@ impl Film {
                 }
             }
         }
-        channels.extend(self.matte_channels());
+        channels.extend(self.matte_channels().into_iter().filter(|channel| wants(&channel.name)));
         channels
     }
 

@@ -7,17 +7,18 @@
 
 use glam::Vec3;
 
+use super::path_tree::PathTree;
 use crate::light::Light;
-use crate::lpe::{Alphabet, Automaton, Expression, Kind, Scattering};
+use crate::lpe::{Alphabet, Automaton, Event, Expression, Kind, Scattering};
 use crate::settings::{Aov, Invalid, Settings};
 use crate::world::World;
 
 /// What `--light-groups` puts before the names of groups.
 const GROUP_PREFIX: &str = "Light_";
 
-/// What a picture's AOVs make of paths in a world.
+/// What a picture's AOVs make of paths in a world, or a list of the paths themselves.
 pub(crate) struct LightPaths {
-    automaton: Automaton,
+    follow: Follow,
     /// The number of AOVs.
     count: usize,
     /// Of each mesh the events at its surface, by side and lobe.
@@ -25,6 +26,22 @@ pub(crate) struct LightPaths {
     /// Of each mesh its light.
     emitters: Vec<u32>,
     /// Of each punctual light, in the scene's order.
+    punctual: Vec<u32>,
+    sky: u32,
+}
+
+/// By what paths are followed.
+enum Follow {
+    /// The AOVs' expressions.
+    Expressions(Automaton),
+    /// All that happens to them.
+    All(PathTree),
+}
+
+/// The numbers of all events that can happen in a world.
+struct Events {
+    surfaces: Vec<[[u32; 3]; 2]>,
+    emitters: Vec<u32>,
     punctual: Vec<u32>,
     sky: u32,
 }
@@ -64,25 +81,29 @@ impl LightPaths {
         }
         let expressions: Vec<Expression> = aovs.iter().map(|aov| aov.expression.clone()).collect();
         let mut alphabet = Alphabet::new(&expressions);
-        let lobes = [Scattering::DIFFUSE, Scattering::GLOSSY, Scattering::SINGULAR];
-        let mut surface = |labels: [&str; 2]| {
-            [Kind::REFLECTION, Kind::TRANSMISSION].map(|side| lobes.map(|lobe| alphabet.number(side, lobe, labels)))
-        };
-        let surfaces = world.surface_labels().map(|labels| surface(labels.each_ref().map(String::as_str))).collect();
-        let mut light = |kind: Kind, labels: [String; 2]| {
-            alphabet.number(kind, Scattering::NONE, labels.each_ref().map(String::as_str))
-        };
-        let emitters = world
-            .emitter_labels()
-            .map(|(is_lamp, labels)| light(if is_lamp { Kind::LIGHT } else { Kind::LIGHT.and(Kind::OBJECT) }, labels));
-        let emitters = emitters.collect();
-        let punctual = world.punctual_labels().map(|labels| light(Kind::LIGHT, labels)).collect();
-        let sky = light(Kind::BACKGROUND, World::sky_labels());
+        let Events { surfaces, emitters, punctual, sky } = Events::new(world, &mut alphabet);
         let automaton = Automaton::new(&expressions, &alphabet).map_err(|_| {
             let problem = "the light path expressions are too complex: following them takes too many states";
             Invalid::new(problem, "write simpler ones, with smaller ranges, or render them in several runs")
         })?;
-        Ok(Some(Self { automaton, count: aovs.len(), surfaces, emitters, punctual, sky }))
+        Ok(Some(Self { follow: Follow::Expressions(automaton), count: aovs.len(), surfaces, emitters, punctual, sky }))
+    }
+
+    /// For no AOV: the paths are listed.
+    pub(crate) fn listing(world: &World) -> Self {
+        let mut alphabet = Alphabet::of_all_labels();
+        let Events { surfaces, emitters, punctual, sky } = Events::new(world, &mut alphabet);
+        let tree = PathTree::new(alphabet.into_events());
+        Self { follow: Follow::All(tree), count: 0, surfaces, emitters, punctual, sky }
+    }
+
+    /// The paths that have found light since they were last taken, if they are listed, with what they found: what happened at
+    /// each surface, and the light.
+    pub(crate) fn take_paths(&self) -> Vec<(Vec<Event>, Vec3)> {
+        match &self.follow {
+            Follow::Expressions(_) => Vec::new(),
+            Follow::All(tree) => tree.take(),
+        }
     }
 
     /// The number of AOVs.
@@ -92,12 +113,18 @@ impl LightPaths {
 
     /// The states of a path that has left the camera.
     pub(super) fn start(&self) -> [u32; 3] {
-        [self.automaton.start(); 3]
+        match &self.follow {
+            Follow::Expressions(automaton) => [automaton.start(); 3],
+            Follow::All(_) => [PathTree::START; 3],
+        }
     }
 
     /// The states after an event.
     pub(super) fn after(&self, states: [u32; 3], event: u32) -> [u32; 3] {
-        states.map(|state| self.automaton.next(state, event))
+        match &self.follow {
+            Follow::Expressions(automaton) => states.map(|state| automaton.next(state, event)),
+            Follow::All(tree) => states.map(|state| tree.next(state, event)),
+        }
     }
 
     /// The event of going on from a mesh's surface, to the other side or not.
@@ -126,11 +153,35 @@ impl LightPaths {
 
     /// Adds light to those of one ray's AOVs that paths fulfil which have come to these states, one for each channel.
     pub(super) fn add(&self, states: [u32; 3], light: Vec3, aovs: &mut [Vec3]) {
+        let automaton = match &self.follow {
+            Follow::Expressions(automaton) => automaton,
+            Follow::All(tree) => return tree.add(states, light),
+        };
         for (c, (state, light)) in states.into_iter().zip(light.to_array()).enumerate() {
-            for &aov in self.automaton.accepts(state) {
+            for &aov in automaton.accepts(state) {
                 aovs[aov as usize][c] += light;
             }
         }
+    }
+}
+
+impl Events {
+    fn new(world: &World, alphabet: &mut Alphabet) -> Self {
+        let lobes = [Scattering::DIFFUSE, Scattering::GLOSSY, Scattering::SINGULAR];
+        let mut surface = |labels: [&str; 2]| {
+            [Kind::REFLECTION, Kind::TRANSMISSION].map(|side| lobes.map(|lobe| alphabet.number(side, lobe, labels)))
+        };
+        let surfaces = world.surface_labels().map(|labels| surface(labels.each_ref().map(String::as_str))).collect();
+        let mut light = |kind: Kind, labels: [String; 2]| {
+            alphabet.number(kind, Scattering::NONE, labels.each_ref().map(String::as_str))
+        };
+        let emitters = world
+            .emitter_labels()
+            .map(|(is_lamp, labels)| light(if is_lamp { Kind::LIGHT } else { Kind::LIGHT.and(Kind::OBJECT) }, labels));
+        let emitters = emitters.collect();
+        let punctual = world.punctual_labels().map(|labels| light(Kind::LIGHT, labels)).collect();
+        let sky = light(Kind::BACKGROUND, World::sky_labels());
+        Self { surfaces, emitters, punctual, sky }
     }
 }
 

@@ -13,6 +13,7 @@ mod light_paths;
 mod montecarlo;
 mod path;
 mod path_block;
+mod path_tree;
 mod shadow_queue;
 mod state;
 mod training;

@@ -45,7 +45,8 @@ struct Places<'a> {
 /// The events that can happen in a scene, each once, by their numbers.
 #[derive(Debug)]
 pub(crate) struct Alphabet {
-    named: Vec<String>,
+    /// The labels that are told apart; `None` for all.
+    named: Option<Vec<String>>,
     numbers: BTreeMap<Event, u32>,
 }
 
@@ -58,12 +59,25 @@ impl Alphabet {
         }
         named.sort_unstable();
         named.dedup();
-        Self { named, numbers: BTreeMap::new() }
+        Self { named: Some(named), numbers: BTreeMap::new() }
+    }
+
+    /// For whoever wants to know all labels, without events.
+    pub(crate) fn of_all_labels() -> Self {
+        Self { named: None, numbers: BTreeMap::new() }
+    }
+
+    /// Its events in the order of their numbers.
+    pub(crate) fn into_events(self) -> Vec<Event> {
+        let mut events: Vec<(u32, Event)> = self.numbers.into_iter().map(|(event, number)| (number, event)).collect();
+        events.sort_unstable_by_key(|&(number, _)| number);
+        events.into_iter().map(|(_, event)| event).collect()
     }
 
     /// The number of an event; events that no expression tells apart have one.
     pub(crate) fn number(&mut self, kind: Kind, scattering: Scattering, labels: [&str; 2]) -> u32 {
-        let known = |label: &str| if self.named.iter().any(|it| it == label) { label } else { OTHER }.to_owned();
+        let is_known = |label: &str| self.named.as_ref().is_none_or(|named| named.iter().any(|it| it == label));
+        let known = |label: &str| if is_known(label) { label } else { OTHER }.to_owned();
         let event = Event { kind, scattering, labels: labels.map(known).into() };
         let next = self.numbers.len() as u32;
         *self.numbers.entry(event).or_insert(next)

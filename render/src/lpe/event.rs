@@ -1,5 +1,7 @@
 //! Events on a light path, and patterns of them.
 
+use std::fmt::{self, Write as _};
+
 /// What happened: the first symbol of an event. A light may be of several kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Kind(u8);
@@ -67,6 +69,20 @@ pub struct Event {
     pub scattering: Scattering,
     /// What was there: of a surface the names of the object and the material, of a light those of its group and itself.
     pub labels: Vec<String>,
+}
+
+impl fmt::Display for Event {
+    /// Its symbols as in an expression, without `x`, then the name of the object or of the light: `RD floor`, `O lamp`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A light that is a surface is the latter.
+        let kind = if self.kind.0 & Kind::OBJECT.0 != 0 { Kind::OBJECT } else { self.kind };
+        let kinds = Kind::LETTERS.iter().filter(|(_, it)| it.0 & kind.0 != 0).map(|(letter, _)| *letter);
+        let lobes = Scattering::LETTERS.iter().filter(|(_, it)| it.0 & self.scattering.0 & !Scattering::NONE.0 != 0);
+        kinds.chain(lobes.map(|(letter, _)| *letter)).try_for_each(|letter| f.write_char(letter))?;
+        let is_light = self.scattering == Scattering::NONE;
+        let label = if is_light { self.labels.last() } else { self.labels.first() };
+        label.map_or(Ok(()), |label| write!(f, " {label}"))
+    }
 }
 
 /// A set of events.
