@@ -77,11 +77,13 @@
 //! | [`lpe`] | light path expressions |
 //! | [`output`] | EXR, PNG, Radiance and KTX2 files, tone mapping |
 //! | [`overlay`] | where a picture shows the records of a cache |
+//! | `view` | a scene to look around in, without a window |
 //!
 //! # Features
 //!
 //! `cli` (default) adds the command line and `validate`, the experiments with exact answers. Without it the library builds for
-//! WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time.
+//! WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time. `view` adds the window
+//! of `halfdome view`.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "what the command line alone calls"))]
 #![forbid(unsafe_code)]
 
@@ -110,6 +112,8 @@ pub mod scene;
 pub mod settings;
 #[cfg(feature = "cli")]
 pub mod validate;
+#[cfg(feature = "cli")]
+pub mod view;
 mod watch;
 pub mod world;
 

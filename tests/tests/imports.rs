@@ -39,6 +39,7 @@ const RENDER: &[&str] = &[
     "bake",
     "cubemap",
     "probes",
+    "view",
     "cli",
 ];
 

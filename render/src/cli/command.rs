@@ -9,7 +9,7 @@ use super::cubemap::CubemapArguments;
 use super::denoise::DenoiseArguments;
 use super::help::{
     BAKE_EXAMPLES, CUBEMAP_EXAMPLES, DENOISE_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES,
-    RENDER_EXAMPLES, VALIDATE_EXAMPLES,
+    RENDER_EXAMPLES, VALIDATE_EXAMPLES, VIEW_EXAMPLES,
 };
 use super::irradiance::IrradianceArguments;
 use super::manual::{CompletionsArguments, ManArguments};
@@ -18,6 +18,7 @@ use super::prepare::CORNELL;
 use super::probes::ProbesArguments;
 use super::tree::TreeArguments;
 use super::validate::ValidateArguments;
+use super::view::ViewArguments;
 
 /// Renders scenes with global illumination, and bakes lightmaps, cube maps and light probes
 ///
@@ -36,6 +37,9 @@ pub(super) enum Command {
     /// Render a scene to pictures
     #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
     Render(Box<RenderArguments>),
+    /// Look around in a scene while it is rendered, in a window
+    #[command(after_help = format!("{VIEW_EXAMPLES}\n\n{EXIT_CODES}"))]
+    View(Box<ViewArguments>),
     /// Make the picture of films that are parts of it, rendered by several runs or machines
     #[command(after_help = format!("{MERGE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Merge(MergeArguments),

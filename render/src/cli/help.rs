@@ -5,7 +5,8 @@ pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0  done
   1  bad input or usage; nothing is written
-  2  the system failed, for example while writing a file
+  2  the system failed, for example while writing a file; `view` has no
+     display, or was built without its window
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
      `bake` the state for --resume; `cubemap`, `denoise`,
      `probes` and `irradiance` write nothing
@@ -38,6 +39,17 @@ Examples:
 
 Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
 one of them changes the model's camera.";
+
+/// Of `halfdome view`.
+pub(super) const VIEW_EXAMPLES: &str = "\
+Examples:
+  halfdome view room.glb --sky 0.5
+  halfdome view hall.toml --size 960x540 --spp 1024 --tone neutral
+  halfdome view hall.glb --lpe indirect='C<RD>.+[LOB]' --light-groups
+
+The picture is that of `halfdome render` with the same options. h shows keys and mouse. s saves the camera in the scene \
+file, or in a new one beside a model: hall.toml beside hall.glb. Without a display the exit code is 2. The window is in \
+programs that are built with it: cargo install --path render --features view.";
 
 /// Of `halfdome denoise`.
 pub(super) const DENOISE_EXAMPLES: &str = "\

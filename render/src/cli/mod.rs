@@ -35,6 +35,7 @@ mod tev;
 mod tree;
 mod usage;
 mod validate;
+mod view;
 
 use std::process::ExitCode;
 
@@ -62,6 +63,7 @@ pub fn main() -> ExitCode {
     }
     let (outcome, mode) = match arguments.command.unwrap_or_else(Command::cornell) {
         Command::Render(arguments) => (render::run(&arguments), arguments.common.progress),
+        Command::View(arguments) => (view::run(&arguments), arguments.common.progress),
         Command::Merge(arguments) => (merge::run(&arguments), Mode::Auto),
         Command::Info(arguments) => (info::run(&arguments), Mode::Auto),
         Command::Materials(arguments) => (materials::run(&arguments), Mode::Auto),

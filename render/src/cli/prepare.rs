@@ -21,11 +21,20 @@ pub(super) fn prepare<P: AsRef<Path>>(
     arguments: Overrides,
     outputs: &[P],
 ) -> Result<(Scene, Settings), CliError> {
+    prepare_from(name, arguments, outputs).map(|(scene, settings, _)| (scene, settings))
+}
+
+/// The same, and the options of the scene file.
+pub(super) fn prepare_from<P: AsRef<Path>>(
+    name: &Path,
+    arguments: Overrides,
+    outputs: &[P],
+) -> Result<(Scene, Settings, Overrides), CliError> {
     let (mut scene, from_file) = open(name, &arguments)?;
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     inputs::refuse(outputs, &scene.files)?;
-    Ok((scene, settings))
+    Ok((scene, settings, from_file))
 }
 
 /// The world of the scene called `name`, to find light where it is said, with its settings, and the threads to work

@@ -58,8 +58,8 @@ pub(crate) fn color(x: f32) -> [u8; 3] {
     [mix(0), mix(1), mix(2)]
 }
 
-/// The legend's right end: a round number of at least 10.
-fn scale(values: &[f32]) -> u64 {
+/// The scale's right end, white: a round number of at least 10, above which hardly any value is.
+pub(crate) fn scale(values: &[f32]) -> u64 {
     let mut sorted: Vec<f32> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_unstable_by(f32::total_cmp);
     let percentile = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);

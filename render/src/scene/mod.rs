@@ -70,6 +70,7 @@ pub use moment::{Animation, Moment};
 pub use motion::{Motion, Shutter};
 pub use objects::{InstanceTable, ObjectTable};
 pub use optics::{CameraKind, Clip, FisheyeMapping, Lens, Optics, Projection, RayTable, SensorFit};
+pub(crate) use overrides::MM_PER_UNIT;
 pub use overrides::{
     CachedOverrides, CameraOverrides, Conflict, IntegratorOverrides, LightOverrides, MomentOverrides, Overrides,
     SkyOverrides,

@@ -4,6 +4,7 @@
 
 mod cached;
 mod camera;
+mod camera_keys;
 mod integrator;
 mod light;
 mod moment;
@@ -29,6 +30,7 @@ pub use camera::CameraOverrides;
 pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
 pub use moment::MomentOverrides;
+pub(crate) use optics::MM_PER_UNIT;
 pub use sky::SkyOverrides;
 
 /// Options that are set here; the others are `None` and leave things as they are.
@@ -172,6 +174,16 @@ impl Overrides {
             instances: self.instances.or(fallback.instances),
             moment: self.moment.or(fallback.moment),
         }
+    }
+
+    /// Whether the camera at these options' eye and target is a new one, which has nothing of the model's.
+    pub fn make_camera(&self) -> bool {
+        self.is_new_camera()
+    }
+
+    /// Whether any option of a camera is set.
+    pub fn set_camera(&self) -> bool {
+        self.sets_any(Group::Camera)
     }
 
     /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that

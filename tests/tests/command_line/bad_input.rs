@@ -25,6 +25,14 @@ fn missing_files() {
 }
 
 #[test]
+fn a_window_that_cannot_be_opened() {
+    let desk = Desk::new();
+    // The program under test has none.
+    desk.refuses("view t.obj", 2, &["built without a window", "--features view", "--tev"]);
+    desk.refuses("view", 1, &["<SCENE>"]);
+}
+
+#[test]
 fn empty_files() {
     for name in ["a.obj", "a.ply", "a.gltf", "a.glb"] {
         refused(name, "", &["the file is empty"]);

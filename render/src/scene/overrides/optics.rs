@@ -13,7 +13,7 @@ use crate::settings::Invalid;
 /// Width and height of a 35 mm film's frame, in mm; Blender's sensor, too.
 const SENSOR: Vec2 = Vec2::new(36.0, 24.0);
 /// Millimetres in a metre, glTF's unit.
-const MM_PER_UNIT: f32 = 1000.0;
+pub(crate) const MM_PER_UNIT: f32 = 1000.0;
 /// What a fisheye's disc sees, in degrees.
 const FISHEYE_FOV: f32 = 180.0;
 
