@@ -65,7 +65,11 @@ export DISPLAY
 "$HALFDOME" view "$work/room.obj" "${options[@]}" --progress none 2> "$work/messages" &
 viewer=$!
 window=$(xdotool search --sync --onlyvisible --name '^halfdome view$' | head -1)
-xdotool windowfocus --sync "$window"
+# A window that is not mapped yet takes no focus.
+until xdotool windowfocus --sync "$window" 2> /dev/null; do
+    kill -0 "$viewer" 2> /dev/null || fail "the window has closed: $(cat "$work/messages")"
+    sleep 0.1
+done
 
 shot() { import -window "$window" "$shots/$1.png"; }
 # The picture is left of the text, in the middle: the window is 720 high.
@@ -128,7 +132,8 @@ done
 await moved "$work/moved.png"
 [ "$(compare -metric AE "$work/first.png" "$work/moved.png" null: 2>&1)" != 0 ] || fail "the camera has not moved"
 
-xdotool key --window "$window" q
+# The window may be gone before the key is released.
+xdotool key --window "$window" q 2> /dev/null || true
 code=0
 wait "$viewer" || code=$?
 viewer=
