@@ -170,7 +170,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
-        let (scene, settings) = prepare(&arguments.scene, overrides, picture.as_slice())?;
+        let named = picture.as_slice();
+        let (scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
         return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
@@ -179,7 +180,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
-    let (mut scene, settings) = prepare(&arguments.scene, overrides, &files.named())?;
+    let named = files.named();
+    let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, &named, style))?;
     let options = arguments.options(settings.seed);
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))

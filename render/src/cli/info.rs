@@ -16,6 +16,7 @@ use self::camera::Camera;
 use self::lights::Lights;
 use super::args::InfoArguments;
 use super::error::{CliError, EXIT_DONE, invalid};
+use super::messages::Style;
 use super::prepare::prepare;
 use super::print::print;
 use super::{memory, tree};
@@ -84,7 +85,7 @@ pub(super) fn run(arguments: &InfoArguments) -> Result<u8, CliError> {
         }
         return tree::describe(&arguments.scene, arguments.json);
     }
-    let (scene, _) = prepare::<PathBuf>(&arguments.scene, overrides, &[])?;
+    let (scene, _) = prepare::<PathBuf>(&arguments.scene, overrides, &[], Style::for_people())?;
     let info = Info::of(arguments.scene.display().to_string(), scene)?;
     let text = if arguments.json {
         let json = serde_json::to_string_pretty(&info).map_err(CliError::system)?;

@@ -4,14 +4,14 @@ use std::io::IsTerminal;
 
 use super::args::MaterialsArguments;
 use super::error::{CliError, EXIT_DONE};
-use super::messages::{Mode, print_warning};
+use super::messages::{Mode, Style, print_warning};
 use super::prepare::open;
 use super::print::print;
 use crate::scene::Overrides;
 
 /// Prints a `[[material]]` table for each material to stdout, and warnings to stderr.
 pub(super) fn run(arguments: &MaterialsArguments) -> Result<u8, CliError> {
-    let (scene, _) = open(&arguments.scene, &Overrides::default()).map_err(CliError::input)?;
+    let (scene, _) = open(&arguments.scene, &Overrides::default(), Style::for_people()).map_err(CliError::input)?;
     let style = Mode::Auto.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let tables: Vec<String> = scene.materials.iter().map(|material| material.to_toml(&scene.textures)).collect();

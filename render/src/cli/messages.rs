@@ -11,8 +11,8 @@ pub(super) enum Mode {
     Auto,
     /// A bar (only if stderr is a terminal) and a summary
     Bar,
-    /// Lines of JSON: start, progress (at most twice a second), warning, and end or error; for large models, build
-    /// before start
+    /// Lines of JSON: start, progress (at most twice a second), warning, and end or error; for large models, load
+    /// and build before start
     Json,
     /// Only warnings and errors
     None,
@@ -24,6 +24,13 @@ pub(super) enum Style {
     Bar,
     Json,
     Silent,
+}
+
+impl Style {
+    /// For commands whose output is for people: a bar if stderr is a terminal.
+    pub(super) fn for_people() -> Self {
+        if std::io::stderr().is_terminal() { Self::Bar } else { Self::Silent }
+    }
 }
 
 impl Mode {

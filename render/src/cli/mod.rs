@@ -2,7 +2,6 @@
 
 mod args;
 mod bake;
-mod build_progress;
 mod cache;
 mod checkpoint;
 mod command;
@@ -30,6 +29,7 @@ mod render;
 mod render_report;
 mod render_statistics;
 mod render_watch;
+mod stage_progress;
 mod summary;
 mod tev;
 mod tree;

@@ -6,7 +6,8 @@ use std::path::Path;
 use super::args::CommonArguments;
 use super::error::CliError;
 use super::inputs;
-use super::messages::print_warning;
+use super::messages::{Style, print_warning};
+use super::stage_progress::LoadProgress;
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
 use crate::world::{LookFrom, World};
@@ -20,8 +21,9 @@ pub(super) fn prepare<P: AsRef<Path>>(
     name: &Path,
     arguments: Overrides,
     outputs: &[P],
+    style: Style,
 ) -> Result<(Scene, Settings), CliError> {
-    prepare_from(name, arguments, outputs).map(|(scene, settings, _)| (scene, settings))
+    prepare_from(name, arguments, outputs, style).map(|(scene, settings, _)| (scene, settings))
 }
 
 /// The same, and the options of the scene file.
@@ -29,8 +31,9 @@ pub(super) fn prepare_from<P: AsRef<Path>>(
     name: &Path,
     arguments: Overrides,
     outputs: &[P],
+    style: Style,
 ) -> Result<(Scene, Settings, Overrides), CliError> {
-    let (mut scene, from_file) = open(name, &arguments)?;
+    let (mut scene, from_file) = open(name, &arguments, style)?;
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     inputs::refuse(outputs, &scene.files)?;
@@ -39,18 +42,18 @@ pub(super) fn prepare_from<P: AsRef<Path>>(
 
 /// The world of the scene called `name`, to find light where it is said, with its settings, and the threads to work
 /// with; warnings are printed.
-pub(super) fn prepare_world<P: AsRef<Path>>(
+pub(super) fn prepare_world<P: AsRef<Path> + Sync>(
     name: &Path,
     overrides: Overrides,
     arguments: &CommonArguments,
     outputs: &[P],
     from: LookFrom,
 ) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
-    let (mut scene, settings) = prepare(name, overrides, outputs)?;
     let style = arguments.progress.style(std::io::stderr().is_terminal());
+    let pool = thread_pool(arguments)?;
+    let (mut scene, settings) = pool.install(|| prepare(name, overrides, outputs, style))?;
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     scene.warnings.clear();
-    let pool = thread_pool(arguments)?;
     let world = pool.install(|| World::looking_from(scene, from)).map_err(CliError::input)?;
     Ok((world, settings, pool))
 }
@@ -64,12 +67,12 @@ pub(super) fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPo
 
 /// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets. `overrides` say which
 /// moment is shown and what is shared, where they do.
-pub(super) fn open(name: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
+pub(super) fn open(name: &Path, overrides: &Overrides, style: Style) -> Result<(Scene, Overrides), SceneError> {
     if name == Path::new(CORNELL) {
         return Ok((scene::cornell_box(), Overrides::default()));
     }
     match name.metadata() {
-        Ok(_) => scene::open_with(name, overrides),
+        Ok(_) => scene::open_watched(name, overrides, Some(&LoadProgress::start(style))),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let remedy = "give a scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene";
             Err(SceneError::new(name, Place::File, "no such file", remedy))

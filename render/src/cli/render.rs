@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::RenderArguments;
-use super::build_progress::BuildProgress;
 use super::cache::{cached_options, read_cache};
 use super::checkpoint::{Checkpoint, read_film};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT, invalid};
@@ -15,6 +14,7 @@ use super::prepare::{prepare, thread_pool};
 use super::progress::Progress;
 use super::render_statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
 use super::render_watch::RenderWatch;
+use super::stage_progress::StageProgress;
 use super::summary::{End, RenderReport};
 use super::tev::Tev;
 use super::{denoiser, interrupt, memory, render_report};
@@ -70,7 +70,10 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     let reports: Vec<&PathBuf> = arguments.reports().collect();
     let all: Vec<&PathBuf> = paths.iter().chain(&film_path).chain(reports.iter().copied()).collect();
     inputs::refuse(&all, arguments.cache.as_slice())?;
-    let (mut scene, mut settings) = prepare(&arguments.scene, arguments.overriding.overrides(), &all)?;
+    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    let pool = thread_pool(&arguments.common)?;
+    let overrides = arguments.overriding.overrides();
+    let (mut scene, mut settings) = pool.install(|| prepare(&arguments.scene, overrides, &all, style))?;
     let wants_aov = settings.aov;
     // Errors are estimated by them.
     settings.halves |= arguments.film.noise.is_some() || !reports.is_empty();
@@ -98,7 +101,6 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         (Some(path), Some(interval)) => Some(Checkpoint::new(path, interval)?),
         _ => None,
     };
-    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     let tev = match &arguments.tev {
         Some(address) => Some(Tev::connect(address, &shown_name(&paths, &arguments.scene), style)?),
         None => None,
@@ -108,12 +110,11 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         scene.warnings.push(without_light(&scene));
     }
 
-    let pool = thread_pool(&arguments.common)?;
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
     let facts = SceneFacts::of(scene_name.clone(), &scene);
     let mut seconds = Seconds { load: recorder.lap(), ..Seconds::default() };
-    let building = BuildProgress::start(style, scene.triangle_count());
+    let building = StageProgress::of_build(style, scene.triangle_count());
     let watch = |fraction| building.advance(fraction);
     let world = pool.install(|| World::build(scene, &settings.build.into(), &RayonExecutor(&watch)));
     let world = world.map_err(CliError::input)?;

@@ -11,12 +11,12 @@ use halfdome_kernel::{Bvh, Quality, Triangle};
 use serde_json::json;
 
 use super::args::CommonArguments;
-use super::build_progress::BuildProgress;
 use super::error::{CliError, EXIT_DONE};
 use super::inputs;
 use super::messages::{Style, print_line, print_warning};
 use super::prepare::{open, thread_pool};
 use super::print::print;
+use super::stage_progress::StageProgress;
 use super::{interrupt, memory};
 use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
@@ -58,17 +58,17 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
     // Its triangles are those of all copies.
     let overrides =
         Overrides { instances: Some(Sharing::Never), moment: arguments.moment.clone(), ..Overrides::default() };
-    let (scene, from_file) = open(&arguments.scene, &overrides)?;
-    inputs::refuse(&[&arguments.output], &scene.files)?;
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let pool = thread_pool(&arguments.common)?;
+    let (scene, from_file) = pool.install(|| open(&arguments.scene, &overrides, style))?;
+    inputs::refuse(&[&arguments.output], &scene.files)?;
+    scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let triangles: Vec<Triangle> =
         scene.meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).map(|face| mesh.corners(face))).collect();
     drop(scene);
 
     let quality = arguments.build.or(from_file.build).unwrap_or_default();
-    let building = BuildProgress::start(style, triangles.len());
+    let building = StageProgress::of_build(style, triangles.len());
     let watch = |fraction| building.advance(fraction);
     let built = pool.install(|| Bvh::build_on(&RayonExecutor(&watch), &triangles, &quality.into()));
     let (bvh, report) = built.map_err(CliError::input)?;

@@ -56,14 +56,15 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<u8, CliError> {
     let window = window::Window::open()?;
     let ViewArguments { scene: path, overriding, tone, common } = arguments;
     let overrides = overriding.overrides();
-    let (scene, settings, from_file) = prepare_from::<PathBuf>(path, overrides.clone(), &[])?;
+    let style = common.progress.style(std::io::stderr().is_terminal());
+    let pool = thread_pool(common)?;
+    let read = || prepare_from::<PathBuf>(path, overrides.clone(), &[], style);
+    let (scene, settings, from_file) = pool.install(read)?;
     let with_aovs = Settings { aov: true, halves: true, ..settings.clone() };
     memory::check(&with_aovs)?;
-    let style = common.progress.style(std::io::stderr().is_terminal());
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     let name = path.display().to_string();
     let outline = Session::outline(&scene, &name);
-    let pool = thread_pool(common)?;
     let world = pool.install(|| World::build(scene, &settings.build.into(), &RayonExecutor::UNWATCHED));
     let world = world.map_err(CliError::input)?;
     let has_optics = from_file.make_camera() && !overrides.set_camera();

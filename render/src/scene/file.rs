@@ -62,7 +62,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::aov_table;
 use super::light_table;
-use super::load_options::LoadOptions;
+use super::load_options::{LoadOptions, LoadWatch};
 use super::load_with;
 use super::material_table::{self, MaterialTable};
 use super::moving::add_motion;
@@ -194,6 +194,15 @@ pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
 /// Reads a scene as [`open`] does, at the moment and with the sharing of `overrides`, or those of the scene file where they set
 /// none. [`Sharing::Never`] means that all meshes are in world space.
 pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
+    open_watched(path, overrides, None)
+}
+
+/// Reads a scene as [`open_with`] does, while somebody watches.
+pub fn open_watched(
+    path: &Path,
+    overrides: &Overrides,
+    watch: Option<&dyn LoadWatch>,
+) -> Result<(Scene, Overrides), SceneError> {
     let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     let file = if is_toml { Some(SceneFile::read(path)?) } else { None };
     let of_file = file.as_ref().map(|file| file.overrides.clone()).unwrap_or_default();
@@ -203,10 +212,10 @@ pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides
         Some(file) => assemble(path, file, options),
         None => load_with(path, options),
     };
-    let mut scene = read(&LoadOptions { sharing, moment: moments.moment(), ..LoadOptions::default() })?;
+    let mut scene = read(&LoadOptions { sharing, moment: moments.moment(), watch, ..LoadOptions::default() })?;
     if let Some(keys) = moments.shutter_moments().filter(|_| !scene.animations.is_empty()) {
         let ramp = moments.shutter_ramp.unwrap_or(0.0);
-        let read = |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true });
+        let read = |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true, watch });
         add_motion(&mut scene, keys, ramp, read)?;
     }
     Ok((scene, of_file))

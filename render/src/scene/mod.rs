@@ -1,9 +1,11 @@
 //! Scenes: what they are made of, and the files they are read from.
 
 mod aov_table;
+mod blocks;
 mod builtin;
 mod camera_pose;
 mod daylight;
+mod decimal;
 mod description;
 mod error;
 mod file;
@@ -56,12 +58,12 @@ pub use daylight::{Daylight, DaylightModel};
 pub use description::{LightLabel, LightUnits, Mesh, Origin, Scene, Variant};
 pub(crate) use error::count;
 pub use error::{Place, SceneError};
-pub use file::{SceneFile, open, open_with};
+pub use file::{SceneFile, open, open_watched, open_with};
 pub use files::{Disk, Files};
 pub use framing::frame;
 pub use instance::{Instance, Object};
 pub use light_table::LightTable;
-pub use load_options::LoadOptions;
+pub use load_options::{LoadOptions, LoadWatch};
 pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Target};
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};

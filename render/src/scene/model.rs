@@ -128,8 +128,8 @@ fn parse(
     }
     format.check_content(path, text)?;
     let scene = match format {
-        Format::Obj => obj::read(files, path, text),
-        Format::Ply => ply::read(path, text),
+        Format::Obj => obj::read(files, path, text, options.watch),
+        Format::Ply => ply::read(path, text, options.watch),
         Format::Gltf => gltf::read_json(files, path, text, options),
         Format::Glb => gltf::read_binary(files, path, text, options),
         Format::Pbrt => pbrt::read(files, path, text, options.sharing),

@@ -27,6 +27,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::blocks::Block;
 use super::statement::{Statement, statements};
 use super::texture::TextureStore;
 use super::{Material, SceneError};
@@ -81,7 +82,7 @@ pub(super) fn read(
 ) -> Result<(), SceneError> {
     let is_blender = bytes.trim_ascii_start().starts_with(b"# Blender");
     let mut current: Option<Statements> = None;
-    for statement in statements(path, bytes, "an MTL file") {
+    for statement in statements(path, Block::whole(bytes), "an MTL file") {
         let statement = statement?;
         if statement.keyword() == b"newmtl" {
             let next = Statements { name: statement.name(), ..Statements::default() };

@@ -1,28 +1,36 @@
 //! Wavefront OBJ: polygons (`v`, `vt`, `vn`, `f`), their groups (`o`, `g`) and materials (`usemtl`, `mtllib`).
 //!
-//! A reader of our own, because those on crates.io give no line numbers in their errors.
+//! A reader of our own, because those on crates.io give no line numbers in their errors. Blocks of lines are read in
+//! parallel (`obj/lines.rs`), once it is known how many vertices stand before each; then faces become meshes in their order
+//! (`obj/weld.rs`).
 //!
 //! Every run of faces with one object, group and material becomes a mesh, or up to four: faces whose corners all have
 //! normals, or texture coordinates, stand apart from those where some are missing, which are flat or without texture
-//! coordinates. Vertices are shared within a mesh.
+//! coordinates. Vertices are shared within a mesh. It is called like its group, or like its object where a group has no name
+//! or there is none; masks and light path expressions know it by that name.
 //!
 //! Polygons are cut into triangles (`polygon.rs`).
 //!
 //! Deviations: lines and points are skipped with a warning; smoothing groups, free-form surfaces and unknown statements
 //! without one. A face can only name vertices that stand before it. A normal without a direction counts as missing.
 
-use std::collections::HashMap;
+mod lines;
+mod weld;
+
 use std::mem;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
-use super::description::unit;
+use super::blocks::{Block, blocks, read_in_order};
 use super::error::count;
+use super::load_options::Loading;
 use super::polygon::Cutter;
-use super::statement::{Statement, shown, statements};
 use super::texture::TextureStore;
-use super::{Files, Material, Mesh, Scene, SceneError, mtl};
+use super::{Files, LoadWatch, Material, Mesh, Scene, SceneError, mtl};
+use lines::{Change, Counts, Lines};
+use weld::{Run, Vertices};
 
 /// Stands for an index that a corner leaves out. The file is too short for it to be a real one.
 const NONE: u32 = u32::MAX;
@@ -31,11 +39,31 @@ const NONE: u32 = u32::MAX;
 type Corner = [u32; 3];
 
 /// Reads the OBJ file in `bytes`, and the MTL files that it names, which are sought relative to the folder of `path`.
-pub(super) fn read(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
-    let mut reader = Reader::new(files, path);
-    for statement in statements(path, bytes, "an OBJ file") {
-        reader.take(&statement?)?;
-    }
+pub(super) fn read(
+    files: &dyn Files,
+    path: &Path,
+    bytes: &[u8],
+    watch: Option<&dyn LoadWatch>,
+) -> Result<Scene, SceneError> {
+    let blocks = blocks(bytes, 1);
+    let within: Vec<Counts> = blocks.par_iter().map(|block| Counts::of(*block)).collect();
+    let mut before = Counts::default();
+    let parts: Vec<_> = blocks
+        .into_iter()
+        .zip(within)
+        .map(|(block, within)| {
+            let sum = before.and(within);
+            (block, mem::replace(&mut before, sum))
+        })
+        .collect();
+    let mut reader = Reader::new(files, path, before);
+    let mut loading = Loading::new(path, bytes.len(), watch);
+    let read =
+        |(block, before): &(Block, Counts)| Lines::read(path, *block, *before).map(|lines| (block.bytes.len(), lines));
+    read_in_order(&parts, read, |(length, lines)| {
+        loading.advance(length);
+        reader.take(lines)
+    })?;
     Ok(reader.finish())
 }
 
@@ -46,15 +74,16 @@ struct Reader<'a> {
     texcoords: Vec<Vec2>,
     /// Unit normals, or zero for those without a direction.
     normals: Vec<Vec3>,
-    /// The corners of the face at hand.
-    face: Vec<Corner>,
-    /// Its corners as vertices of its mesh, and their positions.
+    /// The corners of the face at hand as vertices of its mesh, and their positions.
     vertices: Vec<u32>,
     places: Vec<Vec3>,
     cutter: Cutter,
     /// The names that `usemtl` gave, in order of appearance; a mesh's material indexes them until the end.
     material_names: Vec<String>,
+    /// The name of the object at hand.
+    object: String,
     run: Run,
+    shared: Vertices,
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
     textures: TextureStore<'a>,
@@ -63,19 +92,21 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(files: &'a dyn Files, path: &'a Path) -> Self {
+    fn new(files: &'a dyn Files, path: &'a Path, counts: Counts) -> Self {
+        let [positions, texcoords, normals] = counts.0;
         Self {
             files,
             path,
-            positions: Vec::new(),
-            texcoords: Vec::new(),
-            normals: Vec::new(),
-            face: Vec::new(),
+            positions: Vec::with_capacity(positions),
+            texcoords: Vec::with_capacity(texcoords),
+            normals: Vec::with_capacity(normals),
             vertices: Vec::new(),
             places: Vec::new(),
             cutter: Cutter::new(),
             material_names: Vec::new(),
+            object: String::new(),
             run: Run::default(),
+            shared: Vertices::new(positions),
             meshes: Vec::new(),
             materials: Vec::new(),
             textures: TextureStore::new(files, Vec::new()),
@@ -84,21 +115,34 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn take(&mut self, statement: &Statement) -> Result<(), SceneError> {
-        match statement.keyword() {
-            b"v" => self.positions.push(Vec3::from_array(statement.numbers()?)),
-            b"vn" => self.normals.push(unit(Vec3::from_array(statement.numbers()?)).unwrap_or_default()),
-            b"vt" => {
-                // The second coordinate may be left out: it is 0 then.
-                let one = statement.words().count() == 1;
-                let texcoord = if one { [statement.numbers::<1>()?[0], 0.0] } else { statement.numbers()? };
-                // OBJ counts from a picture's lower edge.
-                self.texcoords.push(Vec2::new(texcoord[0], 1.0 - texcoord[1]));
+    /// Adds what the next lines of the file say.
+    fn take(&mut self, lines: Lines) -> Result<(), SceneError> {
+        self.positions.extend(lines.positions);
+        self.texcoords.extend(lines.texcoords);
+        self.normals.extend(lines.normals);
+        self.lines_and_points += lines.lines_and_points;
+        let mut changes = lines.changes.into_iter().peekable();
+        let mut rest = &lines.corners[..];
+        for (face, &corners) in lines.faces.iter().enumerate() {
+            while let Some((_, change)) = changes.next_if(|(before, _)| *before == face) {
+                self.change(change)?;
             }
-            b"f" => self.add_face(statement)?,
-            b"o" | b"g" => self.begin_run(statement.name(), self.run.material),
-            b"usemtl" => {
-                let name = statement.name();
+            let (corners, others) = rest.split_at(corners as usize);
+            self.add_face(corners);
+            rest = others;
+        }
+        changes.try_for_each(|(_, change)| self.change(change))
+    }
+
+    fn change(&mut self, change: Change) -> Result<(), SceneError> {
+        match change {
+            Change::Object(name) => {
+                self.object.clone_from(&name);
+                self.begin_run(name, self.run.material);
+            }
+            Change::Group(name) if name.is_empty() => self.begin_run(self.object.clone(), self.run.material),
+            Change::Group(name) => self.begin_run(name, self.run.material),
+            Change::Material(name) => {
                 let known = self.material_names.iter().position(|known| *known == name);
                 let material = known.unwrap_or_else(|| {
                     self.material_names.push(name);
@@ -106,9 +150,7 @@ impl<'a> Reader<'a> {
                 });
                 self.begin_run(self.run.name.clone(), Some(material));
             }
-            b"mtllib" => self.read_libraries(statement)?,
-            b"l" | b"p" => self.lines_and_points += 1,
-            _ => {}
+            Change::Libraries { line, names } => self.read_libraries(line, &names)?,
         }
         Ok(())
     }
@@ -117,30 +159,22 @@ impl<'a> Reader<'a> {
         if self.run.name != name || self.run.material != material {
             let finished = mem::replace(&mut self.run, Run { name, material, ..Run::default() });
             self.meshes.extend(finished.into_meshes());
+            self.shared.forget();
         }
     }
 
-    fn add_face(&mut self, statement: &Statement) -> Result<(), SceneError> {
-        self.face.clear();
-        for word in statement.words() {
-            let corner = self.corner(statement, word)?;
-            self.face.push(corner);
-        }
-        if self.face.len() < 3 {
-            let corners = count(self.face.len(), "corner", "corners");
-            return Err(statement.error(format!("this face has {corners}"), "a face needs 3 corners or more"));
-        }
-        let has_texcoords = self.face.iter().all(|&[_, texcoord, _]| texcoord != NONE);
+    fn add_face(&mut self, face: &[Corner]) {
+        let has_texcoords = face.iter().all(|&[_, texcoord, _]| texcoord != NONE);
         let has_normals =
-            self.face.iter().all(|&[_, _, normal]| normal != NONE && self.normals[normal as usize] != Vec3::ZERO);
-        let builder = &mut self.run.builders[usize::from(has_texcoords) + 2 * usize::from(has_normals)];
-        let mesh = &mut builder.mesh;
+            face.iter().all(|&[_, _, normal]| normal != NONE && self.normals[normal as usize] != Vec3::ZERO);
+        let mesh = &mut self.run.meshes[usize::from(has_texcoords) + 2 * usize::from(has_normals)];
         self.vertices.clear();
-        self.places.clear();
-        for &[position, texcoord, normal] in &self.face {
+        for &[position, texcoord, normal] in face {
             let corner =
                 [position, if has_texcoords { texcoord } else { NONE }, if has_normals { normal } else { NONE }];
-            let vertex = *builder.vertices.entry(corner).or_insert_with(|| {
+            let next = mesh.positions.len() as u32;
+            let vertex = self.shared.find_or_add(corner, next);
+            if vertex == next {
                 mesh.positions.push(self.positions[position as usize]);
                 if has_texcoords {
                     mesh.texcoords.push(self.texcoords[texcoord as usize]);
@@ -148,59 +182,30 @@ impl<'a> Reader<'a> {
                 if has_normals {
                     mesh.normals.push(self.normals[normal as usize]);
                 }
-                mesh.positions.len() as u32 - 1
-            });
+            }
             self.vertices.push(vertex);
-            self.places.push(self.positions[position as usize]);
         }
+        if let [a, b, c] = self.vertices[..] {
+            mesh.triangles.push([a, b, c]);
+            return;
+        }
+        self.places.clear();
+        self.places.extend(face.iter().map(|&[position, ..]| self.positions[position as usize]));
         let triangles = self.cutter.cut(&self.places).iter();
         mesh.triangles.extend(triangles.map(|triangle| triangle.map(|corner| self.vertices[corner as usize])));
-        Ok(())
-    }
-
-    /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, statement: &Statement, word: &[u8]) -> Result<Corner, SceneError> {
-        let kinds = [
-            ("vertex", "vertices", self.positions.len()),
-            ("texture coordinate", "texture coordinates", self.texcoords.len()),
-            ("normal", "normals", self.normals.len()),
-        ];
-        let mut corner = [NONE; 3];
-        for (slot, part) in word.split(|&byte| byte == b'/').enumerate() {
-            if part.is_empty() && slot > 0 {
-                continue;
-            }
-            let number = str::from_utf8(part).ok().and_then(|part| part.parse::<i64>().ok());
-            let (Some(&(one, many, known)), Some(number)) = (kinds.get(slot), number) else {
-                return Err(statement.error(
-                    format!("`{}` is not a corner of a face", shown(word)),
-                    "write corners as whole numbers: v, v/vt, v//vn or v/vt/vn",
-                ));
-            };
-            // Positive numbers count from 1, negative ones back from the latest.
-            let index = if number > 0 { number - 1 } else { known as i64 + number };
-            if number == 0 || !(0..known as i64).contains(&index) {
-                let known = count(known, one, many);
-                return Err(statement.error(
-                    format!("{one} {number} does not exist: the file has {known} up to this line"),
-                    "define it before the face, and count from 1, or backwards from -1",
-                ));
-            }
-            corner[slot] = index as u32;
-        }
-        Ok(corner)
     }
 
     /// Reads the MTL files of one `mtllib` line. A missing one is a warning: half the models of the world lack theirs.
-    fn read_libraries(&mut self, statement: &Statement) -> Result<(), SceneError> {
+    fn read_libraries(&mut self, line: usize, names: &str) -> Result<(), SceneError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        for name in library_names(self.files, folder, &statement.name()) {
+        for name in library_names(self.files, folder, names) {
             let file = folder.join(&name);
             match self.files.read(&file) {
                 Ok(bytes) => mtl::read(&file, &bytes, &mut self.materials, &mut self.textures, &mut self.warnings)?,
                 Err(error) => {
                     let problem = SceneError::unreadable(&file, &error).problem;
-                    self.warnings.push(statement.warning(format_args!("material library {name:?}: {problem}")));
+                    let path = self.path.display();
+                    self.warnings.push(format!("{path}:{line}: material library {name:?}: {problem}"));
                 }
             }
         }
@@ -240,30 +245,6 @@ impl<'a> Reader<'a> {
             warnings: self.warnings,
             ..Scene::default()
         }
-    }
-}
-
-/// Faces that follow each other with one name and material.
-#[derive(Default)]
-struct Run {
-    name: String,
-    material: Option<usize>,
-    /// Without texture coordinates and normals; with texture coordinates; with normals; with both.
-    builders: [Builder; 4],
-}
-
-#[derive(Default)]
-struct Builder {
-    mesh: Mesh,
-    vertices: HashMap<Corner, u32>,
-}
-
-impl Run {
-    fn into_meshes(self) -> impl Iterator<Item = Mesh> {
-        let Self { name, material, builders } = self;
-        let meshes = builders.into_iter().map(|builder| builder.mesh).filter(|mesh| !mesh.triangles.is_empty());
-        // Faces before any `usemtl` have an index that names no material.
-        meshes.map(move |mesh| Mesh { name: name.clone(), material: material.unwrap_or(usize::MAX), ..mesh })
     }
 }
 

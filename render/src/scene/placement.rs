@@ -1,18 +1,21 @@
 //! Meshes and objects taken to where they are shown.
 
 use glam::{Affine3A, DAffine3, Vec3};
+use rayon::prelude::*;
 
 use super::description::unit;
 use super::turn::normal_matrix;
 use super::{Mesh, Scene};
 
+/// As many vertices are worth a thread's while.
+const PARALLEL: usize = 1 << 14;
+
 impl Mesh {
     /// The mesh where a transform takes it. A transform that mirrors exchanges the second and the third corner of each
     /// triangle, so that fronts stay fronts. Positions that leave the range of numbers are not finite afterwards.
     pub(crate) fn placed(mut self, to_world: &DAffine3) -> Self {
-        for position in &mut self.positions {
-            *position = to_world.transform_point3(position.as_dvec3()).as_vec3();
-        }
+        let place = |position: &mut Vec3| *position = to_world.transform_point3(position.as_dvec3()).as_vec3();
+        self.positions.par_iter_mut().with_min_len(PARALLEL).for_each(place);
         let linear = to_world.matrix3;
         let mirrors = linear.determinant() < 0.0;
         if mirrors {
@@ -30,10 +33,11 @@ impl Mesh {
         }
         // Normals without a direction leave the mesh flat.
         let normals = normal_matrix(linear);
-        let direction =
-            |normal: &Vec3| (normals * unit(*normal)?.as_dvec3()).try_normalize().map(|normal| normal.as_vec3());
-        let normals: Option<Vec<Vec3>> = self.normals.iter().map(direction).collect();
-        self.normals = normals.unwrap_or_default();
+        let turned = |normal: Vec3| Some((normals * unit(normal)?.as_dvec3()).try_normalize()?.as_vec3());
+        let turn = |normal: &mut Vec3| turned(*normal).map(|turned| *normal = turned);
+        if self.normals.par_iter_mut().with_min_len(PARALLEL).try_for_each(turn).is_none() {
+            self.normals = Vec::new();
+        }
         self
     }
 }

@@ -1,89 +1,62 @@
-//! PLY (Turk, "The PLY polygon file format", 1994) in its three encodings, through the crate `ply-rs-bw`.
+//! PLY (Turk, "The PLY polygon file format", 1994) in its three encodings. The crate `ply-rs-bw` reads the header. What
+//! follows is cut into pieces of one element (`ply/pieces.rs`), whose values (`ply/values.rs`) are read in parallel.
 //!
 //! Reads element `vertex` (`x y z`, `nx ny nz`, and `s t`, `u v` or `texture_u texture_v`) and element `face`
 //! (`vertex_indices` or `vertex_index`), and passes over all else, colours included. Errors count vertices and faces
 //! from 0, as the format does. Polygons are cut into triangles (`polygon.rs`).
 //!
-//! The crate trusts a header's counts, so they are compared with the file's length before any element is read.
+//! A header's counts are compared with the file's length before any element is read. In ASCII an element is a line.
 
-use std::io::ErrorKind;
+mod header;
+mod pieces;
+mod values;
+
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
-};
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
+use super::blocks::read_in_order;
 use super::description::unit;
 use super::error::count;
+use super::load_options::Loading;
 use super::polygon::Cutter;
-use super::{Material, Mesh, Place, Scene, SceneError};
+use super::{LoadWatch, Material, Mesh, Place, Scene, SceneError};
+use pieces::Piece;
+use values::{Bytes, Field, Row, Values, Words};
 
 const TEXCOORDS: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Reads the PLY file in `bytes` as one mesh.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Scene, SceneError> {
+pub(super) fn read(path: &Path, bytes: &[u8], watch: Option<&dyn LoadWatch>) -> Result<Scene, SceneError> {
     let file = File { path, bytes };
+    let mut loading = Loading::new(path, bytes.len(), watch);
     let mut reader = Reader::new(bytes);
     let header = Parser::<Ignored>::new().read_header(&mut reader).map_err(|error| file.header_error(&error))?;
     let available = reader.get_ref().len();
-    file.check_declarations(&header, &bytes[..bytes.len() - available])?;
+    let (text, data) = bytes.split_at(bytes.len() - available);
+    file.check_declarations(&header, text)?;
     file.check_header(&header)?;
     file.check_length(&header, available)?;
-
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for element in header.elements.values() {
-        match element.name.as_str() {
-            "vertex" => vertices = file.elements::<Vertex>(&mut reader, element, &header)?,
-            "face" => faces = file.elements::<Face>(&mut reader, element, &header)?,
-            _ => drop(file.elements::<Ignored>(&mut reader, element, &header)?),
+    file.check_lengths_of_lists(&header)?;
+    match header.encoding {
+        Encoding::Ascii => {
+            let line = 1 + text.iter().filter(|byte| **byte == b'\n').count();
+            file.mesh::<Words>(&header, &mut loading, &pieces::of_text(&file, &header, data, line)?)
+        }
+        Encoding::BinaryLittleEndian => {
+            file.mesh::<Bytes<false>>(&header, &mut loading, &pieces::of_bytes::<false>(&file, &header, data)?)
+        }
+        Encoding::BinaryBigEndian => {
+            file.mesh::<Bytes<true>>(&header, &mut loading, &pieces::of_bytes::<true>(&file, &header, data)?)
         }
     }
-    file.check_vertices(&vertices)?;
-
-    let declared = &header.elements["vertex"].properties;
-    let has = |names: &[&str]| names.iter().all(|&name| declared.contains_key(name));
-    let mut mesh = Mesh { positions: vertices.iter().map(|vertex| vertex.position).collect(), ..Mesh::default() };
-    let mut warnings = Vec::new();
-    if has(&["nx", "ny", "nz"]) {
-        match vertices.iter().map(|vertex| unit(vertex.normal)).collect() {
-            Some(normals) => mesh.normals = normals,
-            None => warnings.push(format!("{}: some normals have no direction; shading is flat", path.display())),
-        }
-    }
-    if TEXCOORDS.iter().any(|names| has(names)) {
-        // PLY counts from a picture's lower edge.
-        let from_above = |texcoord: Vec2| Vec2::new(texcoord.x, 1.0 - texcoord.y);
-        mesh.texcoords = vertices.iter().map(|vertex| from_above(vertex.texcoord)).collect();
-    }
-    let (mut cutter, mut positions) = (Cutter::new(), Vec::new());
-    for (index, face) in faces.iter().enumerate() {
-        let corners = file.corners(index, face, vertices.len())?;
-        positions.clear();
-        positions.extend(corners.iter().map(|&corner| mesh.positions[corner as usize]));
-        let triangles = cutter.cut(&positions).iter();
-        mesh.triangles.extend(triangles.map(|triangle| triangle.map(|corner| corners[corner as usize])));
-    }
-    Ok(Scene { meshes: vec![mesh], materials: vec![Material::default()], warnings, ..Scene::default() })
 }
 
-/// An element of a kind that is passed over.
+/// For a header alone.
 struct Ignored;
-
-#[derive(Default)]
-struct Vertex {
-    position: Vec3,
-    normal: Vec3,
-    texcoord: Vec2,
-}
-
-#[derive(Default)]
-struct Face {
-    /// `None` if one is negative.
-    corners: Option<Vec<u32>>,
-}
 
 impl PropertyAccess for Ignored {
     fn new() -> Self {
@@ -91,41 +64,15 @@ impl PropertyAccess for Ignored {
     }
 }
 
-impl PropertyAccess for Vertex {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        let target = match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
-            "nx" => &mut self.normal.x,
-            "ny" => &mut self.normal.y,
-            "nz" => &mut self.normal.z,
-            "s" | "u" | "texture_u" => &mut self.texcoord.x,
-            "t" | "v" | "texture_v" => &mut self.texcoord.y,
-            _ => return PropertyAccessResult::Ignored,
-        };
-        let Some(value) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
-        *target = value;
-        PropertyAccessResult::Set
-    }
-}
-
-impl PropertyAccess for Face {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        if !INDICES.contains(&name) {
-            return PropertyAccessResult::Ignored;
-        }
-        self.corners = value.to_u32_list();
-        PropertyAccessResult::Set
-    }
+/// What is read of a piece's vertices.
+#[derive(Default)]
+struct Vertices {
+    /// How many they were read from.
+    bytes: usize,
+    positions: Vec<Vec3>,
+    texcoords: Vec<Vec2>,
+    /// Unit normals; `None` if one has no direction.
+    normals: Option<Vec<Vec3>>,
 }
 
 /// The file at hand, for errors.
@@ -140,117 +87,140 @@ impl<'a> File<'a> {
         SceneError::new(self.path, place, problem, remedy)
     }
 
-    fn header_error(&self, error: &ParseError) -> SceneError {
-        const REMEDY: &str = "the header goes from `ply` to `end_header`: format, elements and their properties";
-        match error.line() {
-            Some(line) if error.kind() != ErrorKind::UnexpectedEof => {
-                let text = self.line(line);
-                self.error(Place::Line(line), format!("`{text}` does not belong in the header of a PLY file"), REMEDY)
-            }
-            _ if error.kind() == ErrorKind::InvalidInput => {
-                self.error(Place::File, "the header has no line with a valid `format`", "write `format ascii 1.0`")
-            }
-            _ => self.error(Place::File, "the header does not end, or is not text", REMEDY),
-        }
-    }
-
-    /// Whether the elements and properties that a mesh needs are there, with types that make sense.
-    fn check_header(&self, header: &Header) -> Result<(), SceneError> {
-        let element = |name: &str, property: &str| {
-            header.elements.get(name).ok_or_else(|| {
-                self.error(
-                    Place::File,
-                    format!("there is no element `{name}`"),
-                    format!("declare `element {name}` with {property}"),
-                )
-            })
-        };
-        let vertex = element("vertex", "x, y and z")?;
-        for name in ["x", "y", "z"] {
-            match vertex.properties.get(name).map(|property| &property.data_type) {
-                Some(PropertyType::Scalar(_)) => {}
-                _ => {
-                    let problem = format!("there is no number `{name}`");
-                    let remedy = format!("declare `property float {name}`");
-                    return Err(self.error(Place::Part("element `vertex`".to_owned()), problem, remedy));
-                }
-            }
-        }
-        let face = element("face", "a list of vertex_indices")?;
-        let list = INDICES.iter().find_map(|&name| face.properties.get(name)).map(|property| &property.data_type);
-        if !matches!(list, Some(PropertyType::List(length, index)) if is_integer(length) && is_integer(index)) {
-            return Err(self.error(
-                Place::Part("element `face`".to_owned()),
-                "there is no list of whole numbers `vertex_indices` or `vertex_index`",
-                "declare `property list uchar int vertex_indices`",
-            ));
-        }
-        Ok(())
-    }
-
-    /// Whether everything is declared once. The crate keeps the last of two declarations, and would misread the data.
-    fn check_declarations(&self, header: &Header, text: &[u8]) -> Result<(), SceneError> {
-        let declared = |keyword: &[u8]| {
-            let keywords = text.split(|&byte| byte == b'\n').map(|line| line.split(u8::is_ascii_whitespace).next());
-            keywords.filter(|&first| first == Some(keyword)).count()
-        };
-        let properties = header.elements.values().map(|element| element.properties.len()).sum();
-        for (keyword, distinct) in [("element", header.elements.len()), ("property", properties)] {
-            if declared(keyword.as_bytes()) != distinct {
-                let problem = format!("the header declares one {keyword} twice");
-                return Err(self.error(Place::File, problem, "give each a name of its own"));
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether what the header announces fits into the `available` bytes that follow it.
-    fn check_length(&self, header: &Header, available: usize) -> Result<(), SceneError> {
-        let mut least = 0_usize;
-        for element in header.elements.values() {
-            if element.properties.is_empty() && element.count > 0 {
-                let place = Place::Part(format!("element `{}`", element.name));
-                return Err(self.error(place, "it has no properties", "declare a property, or no such element"));
-            }
-            let sizes = element.properties.values().map(|property| least_size(&property.data_type, header.encoding));
-            least = least.saturating_add(element.count.saturating_mul(sizes.sum()));
-        }
-        // The last number of an ascii file needs no separator.
-        if least > available + usize::from(header.encoding == Encoding::Ascii) {
-            return Err(self.error(
-                Place::File,
-                format!(
-                    "the file is cut short: the header announces at least {least} bytes of data, but {available} follow"
-                ),
-                "copy or export the model again",
-            ));
-        }
-        Ok(())
-    }
-
-    fn elements<E: PropertyAccess>(
+    /// Reads all vertices and faces.
+    fn mesh<V: Values<'a>>(
         &self,
-        reader: &mut Reader<&[u8]>,
-        element: &ElementDef,
         header: &Header,
-    ) -> Result<Vec<E>, SceneError> {
-        let outcome = Parser::<E>::new().read_payload_for_element(reader, element, header);
-        outcome.map_err(|error| {
-            let name = &element.name;
-            let part = Place::Part(format!("element `{name}`"));
-            if error.kind() == ErrorKind::UnexpectedEof {
-                let problem = format!("the file ends before the last of {}", element.count);
-                return self.error(part, problem, "copy or export the model again");
+        loading: &mut Loading,
+        pieces: &[Piece<'a>],
+    ) -> Result<Scene, SceneError> {
+        let (vertex, face) = (&header.elements["vertex"], &header.elements["face"]);
+        let (vertices, faces): (Vec<&Piece>, Vec<&Piece>) =
+            pieces.iter().filter(|piece| ["vertex", "face"].contains(&piece.name)).partition(|it| it.name == "vertex");
+        let has = |names: &[&str]| names.iter().all(|&name| vertex.properties.contains_key(name));
+        let (has_normals, has_texcoords) = (has(&["nx", "ny", "nz"]), TEXCOORDS.iter().any(|names| has(names)));
+        let mut mesh = Mesh { positions: Vec::with_capacity(vertex.count), ..Mesh::default() };
+        let mut all_normals = has_normals.then(|| Vec::with_capacity(vertex.count));
+        if has_texcoords {
+            mesh.texcoords.reserve_exact(vertex.count);
+        }
+        let fields = Field::all(vertex);
+        let read = |piece: &&Piece<'a>| self.vertices::<V>(piece, &fields, vertex, has_texcoords, has_normals);
+        read_in_order(&vertices, read, |part| {
+            loading.advance(part.bytes);
+            mesh.positions.extend(part.positions);
+            mesh.texcoords.extend(part.texcoords);
+            match (&mut all_normals, part.normals) {
+                (Some(all), Some(normals)) => all.extend(normals),
+                _ => all_normals = None,
             }
-            if header.encoding != Encoding::Ascii {
-                let problem = error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_owned();
-                return self.error(part, problem, "export the model again");
+            Ok(())
+        })?;
+        let mut warnings = Vec::new();
+        if has_normals && all_normals.is_none() {
+            warnings.push(format!("{}: some normals have no direction; shading is flat", self.path.display()));
+        }
+        mesh.normals = all_normals.unwrap_or_default();
+        let mut triangles = Vec::with_capacity(face.count);
+        let fields = Field::all(face);
+        let read = |piece: &&Piece<'a>| {
+            let triangles = self.triangles::<V>(piece, &fields, face, &mesh.positions)?;
+            Ok((piece.bytes.len(), triangles))
+        };
+        read_in_order(&faces, read, |(bytes, part)| {
+            loading.advance(bytes);
+            triangles.extend(part);
+            Ok(())
+        })?;
+        mesh.triangles = triangles;
+        Ok(Scene { meshes: vec![mesh], materials: vec![Material::default()], warnings, ..Scene::default() })
+    }
+
+    fn vertices<V: Values<'a>>(
+        &self,
+        piece: &Piece<'a>,
+        fields: &[Field],
+        element: &ElementDef,
+        has_texcoords: bool,
+        has_normals: bool,
+    ) -> Result<Vertices, SceneError> {
+        let mut vertices =
+            Vertices { bytes: piece.bytes.len(), normals: has_normals.then(Vec::new), ..Vertices::default() };
+        self.elements::<V>(piece, fields, element, |number, row| {
+            let [x, y, z, nx, ny, nz, s, t] = row.numbers;
+            let (position, texcoord) = (Vec3::new(x, y, z), Vec2::new(s, t));
+            if !position.is_finite() || !texcoord.is_finite() {
+                return Err(self.error(
+                    Place::Part(format!("vertex {number}")),
+                    "a coordinate is not a finite number",
+                    "every coordinate must be finite and in the range of single precision",
+                ));
             }
-            let line = error.line().unwrap_or(reader.line());
-            let properties: Vec<&str> = element.properties.keys().map(String::as_str).collect();
-            let remedy = format!("a line of `{name}` has these numbers: {}", properties.join(" "));
-            self.error(Place::Line(line), format!("`{}` is not a `{name}`", self.line(line)), remedy)
-        })
+            vertices.positions.push(position);
+            if has_texcoords {
+                // PLY counts from a picture's lower edge.
+                vertices.texcoords.push(Vec2::new(s, 1.0 - t));
+            }
+            match (&mut vertices.normals, unit(Vec3::new(nx, ny, nz))) {
+                (Some(normals), Some(normal)) => normals.push(normal),
+                _ => vertices.normals = None,
+            }
+            Ok(())
+        })?;
+        Ok(vertices)
+    }
+
+    fn triangles<V: Values<'a>>(
+        &self,
+        piece: &Piece<'a>,
+        fields: &[Field],
+        element: &ElementDef,
+        positions: &[Vec3],
+    ) -> Result<Vec<[u32; 3]>, SceneError> {
+        let mut triangles = Vec::with_capacity(piece.count);
+        let (mut corners, mut places, mut cutter) = (Vec::new(), Vec::new(), Cutter::new());
+        self.elements::<V>(piece, fields, element, |number, row| {
+            self.check_corners(number, &row.corners, positions.len())?;
+            corners.clear();
+            corners.extend(row.corners.iter().map(|&corner| corner as u32));
+            if let [a, b, c] = corners[..] {
+                triangles.push([a, b, c]);
+                return Ok(());
+            }
+            places.clear();
+            places.extend(corners.iter().map(|&corner| positions[corner as usize]));
+            let cut = cutter.cut(&places).iter();
+            triangles.extend(cut.map(|triangle| triangle.map(|corner| corners[corner as usize])));
+            Ok(())
+        })?;
+        Ok(triangles)
+    }
+
+    /// Calls `take` with the number and the values of each element of a piece.
+    fn elements<V: Values<'a>>(
+        &self,
+        piece: &Piece<'a>,
+        fields: &[Field],
+        element: &ElementDef,
+        mut take: impl FnMut(usize, &Row) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        let (mut values, mut row) = (V::new(piece.bytes), Row::default());
+        for place in 0..piece.count {
+            values.begin_element();
+            row.read(&mut values, fields).ok_or_else(|| {
+                let name = &element.name;
+                if piece.line == 0 {
+                    let part = Place::Part(format!("{name} {}", piece.first + place));
+                    return self.error(part, "its values are not what the header says", "export the model again");
+                }
+                let line = piece.line + place;
+                let properties: Vec<&str> = element.properties.keys().map(String::as_str).collect();
+                let remedy = format!("a line of `{name}` has these numbers: {}", properties.join(" "));
+                self.error(Place::Line(line), format!("`{}` is not a `{name}`", self.line(line)), remedy)
+            })?;
+            take(piece.first + place, &row)?;
+        }
+        Ok(())
     }
 
     /// The text of a line, cut if it is long.
@@ -259,51 +229,21 @@ impl<'a> File<'a> {
         super::statement::shown(text.trim_ascii())
     }
 
-    fn check_vertices(&self, vertices: &[Vertex]) -> Result<(), SceneError> {
-        for (index, Vertex { position, texcoord, .. }) in vertices.iter().enumerate() {
-            if !position.is_finite() || !texcoord.is_finite() {
-                return Err(self.error(
-                    Place::Part(format!("vertex {index}")),
-                    "a coordinate is not a finite number",
-                    "every coordinate must be finite and in the range of single precision",
-                ));
-            }
+    fn check_corners(&self, face: usize, corners: &[i64], vertices: usize) -> Result<(), SceneError> {
+        let wrong = |problem: String, remedy: &str| self.error(Place::Part(format!("face {face}")), problem, remedy);
+        let indices = || format!("use vertices from 0 to {}", vertices.saturating_sub(1));
+        if corners.iter().any(|&corner| corner < 0) {
+            return Err(wrong("it names a vertex by a negative number".to_owned(), &indices()));
         }
-        Ok(())
-    }
-
-    /// The corners of face `index`, checked.
-    fn corners<'f>(&self, index: usize, face: &'f Face, vertices: usize) -> Result<&'f [u32], SceneError> {
-        let place = Place::Part(format!("face {index}"));
-        let indices = format!("use vertices from 0 to {}", vertices.saturating_sub(1));
-        let Some(corners) = &face.corners else {
-            return Err(self.error(place, "it names a vertex by a negative number", indices));
-        };
-        if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= vertices) {
+        if let Some(corner) = corners.iter().find(|&&corner| corner >= vertices as i64) {
             let vertices = count(vertices, "vertex", "vertices");
-            return Err(self.error(place, format!("vertex {corner} does not exist: the file has {vertices}"), indices));
+            return Err(wrong(format!("vertex {corner} does not exist: the file has {vertices}"), &indices()));
         }
         if corners.len() < 3 {
             let corners = count(corners.len(), "corner", "corners");
-            return Err(self.error(place, format!("it has {corners}"), "a face needs 3 corners or more"));
+            return Err(wrong(format!("it has {corners}"), "a face needs 3 corners or more"));
         }
-        Ok(corners)
-    }
-}
-
-fn is_integer(scalar: &ScalarType) -> bool {
-    !matches!(scalar, ScalarType::Float | ScalarType::Double)
-}
-
-/// The least number of bytes that a property takes: a digit and a separator, or its binary size.
-fn least_size(property: &PropertyType, encoding: Encoding) -> usize {
-    let (PropertyType::Scalar(scalar) | PropertyType::List(scalar, _)) = property;
-    match (encoding, scalar) {
-        (Encoding::Ascii, _) => 2,
-        (_, ScalarType::Char | ScalarType::UChar) => 1,
-        (_, ScalarType::Short | ScalarType::UShort) => 2,
-        (_, ScalarType::Int | ScalarType::UInt | ScalarType::Float) => 4,
-        (_, ScalarType::Double) => 8,
+        Ok(())
     }
 }
 

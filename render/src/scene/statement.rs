@@ -7,23 +7,28 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use super::{Place, SceneError};
+use super::blocks::Block;
+use super::{Place, SceneError, decimal};
 
 /// A line, continuation lines included.
 pub(super) struct Statement<'a> {
     file: &'a Path,
     line: usize,
     text: Cow<'a, [u8]>,
+    /// The length of the keyword.
+    keyword: usize,
 }
 
-/// The statements of `bytes` in order, without blank lines and comments. A line that is not text is an error; `format`
+/// The statements of a block in order, without blank lines and comments. A line that is not text is an error; `format`
 /// names the format there ("an OBJ file").
 pub(super) fn statements<'a>(
     file: &'a Path,
-    bytes: &'a [u8],
+    block: Block<'a>,
     format: &'static str,
 ) -> impl Iterator<Item = Result<Statement<'a>, SceneError>> {
-    let mut lines = bytes.split(|&byte| byte == b'\n').zip(1..);
+    let mut lines = block.bytes.split(|&byte| byte == b'\n').zip(block.line..);
+    // Looked up all at once, in vectors; comments may have them.
+    let has_binary = block.bytes.iter().fold(false, |found, &byte| found | is_binary(byte));
     core::iter::from_fn(move || {
         loop {
             let (first, line) = lines.next()?;
@@ -41,8 +46,9 @@ pub(super) fn statements<'a>(
             if text.trim_ascii().is_empty() {
                 continue;
             }
-            let statement = Statement { file, line, text };
-            return Some(if statement.text.iter().copied().any(is_binary) {
+            let keyword = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+            let statement = Statement { file, line, text, keyword };
+            return Some(if has_binary && statement.text.iter().copied().any(is_binary) {
                 Err(statement.error(
                     format!("this is not {format}: the line holds binary data"),
                     "name a text file, saved as UTF-8 or ASCII",
@@ -62,24 +68,23 @@ fn is_binary(byte: u8) -> bool {
 impl Statement<'_> {
     /// The first word.
     pub(super) fn keyword(&self) -> &[u8] {
-        self.text.split(u8::is_ascii_whitespace).next().unwrap_or_default()
+        &self.text[..self.keyword]
     }
 
     /// All after the keyword, as text.
     pub(super) fn name(&self) -> String {
-        String::from_utf8_lossy(self.text[self.keyword().len()..].trim_ascii()).into_owned()
+        String::from_utf8_lossy(self.text[self.keyword..].trim_ascii()).into_owned()
     }
 
     /// The words after the keyword, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &[u8]> {
-        let words = self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        words.skip(1).take_while(|word| !word.starts_with(b"#"))
+        let words = self.text[self.keyword..].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.take_while(|word| !word.starts_with(b"#"))
     }
 
     /// `word` as a finite number.
     pub(super) fn number(&self, word: &[u8]) -> Result<f32, SceneError> {
-        let number = str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
-        match number {
+        match decimal::parse(word) {
             Some(number) if number.is_finite() => Ok(number),
             Some(_) => Err(self.error(
                 format!("`{}` is not a finite number", shown(word)),
@@ -94,6 +99,9 @@ impl Statement<'_> {
 
     /// The first `N` words as finite numbers; further words do not matter.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f32; N], SceneError> {
+        if let Some(numbers) = self.quick_numbers() {
+            return Ok(numbers);
+        }
         let mut numbers = [0.0; N];
         let mut words = self.words();
         for (found, number) in numbers.iter_mut().enumerate() {
@@ -101,6 +109,22 @@ impl Statement<'_> {
             *number = self.number(word)?;
         }
         Ok(numbers)
+    }
+
+    /// The same where all is as most programs write it.
+    pub(super) fn quick_numbers<const N: usize>(&self) -> Option<[f32; N]> {
+        let mut numbers = [0.0; N];
+        let mut rest = &self.text[self.keyword..];
+        for number in &mut numbers {
+            rest = rest.trim_ascii_start();
+            let (found, length) = decimal::prefix(rest)?;
+            *number = found;
+            rest = &rest[length..];
+            if rest.first().is_some_and(|next| !next.is_ascii_whitespace()) {
+                return None;
+            }
+        }
+        Some(numbers)
     }
 
     fn too_few(&self, found: usize, needed: usize) -> SceneError {
@@ -115,6 +139,11 @@ impl Statement<'_> {
     /// An error at this line.
     pub(super) fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
         SceneError::new(self.file, Place::Line(self.line), problem, remedy)
+    }
+
+    /// The number of the line that it begins on.
+    pub(super) fn line(&self) -> usize {
+        self.line
     }
 
     /// A warning about this line.

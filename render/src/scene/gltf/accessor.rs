@@ -1,11 +1,15 @@
 //! Typed reads through accessors (glTF 2.0, section 3.6.2), with every range checked.
 
+use std::borrow::Cow;
+
 use ::gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type};
 use ::gltf::json::buffer::View;
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Index};
 
-use super::Document;
+use rayon::prelude::*;
+
+use super::{Document, PARALLEL};
 use crate::scene::SceneError;
 
 /// The most elements of an accessor that stores none, or only those of its sparse part: the rest is zero, which asks
@@ -32,6 +36,53 @@ pub(super) fn read<const N: usize>(
     what: &str,
     allowed: &[ComponentType],
 ) -> Result<Vec<[Component; N]>, SceneError> {
+    read_as(document, index, user, what, allowed, |element| element)
+}
+
+/// What `make` makes of each element, read as [`read`] does.
+pub(super) fn read_as<const N: usize, T: Send>(
+    document: &Document,
+    index: Index<Accessor>,
+    user: &str,
+    what: &str,
+    allowed: &[ComponentType],
+    make: impl Fn([Component; N]) -> T + Sync,
+) -> Result<Vec<T>, SceneError> {
+    let (bytes, component) = typed_elements::<N>(document, index, user, what, allowed)?;
+    Ok(map_numbers(&bytes, component, make))
+}
+
+/// Whole numbers in threes; those that make no three are left out.
+pub(super) fn read_threes(
+    document: &Document,
+    index: Index<Accessor>,
+    user: &str,
+    what: &str,
+    allowed: &[ComponentType],
+) -> Result<Vec<[u32; 3]>, SceneError> {
+    let (bytes, component) = typed_elements::<1>(document, index, user, what, allowed)?;
+    Ok(map_numbers(&bytes, component, |three: [Component; 3]| three.map(Component::index)))
+}
+
+/// What `make` makes of every `N` numbers in `bytes`.
+fn map_numbers<const N: usize, T: Send>(
+    bytes: &[u8],
+    component: ComponentType,
+    make: impl Fn([Component; N]) -> T + Sync,
+) -> Vec<T> {
+    let size = component.size();
+    let element = |bytes: &[u8]| make(core::array::from_fn(|slot| number(&bytes[slot * size..], component)));
+    bytes.par_chunks_exact(N * size).with_min_len(PARALLEL).map(element).collect()
+}
+
+/// The bytes of all elements, and the type of their numbers.
+fn typed_elements<'a, const N: usize>(
+    document: &'a Document,
+    index: Index<Accessor>,
+    user: &str,
+    what: &str,
+    allowed: &[ComponentType],
+) -> Result<(Cow<'a, [u8]>, ComponentType), SceneError> {
     let accessor = document.object(index, "accessor", user)?;
     let place = format!("accessor {}", index.value());
     let type_ = match N {
@@ -61,25 +112,23 @@ pub(super) fn read<const N: usize>(
             ));
         }
     };
-    let element = |bytes: &[u8]| core::array::from_fn(|slot| number(&bytes[slot * component.size()..], component));
-    let bytes = elements(document, index, N * component.size(), user)?;
-    Ok(bytes.chunks_exact(N * component.size()).map(element).collect())
+    Ok((elements(document, index, N * component.size(), user)?, component))
 }
 
 /// The bytes of all elements of an accessor, `size` of them each, with nothing in between. `user` is what refers to it.
-pub(crate) fn elements(
-    document: &Document,
+pub(crate) fn elements<'a>(
+    document: &'a Document,
     index: Index<Accessor>,
     size: usize,
     user: &str,
-) -> Result<Vec<u8>, SceneError> {
+) -> Result<Cow<'a, [u8]>, SceneError> {
     let accessor = document.object(index, "accessor", user)?;
     let place = format!("accessor {}", index.value());
     let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
-    let mut bytes: Vec<u8> = match accessor.buffer_view {
+    let mut bytes = match accessor.buffer_view {
         Some(view) => {
             let start = accessor.byte_offset.unwrap_or_default().0;
-            slices(document, view, start, count, size, &place)?.flatten().copied().collect()
+            slices(document, view, start, count, size, &place)?.packed()
         }
         None if count > MAX_ZEROS => {
             return Err(document.error(
@@ -88,7 +137,7 @@ pub(crate) fn elements(
                 "give it a bufferView",
             ));
         }
-        None => vec![0; count * size],
+        None => Cow::Owned(vec![0; count * size]),
     };
     if let Some(sparse) = &accessor.sparse {
         let replaced = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
@@ -100,9 +149,10 @@ pub(crate) fn elements(
             ));
         };
         let (view, start) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
-        let targets = slices(document, view, start, replaced, kind.size(), &place)?;
+        let targets = slices(document, view, start, replaced, kind.size(), &place)?.iter();
         let (view, start) = (sparse.values.buffer_view, sparse.values.byte_offset.0);
-        let values = slices(document, view, start, replaced, size, &place)?;
+        let values = slices(document, view, start, replaced, size, &place)?.iter();
+        let bytes = bytes.to_mut();
         for (target, value) in targets.zip(values) {
             let target = number(target, kind).index();
             let Some(target) = bytes.chunks_exact_mut(size).nth(target as usize) else {
@@ -115,8 +165,28 @@ pub(crate) fn elements(
     Ok(bytes)
 }
 
+/// Slices of one size in a buffer view.
+struct Slices<'a> {
+    bytes: &'a [u8],
+    count: usize,
+    size: usize,
+    stride: usize,
+}
+
+impl<'a> Slices<'a> {
+    fn iter(self) -> impl Iterator<Item = &'a [u8]> {
+        let Self { bytes, count, size, stride } = self;
+        (0..count).map(move |index| &bytes[index * stride..index * stride + size])
+    }
+
+    /// With nothing in between.
+    fn packed(self) -> Cow<'a, [u8]> {
+        if self.stride == self.size { Cow::Borrowed(self.bytes) } else { self.iter().flatten().copied().collect() }
+    }
+}
+
 /// The bytes of a buffer view; `place` is what refers to it.
-pub(super) fn view<'a>(document: &'a Document<'a>, view: Index<View>, place: &str) -> Result<&'a [u8], SceneError> {
+pub(super) fn view<'a>(document: &'a Document, view: Index<View>, place: &str) -> Result<&'a [u8], SceneError> {
     let user = format!("bufferView {}", view.value());
     if let Some(decoded) = document.decompressed.get(&view.value()) {
         return Ok(decoded);
@@ -134,13 +204,13 @@ pub(super) fn view<'a>(document: &'a Document<'a>, view: Index<View>, place: &st
 
 /// `count` slices of `size` bytes each, `start` bytes into a buffer view, at its stride. `place` is the accessor.
 fn slices<'a>(
-    document: &'a Document<'a>,
+    document: &'a Document,
     view: Index<View>,
     start: u64,
     count: usize,
     size: usize,
     place: &str,
-) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, SceneError> {
+) -> Result<Slices<'a>, SceneError> {
     let number = view.value();
     let bytes = self::view(document, view, place)?;
     let (view, user) = (document.object(view, "bufferView", place)?, format!("bufferView {number}"));
@@ -158,7 +228,7 @@ fn slices<'a>(
         let problem = format!("its {count} elements need {needed} bytes from byte {start} on, but {user} has {length}");
         document.error(place, problem, "keep it within its bufferView")
     })?;
-    Ok((0..count).map(move |index| &bytes[index * stride..index * stride + size]))
+    Ok(Slices { bytes, count, size, stride })
 }
 
 fn range(bytes: &[u8], start: u64, length: u64) -> Option<&[u8]> {

@@ -5,13 +5,14 @@
 
 use ::gltf::json::accessor::ComponentType::{self, F32, I8, I16, U8, U16, U32};
 use ::gltf::json::accessor::Type;
-use ::gltf::json::mesh::{Primitive, Semantic};
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Accessor, Index};
 use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::draco::{self, DracoMesh};
-use super::{Document, accessor};
+use super::{Document, PARALLEL, accessor};
 use crate::scene::SceneError;
 use crate::scene::count;
 use crate::scene::description::unit;
@@ -81,11 +82,10 @@ impl<'a> Attributes<'a> {
         kinds: &[ComponentType],
     ) -> Result<Vec<[f32; N]>, SceneError> {
         let kinds: &[ComponentType] = if self.is_quantized { &[F32, I8, U8, I16, U16] } else { kinds };
-        let numbers = accessor::read::<N>(self.document, index, self.place, name, kinds)?;
         let accessor = self.document.object(index, "accessor", self.place)?;
         let is_normalised = accessor.normalized || !self.is_quantized;
         let number = |it: accessor::Component| if is_normalised { it.normalised() } else { it.raw() };
-        Ok(numbers.into_iter().map(|numbers| numbers.map(number)).collect())
+        accessor::read_as(self.document, index, self.place, name, kinds, |numbers: [_; N]| numbers.map(number))
     }
 
     /// What a morph target adds to an attribute.
@@ -202,21 +202,55 @@ impl<'a> Attributes<'a> {
         self.complete(tangents, vertices, "tangent", "tangents")
     }
 
-    /// Corners of triangles, strips or fans, below the number of vertices.
-    pub(super) fn indices(&self, vertices: usize) -> Result<Vec<u32>, SceneError> {
-        let (indices, holder) = match (&self.draco, self.primitive.indices) {
-            (Some(draco), _) => (draco.indices(), self.place.to_owned()),
-            (None, Some(index)) => {
-                let indices = accessor::read::<1>(self.document, index, self.place, "indices", &[U8, U16, U32])?;
-                (indices.into_iter().map(|[index]| index.index()).collect(), format!("accessor {}", index.value()))
-            }
-            (None, None) => return Ok((0..vertices as u32).collect()),
+    /// The triangles of a mode, with corners below the number of vertices.
+    pub(super) fn triangles(&self, mode: Mode, vertices: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+        const KINDS: [ComponentType; 3] = [U8, U16, U32];
+        let index = self.primitive.indices.filter(|_| self.draco.is_none());
+        let holder = index.map_or_else(|| self.place.to_owned(), |index| format!("accessor {}", index.value()));
+        let wrong_count = |corners: usize| {
+            let problem = format!("its triangles have {} together", count(corners, "corner", "corners"));
+            self.error(problem, "give each triangle 3")
         };
-        if let Some(wrong) = indices.iter().find(|&&index| index as usize >= vertices) {
+        let triangles = match (index, mode) {
+            (Some(index), Mode::Triangles) => {
+                let corners = self.document.object(index, "accessor", self.place)?.count.0;
+                if corners % 3 != 0 {
+                    return Err(wrong_count(usize::try_from(corners).unwrap_or(usize::MAX)));
+                }
+                accessor::read_threes(self.document, index, self.place, "indices", &KINDS)?
+            }
+            _ => {
+                let corners: Vec<u32> = match (index, &self.draco) {
+                    (Some(index), _) => {
+                        accessor::read_as(self.document, index, self.place, "indices", &KINDS, |[it]| it.index())?
+                    }
+                    (None, Some(draco)) => draco.indices(),
+                    (None, None) => (0..vertices as u32).collect(),
+                };
+                if mode == Mode::Triangles && corners.len() % 3 != 0 {
+                    return Err(wrong_count(corners.len()));
+                }
+                self::triangles(mode, &corners)
+            }
+        };
+        let wrong = triangles.par_iter().with_min_len(PARALLEL).flatten_iter();
+        if let Some(wrong) = wrong.find_first(|index| **index as usize >= vertices) {
             let vertices = count(vertices, "vertex", "vertices");
             let problem = format!("it holds the index {wrong}, but {} has {vertices}", self.place);
             return Err(self.document.error(holder, problem, "keep indices below that number"));
         }
-        Ok(indices)
+        Ok(triangles)
+    }
+}
+
+/// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
+pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let windows = indices.windows(3).enumerate();
+            windows.map(|(place, v)| if place % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] }).collect()
+        }
+        Mode::TriangleFan => indices.windows(2).skip(1).map(|v| [v[0], v[1], indices[0]]).collect(),
+        _ => indices.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect(),
     }
 }

@@ -61,30 +61,30 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, Scen
 }
 
 /// Loads all buffers; `binary` is the container's, if any.
-pub(super) fn buffers(
+pub(super) fn buffers<'a>(
     files: &dyn Files,
     path: &Path,
     root: &Root,
-    binary: Option<&[u8]>,
-) -> Result<Vec<Vec<u8>>, SceneError> {
+    binary: Option<&'a [u8]>,
+) -> Result<Vec<Cow<'a, [u8]>>, SceneError> {
     let buffers = root.buffers.iter().enumerate();
     buffers.map(|(index, buffer)| load(files, path, buffer, index, binary.filter(|_| index == 0))).collect()
 }
 
-fn load(
+fn load<'a>(
     files: &dyn Files,
     path: &Path,
     buffer: &Buffer,
     index: usize,
-    binary: Option<&[u8]>,
-) -> Result<Vec<u8>, SceneError> {
+    binary: Option<&'a [u8]>,
+) -> Result<Cow<'a, [u8]>, SceneError> {
     let place = format!("buffer {index}");
     let error = |problem: &str, remedy: &str| SceneError::new(path, Place::Part(place.clone()), problem, remedy);
     let data = match (buffer.uri.as_deref(), binary) {
-        (None, Some(binary)) => binary.to_vec(),
-        (None, None) if meshopt::is_fallback(buffer) => return Ok(Vec::new()),
+        (None, Some(binary)) => Cow::Borrowed(binary),
+        (None, None) if meshopt::is_fallback(buffer) => return Ok(Cow::Borrowed(&[])),
         (None, None) => return Err(error("it has no data", "give it a `uri`, or use a GLB file with a binary chunk")),
-        (Some(uri), _) => fetch(files, path, uri, &place)?,
+        (Some(uri), _) => Cow::Owned(fetch(files, path, uri, &place)?),
     };
     let announced = buffer.byte_length.0;
     if (data.len() as u64) < announced {

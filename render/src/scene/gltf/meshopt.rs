@@ -4,6 +4,7 @@
 //! A decoder of our own, since those on crates.io bind a C++ library or read an older stream only. Each part of the output is
 //! made as its input is read, so a short file cannot ask for much memory.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -53,7 +54,7 @@ const NAME: &str = "EXT_meshopt_compression";
 pub(super) fn decompress(
     path: &Path,
     root: &Root,
-    buffers: &[Vec<u8>],
+    buffers: &[Cow<[u8]>],
 ) -> Result<BTreeMap<usize, Vec<u8>>, SceneError> {
     let mut decompressed = BTreeMap::new();
     for (number, view) in root.buffer_views.iter().enumerate() {

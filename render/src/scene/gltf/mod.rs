@@ -33,6 +33,7 @@ mod skin;
 mod texture;
 mod variants;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -78,7 +79,7 @@ pub(crate) struct Document<'a> {
     /// Without animations.
     pub(crate) root: Root,
     animations: Vec<animation::Listed>,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Cow<'a, [u8]>>,
     /// What compressed buffer views hold, by their numbers.
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// See [`LoadOptions`].
@@ -102,6 +103,9 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
     let decompressed = BTreeMap::new();
     Ok((Document { files: &Disk, path, root, animations, buffers, decompressed, without_pictures: false }, chunks))
 }
+
+/// As many elements are worth a thread's while.
+const PARALLEL: usize = 1 << 14;
 
 /// What was left out, for the warnings.
 #[derive(Default)]

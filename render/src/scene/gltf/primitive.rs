@@ -7,7 +7,6 @@ use glam::DAffine3;
 use super::attributes::{Attributes, Vertices};
 use super::skin::Skin;
 use super::{Document, Skipped, morph};
-use crate::scene::count;
 use crate::scene::{Mesh, SceneError};
 
 /// What moves the vertices of a node's mesh.
@@ -46,11 +45,7 @@ pub(super) fn read(
     let positions = attributes.positions()?;
     let vertices = positions.len();
     let mut moved = Vertices { tangents: attributes.tangents(vertices)?, positions, normals: Vec::new() };
-    let indices = attributes.indices(vertices)?;
-    if mode == Mode::Triangles && indices.len() % 3 != 0 {
-        let corners = count(indices.len(), "corner", "corners");
-        return Err(document.error(place, format!("its triangles have {corners} together"), "give each triangle 3"));
-    }
+    let mut triangles = attributes.triangles(mode, vertices)?;
 
     let material = match primitive.material {
         Some(index) => {
@@ -63,7 +58,6 @@ pub(super) fn read(
     let (targets, weights) = (primitive.targets.as_deref().unwrap_or_default(), &deformation.weights);
     skipped.miscounted += usize::from(!weights.is_empty() && weights.len() != targets.len());
     morph::apply(&attributes, targets, weights, &mut moved)?;
-    let mut triangles = triangles(mode, &indices);
     if let Some(skin) = deformation.skin_of(primitive) {
         skipped.weightless += skin.apply(&attributes, &mut moved)?;
         if skin.is_mirrored() {
@@ -88,18 +82,6 @@ pub(super) fn read(
         ..Mesh::default()
     };
     Ok(Some(mesh))
-}
-
-/// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
-pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
-    match mode {
-        Mode::TriangleStrip => {
-            let windows = indices.windows(3).enumerate();
-            windows.map(|(place, v)| if place % 2 == 0 { [v[0], v[1], v[2]] } else { [v[0], v[2], v[1]] }).collect()
-        }
-        Mode::TriangleFan => indices.windows(2).skip(1).map(|v| [v[0], v[1], indices[0]]).collect(),
-        _ => indices.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect(),
-    }
 }
 
 /// The mesh where a node shows it; an error if the transform takes it out of the range of numbers.

@@ -4,7 +4,7 @@ use super::*;
 use crate::scene::{Disk, Place};
 
 fn parse(text: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
-    read(&Disk, Path::new("model.obj"), text.as_ref())
+    read(&Disk, Path::new("model.obj"), text.as_ref(), None)
 }
 
 /// "line: problem" of the error that `text` gives.
@@ -41,6 +41,40 @@ fn four_forms_of_corners() {
     assert_eq!(both.normals, [Vec3::Y, Vec3::Z, Vec3::Z]);
     // Some exporters leave trailing slashes.
     assert_eq!(mesh("f 1// 2/ 3").triangles, [[0, 1, 2]]);
+}
+
+/// Squares in a row, each with its own vertices, of which a group has `GROUP`: more than one block of lines.
+fn row_of_squares(face: impl Fn(usize) -> String) -> String {
+    const GROUP: usize = 15_000;
+    let square = |i: usize| {
+        let name = if i % GROUP == 0 { format!("g {}\n", i / GROUP) } else { String::new() };
+        let x = i as f32;
+        format!("{name}v {x} 0 0\nv {} 0 0\n# square\nv {} 1 0\nv {x} \\\n1 0\n{}\n", x + 0.5, x + 0.5, face(i))
+    };
+    (0..40_000).map(square).collect()
+}
+
+#[test]
+fn files_of_many_blocks_are_read_as_one() {
+    let back = row_of_squares(|_| "f -4 -3 -2 -1".to_owned());
+    assert!(back.len() > 3 << 20);
+    let scene = parse(&back).unwrap();
+    let corners = |i: usize| format!("f {} {} {} {}", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4);
+    assert_eq!(scene, parse(row_of_squares(corners)).unwrap());
+    let meshes: Vec<_> = scene.meshes.iter().map(|mesh| (mesh.name.as_str(), mesh.triangles.len())).collect();
+    assert_eq!(meshes, [("0", 30_000), ("1", 30_000), ("2", 20_000)]);
+    let (mesh, last) = (&scene.meshes[2], 39_999.0);
+    assert_eq!(
+        mesh.corners(19_999),
+        [Vec3::new(last, 0.0, 0.0), Vec3::new(last + 0.5, 1.0, 0.0), Vec3::new(last, 1.0, 0.0)]
+    );
+    // The first wrong line is told, wherever others are.
+    let wrong = row_of_squares(|i| if i == 25_000 || i == 38_000 { "f 1 2 9000000".to_owned() } else { corners(i) });
+    let line = 25_001 * 7 + 2;
+    assert_eq!(
+        problem(&wrong),
+        format!("{line}: vertex 9000000 does not exist: the file has 100004 vertices up to this line")
+    );
 }
 
 #[test]
@@ -104,6 +138,10 @@ fn runs_of_group_and_material_become_meshes() {
     let scene = parse(format!("{CORNERS}{faces}")).unwrap();
     let meshes: Vec<_> = scene.meshes.iter().map(|mesh| (mesh.name.as_str(), mesh.triangles.len())).collect();
     assert_eq!(meshes, [("", 1), ("b", 1), ("b", 2), ("c d", 1)]);
+    let faces = "o a\nf 1 2 3\ng b\nf 1 2 4\ng\nf 1 3 4\no c\nf 2 3 4\n";
+    let meshes = parse(format!("{CORNERS}{faces}")).unwrap().meshes;
+    let names: Vec<_> = meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "a", "c"], "without a group a face is the object's");
 }
 
 #[test]
@@ -172,7 +210,7 @@ fn with_libraries(text: &str, libraries: &[(&str, &str)]) -> Result<Scene, Scene
     for (name, text) in libraries {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    read(&Disk, &folder.path().join("model.obj"), format!("{text}\n{CORNERS}f 1 2 3\n").as_bytes())
+    read(&Disk, &folder.path().join("model.obj"), format!("{text}\n{CORNERS}f 1 2 3\n").as_bytes(), None)
 }
 
 #[test]

@@ -83,7 +83,7 @@ impl Reader<'_> {
         }
         let path = self.resolve(name, &parameters.at);
         let bytes = self.read_file(&path, &parameters.at)?;
-        let read = ply::read(&path, &bytes)?;
+        let read = ply::read(&path, &bytes, None)?;
         self.scene.warnings.extend(read.warnings);
         Ok(read.meshes.into_iter().next().unwrap_or_default())
     }

@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3};
 use super::*;
 
 fn parse(text: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
-    read(Path::new("model.ply"), text.as_ref())
+    read(Path::new("model.ply"), text.as_ref(), None)
 }
 
 fn mesh(text: impl AsRef<[u8]>) -> Mesh {
@@ -88,6 +88,58 @@ fn binary(encoding: &str, float: fn(f32) -> [u8; 4], short: fn(u16) -> [u8; 2]) 
 fn binary_in_both_byte_orders() {
     assert_eq!(mesh(binary("binary_little_endian", f32::to_le_bytes, u16::to_le_bytes)), mesh(SQUARE));
     assert_eq!(mesh(binary("binary_big_endian", f32::to_be_bytes, u16::to_be_bytes)), mesh(SQUARE));
+}
+
+/// More vertices and faces than a piece has, in each encoding.
+#[test]
+fn files_of_many_pieces_are_read_as_one() {
+    const SIDE: u32 = 300;
+    let header = |format: &str, faces: u32| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty double z\n\
+             property uchar red\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n",
+            SIDE * SIDE
+        )
+    };
+    let vertices = (0..SIDE * SIDE).map(|i| [(i % SIDE) as f32 * 0.37, (i / SIDE) as f32 / 3.0, 1e-3 * i as f32]);
+    let corner = |x: u32, y: u32| y * SIDE + x;
+    // Squares and triangles by turns.
+    let faces: Vec<Vec<u32>> = (0..SIDE - 1)
+        .flat_map(|y| (0..SIDE - 1).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let all = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+            all[..if (x + y) % 2 == 0 { 4 } else { 3 }].to_vec()
+        })
+        .collect();
+    let words = |face: &Vec<u32>| face.iter().map(u32::to_string).collect::<Vec<_>>().join(" ");
+    let mut text = header("ascii", faces.len() as u32);
+    vertices.clone().for_each(|[x, y, z]| text += &format!("{x} {y} {z} 7\n"));
+    faces.iter().for_each(|face| text += &format!("{} {}\n", face.len(), words(face)));
+    assert!(text.len() > 3 << 20);
+    let mesh = mesh(&text);
+    assert_eq!(mesh.positions, vertices.clone().map(Vec3::from_array).collect::<Vec<_>>());
+    let triangles = faces.iter().flat_map(|face| (2..face.len()).map(|last| [face[0], face[last - 1], face[last]]));
+    assert_eq!(mesh.triangles, triangles.collect::<Vec<_>>());
+    let mut bytes = header("binary_little_endian", faces.len() as u32).into_bytes();
+    for [x, y, z] in vertices {
+        bytes.extend([x.to_le_bytes(), y.to_le_bytes()].concat());
+        bytes.extend(f64::from(z).to_le_bytes());
+        bytes.push(7);
+    }
+    for face in &faces {
+        bytes.push(face.len() as u8);
+        face.iter().for_each(|index| bytes.extend(index.to_le_bytes()));
+    }
+    assert_eq!(super::tests::mesh(&bytes), mesh);
+    // Errors tell the number among all, and the line.
+    let wrong = text.replace(&format!("\n4 {}\n", words(&faces[60_000])), "\n4 0 1 2 90000\n");
+    assert_eq!(problem(&wrong), "face 60000: vertex 90000 does not exist: the file has 90000 vertices");
+    let line = 10 + SIDE * SIDE + 60_001;
+    let wrong = text.replace(&format!("\n4 {}\n", words(&faces[60_000])), "\n4 0 1 2 z\n");
+    assert_eq!(problem(&wrong), format!("{line}: `4 0 1 2 z` is not a `face`"));
+    let cut = bytes.len() - 5;
+    let told = format!("element `face`: the file ends before the last of {}", faces.len());
+    assert_eq!(problem(&bytes[..cut]), told);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use serde_json::json;
 
 use super::*;
-use crate::scene::gltf::primitive::triangles;
+use crate::scene::gltf::attributes::triangles;
 
 #[test]
 fn a_triangle() {
