@@ -8,6 +8,7 @@ use halfdome_kernel::sampling::{Address, Sampler, fill2};
 
 use super::features;
 use super::mattes::MatteIds;
+use super::motion_vectors::MotionVectors;
 use crate::camera::{Camera, FilmPoint, FilmSample, MovingCamera};
 use crate::film::{FilterSample, FilterSampler, FirstHit, Tile};
 use crate::integrator::{self, LightPaths, Prepared, RayBatch, Scratch};
@@ -56,6 +57,8 @@ pub(super) struct FrameRender {
     filter: FilterSampler,
     /// Of each Cryptomatte layer.
     mattes: Vec<MatteIds>,
+    /// If anything moves.
+    motion: Option<MotionVectors>,
 }
 
 impl FrameRender {
@@ -65,7 +68,8 @@ impl FrameRender {
         let moving_camera = MovingCamera::new(world.cameras_on(settings.width, settings.height));
         let filter = FilterSampler::new(&settings.filter);
         let mattes = settings.cryptomatte.kinds.iter().map(|&kind| MatteIds::new(world, kind)).collect();
-        Self { settings, prepared, light_paths, camera, moving_camera, filter, mattes }
+        let motion = MotionVectors::new(world, &settings, &camera);
+        Self { settings, prepared, light_paths, camera, moving_camera, filter, mattes, motion }
     }
 
     /// The paths that have found light since they were last taken, if they are [listed](LightPaths::listing).
@@ -73,14 +77,15 @@ impl FrameRender {
         self.light_paths.as_ref().map(LightPaths::take_paths).unwrap_or_default()
     }
 
-    /// What a sample's camera ray has hit.
-    fn first_hit(&self, world: &World, sample: u32, ray: &Ray, hit: &Hit) -> FirstHit {
+    /// What the camera ray of a sample of the row `y` has hit.
+    fn first_hit(&self, world: &World, (y, sample): (u32, u32), ray: &Ray, hit: &Hit) -> FirstHit {
+        let motion = self.motion.as_ref().map_or([0.0; 2], |motion| motion.at(world, y, ray, hit));
         if !hit.is_hit() {
-            return FirstHit { sample, ..FirstHit::NONE };
+            return FirstHit { sample, motion, ..FirstHit::NONE };
         }
         let [object, material] = MatteKind::ALL.map(|kind| world.number_of(kind, hit) as u32 + 1);
-        let ids = [object, material, world.triangle_number(hit) + 1];
-        FirstHit { sample, depth: self.camera.depth(ray, hit.t), ids }
+        let ids = [object, material, world.triangle_number(hit) + 1, hit.instance];
+        FirstHit { sample, depth: self.camera.depth(ray, hit.t), ids, motion }
     }
 
     /// Adds samples to pixels of the tile, which come with their numbers; gives the number of rays traced.
@@ -172,7 +177,9 @@ impl FrameRender {
             }
             if self.settings.aov {
                 let features = if self.settings.aov_through { features::through } else { features::first };
-                tile.add_hit(*number, self.first_hit(world, *sample, &rays[i], &hits[i]));
+                if tile.is_first(*number, *sample) {
+                    tile.add_hit(*number, self.first_hit(world, (film[i].film.pixel.1, *sample), &rays[i], &hits[i]));
+                }
                 tile.add_features(*number, filter, radiance[i], &features(world, &rays[i], &hits[i]));
             }
         }

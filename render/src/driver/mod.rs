@@ -10,6 +10,7 @@ mod frame;
 mod history;
 mod levels;
 mod mattes;
+mod motion_vectors;
 mod plan;
 mod worker;
 

@@ -17,7 +17,7 @@ use crate::settings::Settings;
 pub const FILM_EXTENSION: &str = "hdf";
 
 const MAGIC: [u8; 8] = *b"halfdFLM";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const CHECKSUM: usize = 8;
 /// In place of the row of the first sample that is not a number, if there is none.
 const NONE: u32 = u32::MAX;
@@ -43,10 +43,9 @@ impl Film {
             }
             out.extend(tile.bad.count.to_le_bytes());
             tile.clone().visit(&mut |sum| out.extend(sum.to_le_bytes()));
-            for FirstHit { sample, depth, ids: [object, material, triangle] } in &tile.first_hits {
-                for word in [*sample, depth.to_bits(), *object, *material, *triangle] {
-                    out.extend(word.to_le_bytes());
-                }
+            for FirstHit { sample, depth, ids, motion } in &tile.first_hits {
+                let words = [*sample, depth.to_bits()].into_iter().chain(*ids).chain(motion.map(f32::to_bits));
+                words.for_each(|word| out.extend(word.to_le_bytes()));
             }
             for Coverage(names) in tile.mattes.iter().flatten() {
                 out.extend((names.len() as u32).to_le_bytes());
@@ -141,7 +140,9 @@ impl Reader<'_> {
         });
         for hit in &mut tile.first_hits {
             let (sample, depth) = (self.word()?, f32::from_bits(self.word()?));
-            *hit = FirstHit { sample, depth, ids: [self.word()?, self.word()?, self.word()?] };
+            let ids = [self.word()?, self.word()?, self.word()?, self.word()?];
+            let motion = [self.word()?, self.word()?].map(f32::from_bits);
+            *hit = FirstHit { sample, depth, ids, motion };
         }
         for Coverage(names) in tile.mattes.iter_mut().flatten() {
             for _ in 0..self.word()? {

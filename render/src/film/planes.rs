@@ -8,13 +8,16 @@ const COLORS: [&str; 3] = ["R", "G", "B"];
 
 /// Those of first hits and samples.
 const DEPTH: &str = "Depth.Z";
-const IDS: [&str; 3] = ["Id.Object", "Id.Material", "Id.Triangle"];
+const IDS: [&str; 4] = ["Id.Object", "Id.Material", "Id.Triangle", "Id.Instance"];
+/// As compositors call it (Foundry's Nuke).
+const MOTION: [&str; 2] = ["forward.u", "forward.v"];
 const SAMPLES: &str = "Samples.Y";
 
 /// Whether a channel is there because denoising needs it.
 pub(crate) fn is_for_denoising(name: &str) -> bool {
     let layer = name.split_once('.').map_or("", |(layer, _)| layer);
-    FEATURE_NAMES.contains(&name) || ["Variance", "HalfA", "HalfB", "UV", "Depth", "Id", "Samples"].contains(&layer)
+    FEATURE_NAMES.contains(&name)
+        || ["Variance", "HalfA", "HalfB", "UV", "Depth", "Id", "forward", "Samples"].contains(&layer)
 }
 
 impl Film {
@@ -42,6 +45,9 @@ impl Film {
             push(DEPTH.to_owned(), &|tile, pixel| tile.first_hits[pixel].depth.into());
             for (number, name) in IDS.into_iter().enumerate() {
                 push(name.to_owned(), &|tile, pixel| tile.first_hits[pixel].ids[number].into());
+            }
+            for (axis, name) in MOTION.into_iter().enumerate() {
+                push(name.to_owned(), &|tile, pixel| tile.first_hits[pixel].motion[axis].into());
             }
             push(SAMPLES.to_owned(), &|tile, _| tile.samples.len() as f64);
             for (c, color) in COLORS.into_iter().enumerate() {

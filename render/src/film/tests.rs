@@ -22,7 +22,15 @@ fn sample(film: &mut Film, number: u32, has: impl Fn(usize) -> bool) {
             let value = Vec3::new(x as f32 + 0.1, 1.0 / (1 + y) as f32, 1e-7 * (number + 1) as f32);
             tile.add(pixel, number, &filter, value);
             if !tile.first_hits.is_empty() && x.is_multiple_of(3) {
-                tile.add_hit(pixel, FirstHit { sample: number, depth: number as f32 + 0.5, ids: [x, y, number] });
+                tile.add_hit(
+                    pixel,
+                    FirstHit {
+                        sample: number,
+                        depth: number as f32 + 0.5,
+                        ids: [x, y, number, x + 1],
+                        motion: [x as f32, -0.5],
+                    },
+                );
             }
             for layer in 0..tile.mattes.len() {
                 // Pixels have up to five names, and some samples none.

@@ -31,15 +31,19 @@ pub(crate) struct FirstHit {
     pub sample: u32,
     /// Along the view of a flat camera, from the eye of others; [`NO_DEPTH`](Self::NO_DEPTH) where nothing is hit.
     pub depth: f32,
-    /// Numbers of the object, the material, and the triangle in the object, from 1; 0 where nothing is hit.
-    pub ids: [u32; 3],
+    /// Numbers of the object, the material, the triangle in the object, and the instance, from 1; 0 where nothing is hit, or
+    /// what is in no instance.
+    pub ids: [u32; 4],
+    /// How many pixels what is hit moves to the right and up while the shutter is open.
+    pub motion: [f32; 2],
 }
 
 impl FirstHit {
     pub(crate) const NO_SAMPLE: u32 = u32::MAX;
     /// As Blender has it.
     pub(crate) const NO_DEPTH: f32 = 1e10;
-    pub(crate) const NONE: Self = Self { sample: Self::NO_SAMPLE, depth: Self::NO_DEPTH, ids: [0; 3] };
+    pub(crate) const NONE: Self =
+        Self { sample: Self::NO_SAMPLE, depth: Self::NO_DEPTH, ids: [0; 4], motion: [0.0; 2] };
 }
 
 /// What a film has besides radiance.
@@ -212,11 +216,15 @@ impl Tile {
         self.mattes[layer][pixel].add(id, filter.weight);
     }
 
+    /// Whether a sample comes before all whose hits were taken; only on tiles made for it.
+    pub(crate) fn is_first(&self, pixel: usize, sample: u32) -> bool {
+        sample < self.first_hits[pixel].sample
+    }
+
     /// Takes the hit of a sample, if it is the pixel's first; only on tiles made for it.
     pub(crate) fn add_hit(&mut self, pixel: usize, hit: FirstHit) {
-        let first = &mut self.first_hits[pixel];
-        if hit.sample < first.sample {
-            *first = hit;
+        if self.is_first(pixel, hit.sample) {
+            self.first_hits[pixel] = hit;
         }
     }
 
