@@ -10,6 +10,7 @@ mod lit_triangles;
 mod motion;
 mod moved;
 mod names;
+mod ray_counts;
 mod reflected;
 mod seen_points;
 mod shading_records;
@@ -33,6 +34,8 @@ pub(crate) use hit::{Hit, MIDDLE};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
 pub(crate) use motion::Motion;
+use ray_counts::RayCounters;
+pub(crate) use ray_counts::RayCounts;
 pub use seen_points::LookFrom;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
@@ -76,6 +79,7 @@ pub struct World {
     surroundings_hash: u64,
     /// Which of the lit triangles are plain otherwise.
     plain_lit: Vec<u32>,
+    ray_counters: RayCounters,
 }
 
 /// Why a scene cannot be made ready.
@@ -232,6 +236,7 @@ impl World {
             light_labels,
             surroundings_hash,
             plain_lit: Vec::new(),
+            ray_counters: RayCounters::default(),
         })
     }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::memory;
-use super::render_statistics::{Moment, Statistics};
+use super::render_statistics::{Moment, RayFacts, Statistics};
 use crate::film::{Film, Picture};
 use crate::output::html::{Html, Plane};
 use crate::output::plot::{Axis, Figure, Point, Series, svg};
@@ -75,6 +75,18 @@ fn rows(statistics: &Statistics) -> Vec<(String, String)> {
     row("Threads", statistics.threads.to_string());
     let (rays, rate) = (statistics.rays as f64 / 1e6, statistics.rays_per_second / 1e6);
     row("Rays", format!("{rays:.1} million, {rate:.2} million a second"));
+    let RayFacts { preparation, camera, bounce, shadow } = statistics.rays_by_kind;
+    for (name, count) in [
+        ("Rays from the camera", camera),
+        ("Rays from surfaces", bounce),
+        ("Shadow rays", shadow),
+        ("Rays before the first sample", preparation),
+    ] {
+        if count > 0 {
+            let part = 100.0 * count as f64 / statistics.rays as f64;
+            row(name, format!("{:.1} million ({part:.0}%)", count as f64 / 1e6));
+        }
+    }
     row(
         "Rays for each camera sample",
         format!("{:.2}", statistics.rays as f64 / statistics.camera_samples.max(1) as f64),

@@ -10,7 +10,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::summary::End;
 use super::usage;
-use crate::driver::{CacheUse, Render};
+use crate::driver::{CacheUse, RaysByKind, Render};
 use crate::film::{Film, Picture};
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -32,6 +32,7 @@ pub(super) struct Statistics {
     /// Seconds of all threads, where the system tells.
     pub(super) processor_seconds: Option<f64>,
     pub(super) rays: u64,
+    pub(super) rays_by_kind: RayFacts,
     pub(super) rays_per_second: f64,
     pub(super) camera_samples: u64,
     /// Of a pixel.
@@ -96,6 +97,17 @@ pub(super) struct Seconds {
     pub(super) render: f64,
     /// Denoising and writing.
     pub(super) output: f64,
+}
+
+/// Rays by what they are for; they sum to all.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct RayFacts {
+    /// Those that fill an irradiance cache or train a guide, before the first sample.
+    pub(super) preparation: u64,
+    pub(super) camera: u64,
+    pub(super) bounce: u64,
+    /// Those of ambient occlusion too.
+    pub(super) shadow: u64,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -189,6 +201,7 @@ impl Statistics {
     pub(super) fn of(scene: SceneFacts, options: Options, render: &Render, history: Vec<Moment>, end: End) -> Self {
         let film = &render.film;
         let usage = usage::of_process();
+        let RaysByKind { preparation, camera, bounce, shadow } = render.rays_by_kind;
         let cache = render.cache.map(|CacheUse { records, misses, negative }| CacheFacts { records, misses, negative });
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -200,6 +213,7 @@ impl Statistics {
             seconds: Seconds { render: render.elapsed.as_secs_f64(), ..Seconds::default() },
             processor_seconds: usage.map(|usage| usage.processor),
             rays: render.rays,
+            rays_by_kind: RayFacts { preparation, camera, bounce, shadow },
             rays_per_second: super::progress::per_second(render.rays, render.elapsed),
             camera_samples: film.total_samples(),
             least_samples: film.samples().start,

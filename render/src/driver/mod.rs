@@ -22,7 +22,7 @@ use crate::cache::Cache;
 use crate::film::{Film, FilmError, Picture, Tile};
 use crate::integrator::{self, LightPaths, Prepared};
 use crate::settings::Settings;
-use crate::world::World;
+use crate::world::{RayCounts, World};
 use frame::{FrameRender, TileScratch};
 
 pub use crate::integrator::CacheUse;
@@ -42,12 +42,34 @@ pub struct Render {
     pub finished: bool,
     /// Whether the error that was asked for is reached in all of the picture; true if none was.
     pub is_precise: bool,
-    /// Rays traced: camera, bounce and shadow rays.
+    /// Rays traced.
     pub rays: u64,
+    /// The same by their kinds.
+    pub rays_by_kind: RaysByKind,
     /// Wall-clock time.
     pub elapsed: Duration,
     /// How the irradiance cache was used, if there was one.
     pub cache: Option<CacheUse>,
+}
+
+/// How many rays of each kind were traced; they sum to all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RaysByKind {
+    /// Before the first sample: those that fill an irradiance cache, or train a guide.
+    pub preparation: u64,
+    /// From the camera.
+    pub camera: u64,
+    /// From surfaces, to find what is there.
+    pub bounce: u64,
+    /// From surfaces, to find whether anything is in the way: to lights, and those of ambient occlusion.
+    pub shadow: u64,
+}
+
+impl RaysByKind {
+    fn of(all: u64, preparation: u64, sampled: RayCounts) -> Self {
+        let RayCounts { side_by_side: camera, occlusion: shadow } = sampled;
+        Self { preparation, camera, bounce: all.saturating_sub(preparation + camera + shadow), shadow }
+    }
 }
 
 /// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
@@ -78,6 +100,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
     let renderer =
         Renderer { world, frame: FrameRender::new(world, settings.clone(), prepared, light_paths), plan: &plan, watch };
     let before = film.seconds;
+    let counts_before = world.ray_counts();
     let mut rays = prefill_rays;
     if !film.has_first_samples(|number| plan.share.has(number)) {
         rays += renderer.first_wave(&mut film, start);
@@ -118,6 +141,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
         is_precise: film.tiles.iter().enumerate().all(is_precise),
         film,
         rays,
+        rays_by_kind: RaysByKind::of(rays, prefill_rays, world.ray_counts() - counts_before),
         elapsed: start.elapsed(),
         cache,
     })

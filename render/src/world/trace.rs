@@ -34,6 +34,7 @@ impl World {
     /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
     pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
+        self.ray_counters.add_side_by_side(rays.len());
         let tree = self.tree();
         for (rays, hits) in rays.chunks(WIDTH).zip(hits.chunks_mut(WIDTH)) {
             let mut found = HitPacket::MISS;
@@ -81,6 +82,7 @@ impl World {
 
     /// The same, at a time for each ray; without times in the middle.
     pub(crate) fn occluded_many_at(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
+        self.ray_counters.add_occlusion(rays.len());
         let tree = self.tree();
         tree.occluded_many(rays, occluded);
         if let Some(instances) = &self.instances {

@@ -32,6 +32,7 @@ fn statistics_are_the_render_s() {
         (&one["camera_samples"], &one["least_samples"], &one["end"]),
         (&76_800.into(), &64.into(), &"done".into())
     );
+    assert_eq!(one["rays_by_kind"], two["rays_by_kind"]);
     assert_eq!(one["scene"]["triangles"], 32);
     assert_eq!((&one["options"]["sampler"], &one["options"]["seed"]), (&"sobol".into(), &5.into()));
     assert_eq!(one["files"], serde_json::json!(["a.exr"]));
@@ -43,6 +44,31 @@ fn statistics_are_the_render_s() {
     let other = desk.statistics("render cornell --size 40x30 --spp 32 --noise 0.1% --progress none -o a.exr");
     assert_eq!((&other["end"], &other["options"]["target"]), (&"limit".into(), &0.001.into()));
     assert_ne!(one["picture_hash"], other["picture_hash"]);
+}
+
+/// Of the rays of simple integrators it is known how many of each kind there are.
+#[test]
+fn rays_are_counted_by_kind() {
+    let desk = Desk::new();
+    let counts = |options: &str| {
+        let line = format!("render cornell --size 16x12 --spp 4 --progress none -o a.exr {options}");
+        let statistics = desk.statistics(&line);
+        let kinds = ["preparation", "camera", "bounce", "shadow"];
+        let counts = kinds.map(|kind| statistics["rays_by_kind"][kind].as_u64().unwrap());
+        assert_eq!(counts.iter().sum::<u64>(), statistics["rays"].as_u64().unwrap(), "{options}");
+        counts
+    };
+    let samples = 16 * 12 * 4;
+    assert_eq!(counts("--integrator albedo"), [0, samples, 0, 0]);
+    // Inside of the box every camera ray meets a wall.
+    let [preparation, camera, bounce, shadow] =
+        counts("--integrator ao --rays 8 --eye 0.278,0.273,0.05 --target 0.278,0.273,0.5");
+    assert_eq!((preparation, camera, bounce, shadow), (0, samples, 0, 8 * samples));
+    let [preparation, camera, bounce, shadow] = counts("--integrator path --max-depth 2");
+    assert_eq!((preparation, camera), (0, samples));
+    assert!(bounce > 0 && bounce <= samples && shadow > 0 && shadow <= samples, "{bounce} {shadow}");
+    let [preparation, camera, _, shadow] = counts("--integrator cached");
+    assert!(preparation > 0 && camera == samples && shadow > 0, "{preparation} {shadow}");
 }
 
 #[test]
