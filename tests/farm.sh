@@ -32,6 +32,22 @@ same parallel.exr
 "$work/python/bin/python" "$farm/hq_render.py" --local cornell hyperqueue.exr 3 "${options[@]}"
 same hyperqueue.exr
 
+export SHELL=/bin/bash
+bake=(bake cornell --size 64 --spp 8 --mode direct --progress none)
+halfdome "${bake[@]}" -o whole.obj
+seq 5 | parallel --halt soon,fail=1 --quote halfdome "${bake[@]}" --shard {}/5 -o part{}.state
+halfdome merge part*.state -o shared.obj.state
+halfdome "${bake[@]}" -o shared.obj --resume
+cmp shared-0.exr whole-0.exr
+printf 'the bake: the same bytes\n'
+printf '0.278 0.001 0.279 0 1 0\n0.1 0.2 0.3 1 0 0\n0.3 0.4 0.1 0 0 1\n' >points.txt
+sensors=(irradiance cornell --points points.txt --spp 16 --progress none)
+halfdome "${sensors[@]}" -o whole.txt
+seq 2 | parallel --halt soon,fail=1 --quote halfdome "${sensors[@]}" --shard {}/2 -o part{}.txt
+halfdome merge part*.txt -o shared.txt
+cmp shared.txt whole.txt
+printf 'sensors: the same bytes\n'
+
 mkdir state spool
 cat >slurm.conf <<CONF
 ClusterName=one

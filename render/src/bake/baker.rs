@@ -19,6 +19,7 @@ use crate::cache::Cache;
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
 use crate::integrator::CacheUse;
 use crate::integrator::{GatherSource, Uncached};
+use crate::settings::Shard;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
 
@@ -133,9 +134,28 @@ impl Baker<'_> {
         DirectionalBasis::new(self.directional(), surface.shading_normal, texel.tangents[0], texel.tangents[1])
     }
 
+    /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher says stop.
+    pub(super) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
+        self.checkpoint.put_shard(shard, false);
+        let found = self.chunks_of(shard, Stage::Texels, texels, |texels| self.without_cache(texels));
+        self.checkpoint.put_shard(shard, found.is_some());
+        found.map(|_| ())
+    }
+
     /// The values of texels, found in chunks on all threads, or known from before; and the rays of those that were not.
     pub(super) fn chunks(
         &self,
+        stage: Stage,
+        texels: &[Texel],
+        find: impl Fn(&[(usize, Texel)]) -> (Values, u64) + Sync,
+    ) -> Option<(Values, u64)> {
+        self.chunks_of(Shard::ALL, stage, texels, find)
+    }
+
+    /// The same of the chunks of a shard alone.
+    fn chunks_of(
+        &self,
+        shard: Shard,
         stage: Stage,
         texels: &[Texel],
         find: impl Fn(&[(usize, Texel)]) -> (Values, u64) + Sync,
@@ -156,7 +176,8 @@ impl Baker<'_> {
             self.watch.advance(texels.len() as u64, rays);
             Some((values, rays))
         };
-        let chunks: Vec<Option<(Values, u64)>> = numbered.par_chunks(CHUNK).enumerate().map(chunk).collect();
+        let chunks = numbered.par_chunks(CHUNK).enumerate().filter(|(number, _)| shard.has(*number));
+        let chunks: Vec<Option<(Values, u64)>> = chunks.map(chunk).collect();
         let chunks = chunks.into_iter().collect::<Option<Vec<_>>>()?;
         let rays = chunks.iter().map(|(_, rays)| rays).sum();
         Some((Values::joined(layers, chunks.into_iter().map(|(values, _)| values)), rays))

@@ -18,7 +18,7 @@ use super::manifest::Hash;
 use crate::cache::Record;
 use crate::integrator;
 use crate::output::{OutputError, OutputFile};
-use crate::settings::Invalid;
+use crate::settings::{Invalid, Shard};
 
 const MAGIC: [u8; 8] = *b"halfdBAK";
 const VERSION: u32 = 3;
@@ -38,7 +38,12 @@ pub(super) enum Stage {
     Moments = 4,
     /// Irradiance records of the rough cache.
     Rough = 5,
+    /// The number of the shard whose texels these are, and how many shards there are.
+    Shard = 6,
 }
+
+/// The extension of a checkpoint's file.
+pub const STATE_EXTENSION: &str = "state";
 
 /// Values by stage and number.
 type Entries = BTreeMap<(u8, u64), Vec<u32>>;
@@ -97,8 +102,56 @@ impl Checkpoint {
     /// Where the state of a bake to `output` is kept.
     pub fn path(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
-        name.push(".state");
+        name.push(".");
+        name.push(STATE_EXTENSION);
         name.into()
+    }
+
+    /// Whether a file's bytes begin as a checkpoint's do.
+    pub fn is_checkpoint(bytes: &[u8]) -> bool {
+        bytes.starts_with(&MAGIC)
+    }
+
+    /// The file of a checkpoint with all that shards of a bake have found, of whose files these are the names and bytes.
+    ///
+    /// # Errors
+    /// If one is no shard's checkpoint or damaged, or of another level or other options than the first; if they are not all
+    /// shards, each once.
+    pub fn merge(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, Invalid> {
+        const AGAIN: &str = "find this part again: `halfdome bake --shard`";
+        let (mut shards, mut all, mut hash) = (Vec::new(), Entries::new(), None);
+        for (name, bytes) in files {
+            let damaged = || Invalid::new(format!("{name} is not the state of a bake, or is damaged"), AGAIN);
+            let (found, mut entries) = decode(bytes).ok_or_else(damaged)?;
+            if *hash.get_or_insert(found) != found {
+                let problem = format!("{name} belongs to another level or to other options than {}", files[0].0);
+                return Err(Invalid::new(problem, "put parts together that differ in their shard alone"));
+            }
+            let shard = entries.remove(&(Stage::Shard as u8, 0)).ok_or_else(|| {
+                Invalid::new(format!("{name} is the state of a whole bake, not of a shard"), "leave it out")
+            })?;
+            let (&[number, count], &[is_whole]) =
+                (shard.first_chunk().ok_or_else(damaged)?, shard.last_chunk().ok_or_else(damaged)?);
+            if is_whole == 0 {
+                let problem = format!("{name} was stopped before its end");
+                return Err(Invalid::new(problem, "go on with it: the same command with --resume"));
+            }
+            shards.push((name.clone(), Shard { number, count }));
+            all.append(&mut entries);
+        }
+        Shard::check_all(&shards)?;
+        Ok(encode(hash.unwrap_or_default(), &all))
+    }
+
+    /// The shard that it is of, if it is of one.
+    pub fn shard(&self) -> Option<Shard> {
+        let words = self.get(Stage::Shard, 0)?;
+        words.first_chunk().map(|&[number, count]| Shard { number, count })
+    }
+
+    /// Takes note of which shard it is of, and whether all of that is there.
+    pub(super) fn put_shard(&self, shard: Shard, is_whole: bool) {
+        self.put(Stage::Shard, 0, vec![shard.number, shard.count, is_whole.into()]);
     }
 
     /// Writes the file now.

@@ -46,13 +46,13 @@ use glam::{Vec2, Vec3};
 
 use crate::cache::Record;
 use crate::scene::Scene;
-use crate::settings::Invalid;
+use crate::settings::{Invalid, Shard};
 use crate::watch::Watch;
 use crate::world::World;
 
 use atlas::{Atlas, NO_CHART};
 use baker::Baker;
-use covered::uncover;
+use covered::{Uncovered, uncover};
 use denoise::denoise;
 use dilate::PageTexels;
 use edges::shared_edges;
@@ -63,7 +63,7 @@ use seams::{Seams, cuts};
 use texels::{Surfaces, Texel};
 use warnings::warnings;
 
-pub use checkpoint::Checkpoint;
+pub use checkpoint::{Checkpoint, STATE_EXTENSION};
 pub use dilate::TexelSource;
 pub use hashes::{combined, hashes};
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
@@ -165,12 +165,7 @@ pub fn bake(
     watch: &dyn Watch,
 ) -> Option<Bake> {
     let surfaces = Surfaces::new(scene, &atlas);
-    let mut texels = surfaces.texels();
-    let (is_free, uncovered) = uncover(world, &surfaces, &mut texels);
-    let (mut lit, mut covered) = (Vec::new(), Vec::new());
-    for (texel, is_free) in texels.into_iter().zip(is_free) {
-        if is_free { lit.push(texel) } else { covered.push(texel) }
-    }
+    let (lit, covered, uncovered) = free_texels(world, &surfaces);
     let light = Baker { world, surfaces: &surfaces, options, checkpoint, watch }.bake_texels(&lit)?;
 
     let mut page_texels = page_texels(&atlas, &lit, &covered);
@@ -236,6 +231,40 @@ pub fn bake(
     let maps = maps(page_texels, layers, errors, &names);
     let warnings = warnings(world, options, &maps, &statistics);
     Some(Bake { atlas, maps, record_places, statistics, warnings })
+}
+
+/// Finds the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light, ambient
+/// occlusion, or all of a bake without a cache. A bake that goes on from the checkpoints of all shards, [merged](Checkpoint::merge),
+/// ends with the bytes of one that was never shared. Whether it came to its end before the watcher said stop. The watcher
+/// hears of texels in place of samples, [`shard_work`] in all.
+pub fn bake_shard(
+    scene: &Scene,
+    world: &World,
+    atlas: &Atlas,
+    options: &BakeOptions,
+    checkpoint: &Checkpoint,
+    shard: Shard,
+    watch: &dyn Watch,
+) -> bool {
+    let surfaces = Surfaces::new(scene, atlas);
+    let (lit, ..) = free_texels(world, &surfaces);
+    Baker { world, surfaces: &surfaces, options, checkpoint, watch }.bake_shard(&lit, shard).is_some()
+}
+
+/// The number of texels that a shard tells its watcher of, about.
+pub fn shard_work(scene: &Scene, atlas: &Atlas, shard: Shard) -> u64 {
+    shard.items(Surfaces::new(scene, atlas).texels().len()) as u64
+}
+
+/// The texels that have light of their own, those that something covers as a whole, and how many of both.
+fn free_texels(world: &World, surfaces: &Surfaces) -> (Vec<Texel>, Vec<Texel>, Uncovered) {
+    let mut texels = surfaces.texels();
+    let (is_free, uncovered) = uncover(world, surfaces, &mut texels);
+    let (mut lit, mut covered) = (Vec::new(), Vec::new());
+    for (texel, is_free) in texels.into_iter().zip(is_free) {
+        if is_free { lit.push(texel) } else { covered.push(texel) }
+    }
+    (lit, covered, uncovered)
 }
 
 /// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.

@@ -16,7 +16,7 @@ use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::Overrides;
 use crate::settings::{Invalid, MAX_SIDE};
 use crate::watch::MAX_PREVIEW_SIDE;
-pub(super) use film::{FilmArguments, is_film};
+pub(super) use film::{FilmArguments, is_film, shard};
 pub(super) use sequence::SequenceArguments;
 use sequence::numbered;
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod files;
+mod part;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::args::{CommonArguments, names};
+use super::args::{CommonArguments, names, shard};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
 use super::light::LightArguments;
 use super::messages::{Style, print_text, print_warning, warn};
@@ -21,8 +22,10 @@ use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, Sharing};
+use crate::settings::Shard;
 use crate::world::{LookFrom, World};
 use files::Files;
+pub(super) use part::is_state;
 
 /// How often the state of a bake is written.
 const STATE_INTERVAL: Duration = Duration::from_secs(30);
@@ -114,6 +117,12 @@ pub(super) struct BakeArguments {
     #[arg(long)]
     resume: bool,
 
+    /// Find what shard K of N, 1 to N, of the texels needs no irradiance cache for, and write it as a state (-o PART.state):
+    /// direct light, ambient occlusion, all with --brute. `halfdome merge` makes one state of all; with that beside the
+    /// output, --resume does the rest
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
+    shard: Option<Shard>,
+
     /// Write a report to look at: one file (.html) with charts, density, records and errors
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -179,12 +188,32 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         let problem = format!("--mode ao cannot be directional (--directional {})", arguments.directional.name());
         return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
+    if let Some(shard) = arguments.shard {
+        return run_shard(arguments, (output, overrides), shard, (&pool, style));
+    }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
     let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, &named, style))?;
     let options = arguments.options(settings.seed);
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
+}
+
+/// Bakes a shard.
+fn run_shard(
+    arguments: &BakeArguments,
+    (output, overrides): (&PathBuf, Overrides),
+    shard: Shard,
+    (pool, style): (&rayon::ThreadPool, Style),
+) -> Result<u8, CliError> {
+    arguments.model()?;
+    let named = std::slice::from_ref(output);
+    let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
+    let options = arguments.options(settings.seed);
+    part::check(arguments, &options, output)?;
+    warn(style, &mut scene.warnings);
+    let hash = bake::combined(&files::hashes(&scene, &options, arguments.preset));
+    pool.install(|| part::run(&scene, (&options, hash), (output, arguments.resume), shard, style))
 }
 
 fn bake(

@@ -40,7 +40,7 @@ pub(super) enum Command {
     /// Look around in a scene while it is rendered, in a window
     #[command(after_help = format!("{VIEW_EXAMPLES}\n\n{EXIT_CODES}"))]
     View(Box<ViewArguments>),
-    /// Make the picture of films that are parts of it, rendered by several runs or machines
+    /// Put together what several runs or machines have done: films to a picture, shards of a bake, shards of sensors
     #[command(after_help = format!("{MERGE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Merge(MergeArguments),
     /// Denoise a rendered picture

@@ -67,8 +67,10 @@ Examples:
   halfdome render hall.glb --spp 4096 --shard 1/2 -o part1.hdf     on one machine
   halfdome render hall.glb --spp 4096 --shard 2/2 -o part2.hdf     on another
   halfdome merge part1.hdf part2.hdf -o hall.exr -o hall.png
+  halfdome merge part1.state part2.state -o level.baked.glb.state  of `halfdome bake --shard`
+  halfdome merge part1.txt part2.txt -o irradiance.txt             of `halfdome irradiance --shard`
 
-The picture is that of a single run, byte for byte, but for the time that is noted in it.";
+The picture is that of a single run, byte for byte, but for the time that is noted in it; so are bakes and irradiance.";
 
 /// Of `halfdome bake`.
 pub(super) const BAKE_EXAMPLES: &str = "\
@@ -77,6 +79,9 @@ Examples:
   halfdome bake level.glb -o level.baked.glb --preset three --sky 0.5 --report report.html
   halfdome bake room.obj -o room.baked.obj --mode ao --ao-distance 2
   halfdome bake level.glb --check-uv=charts.png
+  halfdome bake level.glb --shard 1/2 -o part1.state               on one machine, 2/2 on another; then
+  halfdome merge part1.state part2.state -o level.baked.glb.state
+  halfdome bake level.glb --resume -o level.baked.glb
 
 Texels lie on the front sides of surfaces. A bake does nothing if model, options and files are unchanged.";
 

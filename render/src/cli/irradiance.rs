@@ -1,6 +1,5 @@
 //! `halfdome irradiance`: light at given points.
 
-use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -9,7 +8,7 @@ use clap::Args;
 use glam::Vec3;
 use serde_json::json;
 
-use super::args::CommonArguments;
+use super::args::{CommonArguments, shard};
 use super::cache::{cached_options, read_cache, with_cache};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
 use super::inputs;
@@ -19,9 +18,10 @@ use super::light::LightArguments;
 use super::prepare::prepare_world;
 use super::print::print;
 use super::progress::Progress;
-use crate::irradiance::{self, Part, Request, Sensor};
+use crate::irradiance::{self, Part, Request, Sensor, SensorPart};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
+use crate::settings::Shard;
 use crate::world::LookFrom;
 
 /// What `halfdome irradiance` takes.
@@ -56,6 +56,11 @@ pub(super) struct IrradianceArguments {
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
+    /// Find the light of shard K of N, 1 to N, alone: every N-th sensor. `halfdome merge` puts the files of all shards (-o)
+    /// together. A cache is filled for all sensors in each; --cache saves that
+    #[arg(long, value_name = "K/N", value_parser = shard, requires = "output")]
+    shard: Option<Shard>,
+
     #[command(flatten)]
     options: CachedOverrides,
 
@@ -83,7 +88,13 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 
     let part = if arguments.indirect { Part::Indirect } else { Part::Total };
     let spp = arguments.spp.unwrap_or(if arguments.brute { 1024 } else { 64 });
-    let request = Request { spp, seed: settings.seed, part };
+    let shard = arguments.shard.unwrap_or(Shard::ALL);
+    let request = Request { spp, seed: settings.seed, part, shard };
+    let way = match arguments.brute {
+        true => "paths".to_owned(),
+        false => format!("{options:?} {:016x}", cache.hash()),
+    };
+    let key = irradiance::key(world.hash(), &sensors, &request, &way);
     interrupt::catch()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
     let job = Job::start(
@@ -97,8 +108,9 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
             "threads": pool.current_num_threads(),
         }),
     );
+    let own = shard.items(sensors.len());
     // Records alone have no number that is known before.
-    let samples = if arguments.brute || part == Part::Total { sensors.len() as u64 * u64::from(spp) } else { 0 };
+    let samples = if arguments.brute || part == Part::Total { own as u64 * u64::from(spp) } else { 0 };
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
     let found = pool.install(|| match arguments.brute {
         true => irradiance::by_paths(&world, &sensors, &request, &progress),
@@ -111,7 +123,10 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
         job.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing was written", file: None });
         return Ok(EXIT_INTERRUPTED);
     }
-    let text = lines(&found.values);
+    let text = match arguments.shard {
+        Some(shard) => SensorPart::new(shard, key, &found.values).encode(),
+        None => irradiance::lines(&found.values),
+    };
     match &output {
         Some(file) => file.write(text.as_bytes()).map_err(CliError::system)?,
         None => print(&text)?,
@@ -143,12 +158,4 @@ fn read_sensors(path: &Path) -> Result<Vec<Sensor>, CliError> {
         Box::new(BufReader::new(file))
     };
     irradiance::read_points(reader).map_err(|error| CliError::Input(format!("{}: {error}", path.display())))
-}
-
-/// A line for each value, with as many digits as tell 32-bit floats apart.
-fn lines(values: &[Vec3]) -> String {
-    values.iter().fold(String::new(), |mut text, Vec3 { x, y, z }| {
-        let _ = writeln!(text, "{x} {y} {z}");
-        text
-    })
 }

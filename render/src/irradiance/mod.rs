@@ -9,6 +9,7 @@
 //! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
 //! camera; both are weighted by the power heuristic (Veach 1997).
 
+mod part;
 mod points;
 
 use std::f32::consts::PI;
@@ -24,10 +25,11 @@ use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_we
 use crate::integrator::CacheUse;
 use crate::integrator::{Follower, FrozenCache, GatherSource, fill_for_surfaces, max_depth};
 use crate::light::SkyPart;
-use crate::settings::LightSampling;
+use crate::settings::{LightSampling, Shard};
 use crate::watch::Watch;
 use crate::world::{Hit, Surface, World};
 
+pub use part::{SensorPart, join, key, lines};
 pub use points::{PointsError, Sensor, read_points, read_positions};
 
 /// What of the light counts.
@@ -48,12 +50,14 @@ pub struct Request {
     pub seed: u64,
     /// What counts.
     pub part: Part,
+    /// The sensors whose irradiance is wanted. A cache is filled for all of them, so the values do not depend on it.
+    pub shard: Shard,
 }
 
 /// Irradiance at sensors, in their order, and what it took.
 #[derive(Clone, Debug)]
 pub struct Irradiance {
-    /// In W/m², linear sRGB; 0 at sensors that were not reached before the watcher said stop.
+    /// In W/m², linear sRGB; 0 at sensors of other shards, and at those that were not reached before the watcher said stop.
     pub values: Vec<Vec3>,
     /// Whether all sensors were reached.
     pub finished: bool,
@@ -88,7 +92,7 @@ pub fn by_paths(world: &World, sensors: &[Sensor], request: &Request, watch: &dy
         Part::Indirect => Component::Indirect(None),
     };
     let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
-    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), request, component, watch);
+    found.add(world, sensors, &request.sensors(sensors.len()), request, component, watch);
     found
 }
 
@@ -115,16 +119,23 @@ fn look_up(
 ) -> Irradiance {
     let indirect: Vec<Option<Vec3>> =
         sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
-    let lost: Vec<usize> = (0..sensors.len()).filter(|&i| indirect[i].is_none()).collect();
+    let own = request.sensors(sensors.len());
+    let lost: Vec<usize> = own.iter().copied().filter(|&i| indirect[i].is_none()).collect();
     let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None };
     if request.part == Part::Total {
-        let all: Vec<usize> = (0..sensors.len()).collect();
-        found.add(world, sensors, &all, request, Component::Direct, watch);
+        found.add(world, sensors, &own, request, Component::Direct, watch);
     }
     let max_depth = max_depth(frozen.cache.options());
     found.add(world, sensors, &lost, request, Component::Indirect(max_depth), watch);
     found
+}
+
+impl Request {
+    /// The numbers of the sensors of the shard, among so many.
+    fn sensors(&self, count: usize) -> Vec<usize> {
+        (0..count).filter(|&sensor| self.shard.has(sensor)).collect()
+    }
 }
 
 impl Irradiance {

@@ -5,6 +5,7 @@ mod cached;
 mod cryptomatte;
 mod filter;
 mod integrator;
+mod shard;
 
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
@@ -18,6 +19,7 @@ pub use integrator::{
     AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
     PathOptions, Stop, Survival,
 };
+pub use shard::Shard;
 
 /// The settings of one picture; defaults as `Settings::default()` has them.
 #[derive(Clone, Debug, PartialEq)]

@@ -302,3 +302,84 @@ fn the_work_is_told_as_events() {
         assert_eq!(end["cache"]["records"], info["records"]);
     });
 }
+
+/// Sensors all over the box, and one outside, where no record is.
+fn sensors() -> String {
+    let sensor = |i: u32| {
+        let at = |step: f32| 0.02 + (i as f32 * step).fract() * 0.5;
+        format!("{} {} {} {} 1 0.3\n", at(0.618), at(0.414), at(0.732), (i as f32).sin())
+    };
+    (0..23).map(sensor).collect::<String>() + "5 5 5 0 0 1\n"
+}
+
+#[test]
+fn shards_of_sensors_make_the_bytes_of_a_single_run() {
+    in_folder(|program| {
+        program.put("sensors.txt", sensors());
+        build(program, "cornell.cache", "");
+        for options in ["", "--indirect", "--brute", "--cache cornell.cache"] {
+            let small = if options == "--brute" { "--progress none" } else { SMALL };
+            let line = format!("irradiance cornell --points sensors.txt {small} --spp 8 {options}");
+            succeed(&program.run_line(&format!("{line} -o whole.txt")));
+            for (count, threads) in [(1, 2), (2, 1), (5, 2), (40, 1)] {
+                let part = |number: u32| format!("{number}.part");
+                for number in 1..=count {
+                    succeed(
+                        &program.run_line(&format!(
+                            "{line} --shard {number}/{count} --threads {threads} -o {}",
+                            part(number)
+                        )),
+                    );
+                }
+                let parts: Vec<String> = (1..=count).rev().map(part).collect();
+                succeed(&program.run_line(&format!("merge {} -o merged.txt", parts.join(" "))));
+                let [whole, merged] =
+                    ["whole.txt", "merged.txt"].map(|name| fs::read(program.folder.join(name)).unwrap());
+                assert!(whole == merged, "{options}, {count} shards");
+            }
+        }
+    });
+}
+
+#[test]
+fn shards_of_sensors_that_do_not_belong_together_are_named() {
+    in_folder(|program| {
+        program.put("sensors.txt", sensors());
+        program.put("others.txt", sensors().lines().skip(1).collect::<Vec<_>>().join("\n"));
+        let shard = |name: &str, options: &str| {
+            succeed(
+                &program.run_line(&format!("irradiance cornell --brute --spp 1 --progress none -o {name} {options}")),
+            );
+        };
+        shard("1.part", "--points sensors.txt --shard 1/2");
+        shard("2.part", "--points sensors.txt --shard 2/2");
+        shard("seed.part", "--points sensors.txt --shard 2/2 --seed 4");
+        shard("points.part", "--points others.txt --shard 2/2");
+        shard("third.part", "--points sensors.txt --shard 2/3");
+        let text = fs::read_to_string(program.folder.join("2.part")).unwrap();
+        program.put("cut.part", &text[..text.len() - 3]);
+        let foreign = "is of another scene than 1.part, or of other sensors or options";
+        for (parts, problem) in [
+            ("1.part", "the shard 2/2 is missing"),
+            ("1.part 2.part 2.part", "2.part and 2.part both are shard 2/2"),
+            ("1.part third.part", "1.part is one of 2 shards, and third.part one of 3"),
+            ("1.part seed.part", &format!("seed.part {foreign}")),
+            ("1.part points.part", &format!("points.part {foreign}")),
+            ("1.part cut.part", "cut.part is cut off or damaged"),
+        ] {
+            let outcome = program.run_line(&format!("merge {parts} -o merged.txt"));
+            assert_eq!(outcome.code, Some(1), "{parts}");
+            assert!(outcome.stderr.contains(problem), "{parts}: {}", outcome.stderr);
+        }
+        for (line, problem) in [
+            ("merge 1.part 2.part -o merged.exr", "these parts make no such file"),
+            ("merge 1.part 2.part -o a.txt -o b.txt", "there are several outputs"),
+            ("irradiance cornell --points sensors.txt --shard 1/2", "--output"),
+        ] {
+            let outcome = program.run_line(line);
+            assert_eq!(outcome.code, Some(1), "{line}: {}", outcome.stderr);
+            assert!(outcome.stderr.contains(problem), "{line}: {}", outcome.stderr);
+        }
+        assert!(!program.folder.join("merged.txt").exists());
+    });
+}

@@ -38,6 +38,15 @@ pub(super) struct Ready {
     bytes: Vec<u8>,
 }
 
+/// Hashes of what the files of a bake depend on.
+pub(super) fn hashes(scene: &Scene, options: &BakeOptions, preset: Preset) -> Hashes {
+    let mut hashes = bake::hashes(scene, options);
+    // Whether there is a report changes no other file.
+    let also = format!("{:016x} {}", hashes.options.0, preset.name());
+    hashes.options = Hash::of(also.as_bytes());
+    hashes
+}
+
 impl Files {
     /// Checks that everything can be written, and that the model can become what is asked for.
     pub(super) fn new(
@@ -115,11 +124,7 @@ impl Files {
 
     /// Hashes of what the files depend on.
     pub(super) fn hashes(&self, scene: &Scene, options: &BakeOptions) -> Hashes {
-        let mut hashes = bake::hashes(scene, options);
-        // Whether there is a report changes no other file.
-        let also = format!("{:016x} {}", hashes.options.0, self.preset.name());
-        hashes.options = Hash::of(also.as_bytes());
-        hashes
+        hashes(scene, options, self.preset)
     }
 
     /// Why files must be written anew although nothing that they depend on changed: what is asked for and was not written,
