@@ -166,7 +166,7 @@ fn what_does_not_fit_is_named() {
     let film = desk.bytes("one.hdf");
     desk.program().put("cut.hdf", &film[..film.len() / 2]);
     let mut newer = film.clone();
-    newer[8] = 3;
+    newer[8] = 4;
     desk.program().put("newer.hdf", newer);
     desk.program().put("text.hdf", "no film");
     for (films, parts) in [
@@ -177,7 +177,7 @@ fn what_does_not_fit_is_named() {
         ("one.hdf camera.hdf", &["camera.hdf", "the camera has changed"]),
         ("one.hdf scene.hdf", &["scene.hdf", "the scene has changed"]),
         ("one.hdf cut.hdf", &["cut.hdf: is cut off or damaged"]),
-        ("newer.hdf", &["newer.hdf: is a film of format 3, and this program reads format 2"]),
+        ("newer.hdf", &["newer.hdf: is a film of format 4, and this program reads format 3"]),
         ("text.hdf", &["text.hdf: is no film"]),
         ("none.hdf", &["none.hdf: cannot be read"]),
     ] {
