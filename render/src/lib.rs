@@ -49,12 +49,10 @@
 //! # }
 //! use glam::Vec3;
 //! use halfdome::irradiance::{Part, Request, Sensor, by_paths};
-//! use halfdome::settings::Shard;
 //!
 //! let world = World::new(cornell_box()).unwrap();
 //! let floor = Sensor { position: Vec3::new(0.278, 0.001, 0.279), normal: Vec3::Y };
-//! let request = Request { spp: 256, seed: 0, part: Part::Total, shard: Shard::ALL };
-//! let found = by_paths(&world, &[floor], &request, &Unwatched);
+//! let found = by_paths(&world, &[floor], &Request { spp: 256, seed: 0, part: Part::Total }, &Unwatched);
 //! assert!(found.values[0].min_element() > 0.0);
 //! ```
 //!

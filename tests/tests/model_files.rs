@@ -222,7 +222,7 @@ fn ply_gives_the_built_in_geometry() {
     desk.program().put("box.toml", toml(&scene, "box.ply"));
     let options = "--size 40x32 --spp 8 --seed 5 --aov --integrator normals";
     let (picture, built_in) = (desk.picture("box.toml", options), desk.picture("cornell", options));
-    assert_eq!((picture.channels.len(), picture.metadata.world_to_camera), (33, built_in.metadata.world_to_camera));
+    assert_eq!((picture.channels.len(), picture.metadata.world_to_camera), (36, built_in.metadata.world_to_camera));
     for (channel, expected) in picture.channels.iter().zip(&built_in.channels) {
         assert_eq!(channel.name, expected.name);
         // A PLY file is one object of one material.
@@ -236,6 +236,7 @@ fn ply_gives_the_built_in_geometry() {
             let expected = match channel.name.as_str() {
                 "Id.Object" | "Id.Material" => 1.0,
                 "Id.Triangle" => most.min(32.0),
+                "Id.Instance" => 0.0,
                 _ => 0.5,
             };
             assert_eq!(most, expected, "{}", channel.name);

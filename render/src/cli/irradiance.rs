@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let part = if arguments.indirect { Part::Indirect } else { Part::Total };
     let spp = arguments.spp.unwrap_or(if arguments.brute { 1024 } else { 64 });
     let shard = arguments.shard.unwrap_or(Shard::ALL);
-    let request = Request { spp, seed: settings.seed, part, shard };
+    let request = Request { spp, seed: settings.seed, part };
     let way = match arguments.brute {
         true => "paths".to_owned(),
         false => format!("{options:?} {:016x}", cache.hash()),
@@ -113,8 +113,8 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let samples = if arguments.brute || part == Part::Total { own as u64 * u64::from(spp) } else { 0 };
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
     let found = pool.install(|| match arguments.brute {
-        true => irradiance::by_paths(&world, &sensors, &request, &progress),
-        false => irradiance::by_cache(&world, &sensors, cache, &request, &progress),
+        true => irradiance::shard_by_paths(&world, &sensors, shard, &request, &progress),
+        false => irradiance::shard_by_cache(&world, &sensors, shard, cache, &request, &progress),
     });
     drop(progress);
 

@@ -50,14 +50,12 @@ pub struct Request {
     pub seed: u64,
     /// What counts.
     pub part: Part,
-    /// The sensors whose irradiance is wanted. A cache is filled for all of them, so the values do not depend on it.
-    pub shard: Shard,
 }
 
 /// Irradiance at sensors, in their order, and what it took.
 #[derive(Clone, Debug)]
 pub struct Irradiance {
-    /// In W/m², linear sRGB; 0 at sensors of other shards, and at those that were not reached before the watcher said stop.
+    /// In W/m², linear sRGB; of no use at sensors of other shards; 0 at sensors that were not reached before the watcher said stop.
     pub values: Vec<Vec3>,
     /// Whether all sensors were reached.
     pub finished: bool,
@@ -87,55 +85,76 @@ const BATCH: usize = 2048;
 
 /// Irradiance by paths alone.
 pub fn by_paths(world: &World, sensors: &[Sensor], request: &Request, watch: &dyn Watch) -> Irradiance {
+    shard_by_paths(world, sensors, Shard::ALL, request, watch)
+}
+
+/// Irradiance by paths alone at those of the sensors that are in a shard.
+pub fn shard_by_paths(
+    world: &World,
+    sensors: &[Sensor],
+    shard: Shard,
+    request: &Request,
+    watch: &dyn Watch,
+) -> Irradiance {
     let component = match request.part {
         Part::Total => Component::All,
         Part::Indirect => Component::Indirect(None),
     };
     let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
-    found.add(world, sensors, &request.sensors(sensors.len()), request, component, watch);
+    found.add(world, sensors, &own(sensors, shard), request, component, watch);
     found
 }
 
 /// Irradiance with the indirect part from `cache`, to which records are added where the sensors need them. It must be
 /// of this world. Records go by the order of the sensors: in another order they may lie elsewhere.
 pub fn by_cache(world: &World, sensors: &[Sensor], cache: Cache, request: &Request, watch: &dyn Watch) -> Irradiance {
+    shard_by_cache(world, sensors, Shard::ALL, cache, request, watch)
+}
+
+/// The same at those of the sensors that are in a shard. The cache is filled for all of them, so that values do not depend
+/// on shards.
+pub fn shard_by_cache(
+    world: &World,
+    sensors: &[Sensor],
+    shard: Shard,
+    cache: Cache,
+    request: &Request,
+    watch: &dyn Watch,
+) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
     let (frozen, rays) = fill_for_surfaces(world, request.seed, cache, &surfaces, watch);
-    let mut found = look_up(world, sensors, &frozen, request, watch);
+    let mut found = look_up(world, (sensors, &own(sensors, shard)), &frozen, request, watch);
     found.rays += rays;
     let usage = frozen.usage();
     found.cache = Some((frozen.cache, usage));
     found
 }
 
-/// Irradiance with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
+/// Irradiance at some of the sensors with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
 /// no record.
 fn look_up(
     world: &World,
-    sensors: &[Sensor],
+    (sensors, own): (&[Sensor], &[usize]),
     frozen: &FrozenCache,
     request: &Request,
     watch: &dyn Watch,
 ) -> Irradiance {
     let indirect: Vec<Option<Vec3>> =
         sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
-    let own = request.sensors(sensors.len());
     let lost: Vec<usize> = own.iter().copied().filter(|&i| indirect[i].is_none()).collect();
     let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None };
     if request.part == Part::Total {
-        found.add(world, sensors, &own, request, Component::Direct, watch);
+        found.add(world, sensors, own, request, Component::Direct, watch);
     }
     let max_depth = max_depth(frozen.cache.options());
     found.add(world, sensors, &lost, request, Component::Indirect(max_depth), watch);
     found
 }
 
-impl Request {
-    /// The numbers of the sensors of the shard, among so many.
-    fn sensors(&self, count: usize) -> Vec<usize> {
-        (0..count).filter(|&sensor| self.shard.has(sensor)).collect()
-    }
+/// The numbers of the sensors of a shard.
+fn own(sensors: &[Sensor], shard: Shard) -> Vec<usize> {
+    (0..sensors.len()).filter(|&sensor| shard.has(sensor)).collect()
 }
 
 impl Irradiance {

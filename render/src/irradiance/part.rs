@@ -31,7 +31,7 @@ pub struct SensorPart {
 /// a name.
 pub fn key(world: u64, sensors: &[Sensor], request: &Request, others: &str) -> u64 {
     let mut hash = Xxh3::new();
-    let Request { spp, seed, part, shard: _ } = request;
+    let Request { spp, seed, part } = request;
     hash.update(format!("{} {world} {spp} {seed} {part:?} {others}", env!("CARGO_PKG_VERSION")).as_bytes());
     let numbers = sensors.iter().flat_map(|sensor| [sensor.position, sensor.normal]).flat_map(|it| it.to_array());
     numbers.for_each(|number| hash.update(&number.to_bits().to_le_bytes()));

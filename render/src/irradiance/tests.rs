@@ -43,7 +43,7 @@ fn sensors_without_a_record_have_paths() {
     let world = World::new(cornell_box()).unwrap();
     let sensors = sensors();
     let patience = Impatience::new(u64::MAX);
-    let request = Request { spp: 16, seed: 3, part: Part::Indirect, shard: Shard::ALL };
+    let request = Request { spp: 16, seed: 3, part: Part::Indirect };
     let empty = |options| FrozenCache::new(Cache::new(options, world.surroundings_hash()));
     let frozen = empty(CachedOptions::default());
     let found = look_up(&world, &sensors, &frozen, &request, &patience);
@@ -52,7 +52,7 @@ fn sensors_without_a_record_have_paths() {
     assert_eq!(found.values, by_paths(&world, &sensors, &request, &patience).values);
 
     // As many reflections as light has on its way to a record, and direct light besides.
-    let request = Request { spp: 512, seed: 3, part: Part::Total, shard: Shard::ALL };
+    let request = Request { spp: 512, seed: 3, part: Part::Total };
     let options = CachedOptions { bounces: Some(1), ..CachedOptions::default() };
     let lost = mean(&look_up(&world, &sensors, &empty(options), &request, &patience).values);
     let cache = Cache::new(options, world.surroundings_hash());
@@ -67,7 +67,7 @@ fn sensors_without_a_record_have_paths() {
 fn sensors_end_when_the_watcher_says_so() {
     let world = World::new(cornell_box()).unwrap();
     let sensors = sensors();
-    let request = Request { spp: 1 << 20, seed: 0, part: Part::Total, shard: Shard::ALL };
+    let request = Request { spp: 1 << 20, seed: 0, part: Part::Total };
     let watch = Impatience::new(4096);
     let found = by_paths(&world, &sensors, &request, &watch);
     assert!(!found.finished);

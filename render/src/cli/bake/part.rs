@@ -1,6 +1,6 @@
 //! `halfdome bake --shard`: the light that a part of the texels finds without an irradiance cache, as a state of the bake.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::{BYTES, BakeArguments, STATE_INTERVAL, invalid, memory, print_text, warn};
 use crate::bake::atlas::Atlas;
@@ -21,7 +21,7 @@ pub(in crate::cli) fn is_state(path: &Path) -> bool {
 }
 
 /// Checks that a shard can be written to `output`, and that it would have anything to do.
-pub(super) fn check(arguments: &BakeArguments, options: &BakeOptions, output: &PathBuf) -> Result<(), CliError> {
+pub(super) fn check(arguments: &BakeArguments, options: &BakeOptions, output: &Path) -> Result<(), CliError> {
     if !is_state(output) {
         return Err(invalid(
             format!("{}: a shard is no model", output.display()),

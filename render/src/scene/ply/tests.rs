@@ -204,6 +204,7 @@ fn wrong_headers() {
 fn wrong_vertices() {
     assert_eq!(problem(SQUARE.replace("1 1 0", "1 here 0")), "13: `1 here 0` is not a `vertex`");
     assert_eq!(problem(SQUARE.replace("1 1 0", "1 1")), "13: `1 1` is not a `vertex`");
+    assert_eq!(problem(SQUARE.replace("1 1 0", "nan 1 0")), "13: `nan 1 0` is not a `vertex`");
     assert_eq!(problem(SQUARE.replace("1 1 0", "1 1e39 0")), "vertex 2: a coordinate is not a finite number");
     let mut bytes = binary("binary_big_endian", f32::to_be_bytes, u16::to_be_bytes);
     let second = bytes.len() - 9 - 36;

@@ -150,7 +150,8 @@ impl<'a> Values<'a> for Words<'a> {
                 self.line = &self.line[length..];
                 Some(number)
             }
-            _ => decimal::parse(self.word()?),
+            // Infinity and what is no number have no place in a file.
+            _ => decimal::parse(self.word().filter(|word| word.iter().all(|byte| b"+-.0123456789eE".contains(byte)))?),
         }
     }
 

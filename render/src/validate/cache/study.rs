@@ -12,7 +12,7 @@ use crate::cache::{Cache, Reading};
 use crate::camera::FilmPoint;
 use crate::integrator::{fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
-use crate::settings::{CachedOptions, Settings, Shard};
+use crate::settings::{CachedOptions, Settings};
 use crate::watch::Watch;
 use crate::world::{Hit, World};
 
@@ -39,7 +39,7 @@ pub struct RelativeError {
 impl Reference {
     /// By `spp` paths at each sensor for each half. What it is of `part` counts.
     pub fn by_paths(world: &World, sensors: &[Sensor], part: Part, spp: u32, seed: u64, watch: &dyn Watch) -> Self {
-        let half = |seed| by_paths(world, sensors, &Request { spp, seed, part, shard: Shard::ALL }, watch).values;
+        let half = |seed| by_paths(world, sensors, &Request { spp, seed, part }, watch).values;
         let (first, second) = (half(seed), half(!seed));
         let pairs = || first.iter().zip(&second).map(|(a, b)| (a.as_dvec3(), b.as_dvec3()));
         let values: Vec<DVec3> = pairs().map(|(a, b)| 0.5 * (a + b)).collect();
@@ -129,7 +129,7 @@ impl<'a> Study<'a> {
 
     /// By `spp` paths at each surface. The rays are those for all pixels.
     pub fn paths(&self, spp: u32) -> Run {
-        let request = Request { spp, seed: self.settings.seed, part: Part::Indirect, shard: Shard::ALL };
+        let request = Request { spp, seed: self.settings.seed, part: Part::Indirect };
         let found = by_paths(self.world, &self.sensors, &request, self.watch);
         let rays = found.rays as f64 * self.pixels();
         Run { records: 0, rays, seconds: 0.0, error: self.reference.error_of(found.values) }

@@ -6,7 +6,7 @@ use super::Reference;
 use crate::cache::Cache;
 use crate::irradiance::{Irradiance, Part, Request, Sensor, by_cache};
 use crate::scene::{Mesh, cornell_box};
-use crate::settings::{CachedOptions, Shard};
+use crate::settings::CachedOptions;
 use crate::validate::scenes::world as prepared;
 use crate::validate::{Interrupted, Outcome, Runner, worst};
 use crate::watch::Watch;
@@ -65,7 +65,7 @@ impl Walls {
     ) -> Irradiance {
         let options = CachedOptions { rays, error, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
-        by_cache(world, &self.sensors, cache, &Request { spp, seed, part: Part::Total, shard: Shard::ALL }, watch)
+        by_cache(world, &self.sensors, cache, &Request { spp, seed, part: Part::Total }, watch)
     }
 }
 
