@@ -42,7 +42,10 @@ fn main() -> Result<(), Error> {
     let ray = |i: u32| Ray::new(point(i, 3) * 3.0, point(i, 4) - point(i, 3) * 3.0).into();
     let rays: Vec<SceneRay> = (0..rays).map(ray).collect();
 
-    println!("{count} of each, {} rays; ns a ray: the nearest hit, any hit; bytes each", rays.len());
+    println!(
+        "{count} of each, {} rays; ns a ray: the nearest hit, any hit; bytes each, without the scene's tree",
+        rays.len()
+    );
     let shape = Spheres(&spheres);
     let bytes = size_of::<Sphere>();
     let one_by_one = time("spheres one by one", Item::new(&shape), bytes as f64, &rays, rounds)?;

@@ -19,13 +19,13 @@ fn blade(i: usize) -> [Sphere; 4] {
     let (root, bend) = (vec3(cos, sin, 0.0) * spread(i, 0.754_878).sqrt() * 0.6, 0.3 + 0.7 * spread(i, 0.569_84));
     let lean = vec3(cos, sin, 0.0) * bend;
     [0.0, 1.0, 2.0, 3.0].map(|k: f32| {
-        let height = k * (0.75 - 0.08 * bend * k);
-        Sphere::new(root + lean * (0.1 * k * k) + Vec3::Z * height, 0.035 * (1.0 - k / 3.0))
+        let height = k * (0.36 - 0.05 * bend * k);
+        Sphere::new(root + lean * (0.07 * k * k) + Vec3::Z * height, 0.035 * (1.0 - k / 3.0))
     })
 }
 
 fn main() -> Result<(), Error> {
-    let blades: Vec<[Sphere; 4]> = (0..260).map(blade).collect();
+    let blades: Vec<[Sphere; 4]> = (0..90).map(blade).collect();
     let grass: Vec<CubicCurve> = blades.iter().flat_map(|points| CubicCurve::strand(points)).collect();
     let dew: Vec<Sphere> =
         blades.iter().step_by(7).map(|points| Sphere::new(points[2].center + vec3(0.0, 0.0, 0.05), 0.05)).collect();

@@ -111,8 +111,8 @@ impl RoundBvh {
     /// Builds a tree over `primitives` on this thread; a hit's `prim_id` is an index into them.
     ///
     /// Primitives that no ray can hit are left out and counted. The tree depends on the primitives and options alone, and has
-    /// them in it: it needs about 20 bytes each for spheres, 32 for discs, 36 for linear and 68 for cubic curves, and a third
-    /// to a half more where leaves are not full, besides 256 bytes a node.
+    /// them in it: of 100,000, some 32 bytes each for spheres, 50 for discs, 54 for linear and 115 for cubic curves, nodes
+    /// included.
     ///
     /// # Errors
     /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold: up to
