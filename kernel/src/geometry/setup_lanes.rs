@@ -88,8 +88,8 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
     /// Widens boxes by `pad` besides, along each axis, as [`Slabs::widen`] does.
     #[inline(always)]
     pub(crate) fn widen(&mut self, pad: [L; 3]) {
-        for axis in 0..3 {
-            let distance = pad[axis] * self.inverse[axis].abs();
+        for (axis, pad) in pad.into_iter().enumerate() {
+            let distance = pad * self.inverse[axis].abs();
             self.near_shift[axis] = self.near_shift[axis] + distance;
             self.far_shift[axis] = self.far_shift[axis] - distance;
         }
