@@ -19,7 +19,7 @@ impl Scene<'_> {
     /// What several items have is there once.
     ///
     /// # Errors
-    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
+    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, or points or curves, and [`InvalidTree::TooLarge`].
     pub fn to_bytes(&self) -> Result<Blob, Error> {
         self.view().to_bytes(&self.options())
     }

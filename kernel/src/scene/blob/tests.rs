@@ -11,7 +11,7 @@ use crate::bvh::{Blob, Child, MovingBvh};
 use crate::error::InvalidTree;
 use crate::scene::{Scene, Spheres};
 use crate::traverse::tests::{Random, soup};
-use crate::{BuildOptions, Bvh, Quality, Ray, SceneHit, SceneRay, Triangle};
+use crate::{BuildOptions, Bvh, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle};
 
 fn bvh(count: usize, seed: u64) -> Arc<Bvh> {
     Arc::new(Bvh::build(&soup(&mut Random(seed), count, 0.5), &BuildOptions::default()).unwrap().0)
@@ -200,6 +200,9 @@ fn shapes_of_the_callers_are_named() {
     let mesh = bvh(2, 1);
     let inside = build(vec![Item::new(mesh.clone()), Item::new(mesh.clone()), Item::new(&shapes)]);
     assert_eq!(inside.to_bytes().err(), Some(InvalidScene::NotSaved { item: 2, depth: 0 }.into()));
+    let (points, _) = RoundBvh::build(&[Sphere::new(Vec3::ZERO, 1.0)], &BuildOptions::default()).unwrap();
+    let round = build(vec![Item::new(points.view())]);
+    assert_eq!(round.to_bytes().err(), Some(InvalidScene::NotSaved { item: 0, depth: 0 }.into()));
     let view = inside.view();
     let outside = build(vec![Item::new(mesh), Item::new(&view)]);
     let error = outside.to_bytes().unwrap_err();
@@ -207,7 +210,8 @@ fn shapes_of_the_callers_are_named() {
     let said = alloc::format!("{error}");
     assert_eq!(
         said,
-        "item 2 is a shape of the program's, which cannot be written as bytes; it is in a scene in the scene"
+        "item 2 is a shape of the program's, or points or curves, which cannot be written as bytes; it is in a scene in the \
+         scene"
     );
 }
 

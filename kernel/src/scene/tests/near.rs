@@ -56,7 +56,7 @@ fn walks_lose_nothing_that_loops_find() {
             (found[0], found[1]) = (found[0] + points, found[1] + overlaps);
         }
     }
-    assert!(found[0] > 500 && found[1] > 1000, "{found:?}");
+    assert!(found[0] > 500 && found[1] > 400, "{found:?}");
 }
 
 #[test]
