@@ -16,9 +16,9 @@ use super::options::{BakeOptions, Directional, Mode};
 use super::texels::{Surfaces, Texel};
 use super::values::Values;
 use crate::cache::Cache;
-use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
+use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, RoundsMean, mean_in_rounds};
 use crate::integrator::CacheUse;
-use crate::integrator::{GatherSource, Uncached};
+use crate::integrator::{Aim, GatherSource, HeldOut, MeanLight, SAMPLED_SHARE, Uncached};
 use crate::settings::Shard;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -45,6 +45,17 @@ pub(super) struct BakedTexels {
     pub(super) gathers: u64,
     /// The cache with its use.
     pub(super) cache: Option<(Cache, CacheUse)>,
+    /// An estimate of the root mean square error, relative to the mean, if an accuracy was asked for.
+    pub(super) error: Option<f32>,
+}
+
+/// What texels of a chunk get, and what it took.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) values: Values,
+    pub(super) rays: u64,
+    /// The sum of the variances of irradiance, as far as they are known, in W²/m⁴.
+    pub(super) variance: f64,
 }
 
 impl BakedTexels {
@@ -56,6 +67,24 @@ impl BakedTexels {
     /// Those of each texel.
     pub(super) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
         self.values.texels()
+    }
+}
+
+impl Found {
+    /// The values of texels and their variance, as a checkpoint has them.
+    fn to_words(&self) -> Vec<u32> {
+        let bits = self.variance.to_bits();
+        let mut words = self.values.to_words();
+        words.extend([bits as u32, (bits >> 32) as u32]);
+        words
+    }
+
+    /// The same of `count` texels; `None` if it is something else.
+    fn from_words(layers: usize, count: usize, words: &[u32]) -> Option<Self> {
+        let (values, &[low, high]) = words.split_last_chunk::<2>()?;
+        let variance = f64::from_bits(u64::from(high) << 32 | u64::from(low));
+        let values = (values.len() == 3 * layers * count).then(|| Values::from_words(layers, values))?;
+        Some(Self { values, rays: 0, variance })
     }
 }
 
@@ -77,31 +106,60 @@ impl IncidentSink for Sums {
     }
 }
 
+/// How noisy direct light may be, in W/m².
+fn direct_noise(held_out: &HeldOut) -> f64 {
+    SAMPLED_SHARE.sqrt() * held_out.allowed_error()
+}
+
 impl Baker<'_> {
     /// The light of `texels`; `None` if the watcher says stop.
     pub(super) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
-        let (without_cache, mut rays) = self.chunks(Stage::Texels, texels, |texels| self.without_cache(texels))?;
+        let held_out = self.held_out(texels)?;
+        let noise = held_out.as_ref().map(direct_noise);
+        let found = self.chunks(Stage::Texels, texels, |texels| self.without_cache(texels, noise))?;
+        let (without_cache, variance) = (found.values, found.variance / texels.len().max(1) as f64);
+        let mut rays = found.rays + held_out.as_ref().map_or(0, |held_out| held_out.traced);
         if !self.needs_cache() {
             let gathers = if self.is_brute_force() { texels.len() as u64 } else { 0 };
-            return Some(BakedTexels { values: without_cache, rays, gathers, cache: None });
+            let error = held_out.map(|held_out| held_out.relative(variance));
+            return Some(BakedTexels { values: without_cache, rays, gathers, cache: None, error });
         }
+        let aim = held_out.as_ref().map_or(Aim::Options, Aim::Accuracy);
         let options = &self.options.cache;
         let (mut gathers, mut first) = (0, None);
         if self.uses_first_map() {
-            let (map, records, traced) = self.first_map(texels, &without_cache)?;
+            let (map, records, traced) = self.first_map(texels, &without_cache, aim)?;
             (gathers, rays) = (gathers + records, rays + traced);
             first = Some(map);
         }
         let source = first.as_ref().map_or(GatherSource::paths(options), |map| GatherSource::Map(map));
         let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Records };
-        let (frozen, filled) = self.fill(texels, (*options, self.options.seed), source, &records)?;
+        let (frozen, filled) = self.fill(texels, (*options, self.options.seed), (source, aim), &records)?;
         let (mut values, traced) = self.interpolate(&frozen, texels, source)?;
         if self.options.mode == Mode::Full {
             values.add(&without_cache);
         }
         let usage = frozen.usage();
         gathers += usage.records + usage.misses;
-        Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)) })
+        let sampled = if self.options.mode == Mode::Full { variance } else { 0.0 };
+        let error = frozen.cache.estimate().map(|estimate| estimate.with(sampled));
+        Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)), error })
+    }
+
+    /// What is true at some of the texels, if an accuracy is asked for; the outer `None` if the watcher says stop.
+    #[allow(clippy::option_option, reason = "the outer one is for `?`")]
+    fn held_out(&self, texels: &[Texel]) -> Option<Option<HeldOut<'_>>> {
+        let light = match self.options.mode {
+            Mode::Full => MeanLight::Total,
+            Mode::Direct => MeanLight::Direct,
+            Mode::Indirect => MeanLight::Indirect,
+            Mode::Ao => return Some(None),
+        };
+        if self.options.cache.accuracy.is_none() {
+            return Some(None);
+        }
+        let points = (texels.len(), |i: usize| self.surface(&texels[i]));
+        HeldOut::new(self.world, &self.options.cache, points, light, self.options.seed, self.watch).map(Some)
     }
 
     /// What is kept of directions.
@@ -137,7 +195,9 @@ impl Baker<'_> {
     /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher says stop.
     pub(super) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
         self.checkpoint.put_shard(shard, false);
-        let found = self.chunks_of(shard, Stage::Texels, texels, |texels| self.without_cache(texels));
+        let held_out = self.held_out(texels)?;
+        let noise = held_out.as_ref().map(direct_noise);
+        let found = self.chunks_of(shard, Stage::Texels, texels, |texels| self.without_cache(texels, noise));
         self.checkpoint.put_shard(shard, found.is_some());
         found.map(|_| ())
     }
@@ -147,8 +207,8 @@ impl Baker<'_> {
         &self,
         stage: Stage,
         texels: &[Texel],
-        find: impl Fn(&[(usize, Texel)]) -> (Values, u64) + Sync,
-    ) -> Option<(Values, u64)> {
+        find: impl Fn(&[(usize, Texel)]) -> Found + Sync,
+    ) -> Option<Found> {
         self.chunks_of(Shard::ALL, stage, texels, find)
     }
 
@@ -158,49 +218,53 @@ impl Baker<'_> {
         shard: Shard,
         stage: Stage,
         texels: &[Texel],
-        find: impl Fn(&[(usize, Texel)]) -> (Values, u64) + Sync,
-    ) -> Option<(Values, u64)> {
+        find: impl Fn(&[(usize, Texel)]) -> Found + Sync,
+    ) -> Option<Found> {
         let layers = self.layers();
         let numbered: Vec<(usize, Texel)> = texels.iter().copied().enumerate().collect();
         let chunk = |(number, texels): (usize, &[(usize, Texel)])| {
             let known = self.checkpoint.get(stage, number as u64);
-            if let Some(words) = known.filter(|words| words.len() == 3 * layers * texels.len()) {
+            if let Some(found) = known.and_then(|words| Found::from_words(layers, texels.len(), &words)) {
                 self.watch.advance(texels.len() as u64, 0);
-                return Some((Values::from_words(layers, &words), 0));
+                return Some(found);
             }
             if self.watch.stop() {
                 return None;
             }
-            let (values, rays) = find(texels);
-            self.checkpoint.put(stage, number as u64, values.to_words());
-            self.watch.advance(texels.len() as u64, rays);
-            Some((values, rays))
+            let found = find(texels);
+            self.checkpoint.put(stage, number as u64, found.to_words());
+            self.watch.advance(texels.len() as u64, found.rays);
+            Some(found)
         };
         let chunks = numbered.par_chunks(CHUNK).enumerate().filter(|(number, _)| shard.has(*number));
-        let chunks: Vec<Option<(Values, u64)>> = chunks.map(chunk).collect();
+        let chunks: Vec<Option<Found>> = chunks.map(chunk).collect();
         let chunks = chunks.into_iter().collect::<Option<Vec<_>>>()?;
-        let rays = chunks.iter().map(|(_, rays)| rays).sum();
-        Some((Values::joined(layers, chunks.into_iter().map(|(values, _)| values)), rays))
+        let rays = chunks.iter().map(|found| found.rays).sum();
+        let variance = chunks.iter().map(|found| found.variance).sum();
+        Some(Found { values: Values::joined(layers, chunks.into_iter().map(|found| found.values)), rays, variance })
     }
 
-    /// What texels find without a cache.
-    fn without_cache(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
-        let (mut values, mut rays) = match self.options.mode {
+    /// What texels find without a cache, with this much noise of direct light in W/m² or with the samples of the options.
+    fn without_cache(&self, texels: &[(usize, Texel)], noise: Option<f64>) -> Found {
+        let mut found = match self.options.mode {
             Mode::Ao => self.ambient_occlusion(texels),
-            Mode::Full | Mode::Direct => self.direct(texels),
-            Mode::Indirect if self.uses_first_map() => self.direct(texels),
-            Mode::Indirect => (Values::of(self.layers(), texels.iter().map(|_| (Vec3::ZERO, [DVec3::ZERO; 4]))), 0),
+            Mode::Full | Mode::Direct => self.direct(texels, noise),
+            Mode::Indirect if self.uses_first_map() => self.direct(texels, noise),
+            Mode::Indirect => {
+                let nothing = texels.iter().map(|_| (Vec3::ZERO, [DVec3::ZERO; 4]));
+                Found { values: Values::of(self.layers(), nothing), ..Found::default() }
+            }
         };
         if self.is_brute_force() {
-            let (gathered, traced) = self.gather(texels, GatherSource::paths(&self.options.cache));
-            values.add(&gathered);
-            rays += traced;
+            let gathered = self.gather(texels, GatherSource::paths(&self.options.cache));
+            found.values.add(&gathered.values);
+            found.rays += gathered.rays;
         }
-        (values, rays)
+        found
     }
 
     /// How open texels are.
-    fn ambient_occlusion(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
+    fn ambient_occlusion(&self, texels: &[(usize, Texel)]) -> Found {
         let Self { world, options, .. } = self;
         let mut ambient_occlusion = AmbientOcclusion::new(options.spp, options.ao_distance);
         let mut rays = 0;
@@ -209,35 +273,56 @@ impl Baker<'_> {
             rays += traced;
             (Vec3::splat(open), [DVec3::ZERO; 4])
         });
-        (Values::of(1, open), rays)
+        let values = Values::of(1, open);
+        Found { values, rays, variance: 0.0 }
     }
 
     /// What lights send to texels.
-    fn direct(&self, texels: &[(usize, Texel)]) -> (Values, u64) {
+    fn direct(&self, texels: &[(usize, Texel)], noise: Option<f64>) -> Found {
         let Self { world, options, .. } = self;
         let mut incident = IncidentSampler::default();
-        let mut rays = 0;
+        let (mut rays, mut variance) = (0, 0.0);
         let received = texels.iter().map(|(number, texel)| {
             let surface = self.surface(texel);
             let (normal, basis) = (surface.shading_normal, self.basis(texel, &surface));
             let mut sums = Sums { normal, basis, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
-            let address = (options.seed, *number as u32);
             let (surfaces, traced) = footprint(world, self.surfaces, texel);
-            rays += traced + incident.sample(world, &surfaces, address, options.spp, &mut sums);
-            (sums.irradiance.as_vec3(), sums.moments)
+            rays += traced;
+            let mut sample = |seed, samples, share| {
+                let address = (seed, *number as u32);
+                rays += incident.sample(world, &surfaces, address, (samples, share), &mut sums);
+                sums.irradiance
+            };
+            let Some(noise) = noise else {
+                sample(options.seed, 0..options.spp, 1.0 / options.spp as f32);
+                return (sums.irradiance.as_vec3(), sums.moments);
+            };
+            let mut before = DVec3::ZERO;
+            let found: RoundsMean = mean_in_rounds(
+                options.seed,
+                |_| noise,
+                |seed, samples| {
+                    let all = sample(seed, samples, 1.0);
+                    all - std::mem::replace(&mut before, all)
+                },
+            );
+            variance += found.variance;
+            (found.mean.as_vec3(), sums.moments.map(|moment| moment / f64::from(found.samples)))
         });
-        (Values::of(self.layers(), received), rays)
+        let values = Values::of(self.layers(), received);
+        Found { values, rays, variance }
     }
 
     /// What texels gather.
-    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> (Values, u64) {
+    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> Found {
         let Self { world, options, .. } = self;
         let point =
             |(number, texel): &(usize, Texel)| GatherPoint { key: *number as u64, surface: self.surface(texel) };
         let points: Vec<GatherPoint> = texels.iter().map(point).collect();
         let (irradiance, rays) = Uncached::new(world, &options.cache, source, options.seed).irradiance(&points);
         let (moments, further) = self.gather_moments(texels);
-        (Values::of(self.layers(), irradiance.into_iter().zip(moments)), rays + further)
+        let values = Values::of(self.layers(), irradiance.into_iter().zip(moments));
+        Found { values, rays: rays + further, variance: 0.0 }
     }
 
     /// The moments that texels gather; zeros if there is nothing to keep.

@@ -7,14 +7,14 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::baker::Baker;
+use super::baker::{Baker, Found};
 use super::checkpoint::{CheckpointedRecords, Stage};
 use super::options::Directional;
 use super::texel_irradiance::TexelIrradiance;
 use super::texels::Texel;
 use super::values::Values;
 use crate::cache::Cache;
-use crate::integrator::{FrozenCache, GatherSource, fill_for_texels};
+use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
@@ -34,13 +34,15 @@ impl Baker<'_> {
         &'t self,
         texels: &'t [Texel],
         direct: &Values,
+        aim: Aim,
     ) -> Option<(TexelIrradiance<'t>, u64, u64)> {
         let options = self.options.cache;
         let error = (ROUGH * options.error).min(CachedOptions::MAX_ERROR);
-        let rough = CachedOptions { error, ..options };
+        let rough = CachedOptions { error, accuracy: None, ..options };
         let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Rough };
         let source = GatherSource::paths(&rough);
-        let (frozen, rays) = self.fill(texels, (rough, self.options.seed ^ SALT), source, &records)?;
+        let (frozen, rays) =
+            self.fill(texels, (rough, self.options.seed ^ SALT), (source, aim.of_means()), &records)?;
         let indirect: Vec<Option<Vec3>> =
             texels.par_iter().map(|texel| frozen.irradiance(&self.surface(texel))).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
@@ -55,13 +57,13 @@ impl Baker<'_> {
         &self,
         texels: &[Texel],
         (options, seed): (CachedOptions, u64),
-        source: GatherSource,
+        (source, aim): (GatherSource, Aim),
         records: &CheckpointedRecords,
     ) -> Option<(FrozenCache, u64)> {
         let Self { world, watch, .. } = *self;
         let places: Vec<(Surface, f32)> = texels.iter().map(|texel| (self.surface(texel), texel.spacing)).collect();
         let cache = Cache::new(options, world.surroundings_hash());
-        let filled = fill_for_texels(world, seed, cache, &places, source, records, watch);
+        let filled = fill_for_texels(world, seed, cache, &places, (source, aim), records, watch);
         (!watch.stop()).then_some(filled)
     }
 
@@ -72,8 +74,9 @@ impl Baker<'_> {
         texels: &[Texel],
         source: GatherSource,
     ) -> Option<(Values, u64)> {
-        let (moments, mut rays) = self.moments_of_records(frozen, texels)?;
-        let moments: Vec<&[Vec3]> = moments.texels().collect();
+        let moments = self.moments_of_records(frozen, texels)?;
+        let mut rays = moments.rays;
+        let moments: Vec<&[Vec3]> = moments.values.texels().collect();
         let found: Vec<Option<(Vec3, [DVec3; 4])>> = texels
             .par_iter()
             .map(|texel| {
@@ -95,26 +98,27 @@ impl Baker<'_> {
         let missing: Vec<usize> = (0..texels.len()).filter(|&i| found[i].is_none()).collect();
         let mut values = Values::of(self.layers(), found.into_iter().map(Option::unwrap_or_default));
         let lost: Vec<Texel> = missing.iter().map(|&i| texels[i]).collect();
-        let (gathered, traced) = self.chunks(Stage::Missing, &lost, |texels| {
+        let gathered = self.chunks(Stage::Missing, &lost, |texels| {
             let texels: Vec<(usize, Texel)> = texels.iter().map(|&(i, texel)| (missing[i], texel)).collect();
             self.gather(&texels, source)
         })?;
-        rays += traced;
-        missing.into_iter().zip(gathered.texels()).for_each(|(i, gathered)| values.set(i, gathered));
+        rays += gathered.rays;
+        missing.into_iter().zip(gathered.values.texels()).for_each(|(i, gathered)| values.set(i, gathered));
         Some((values, rays))
     }
 
     /// The moments at each record, behind an empty irradiance; nothing if there is nothing to keep.
-    fn moments_of_records(&self, frozen: &FrozenCache, texels: &[Texel]) -> Option<(Values, u64)> {
+    fn moments_of_records(&self, frozen: &FrozenCache, texels: &[Texel]) -> Option<Found> {
         if self.directional() == Directional::None {
-            return Some((Values::of(1, std::iter::empty()), 0));
+            return Some(Found { values: Values::of(1, std::iter::empty()), ..Found::default() });
         }
         let keys: Vec<usize> = frozen.cache.records().iter().map(|record| record.key as usize).collect();
         let points: Vec<Texel> = keys.iter().map(|&key| texels[key]).collect();
         self.chunks(Stage::Moments, &points, |points| {
             let points: Vec<(usize, Texel)> = points.iter().map(|&(i, texel)| (keys[i], texel)).collect();
             let (moments, rays) = self.gather_moments(&points);
-            (Values::of(self.layers(), moments.into_iter().map(|moments| (Vec3::ZERO, moments))), rays)
+            let values = Values::of(self.layers(), moments.into_iter().map(|moments| (Vec3::ZERO, moments)));
+            Found { values, rays, variance: 0.0 }
         })
     }
 }

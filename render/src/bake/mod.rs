@@ -82,6 +82,8 @@ pub struct Bake {
     pub statistics: Statistics,
     /// What the user should know about the light, a line each.
     pub warnings: Vec<String>,
+    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was asked for.
+    pub accuracy: Option<f32>,
 }
 
 /// The map of a page.
@@ -230,7 +232,7 @@ pub fn bake(
     };
     let maps = maps(page_texels, layers, errors, &names);
     let warnings = warnings(world, options, &maps, &statistics);
-    Some(Bake { atlas, maps, record_places, statistics, warnings })
+    Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 
 /// Finds the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light, ambient

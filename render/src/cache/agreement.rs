@@ -20,12 +20,21 @@ use super::weight::Weighting;
 
 /// Standard errors that noise may explain.
 const STANDARD_ERRORS: f32 = 2.0;
-/// The least factor: an edge of light is no nearer if a radius is shorter, so there must be an end.
-const LEAST: f32 = 0.5;
+
+/// How much disagreement is no reason to shorten a record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerance {
+    /// As a part of irradiance, ...
+    pub(super) relative: f32,
+    /// ... and in W/m² on top.
+    pub(super) absolute: f32,
+    /// The least factor.
+    pub(super) least: f32,
+}
 
 /// The factor, at most 1, by which each record's radii are to be multiplied, so that it is not used where it disagrees
-/// with others by more than `tolerance`, as a part of irradiance. `weighting` says where it is used.
-pub(super) fn factors(records: &[Record], weighting: &Weighting, tolerance: f32) -> Vec<f32> {
+/// with others by more than `tolerance`. `weighting` says where it is used.
+pub(super) fn factors(records: &[Record], weighting: &Weighting, tolerance: &Tolerance) -> Vec<f32> {
     let tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
     let limits = |other: &Record| {
         let mut limits: Vec<(usize, f32)> = Vec::new();
@@ -39,19 +48,19 @@ pub(super) fn factors(records: &[Record], weighting: &Weighting, tolerance: f32)
     };
     let mut factors = vec![1.0f32; records.len()];
     for (i, limit) in records.par_iter().map(limits).collect::<Vec<_>>().into_iter().flatten() {
-        factors[i] = factors[i].min(limit.max(LEAST));
+        factors[i] = factors[i].min(limit.max(tolerance.least));
     }
     factors
 }
 
 /// The factor by which `other` would have the radii of `record` multiplied: infinite if the two agree.
-fn limit(record: &Record, other: &Record, tolerance: f32) -> f32 {
+fn limit(record: &Record, other: &Record, tolerance: &Tolerance) -> f32 {
     let step = other.position - record.position;
     let found = record.extrapolate(other.position, other.normal, true, true).max(Vec3::ZERO);
     // A gradient's noise is that of the irradiance over the mean distance, about.
     let noise = other.standard_error.hypot(record.standard_error * (1.0 + step.length() / record.mean_distance));
     let difference = (found - other.irradiance).abs().max_element() - STANDARD_ERRORS * noise;
-    let tolerated = tolerance * record.irradiance.max(other.irradiance).max_element();
+    let tolerated = tolerance.relative * record.irradiance.max(other.irradiance).max_element() + tolerance.absolute;
     // False for NaN too.
     if difference > tolerated {
         record.relative_distance(step) * (tolerated / difference).sqrt()
@@ -67,6 +76,12 @@ mod tests {
     use crate::settings::Metric;
     use glam::vec3;
     use halfdome_kernel::sampling::Stream;
+
+    const LEAST: f32 = 0.5;
+
+    fn relative(relative: f32) -> Tolerance {
+        Tolerance { relative, absolute: 0.0, least: LEAST }
+    }
 
     const WEIGHTING: Weighting = Weighting { metric: Metric::SplitSphere, error: 0.4, stretch: 2.0 };
 
@@ -107,32 +122,32 @@ mod tests {
             let tolerated = tolerance * light(distance).x;
             let radius = (tolerated / (0.5 * curvature)).sqrt();
             assert!((0.15..0.3).contains(&radius), "{radius} is not between the bounds");
-            for factor in factors(&pair, &WEIGHTING, tolerance) {
+            for factor in factors(&pair, &WEIGHTING, &relative(tolerance)) {
                 assert!((0.3 * factor - radius).abs() < 1e-6, "{} instead of {radius} at {distance}", 0.3 * factor);
             }
         }
         // Beyond the reach nothing is known, and no radius becomes less than half.
         let pair = |distance: f32| [0.0, distance].map(|x| record(Vec3::X * x, light(9.0 * x), 0.0, 0.0));
-        assert_eq!(factors(&pair(0.61), &WEIGHTING, tolerance), [1.0; 2]);
-        assert_eq!(factors(&pair(0.59), &WEIGHTING, 0.25 * tolerance), [LEAST; 2]);
+        assert_eq!(factors(&pair(0.61), &WEIGHTING, &relative(tolerance)), [1.0; 2]);
+        assert_eq!(factors(&pair(0.59), &WEIGHTING, &relative(0.25 * tolerance)), [LEAST; 2]);
     }
 
     /// It is the least over all pairs, in whatever order.
     #[test]
     fn one_pass_is_the_least_over_pairs() {
         let records = records(|x, _| (1.0 + 2.0 * x * x, 4.0 * x, 0.01));
-        let found = factors(&records, &WEIGHTING, 0.05);
+        let found = factors(&records, &WEIGHTING, &relative(0.05));
         let mut lessened = 0;
         for (i, record) in records.iter().enumerate() {
             let used = |other: &&Record| WEIGHTING.weight(record, other.position, other.normal) > 0.0;
-            let limits = records.iter().filter(used).map(|other| limit(record, other, 0.05));
+            let limits = records.iter().filter(used).map(|other| limit(record, other, &relative(0.05)));
             let least = limits.fold(1.0, f32::min).max(LEAST);
             assert_eq!(found[i], least);
             lessened += usize::from((0.55..0.95).contains(&least));
         }
         assert!(lessened > 20, "{lessened}");
         let reversed: Vec<Record> = records.iter().rev().copied().collect();
-        let mut backwards = factors(&reversed, &WEIGHTING, 0.05);
+        let mut backwards = factors(&reversed, &WEIGHTING, &relative(0.05));
         backwards.reverse();
         assert_eq!(backwards, found);
     }
@@ -143,7 +158,7 @@ mod tests {
         // Uniform, so that it ends at √3 standard errors.
         let noisy = |told: f32| {
             let noise = |i| 0.1 * 3f32.sqrt() * (2.0 * Stream::new(7, i, 0).uniform2(0).x - 1.0);
-            factors(&records(|_, i| (1.0 + noise(i), 0.0, told)), &WEIGHTING, 0.1)
+            factors(&records(|_, i| (1.0 + noise(i), 0.0, told)), &WEIGHTING, &relative(0.1))
         };
         assert_eq!(noisy(0.1), [1.0; 100]);
         assert!(noisy(0.0).iter().filter(|&&factor| factor < 1.0).count() > 50);

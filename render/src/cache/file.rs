@@ -9,16 +9,18 @@
 use std::fs;
 use std::path::Path;
 
-use super::Cache;
 use super::record::Record;
+use super::{Cache, ErrorEstimate};
 use crate::output::{OutputError, OutputFile};
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
 
 const MAGIC: [u8; 8] = *b"halfdIRC";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Reads as another number on a machine with the other order of bytes.
 const ORDER: u32 = 0x0102_0304;
-const HEADER: usize = 8 + 4 + 4 + 8 + 6 * 4 + 8;
+const HEADER: usize = 8 + 4 + 4 + 8 + (OPTIONS + 2) * 4 + 8;
+/// Words of the options.
+const OPTIONS: usize = 7;
 const RECORD: usize = 8 + 4 * Record::WORDS;
 const CHECKSUM: usize = 8;
 
@@ -103,10 +105,14 @@ impl Cache {
         }
     }
 
-    /// The name of the first option that is not the same, and its values in this cache and in `options`.
+    /// The name of the first option that is not the same, and its values in this cache and in `options`. Where these ask
+    /// for an accuracy, what follows from it is the cache's own.
     fn differing(&self, options: &CachedOptions) -> Option<(&'static str, String, String)> {
         let mut pairs = named(&self.options).into_iter().zip(named(options));
-        pairs.find(|(ours, theirs)| ours != theirs).map(|((name, ours), (_, theirs))| (name, ours, theirs))
+        let is_free = |name: &str| options.accuracy.is_some() && ["cache-error", "record-rays"].contains(&name);
+        pairs
+            .find(|((name, ours), (_, theirs))| ours != theirs && !is_free(name))
+            .map(|((name, ours), (_, theirs))| (name, ours, theirs))
     }
 
     /// The bytes of a file of this cache.
@@ -116,7 +122,8 @@ impl Cache {
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend(ORDER.to_le_bytes());
         bytes.extend(self.scene.to_le_bytes());
-        for word in words(&self.options) {
+        let ErrorEstimate { light, root_mean_square } = self.estimate.unwrap_or_default();
+        for word in words(&self.options).into_iter().chain([light, root_mean_square].map(f32::to_bits)) {
             bytes.extend(word.to_le_bytes());
         }
         bytes.extend((self.records.len() as u64).to_le_bytes());
@@ -156,8 +163,8 @@ impl Cache {
             return Err(CacheFileError::new(problem, again));
         }
         let scene = rest.long().ok_or_else(cut)?;
-        let mut options = [0; 6];
-        for word in &mut options {
+        let (mut options, mut estimate) = ([0; OPTIONS], [0; 2]);
+        for word in options.iter_mut().chain(&mut estimate) {
             *word = rest.word().ok_or_else(cut)?;
         }
         let count = rest.long().ok_or_else(cut)?;
@@ -186,7 +193,15 @@ impl Cache {
         if !records.iter().all(Record::is_sound) {
             return Err(CacheFileError::new("has an invalid record: a number is not finite or out of range", again));
         }
-        Ok(Self::of(options, scene, records))
+        let [light, root_mean_square] = estimate.map(f32::from_bits);
+        let is_sound = |number: f32| (0.0..f32::INFINITY).contains(&number);
+        if !is_sound(light) || !is_sound(root_mean_square) {
+            return Err(CacheFileError::new("has an error estimate that is no number", again));
+        }
+        let estimate = options.accuracy.map(|_| ErrorEstimate { light, root_mean_square });
+        let mut cache = Self { estimate, ..Self::new(options, scene) };
+        cache.commit(records);
+        Ok(cache)
     }
 }
 
@@ -214,16 +229,19 @@ fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The options as words: the error's bits, gradients, metric, layout, rays, bounces.
-fn words(options: &CachedOptions) -> [u32; 6] {
-    let CachedOptions { error, gradients, metric, layout, rays, bounces } = *options;
-    [error.to_bits(), gradients as u32, metric as u32, layout as u32, rays, bounces.unwrap_or(u32::MAX)]
+/// The options as words: the error's bits, gradients, metric, layout, rays, bounces, the accuracy's bits or 0.
+fn words(options: &CachedOptions) -> [u32; OPTIONS] {
+    let CachedOptions { error, gradients, metric, layout, rays, bounces, accuracy } = *options;
+    let (bounces, accuracy) = (bounces.unwrap_or(u32::MAX), accuracy.map_or(0, f32::to_bits));
+    [error.to_bits(), gradients as u32, metric as u32, layout as u32, rays, bounces, accuracy]
 }
 
 /// The options of these words, if there are such.
-fn from_words([error, gradients, metric, layout, rays, bounces]: [u32; 6]) -> Option<CachedOptions> {
+fn from_words([error, gradients, metric, layout, rays, bounces, accuracy]: [u32; OPTIONS]) -> Option<CachedOptions> {
     let error = f32::from_bits(error);
     (error > 0.0 && error <= CachedOptions::MAX_ERROR).then_some(())?;
+    let accuracy = (accuracy != 0).then_some(f32::from_bits(accuracy));
+    accuracy.is_none_or(|accuracy| accuracy > 0.0 && accuracy <= CachedOptions::MAX_ACCURACY).then_some(())?;
     Some(CachedOptions {
         error,
         gradients: *Gradients::ALL.get(gradients as usize)?,
@@ -231,12 +249,13 @@ fn from_words([error, gradients, metric, layout, rays, bounces]: [u32; 6]) -> Op
         layout: *GatherLayout::ALL.get(layout as usize)?,
         rays,
         bounces: (bounces != u32::MAX).then_some(bounces),
+        accuracy,
     })
 }
 
 /// The options by their names on the command line.
-pub(crate) fn named(options: &CachedOptions) -> [(&'static str, String); 6] {
-    let CachedOptions { error, gradients, metric, layout, rays, bounces } = *options;
+pub(crate) fn named(options: &CachedOptions) -> [(&'static str, String); 7] {
+    let CachedOptions { error, gradients, metric, layout, rays, bounces, accuracy } = *options;
     [
         ("cache-error", error.to_string()),
         ("gradients", gradients.name().to_owned()),
@@ -244,5 +263,6 @@ pub(crate) fn named(options: &CachedOptions) -> [(&'static str, String); 6] {
         ("layout", layout.name().to_owned()),
         ("record-rays", rays.to_string()),
         ("cache-bounces", bounces.map_or("unlimited".to_owned(), |bounces| bounces.to_string())),
+        ("accuracy", accuracy.map_or("none".to_owned(), |accuracy| format!("{}%", 100.0 * accuracy))),
     ]
 }

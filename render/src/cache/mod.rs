@@ -29,6 +29,7 @@ use std::f32::consts::SQRT_2;
 use glam::Vec3;
 
 use crate::settings::{CachedOptions, Gradients, Metric};
+use agreement::Tolerance;
 use octree::Octree;
 use regression::{Neighbourhood, Polynomial, polynomials};
 use weight::Weighting;
@@ -49,6 +50,8 @@ pub struct Cache {
     scene: u64,
     /// Whether records reach as far as their own gathers say, whatever neighbours know.
     is_rough: bool,
+    /// What is known of its error, if it is filled to an accuracy.
+    estimate: Option<ErrorEstimate>,
     /// The records with their radii as they are used.
     records: Vec<Record>,
     /// Their radii as they were made.
@@ -58,8 +61,33 @@ pub struct Cache {
     tree: Octree,
 }
 
+/// How right a cache is that was filled to an accuracy, as independent gathers at some of its points tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorEstimate {
+    /// The mean irradiance of the points that it was filled for, direct light included, in W/m², over all channels.
+    pub light: f32,
+    /// The root mean square error of its irradiance, relative to that.
+    pub root_mean_square: f32,
+}
+
+impl ErrorEstimate {
+    /// The root mean square error, relative to the mean, of this and of sampled light with a mean variance, in W²/m⁴.
+    pub(crate) fn with(&self, variance: f64) -> f32 {
+        let relative = if self.light > 0.0 { variance / f64::from(self.light).powi(2) } else { 0.0 };
+        (f64::from(self.root_mean_square).powi(2) + relative).sqrt() as f32
+    }
+}
+
 /// By how much records may disagree, as a part of irradiance, over the error that was asked for.
 const TOLERANCE: f32 = 0.2;
+/// The least part of its radius that disagreement leaves a record: an edge of light is no nearer if a radius is shorter, so
+/// there must be an end; ...
+const LEAST: f32 = 0.5;
+/// ... and where an accuracy is asked for.
+const ACCURATE_LEAST: f32 = 0.25;
+/// By how much records may disagree where an accuracy is asked for, over what the root mean square error may be: a record
+/// counts less and less where it disagrees most.
+const ACCURATE_TOLERANCE: f32 = 1.5;
 
 /// How the records around a point are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,12 +111,36 @@ impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
     pub fn new(options: CachedOptions, scene: u64) -> Self {
         let (records, original_radii, polynomials) = Default::default();
-        Self { options, scene, is_rough: false, records, original_radii, polynomials, tree: Octree::default() }
+        Self {
+            options,
+            scene,
+            is_rough: false,
+            estimate: None,
+            records,
+            original_radii,
+            polynomials,
+            tree: Octree::default(),
+        }
     }
 
     /// The same without error control by what neighbours know, for gathers to take means over it.
     pub(crate) fn rough(self) -> Self {
         Self { is_rough: true, ..self }
+    }
+
+    /// An empty cache like this one, with radii by another error; `estimate` has the light of its points.
+    pub(crate) fn with_error(&self, error: f32, estimate: ErrorEstimate) -> Self {
+        Self { estimate: Some(estimate), ..Self::new(CachedOptions { error, ..self.options }, self.scene) }
+    }
+
+    /// What is known of its error, if it was filled to an accuracy.
+    pub fn estimate(&self) -> Option<ErrorEstimate> {
+        self.estimate
+    }
+
+    /// Says how right it is.
+    pub(crate) fn set_estimate(&mut self, estimate: ErrorEstimate) {
+        self.estimate = Some(estimate);
     }
 
     /// A cache of these records, with their radii as they were made.
@@ -122,7 +174,7 @@ impl Cache {
         shorten(&mut records, &factors);
         let weighting = self.weighting(self.stretch());
         if self.options.gradients == Gradients::Both && !self.is_rough {
-            let factors = agreement::factors(&records, &weighting, TOLERANCE * self.options.error);
+            let factors = agreement::factors(&records, &weighting, &self.tolerance());
             shorten(&mut records, &factors);
         }
         self.tree = Octree::new(records.iter().map(|record| (record.position, weighting.reach(record))));
@@ -130,6 +182,18 @@ impl Cache {
             self.polynomials = polynomials(&records, &self.neighbourhood());
         }
         self.records = records;
+    }
+
+    /// By how much records may disagree: as a part of their irradiance, or of the mean if an accuracy is asked for.
+    fn tolerance(&self) -> Tolerance {
+        match (self.options.accuracy, self.estimate) {
+            (Some(accuracy), Some(estimate)) => Tolerance {
+                relative: 0.0,
+                absolute: ACCURATE_TOLERANCE * accuracy * estimate.light,
+                least: ACCURATE_LEAST,
+            },
+            _ => Tolerance { relative: TOLERANCE * self.options.error, absolute: 0.0, least: LEAST },
+        }
     }
 
     /// Takes the records out, as they were made.

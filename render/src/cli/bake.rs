@@ -62,11 +62,11 @@ pub(super) struct BakeArguments {
     directional: Directional,
 
     /// Samples of direct light per texel; with --mode ao, rays per texel
-    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with = "accuracy", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     /// Gather at every texel, without an irradiance cache
-    #[arg(long)]
+    #[arg(long, conflicts_with = "accuracy")]
     brute: bool,
 
     /// --mode ao: hits farther away than this do not occlude [default: unlimited]
@@ -188,8 +188,13 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         let problem = format!("--mode ao cannot be directional (--directional {})", arguments.directional.name());
         return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
+<<<<<<< HEAD
     if let Some(shard) = arguments.shard {
         return run_shard(arguments, (output, overrides), shard, (&pool, style));
+=======
+    if arguments.mode == Mode::Ao && arguments.cache.accuracy.is_some() {
+        return Err(invalid("--mode ao knows no --accuracy".to_owned(), "give --spp, its rays per texel"));
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
@@ -272,7 +277,7 @@ fn bake(
     let (written, mut warnings) = files.write(&scene, &baked, options, hashes)?;
     warn(style, &mut warnings);
     checkpoint.remove().map_err(CliError::system)?;
-    files.print(style, &baked, &written);
+    files.print(style, &baked, options.cache.accuracy, &written);
     Ok(EXIT_DONE)
 }
 

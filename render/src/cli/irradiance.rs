@@ -44,7 +44,7 @@ pub(super) struct IrradianceArguments {
     brute: bool,
 
     /// Samples of direct light per sensor [default: 64]; with --brute, paths per sensor [default: 1024]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
     /// Leave direct light out; what remains is reflected by surfaces, or comes from the sky without the sun of its
@@ -110,7 +110,12 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     );
     let own = shard.items(sensors.len());
     // Records alone have no number that is known before.
+<<<<<<< HEAD
     let samples = if arguments.brute || part == Part::Total { own as u64 * u64::from(spp) } else { 0 };
+=======
+    let is_fixed = arguments.brute || part == Part::Total && options.accuracy.is_none();
+    let samples = if is_fixed { sensors.len() as u64 * u64::from(spp) } else { 0 };
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
     let found = pool.install(|| match arguments.brute {
         true => irradiance::shard_by_paths(&world, &sensors, shard, &request, &progress),
@@ -120,7 +125,14 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 
     let usage = found.cache.as_ref().map(|(_, usage)| *usage);
     if !found.finished {
-        job.end(Outcome { finished: false, rays: found.rays, cache: usage, note: "nothing was written", file: None });
+        job.end(Outcome {
+            finished: false,
+            rays: found.rays,
+            cache: usage,
+            accuracy: None,
+            note: "nothing was written",
+            file: None,
+        });
         return Ok(EXIT_INTERRUPTED);
     }
     let text = match arguments.shard {
@@ -132,7 +144,8 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
         None => print(&text)?,
     }
     let file = arguments.output.as_deref();
-    job.end(Outcome { finished: true, rays: found.rays, cache: usage, note: "", file });
+    let accuracy = options.accuracy.zip(found.error);
+    job.end(Outcome { finished: true, rays: found.rays, cache: usage, accuracy, note: "", file });
     Ok(EXIT_DONE)
 }
 

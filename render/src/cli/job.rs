@@ -24,6 +24,8 @@ pub(super) struct Outcome<'a> {
     pub(super) rays: u64,
     /// The irradiance cache, and how it was used.
     pub(super) cache: Option<CacheUse>,
+    /// The error that was asked for and an estimate of it, relative.
+    pub(super) accuracy: Option<(f32, f32)>,
     /// What is left of interrupted work.
     pub(super) note: &'a str,
     /// The file that was written.
@@ -53,6 +55,12 @@ impl Job {
     }
 }
 
+/// What an accuracy came to.
+pub(super) fn accuracy_text(asked: f32, estimated: f32) -> String {
+    let [asked, estimated] = [asked, estimated].map(|part| 100.0 * part);
+    format!("error: {estimated:.2}% of the mean, estimated at points that no record knows of; {asked}% was asked for")
+}
+
 impl Outcome<'_> {
     fn event(&self, elapsed: f64, rays_per_second: f64) -> Value {
         let mut event = json!({
@@ -66,6 +74,9 @@ impl Outcome<'_> {
             }),
             "files": self.file.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         });
+        if let Some((asked, estimated)) = self.accuracy {
+            event["accuracy"] = json!({ "asked": asked, "estimated": estimated });
+        }
         if !self.finished {
             event["message"] = self.note.into();
         }
@@ -77,6 +88,9 @@ impl Outcome<'_> {
         let mut text = format!("{state}, {elapsed:.2} s, {} rays", self.rays);
         if let Some(CacheUse { records, misses, negative }) = self.cache {
             text += &format!("\n{records} irradiance records; {misses} points had none, {negative} were negative");
+        }
+        if let Some((asked, estimated)) = self.accuracy {
+            text += &format!("\n{}", accuracy_text(asked, estimated));
         }
         if let Some(path) = self.file {
             text += &format!("\nwrote {}", path.display());
@@ -92,7 +106,8 @@ mod tests {
     #[test]
     fn the_end_says_what_was_made() {
         let cache = Some(CacheUse { records: 7, misses: 2, negative: 1 });
-        let done = Outcome { finished: true, rays: 90, cache, note: "", file: Some(Path::new("e.txt")) };
+        let done =
+            Outcome { finished: true, rays: 90, cache, accuracy: None, note: "", file: Some(Path::new("e.txt")) };
         let text = "done, 0.50 s, 90 rays\n7 irradiance records; 2 points had none, 1 were negative\nwrote e.txt";
         assert_eq!(done.text(0.5), text);
         let expected = json!({

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
+use super::job::accuracy_text;
 use super::messages::{Style, print_line, print_warning};
 use super::progress::per_second;
 use crate::driver::{CacheUse, Render};
 use crate::scene::count;
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +79,9 @@ impl RenderReport<'_> {
         let mut text = format!("{state} in {seconds:.2} s at {rays:.1} Mrays/s ({} rays)\n", render.rays);
         if let Some(CacheUse { records, misses, negative }) = render.cache {
             text += &format!("{records} irradiance records; {misses} points had none, {negative} were negative\n");
+        }
+        if let (Integrator::Cached(options), Some(estimated)) = (&self.settings.integrator, render.cache_error) {
+            text += &options.accuracy.map(|asked| accuracy_text(asked, estimated) + "\n").unwrap_or_default();
         }
         if let Some(error) = render.film.relative_error() {
             let samples = render.film.samples();

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, Picture, Tile};
-use crate::integrator::{self, LightPaths, Prepared};
+use crate::integrator::{self, FrozenCache, LightPaths, Prepared};
 use crate::settings::Settings;
 use crate::world::{RayCounts, World};
 use frame::{FrameRender, TileScratch};
@@ -50,6 +50,8 @@ pub struct Render {
     pub elapsed: Duration,
     /// How the irradiance cache was used, if there was one.
     pub cache: Option<CacheUse>,
+    /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was asked for.
+    pub cache_error: Option<f32>,
 }
 
 /// How many rays of each kind were traced; they sum to all.
@@ -131,10 +133,12 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
     }
     film.seconds = before + start.elapsed().as_secs_f64();
     let is_precise = |(number, tile): (usize, &Tile)| !plan.share.has(number) || plan.is_precise(tile, level);
-    let cache = match &renderer.frame.prepared {
-        Prepared::Cache(frozen) => Some(frozen.usage()),
+    let frozen = match &renderer.frame.prepared {
+        Prepared::Cache(frozen) => Some(frozen),
         Prepared::Guide(_) | Prepared::Nothing => None,
     };
+    let cache_error = frozen.and_then(|frozen| Some(frozen.cache.estimate()?.root_mean_square));
+    let cache = frozen.map(FrozenCache::usage);
     Ok(Render {
         picture: film.picture(),
         finished: (0..film.tiles.len()).all(|number| !plan.share.has(number) || is_done[number]),
@@ -144,6 +148,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
         rays_by_kind: RaysByKind::of(rays, prefill_rays, world.ray_counts() - counts_before),
         elapsed: start.elapsed(),
         cache,
+        cache_error,
     })
 }
 

@@ -3,6 +3,7 @@
 //! The rest of the sky belongs to the gathers.
 
 use std::f32::consts::PI;
+use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -44,24 +45,23 @@ pub(crate) struct IncidentSampler {
 }
 
 impl IncidentSampler {
-    /// Gives to `sink` the irradiance of `spp` samples, each at one of `surfaces`, at least one; gives the number of rays.
-    /// `number` selects the random numbers.
+    /// Gives to `sink` the irradiance of the samples of these numbers, `share` of each, each at one of `surfaces`, at least
+    /// one; gives the number of rays. `number` selects the random numbers.
     pub(crate) fn sample(
         &mut self,
         world: &World,
         surfaces: &[Surface],
         (seed, number): (u64, u32),
-        spp: u32,
+        (samples, share): (Range<u32>, f32),
         sink: &mut dyn IncidentSink,
     ) -> u64 {
         let mut traced = 0;
-        let share = 1.0 / spp as f32;
-        for first in (0..spp).step_by(BATCH as usize) {
+        for first in samples.clone().step_by(BATCH as usize) {
             self.shadows.clear();
             self.values.clear();
             self.rays.clear();
             self.scattered.clear();
-            for sample in first..spp.min(first.saturating_add(BATCH)) {
+            for sample in first..samples.end.min(first.saturating_add(BATCH)) {
                 let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
                 let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
                 self.push_sample(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);

@@ -1,5 +1,6 @@
 //! What a point of a surface receives, estimated. Knows no cache and no path.
 
+mod adaptive_gather;
 mod aimed_rays;
 mod direct;
 mod follow;
@@ -10,8 +11,10 @@ mod light_warp;
 mod lit;
 mod occluders;
 mod punctual;
+mod rounds;
 mod weight;
 
+pub(crate) use adaptive_gather::AdaptiveGatherer;
 pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_light, scattered_weight, sky_density,
@@ -24,3 +27,4 @@ pub(crate) use light_warp::light_warp;
 pub(crate) use lit::{aim, aimed_density, aimed_weight};
 pub use occluders::SECTORS;
 pub(crate) use occluders::sector;
+pub(crate) use rounds::{RoundsMean, mean_in_rounds};

@@ -6,6 +6,9 @@
 //!
 //! Lit triangles are aimed at besides, as gathers of records do.
 //!
+//! If the cache asks for an accuracy, direct light is sampled in rounds until it is known well enough, and the error of all is
+//! estimated.
+//!
 //! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
 //! camera; both are weighted by the power heuristic (Veach 1997).
 
@@ -13,6 +16,7 @@ mod part;
 mod points;
 
 use std::f32::consts::PI;
+use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -21,9 +25,11 @@ use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_weight};
+use crate::estimator::{AimedFrom, AimedRays, Follow, mean_in_rounds, sample_direct, scattered_weight};
 use crate::integrator::CacheUse;
-use crate::integrator::{Follower, FrozenCache, GatherSource, fill_for_surfaces, max_depth};
+use crate::integrator::{
+    Aim, Follower, FrozenCache, GatherSource, HeldOut, MeanLight, SAMPLED_SHARE, fill_for_surfaces, max_depth,
+};
 use crate::light::SkyPart;
 use crate::settings::{LightSampling, Shard};
 use crate::watch::Watch;
@@ -44,7 +50,8 @@ pub enum Part {
 /// How irradiance is estimated.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
-    /// Samples of direct light at each sensor, and without a cache paths, at least 1.
+    /// Samples of direct light at each sensor, and without a cache paths, at least 1; as many as it takes instead where the
+    /// options of a cache ask for an accuracy.
     pub spp: u32,
     /// Selects the random numbers.
     pub seed: u64,
@@ -63,6 +70,17 @@ pub struct Irradiance {
     pub rays: u64,
     /// The cache, with the records that were added for the sensors, and how it was used.
     pub cache: Option<(Cache, CacheUse)>,
+    /// An estimate of the root mean square error, relative to the mean, if the cache's options ask for an accuracy.
+    pub error: Option<f32>,
+}
+
+/// How many samples a component gets.
+#[derive(Clone, Copy, Debug)]
+enum Effort {
+    /// So many.
+    Samples(u32),
+    /// Until the standard error is this, in W/m².
+    Noise(f64),
 }
 
 /// What is sampled at a sensor.
@@ -100,8 +118,15 @@ pub fn shard_by_paths(
         Part::Total => Component::All,
         Part::Indirect => Component::Indirect(None),
     };
+<<<<<<< HEAD
     let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
     found.add(world, sensors, &own(sensors, shard), request, component, watch);
+=======
+    let mut found =
+        Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None, error: None };
+    let effort = Effort::Samples(request.spp);
+    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), (component, effort), request.seed, watch);
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     found
 }
 
@@ -122,34 +147,66 @@ pub fn shard_by_cache(
     watch: &dyn Watch,
 ) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
+<<<<<<< HEAD
     let (frozen, rays) = fill_for_surfaces(world, request.seed, cache, &surfaces, watch);
     let mut found = look_up(world, (sensors, &own(sensors, shard)), &frozen, request, watch);
     found.rays += rays;
+=======
+    let (mut aim, mut effort, mut rays) = (Aim::Options, Effort::Samples(request.spp), 0);
+    let held_out;
+    if cache.options().accuracy.is_some() {
+        let light = if request.part == Part::Total { MeanLight::Total } else { MeanLight::Indirect };
+        let points = (surfaces.len(), |i: usize| surfaces[i]);
+        let Some(found) = HeldOut::new(world, cache.options(), points, light, request.seed, watch) else {
+            let values = vec![Vec3::ZERO; sensors.len()];
+            return Irradiance { values, finished: false, rays: 0, cache: None, error: None };
+        };
+        held_out = found;
+        rays = held_out.traced;
+        effort = Effort::Noise(SAMPLED_SHARE.sqrt() * held_out.allowed_error());
+        aim = Aim::Accuracy(&held_out);
+    }
+    let (frozen, filled) = fill_for_surfaces(world, request.seed, cache, &surfaces, aim, watch);
+    let (mut found, variance) = look_up(world, sensors, &frozen, (request, effort), watch);
+    found.rays += rays + filled;
+    found.error = frozen.cache.estimate().map(|estimate| estimate.with(variance));
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     let usage = frozen.usage();
     found.cache = Some((frozen.cache, usage));
     found
 }
 
+<<<<<<< HEAD
 /// Irradiance at some of the sensors with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
 /// no record.
+=======
+/// Irradiance with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
+/// no record. Gives the mean variance of what was sampled too.
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
 fn look_up(
     world: &World,
     (sensors, own): (&[Sensor], &[usize]),
     frozen: &FrozenCache,
-    request: &Request,
+    (request, effort): (&Request, Effort),
     watch: &dyn Watch,
-) -> Irradiance {
+) -> (Irradiance, f64) {
     let indirect: Vec<Option<Vec3>> =
         sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
     let lost: Vec<usize> = own.iter().copied().filter(|&i| indirect[i].is_none()).collect();
     let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
-    let mut found = Irradiance { values, finished: true, rays: 0, cache: None };
+    let mut found = Irradiance { values, finished: true, rays: 0, cache: None, error: None };
+    let mut variance = 0.0;
     if request.part == Part::Total {
+<<<<<<< HEAD
         found.add(world, sensors, own, request, Component::Direct, watch);
+=======
+        let all: Vec<usize> = (0..sensors.len()).collect();
+        variance += found.add(world, sensors, &all, (Component::Direct, effort), request.seed, watch);
+>>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     }
     let max_depth = max_depth(frozen.cache.options());
-    found.add(world, sensors, &lost, request, Component::Indirect(max_depth), watch);
-    found
+    variance += found.add(world, sensors, &lost, (Component::Indirect(max_depth), effort), request.seed, watch);
+    (found, variance / sensors.len().max(1) as f64)
 }
 
 /// The numbers of the sensors of a shard.
@@ -158,39 +215,57 @@ fn own(sensors: &[Sensor], shard: Shard) -> Vec<usize> {
 }
 
 impl Irradiance {
-    /// Adds the means of the samples of a component at the sensors of these numbers.
+    /// Adds the means of the samples of a component at the sensors of these numbers; gives the sum of their variances, as far
+    /// as they are known.
     fn add(
         &mut self,
         world: &World,
         sensors: &[Sensor],
         numbers: &[usize],
-        request: &Request,
-        component: Component,
+        (component, effort): (Component, Effort),
+        seed: u64,
         watch: &dyn Watch,
-    ) {
+    ) -> f64 {
         let sample = |batch: &mut SensorScratch, &number: &usize| {
             let surface = sensors[number].surface(world);
-            let (mut sum, mut rays) = (DVec3::ZERO, 0);
-            for first in (0..request.spp).step_by(BATCH) {
-                if watch.stop() {
-                    return (None, rays);
+            let (mut rays, mut stopped) = (0, false);
+            let mut sum = |seed, numbers: Range<u32>| {
+                let mut sum = DVec3::ZERO;
+                for first in numbers.clone().step_by(BATCH) {
+                    stopped = stopped || watch.stop();
+                    if stopped {
+                        break;
+                    }
+                    let end = numbers.end.min(first.saturating_add(BATCH as u32));
+                    let samples = Samples { seed, sensor: number as u32, first };
+                    batch.samplers.clear();
+                    batch.samplers.extend((0..end - first).map(|i| samples.sampler(seed, i)));
+                    let traced = batch.sample(world, &surface, component, &samples, &mut sum);
+                    watch.advance(batch.samplers.len() as u64, traced);
+                    rays += traced;
                 }
-                let end = request.spp.min(first.saturating_add(BATCH as u32));
-                let samples = Samples { seed: request.seed, sensor: number as u32, first };
-                batch.samplers.clear();
-                batch.samplers.extend((0..end - first).map(|i| samples.sampler(request.seed, i)));
-                let traced = batch.sample(world, &surface, component, &samples, &mut sum);
-                watch.advance(batch.samplers.len() as u64, traced);
-                rays += traced;
-            }
-            (Some((sum / f64::from(request.spp)).as_vec3()), rays)
+                sum
+            };
+            let (mean, variance) = match effort {
+                Effort::Samples(count) => (sum(seed, 0..count) / f64::from(count), 0.0),
+                Effort::Noise(tolerance) => {
+                    let found = mean_in_rounds(seed, |_| tolerance, sum);
+                    (found.mean, found.variance)
+                }
+            };
+            ((!stopped).then_some((mean.as_vec3(), variance)), rays)
         };
-        let means: Vec<(Option<Vec3>, u64)> = numbers.par_iter().map_init(SensorScratch::default, sample).collect();
-        for (&number, (mean, rays)) in numbers.iter().zip(means) {
+        let means: Vec<(Option<(Vec3, f64)>, u64)> =
+            numbers.par_iter().map_init(SensorScratch::default, sample).collect();
+        let mut variances = 0.0;
+        for (&number, (found, rays)) in numbers.iter().zip(means) {
             self.rays += rays;
-            self.finished &= mean.is_some();
-            self.values[number] += mean.unwrap_or_default();
+            self.finished &= found.is_some();
+            let (mean, variance) = found.unwrap_or_default();
+            self.values[number] += mean;
+            variances += variance;
         }
+        variances
     }
 }
 

@@ -119,8 +119,13 @@ impl<'a> ProbeGatherer<'a> {
             sums.normal = sensor.normal;
             let address = number.wrapping_mul(2).wrapping_add(side as u32);
             let incident = &mut self.incident;
-            traced +=
-                incident.sample(self.world, slice::from_ref(sensor), (seed, address), self.options.spp, &mut sums);
+            traced += incident.sample(
+                self.world,
+                slice::from_ref(sensor),
+                (seed, address),
+                (0..self.options.spp, 1.0 / self.options.spp as f32),
+                &mut sums,
+            );
             self.aimed.clear();
             let sampler = |seed, i| Sampler::new(Pattern::Sobol, seed, address, i);
             self.aimed.push(self.world, (sensor, &aims[side]), (0, seed), sampler, |_| others);

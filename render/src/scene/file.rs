@@ -181,6 +181,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
             "layout",
             "record_rays",
             "cache_bounces",
+            "accuracy",
         ],
     ),
     ("sky", &["radiance", "picture", "rotation", "scale", "daylight", "daylight_model", "daylight_albedo"]),
@@ -426,6 +427,7 @@ impl Parser<'_> {
             "metric" => to.cached.metric = Some(self.read(value::metric, section, entry)?),
             "layout" => to.cached.layout = Some(self.read(value::gather_layout, section, entry)?),
             "record_rays" => to.cached.record_rays = Some(self.read(value::record_rays, section, entry)?),
+            "accuracy" => to.cached.accuracy = Some(self.read(value::accuracy, section, entry)?),
             "cache_bounces" => to.cached.cache_bounces = Some(self.read(value::cache_bounces, section, entry)?),
             name => unreachable!("[{section}] {name} is listed, but sets nothing"),
         }

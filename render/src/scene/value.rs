@@ -18,6 +18,7 @@ use crate::settings::{Filter, PathOptions};
 
 pub use film::MatteKinds;
 pub(super) use film::{matte_kinds, matte_levels};
+pub(crate) use integrating::accuracy;
 pub(super) use integrating::*;
 pub(super) use optical::*;
 pub(super) use shutter::{shutter, shutter_keys, shutter_ramp};

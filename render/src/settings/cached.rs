@@ -19,6 +19,10 @@ pub struct CachedOptions {
     /// How many times light is reflected on its way to a record: `None` for without end, by paths, which for many records
     /// end in another cache; else each bounce has a cache of its own.
     pub bounces: Option<u32>,
+    /// The root mean square error that irradiance may have, relative to its mean over all points, more than 0 and at most
+    /// [`MAX_ACCURACY`](Self::MAX_ACCURACY). Then `error` and `rays` are chosen for the scene; `None` takes them as they
+    /// are.
+    pub accuracy: Option<f32>,
 }
 
 /// Which gradients records are extrapolated by.
@@ -55,6 +59,8 @@ pub enum GatherLayout {
 impl CachedOptions {
     /// The greatest error: beyond it a record would reach farther than what it sees.
     pub const MAX_ERROR: f32 = 1.0;
+    /// The least accuracy that can be asked for.
+    pub const MAX_ACCURACY: f32 = 0.5;
     /// The fewest rays with which gradients can be told.
     pub const MIN_RAYS: u32 = 12;
     /// The most rays of a record.
@@ -72,6 +78,7 @@ impl Default for CachedOptions {
             layout: GatherLayout::Stratified,
             rays: 2048,
             bounces: None,
+            accuracy: None,
         }
     }
 }

@@ -91,7 +91,7 @@ fn caches_merge_in_any_order_and_describe_themselves() {
             let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
             let expected = serde_json::json!({
                 "cache_error": 0.5, "gradients": "both", "metric": "hessian", "layout": "stratified", "record_rays": 64,
-                "cache_bounces": null
+                "cache_bounces": null, "accuracy": null
             });
             assert_eq!(info["options"], expected);
             info["records"].as_u64().unwrap()

@@ -1,5 +1,6 @@
 //! The irradiance cache from end to end: against exact answers, against path tracing, and on the command line.
 
+mod accuracy;
 mod command;
 mod curved;
 mod differences;

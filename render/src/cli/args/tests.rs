@@ -101,6 +101,7 @@ fn every_override_can_be_given() {
                 layout: Some(GatherLayout::Hemicube),
                 record_rays: Some(300),
                 cache_bounces: Some(4),
+                accuracy: None,
             },
         },
         spp: Some(7),

@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::super::error::CliError;
 use super::super::inputs;
+use super::super::job::accuracy_text;
 use super::super::messages::{Style, print_line};
 use super::{invalid, print_text};
 use crate::bake::atlas::NO_CHART;
@@ -305,13 +306,14 @@ impl Files {
     }
 
     /// Says how it went.
-    pub(super) fn print(&self, style: Style, bake: &Bake, written: &[PathBuf]) {
+    pub(super) fn print(&self, style: Style, bake: &Bake, asked: Option<f32>, written: &[PathBuf]) {
         let (s, error) = (&bake.statistics, bake.error());
         let share = 100.0 * s.gathers as f64 / s.texels.max(1) as f64;
         match style {
             Style::Silent => {}
             Style::Json => print_line(&json!({
                 "event": "end",
+                "accuracy": bake.accuracy,
                 "pages": bake.maps.len(),
                 "charts": bake.atlas.charts.len(),
                 "texels": s.texels,
@@ -335,6 +337,9 @@ impl Files {
                 let covered =
                     format!("{} texels moved out from under other objects, {} covered completely", s.moved, s.covered);
                 print_text(style, &format!("{texels}, {} rays\n{covered}", s.rays));
+                if let (Some(asked), Some(estimated)) = (asked, bake.accuracy) {
+                    print_text(style, &accuracy_text(asked, estimated));
+                }
                 print_text(style, &format!("relative error, estimated: {}", error.text()));
                 written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
             }

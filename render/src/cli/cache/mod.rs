@@ -168,7 +168,9 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
         file.write(&frozen.cache.encode()).map_err(CliError::system)?;
     }
     let file = file_written.then_some(arguments.output.as_path());
-    job.end(Outcome { finished, rays, cache: Some(usage), note: &note, file });
+    let estimate = frozen.cache.estimate().filter(|_| finished);
+    let accuracy = options.accuracy.zip(estimate.map(|estimate| estimate.root_mean_square));
+    job.end(Outcome { finished, rays, cache: Some(usage), accuracy, note: &note, file });
     Ok(if finished { EXIT_DONE } else { EXIT_INTERRUPTED })
 }
 
@@ -183,7 +185,7 @@ fn info(arguments: &InfoArguments) -> Result<u8, CliError> {
         let json = json!({
             "cache": arguments.cache.display().to_string(),
             "records": cache.records().len(),
-            "gather_rays": rays,
+            "gather_rays": options.accuracy.is_none().then_some(rays),
             "scene_hash": format!("{:016x}", cache.scene_hash()),
             "radius": { "shortest": shortest.min(longest), "longest": longest },
             "options": {
@@ -193,14 +195,21 @@ fn info(arguments: &InfoArguments) -> Result<u8, CliError> {
                 "layout": options.layout.name(),
                 "record_rays": options.rays,
                 "cache_bounces": options.bounces,
+                "accuracy": options.accuracy.map(decimal),
             },
+            "error": cache.estimate().map(|estimate| decimal(estimate.root_mean_square)),
         });
         format!("{json:#}\n")
     } else {
         let mut text = format!("{}\n  records        {}\n", arguments.cache.display(), cache.records().len());
-        let _ = writeln!(text, "  gather rays    {rays}");
+        if options.accuracy.is_none() {
+            let _ = writeln!(text, "  gather rays    {rays}");
+        }
         let _ = writeln!(text, "  scene hash     {:016x}", cache.scene_hash());
         let _ = writeln!(text, "  radii          {} to {longest}", shortest.min(longest));
+        if let Some(estimate) = cache.estimate() {
+            let _ = writeln!(text, "  error          {:.2}% of the mean light", 100.0 * estimate.root_mean_square);
+        }
         for (name, value) in named(cache.options()) {
             let _ = writeln!(text, "  {name:14} {value}");
         }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::irradiance_map::{IrradianceMap, UnmappedHits};
 use super::{FrozenCache, Misses, indirect, irradiance_map, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
-use crate::estimator::{Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
+use crate::estimator::{AdaptiveGatherer, Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 use crate::integrator::{RayBatch, Wavefront};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
@@ -31,7 +31,9 @@ pub(super) struct Level<'a> {
     pub(crate) world: &'a World,
     pub(crate) options: &'a CachedOptions,
     pub(crate) source: GatherSource<'a>,
-    pub(crate) gatherer: Gatherer,
+    pub(crate) gatherer: AdaptiveGatherer,
+    /// The error that records are made with; they reach as far as by that of the options.
+    pub(crate) made_with: f32,
     pub(crate) watch: &'a dyn Watch,
     pub(crate) log: &'a dyn RecordLog,
 }
@@ -39,7 +41,7 @@ pub(super) struct Level<'a> {
 /// Keeps records that are made while a cache is filled, so that work which was interrupted can go on. As where records go
 /// follows from the records before, a cache that is filled again, with known records instead of gathers, is the same.
 pub(crate) trait RecordLog: Sync {
-    /// The record with this key, if it was made before.
+    /// The record with this key, if it was made before, with its radii as they were not bounded yet.
     fn get(&self, key: u64) -> Option<Record>;
     /// Takes note of a new record. Called from all threads.
     fn put(&self, record: &Record);
@@ -89,7 +91,10 @@ impl GatherSource<'_> {
 pub(super) struct RecordSite<'w> {
     pub(crate) point: GatherPoint<'w>,
     pub(crate) place: Place,
+    /// By the error that records are made with.
     pub(crate) bounds: Bounds,
+    /// No lower bound is less, whatever the error.
+    pub(crate) floor: f32,
 }
 
 /// The side of the square in which an error of 1 may be, as a part of the scene's diagonal. It makes the Hessian's radii
@@ -107,7 +112,8 @@ impl Level<'_> {
         let mut traced = 0;
         cache.fill(&places, passes, |picks, covered| {
             self.watch.covered(covered as u64);
-            let mut records: Vec<Option<Record>> = picks.iter().map(|&i| self.log.get(sites[i].point.key)).collect();
+            let known = |&i: &usize| Some(self.fit(self.log.get(sites[i].point.key)?, &sites[i]));
+            let mut records: Vec<Option<Record>> = picks.iter().map(known).collect();
             let new: Vec<(usize, usize)> =
                 (0..).zip(picks).filter(|&(place, _)| records[place].is_none()).map(|(place, &i)| (place, i)).collect();
             let gathers = new.par_chunks(GATHERS).map(|new| {
@@ -117,9 +123,12 @@ impl Level<'_> {
                 let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| sites[i].point).collect();
                 let mut follower = Follower::new(self.world, self.source, GATHER_FIRST_SET);
                 let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
-                let records: Vec<Record> =
-                    new.iter().zip(found).map(|(&(_, i), found)| self.record(&sites[i], &found)).collect();
-                records.iter().for_each(|record| self.log.put(record));
+                let records = new.iter().zip(found).map(|(&(_, i), found)| {
+                    let record = self.record(&sites[i], &found);
+                    self.log.put(&record);
+                    self.fit(record, &sites[i])
+                });
+                let records: Vec<Record> = records.collect();
                 self.watch.advance(0, rays);
                 self.watch.gathered(records.len() as u64);
                 Some((records, rays))
@@ -139,11 +148,11 @@ impl Level<'_> {
     /// extent makes them scale with it, as far as the record sees much of it.
     fn area_error(&self, mean_distance: f32) -> f32 {
         let scale = self.world.diagonal().min(SURROUNDINGS * mean_distance);
-        let extent = HESSIAN_EXTENT * self.options.error * self.options.error * scale;
+        let extent = HESSIAN_EXTENT * self.made_with * self.made_with * scale;
         extent * extent
     }
 
-    /// The record of what a gather found.
+    /// The record of what a gather found, whose radii have no bounds yet.
     fn record(&self, site: &RecordSite, found: &Gathered) -> Record {
         let Gathered { gather, hessian, occluders } = found;
         let surface = &site.point.surface;
@@ -162,7 +171,7 @@ impl Level<'_> {
             translational: gather.translational,
             mean_distance,
             min_distance,
-            radii: [self.options.error * mean_distance; 2],
+            radii: [self.made_with * mean_distance; 2],
             axis: surface.frame().tangent,
             occluders,
         };
@@ -170,7 +179,16 @@ impl Level<'_> {
             let ellipse = hessian.radii(self.area_error(mean_distance)).to_world(&surface.frame());
             (record.axis, record.radii) = (ellipse.axes[0], ellipse.radii);
         }
-        bound(&mut record, self.options, site.bounds);
+        record
+    }
+
+    /// A record with the radii that it has in a cache with these options.
+    fn fit(&self, mut record: Record, site: &RecordSite) -> Record {
+        // Exactly 1 unless an accuracy is asked for.
+        let scale = self.options.error / self.made_with;
+        record.radii = record.radii.map(|radius| scale * radius);
+        let lower = (scale * site.bounds.lower).max(site.floor);
+        bound(&mut record, self.options, Bounds { lower, ..site.bounds });
         record
     }
 }

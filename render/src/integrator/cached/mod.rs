@@ -9,12 +9,14 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
+mod held_out;
 mod irradiance_map;
 mod level;
 mod lookup;
 mod prefill;
 mod sites;
 mod spacing;
+mod to_accuracy;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -25,11 +27,13 @@ use crate::cache::Cache;
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
+pub(crate) use held_out::{HeldOut, MeanLight};
 pub(crate) use irradiance_map::IrradianceMap;
 pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
 use level::{Level, NoLog};
 pub(crate) use lookup::Misses;
 pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
+pub(crate) use to_accuracy::{Aim, SAMPLED_SHARE};
 
 /// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
 const SURE_DEPTH: u32 = 1;

@@ -11,15 +11,18 @@ use rayon::prelude::*;
 
 use super::level::RecordSite;
 use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
-use super::{FrozenCache, GatherSource, Level, NoLog, RecordLog};
+use super::to_accuracy::{self, Aim};
+use super::{FrozenCache, GatherSource, HeldOut, Level, MeanLight, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
-use crate::estimator::{GatherPoint, Gatherer};
+use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer};
 use crate::settings::{CachedOptions, Gradients, Metric, Settings};
 use crate::watch::Watch;
 use crate::world::{Surface, World};
 
 /// The fewest texels of a lightmap, over the error, ...
 const LEAST_TEXELS: f32 = 5.0;
+/// ... whatever the error is: then each texel may have a record, ...
+const LEAST_FOR_ALL: f32 = 0.75;
 /// ... and the most.
 const MOST_TEXELS: f32 = 40.0;
 /// The fewest units that a record reaches, over the error: for sensors, which lie where someone wants to know ...
@@ -31,7 +34,8 @@ const MANY: usize = 1024;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
 const FEWER: u32 = 4;
 
-/// Adds to `cache` what a camera needs, and freezes it; gives the rays traced.
+/// Adds to `cache` what a camera needs, and freezes it; gives the rays traced. If the cache's options ask for an accuracy,
+/// it is for this.
 pub(crate) fn fill_for_camera(
     world: &World,
     settings: &Settings,
@@ -39,8 +43,19 @@ pub(crate) fn fill_for_camera(
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
     let camera = world.camera_on(settings.width, settings.height);
-    let (sites, passes, rays) = camera_sites(world, settings, &camera, cache.options().error);
-    let prefill = Prefill { world, seed: settings.seed, source: None, log: &NoLog, watch };
+    let error = to_accuracy::made_with(cache.options());
+    let (sites, passes, rays) = camera_sites(world, settings, &camera, error);
+    let mut aim = Aim::Options;
+    let held_out;
+    if cache.options().accuracy.is_some() {
+        let points = (sites.len(), |i: usize| sites[i].point.surface);
+        match HeldOut::new(world, cache.options(), points, MeanLight::Total, settings.seed, watch) {
+            Some(found) => held_out = found,
+            None => return (FrozenCache::new(cache), rays),
+        }
+        aim = Aim::Accuracy(&held_out);
+    }
+    let prefill = Prefill { world, seed: settings.seed, source: None, aim, log: &NoLog, watch };
     let (frozen, traced) = prefill.fill(cache, &sites, &passes);
     (frozen, rays + traced)
 }
@@ -51,11 +66,12 @@ pub(crate) fn fill_for_surfaces(
     seed: u64,
     cache: Cache,
     surfaces: &[Surface],
+    aim: Aim,
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
-    let least_units = SENSOR_UNITS * cache.options().error;
+    let least_units = SENSOR_UNITS * to_accuracy::made_with(cache.options());
     let sites = point_sites(world, surfaces, 0, least_units, 1);
-    let prefill = Prefill { world, seed, source: None, log: &NoLog, watch };
+    let prefill = Prefill { world, seed, source: None, aim, log: &NoLog, watch };
     prefill.fill(cache, &sites, &point_passes(sites.len()))
 }
 
@@ -66,18 +82,19 @@ pub(crate) fn fill_for_texels<'w>(
     seed: u64,
     cache: Cache,
     texels: &[(Surface<'w>, f32)],
-    source: GatherSource,
+    (source, aim): (GatherSource, Aim),
     log: &dyn RecordLog,
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
-    let least_texels = LEAST_TEXELS * cache.options().error;
+    let least_texels = LEAST_TEXELS * to_accuracy::made_with(cache.options());
     let site = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| RecordSite {
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
         bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
+        floor: LEAST_FOR_ALL.min(least_texels) * spacing,
     };
     let sites: Vec<RecordSite> = (0..).zip(texels).map(site).collect();
-    Prefill { world, seed, source: Some(source), log, watch }.fill(cache, &sites, &point_passes(sites.len()))
+    Prefill { world, seed, source: Some(source), aim, log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 
 /// What caches are filled with.
@@ -86,6 +103,7 @@ struct Prefill<'a> {
     seed: u64,
     /// Where light comes from, unless a cache has a number of bounces; by default from paths, or another cache.
     source: Option<GatherSource<'a>>,
+    aim: Aim<'a>,
     log: &'a dyn RecordLog,
     watch: &'a dyn Watch,
 }
@@ -108,10 +126,14 @@ impl Prefill<'_> {
             // One reflection of direct light: the surface that the gather sees, and the light.
             paths = GatherSource::Paths(Some(2));
             for (reflections, sites) in (1..).zip(deeper.iter().rev()) {
-                let options = CachedOptions { bounces: Some(reflections), ..options };
+                let options = CachedOptions { bounces: Some(reflections), accuracy: None, ..options };
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 let source = below.as_ref().map_or(paths, GatherSource::Cache);
-                traced += self.fill_level(&mut cache, source, sites, &point_passes(sites.len()));
+                traced += self.level(Aim::Options, &options, source, &NoLog).fill(
+                    &mut cache,
+                    sites,
+                    &point_passes(sites.len()),
+                );
                 below = Some(FrozenCache::new(cache));
             }
         } else if source.is_none() {
@@ -120,21 +142,41 @@ impl Prefill<'_> {
                 let options = self::below(&options);
                 let sites = deeper_sites(world, sites, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
-                traced += self.fill_level(&mut cache, paths, &sites, &point_passes(sites.len()));
+                let level = self.level(self.aim.of_means(), &options, paths, &NoLog);
+                traced += level.fill(&mut cache, &sites, &point_passes(sites.len()));
                 below = Some(FrozenCache::new(cache));
             }
         }
         let source = below.as_ref().map_or(paths, GatherSource::Cache);
-        traced += self.fill_level(&mut cache, source, sites, passes);
-        (FrozenCache::new(cache), traced)
+        let (cache, rays) = match self.aim {
+            Aim::Accuracy(held_out) => {
+                to_accuracy::fill(cache, held_out, self.log, self.watch, |options, cache, log| {
+                    self.level(self.aim, options, source, log).fill(cache, sites, passes)
+                })
+            }
+            Aim::Options | Aim::Noise(..) => {
+                let rays = self.level(self.aim, &options, source, self.log).fill(&mut cache, sites, passes);
+                (cache, rays)
+            }
+        };
+        (FrozenCache::new(cache), traced + rays)
     }
 
-    /// Fills one cache with light from a source; gives the rays traced.
-    fn fill_level(&self, cache: &mut Cache, source: GatherSource, sites: &[RecordSite], passes: &[Pass]) -> u64 {
-        let Self { world, seed, log, watch, .. } = *self;
-        let options = *cache.options();
-        let gatherer = Gatherer::new(options.layout, options.rays, options.metric == Metric::Hessian, seed);
-        Level { world, options: &options, source, gatherer, watch, log }.fill(cache, sites, passes)
+    /// What fills a cache of these options with light from a source.
+    fn level<'l>(
+        &'l self,
+        aim: Aim,
+        options: &'l CachedOptions,
+        source: GatherSource<'l>,
+        log: &'l dyn RecordLog,
+    ) -> Level<'l> {
+        let Self { world, seed, watch, .. } = *self;
+        let (layout, with_hessian) = (options.layout, options.metric == Metric::Hessian);
+        let gatherer = match aim.rays_and_noise() {
+            None => Gatherer::new(layout, options.rays, with_hessian, seed).into(),
+            Some(rays_and_noise) => AdaptiveGatherer::new(rays_and_noise, layout, with_hessian, seed),
+        };
+        Level { world, options, source, gatherer, made_with: to_accuracy::made_with(options), watch, log }
     }
 }
 
@@ -144,6 +186,7 @@ fn below(options: &CachedOptions) -> CachedOptions {
         rays: (options.rays / FEWER).max(CachedOptions::MIN_RAYS),
         metric: Metric::Hessian,
         gradients: Gradients::Both,
+        accuracy: None,
         ..*options
     }
 }

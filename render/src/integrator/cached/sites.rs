@@ -135,6 +135,7 @@ fn camera_site<'w>(pixel_width: f32, error: f32, surface: Surface<'w>, ray: &Ray
         point: GatherPoint { key, surface },
         place: Place { position: surface.position, normal: surface.shading_normal, spacing },
         bounds: Bounds { lower: (LEAST_PIXELS * error).max(LEAST_FOR_ALL) * spacing, upper: MOST_PIXELS * spacing },
+        floor: LEAST_FOR_ALL * spacing,
     }
 }
 
@@ -155,6 +156,7 @@ pub(super) fn point_sites<'w>(
             point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
             place: Place { position: surface.position, normal: surface.shading_normal, spacing },
             bounds: Bounds { lower: least_units * spacing, upper: MOST_OF_DIAGONAL * diagonal },
+            floor: 0.0,
         }
     };
     (0..).zip(surfaces).zip(spacings(&points, neighbour)).map(site).collect()

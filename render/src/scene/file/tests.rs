@@ -133,6 +133,7 @@ fn every_key_sets_its_option() {
                 layout: Some(GatherLayout::Stratified),
                 record_rays: Some(12),
                 cache_bounces: Some(1),
+                accuracy: None,
             },
         },
         spp: Some(9),

@@ -71,6 +71,20 @@ pub(in crate::scene) fn cache_error(value: &Value) -> Reading<f32> {
     }
 }
 
+/// A root mean square error relative to the mean, as a percentage or a number.
+pub(crate) fn accuracy(value: &Value) -> Reading<f32> {
+    let accuracy = match value {
+        Value::Text(text) => {
+            text.strip_suffix('%').and_then(|percent| Some(percent.trim().parse::<f32>().ok()? / 100.0))
+        }
+        _ => value.finite(),
+    };
+    match accuracy {
+        Some(accuracy) if accuracy > 0.0 && accuracy <= CachedOptions::MAX_ACCURACY => Ok(accuracy),
+        _ => expected(format!("a percentage more than 0 and at most {}%, as 1%", 100.0 * CachedOptions::MAX_ACCURACY)),
+    }
+}
+
 /// What records are extrapolated by.
 pub(in crate::scene) fn gradients(value: &Value) -> Reading<Gradients> {
     value.one_of(&Gradients::ALL.map(|gradients| (gradients.name(), gradients)))

@@ -1,0 +1,138 @@
+//! Fills a cache so that its irradiance has the error that was asked for.
+//!
+//! An error has two parts. Noise is left to records: each is gathered with as many rays as its own standard error asks for.
+//! How far records may reach is tried out: a cache of few records is filled, and points that were held out tell its error
+//! ([`HeldOut`]); while that is too much, the next cache has records that reach less far. As radii are proportional to one
+//! number, the records of the caches before serve again where their points are picked again.
+//!
+//! What a cache has wrong at single points, which no held-out point is near, stays unseen.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::{HeldOut, RecordLog};
+use crate::cache::{Cache, ErrorEstimate, Record};
+use crate::settings::CachedOptions;
+use crate::watch::Watch;
+
+/// The error of the options with which the first cache is filled for 1%; for other accuracies it goes with their root. Few
+/// held-out points lie where interpolation is worst, so the first cache must not be a bad one.
+const FIRST_ERROR: f32 = 0.3;
+/// The least and the greatest error of a first cache.
+const FIRST_ERRORS: [f32; 2] = [0.15, 0.6];
+/// The part of the mean squared error that light may have which is sampled at each point; the rest is for the cache's.
+pub(crate) const SAMPLED_SHARE: f64 = 0.3;
+/// What a record's standard error may be, as a part of the error that was asked for ...
+const NOISE: f32 = 0.7;
+/// ... and in a cache over which gathers take means.
+const NOISE_OF_MEANS: f32 = 3.0;
+/// The most caches that are tried, ...
+const MOST_CACHES: u32 = 6;
+/// ... and the part of its squared error that a cache must have lost if another is to be tried.
+const LEAST_GAIN: f64 = 0.1;
+/// The factors by which records may come to reach less far at once.
+const FACTORS: [f64; 2] = [0.5, 0.85];
+
+/// How right records are to be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Aim<'a> {
+    /// As their options make them.
+    Options,
+    /// They reach as far as their options say, and have as many rays as this asks for: rays at first, and a standard error
+    /// in W/m².
+    Noise(u32, f32),
+    /// So that the cache has the accuracy of its options at the points that were held out.
+    Accuracy(&'a HeldOut<'a>),
+}
+
+impl Aim<'_> {
+    /// That of a cache over which gathers take means.
+    pub(crate) fn of_means(&self) -> Aim<'static> {
+        match self {
+            Aim::Options => Aim::Options,
+            Aim::Noise(rays, tolerance) => Aim::Noise(*rays, *tolerance),
+            Aim::Accuracy(held_out) => {
+                let (rays, tolerance) = held_out.rays_and_noise(NOISE_OF_MEANS);
+                Aim::Noise(rays, tolerance)
+            }
+        }
+    }
+
+    /// Rays of records at first, and their standard error, if that is what they go by.
+    pub(super) fn rays_and_noise(&self) -> Option<(u32, f32)> {
+        match self {
+            Aim::Options => None,
+            Aim::Noise(rays, tolerance) => Some((*rays, *tolerance)),
+            Aim::Accuracy(held_out) => Some(held_out.rays_and_noise(NOISE)),
+        }
+    }
+}
+
+/// The error that the records of a cache with these options are made with. They reach less far if the cache does.
+pub(super) fn made_with(options: &CachedOptions) -> f32 {
+    match options.accuracy {
+        Some(accuracy) => (FIRST_ERROR * (100.0 * accuracy).sqrt()).clamp(FIRST_ERRORS[0], FIRST_ERRORS[1]),
+        None => options.error,
+    }
+}
+
+/// Fills caches like `cache`, which is empty or is added to, by `fill_one`, until one is right enough; gives the last of
+/// them, which knows its error, and the rays traced.
+pub(super) fn fill(
+    mut cache: Cache,
+    held_out: &HeldOut,
+    log: &dyn RecordLog,
+    watch: &dyn Watch,
+    fill_one: impl Fn(&CachedOptions, &mut Cache, &dyn RecordLog) -> u64,
+) -> (Cache, u64) {
+    let is_begun = !cache.records().is_empty();
+    let log = Memory { log, records: Mutex::default() };
+    let light = held_out.light();
+    let asked = (1.0 - SAMPLED_SHARE) * held_out.allowed_error().powi(2);
+    let (mut error, mut traced, mut before) = (made_with(cache.options()), 0, f64::INFINITY);
+    for number in 1.. {
+        if !is_begun {
+            cache = cache.with_error(error, ErrorEstimate { light, root_mean_square: 0.0 });
+        }
+        let options = *cache.options();
+        traced += fill_one(&options, &mut cache, &log);
+        if watch.stop() {
+            break;
+        }
+        let squared = held_out.squared_error(&cache);
+        let root_mean_square = if light > 0.0 { squared.sqrt() as f32 / light } else { 0.0 };
+        cache.set_estimate(ErrorEstimate { light, root_mean_square });
+        let is_stuck = squared > (1.0 - LEAST_GAIN) * before;
+        if is_begun || squared <= asked || is_stuck || number == MOST_CACHES {
+            break;
+        }
+        before = squared;
+        error *= (asked / squared).sqrt().clamp(FACTORS[0], FACTORS[1]) as f32;
+    }
+    (cache, traced)
+}
+
+/// Remembers records, besides what another log does.
+struct Memory<'a> {
+    log: &'a dyn RecordLog,
+    records: Mutex<BTreeMap<u64, Record>>,
+}
+
+impl Memory<'_> {
+    fn records(&self) -> MutexGuard<'_, BTreeMap<u64, Record>> {
+        // Records are put in whole, whatever happened to a thread.
+        self.records.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl RecordLog for Memory<'_> {
+    fn get(&self, key: u64) -> Option<Record> {
+        let known = self.records().get(&key).copied();
+        known.or_else(|| self.log.get(key))
+    }
+
+    fn put(&self, record: &Record) {
+        self.records().insert(record.key, *record);
+        self.log.put(record);
+    }
+}
