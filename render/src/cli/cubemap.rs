@@ -19,12 +19,14 @@ use super::messages::{Style, print_line, print_text, warn};
 use super::prepare::{prepare_world, thread_pool};
 use super::print::print;
 use super::progress::Progress;
-use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping, Options, Seams, measure};
+use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping, Options, Paths, Seams, measure};
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::{PunctualLight, Scene, Sky, value};
 use crate::world::LookFrom;
 use files::Files;
 
+/// The standard error of a texel, if nobody says otherwise.
+const ACCURACY: f32 = 0.05;
 /// The name of the options' sky in place of a path.
 const SKY: &str = "sky";
 
@@ -53,9 +55,14 @@ pub(super) struct CubemapArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
     levels: Option<u32>,
 
-    /// Paths per texel of the first level, in a scene
-    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(1..))]
-    spp: u32,
+    /// Standard error of a texel of the first level, in a scene: a part of its radiance, or of the mean radiance around
+    /// where that is more. Paths are traced until it is reached [default: 5%]
+    #[arg(long, value_name = "ERROR", value_parser = value::argument(value::accuracy), conflicts_with = "spp")]
+    accuracy: Option<f32>,
+
+    /// Paths per texel of the first level, in a scene, instead of an accuracy
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
 
     /// How to hide seams from filters that stay within a face: none (for hardware that filters across edges), stretch
     /// (faces scaled until their outermost texels meet), warp (bent near the edges) or lookup (scaled here, and scaled
@@ -160,7 +167,9 @@ pub(super) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
             let (world, settings, pool) =
                 prepare_world(&arguments.source, light, &arguments.common, &files.paths(), from)?;
             let options = Options { seed: settings.seed, ..options };
-            let source = Environment::point(&world, place, arguments.spp, settings.seed);
+            let accuracy = Paths::Accuracy(arguments.accuracy.unwrap_or(ACCURACY));
+            let paths = arguments.spp.map_or(accuracy, Paths::Count);
+            let source = Environment::point(&world, place, paths, settings.seed);
             finish(arguments, &source, &options, &pool, &files, style)
         }
     }
@@ -195,9 +204,16 @@ fn finish(
             "size": options.size,
             "levels": options.levels,
             "rays": map.rays,
+            "error": map.error,
             "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         })),
-        Style::Bar => written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display()))),
+        Style::Bar => {
+            if map.error > 0.0 {
+                let error = 100.0 * map.error;
+                print_text(style, &format!("{} rays; error of the first level: {error:.2}% of the mean", map.rays));
+            }
+            written.iter().for_each(|path| print_text(style, &format!("wrote {}", path.display())));
+        }
     }
     match arguments.print_lookup {
         Some(language) => print(&cubemap::lookup(&map, language))?,

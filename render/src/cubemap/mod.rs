@@ -19,7 +19,7 @@ pub mod unfold;
 use glam::Vec3;
 use rayon::prelude::*;
 
-pub use environment::Environment;
+pub use environment::{Environment, Paths};
 pub use face::{Axes, Face};
 pub use grid::{Seams, TexelGrid};
 pub use level::Level;
@@ -82,6 +82,8 @@ pub struct CubeMap {
     pub diffuse: Option<Level>,
     /// Rays traced.
     pub rays: u64,
+    /// The root mean square of the first level's standard errors, relative to its mean; 0 if paths were counted.
+    pub error: f32,
 }
 
 /// Texels that a thread takes at once.
@@ -108,7 +110,9 @@ pub fn make(source: &Environment, options: &Options, watch: &dyn Watch) -> Optio
     );
     assert!((1..=Options::max_levels(size)).contains(&count), "there are levels, and not too many");
     let grid = |size: u32| TexelGrid { size, seams: options.seams };
-    let (first, rays) = radiance(source, options, grid(size), watch)?;
+    let (first, rays, variance) = radiance(source, options, grid(size), watch)?;
+    let mean = first.mean();
+    let error = if mean > 0.0 { (variance.sqrt() / mean) as f32 } else { 0.0 };
     let pyramid = Pyramid::new(first.grid, &first.texels);
     let mut levels = vec![first];
     for number in 1..count {
@@ -119,32 +123,34 @@ pub fn make(source: &Environment, options: &Options, watch: &dyn Watch) -> Optio
         Some(size) => Some(filtered(&pyramid, grid(size), Lobe::Phong { power: 1.0 }, watch)?),
         None => None,
     };
-    Some(CubeMap { options: *options, levels, diffuse, rays })
+    Some(CubeMap { options: *options, levels, diffuse, rays, error })
 }
 
-/// The first level, and the rays that it took.
-fn radiance(source: &Environment, options: &Options, grid: TexelGrid, watch: &dyn Watch) -> Option<(Level, u64)> {
+/// The first level, the rays that it took, and the mean variance of its texels.
+fn radiance(source: &Environment, options: &Options, grid: TexelGrid, watch: &dyn Watch) -> Option<(Level, u64, f64)> {
     let places: Vec<_> = (0..).zip(grid.places()).collect();
     let chunk = |viewer: &mut Viewer, places: &[(u32, (Face, u32, u32))]| {
-        let mut rays = 0;
+        let (mut rays, mut variance) = (0, 0.0);
         let texel = |&(number, place): &(u32, (Face, u32, u32))| {
             if watch.stop() {
                 return None;
             }
-            let (value, traced) = source.texel(viewer, (&grid, options.axes), number, place);
-            watch.advance(source.samples(), traced);
-            rays += traced;
-            Some(value)
+            let seen = source.texel(viewer, (&grid, options.axes), number, place);
+            watch.advance(source.samples(), seen.rays);
+            (rays, variance) = (rays + seen.rays, variance + seen.variance);
+            Some(seen.radiance)
         };
         let texels: Option<Vec<Vec3>> = places.iter().map(texel).collect();
-        texels.map(|texels| (texels, rays))
+        texels.map(|texels| (texels, rays, variance))
     };
-    let chunks: Option<Vec<(Vec<Vec3>, u64)>> = places.par_chunks(CHUNK).map_init(Viewer::default, chunk).collect();
+    let chunks: Option<Vec<(Vec<Vec3>, u64, f64)>> =
+        places.par_chunks(CHUNK).map_init(Viewer::default, chunk).collect();
     let chunks = chunks?;
-    let rays = chunks.iter().map(|(_, rays)| rays).sum();
-    let mut texels: Vec<Vec3> = chunks.into_iter().flat_map(|(texels, _)| texels).collect();
+    let rays = chunks.iter().map(|(_, rays, _)| rays).sum();
+    let variance = chunks.iter().map(|(.., variance)| variance).sum::<f64>() / places.len() as f64;
+    let mut texels: Vec<Vec3> = chunks.into_iter().flat_map(|(texels, ..)| texels).collect();
     grid.weld(&mut texels);
-    Some((Level { grid, lobe: None, texels }, rays))
+    Some((Level { grid, lobe: None, texels }, rays, variance))
 }
 
 /// A level that is filtered by a lobe.

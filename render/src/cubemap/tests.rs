@@ -68,7 +68,7 @@ fn colored_room() -> World {
 #[test]
 fn faces_show_the_walls_that_engines_look_for_there() {
     let world = colored_room();
-    let source = Environment::point(&world, Vec3::ZERO, 2, 0);
+    let source = Environment::point(&world, Vec3::ZERO, Paths::Count(2), 0);
     let (red, dark_red) = (Vec3::X, Vec3::X * 0.25);
     let (blue, dark_blue) = (Vec3::Z, Vec3::Z * 0.25);
     // +x, -x, +z, -z of the cube map. Bevy looks up -z at the face +z, three.js +x at the face -x.
@@ -155,7 +155,7 @@ fn treated_maps_have_no_seams() {
 #[test]
 fn threads_and_interruptions_leave_no_trace() {
     let world = World::new(crate::scene::cornell_box()).unwrap();
-    let source = Environment::point(&world, Vec3::new(0.278, 0.3, 0.279), 4, 7);
+    let source = Environment::point(&world, Vec3::new(0.278, 0.3, 0.279), Paths::Count(4), 7);
     let options = options(8, Seams::Warp);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -169,6 +169,30 @@ fn threads_and_interruptions_leave_no_trace() {
     for steps in [1, work / 2, work - 6 * 64] {
         assert_eq!(make(&source, &options, &StopsAfter(steps.into())), None, "{steps} of {work}");
     }
+}
+
+/// Paths are traced until texels are as right as asked, and what is said of their error is true: against two independent
+/// means of many paths, whose noise the mean of the products does not have.
+#[test]
+fn texels_have_the_error_that_is_said() {
+    let world = World::new(crate::scene::cornell_box()).unwrap();
+    let options = Options { levels: 1, ..options(8, Seams::None) };
+    let map = |paths, seed| {
+        let source = Environment::point(&world, Vec3::new(0.278, 0.3, 0.279), paths, seed);
+        make(&source, &options, &never_stops()).unwrap()
+    };
+    let [a, b] = [1, 2].map(|seed| map(Paths::Count(4096), seed).levels.remove(0));
+    let rays = [0.1, 0.03].map(|accuracy| {
+        let found = map(Paths::Accuracy(accuracy), 3);
+        let texels = found.levels[0].texels.iter().zip(&a.texels).zip(&b.texels);
+        let squares = texels.map(|((x, a), b)| f64::from((*x - *a).dot(*x - *b)) / 3.0).sum::<f64>() / 384.0;
+        let error = squares.max(0.0).sqrt() / a.mean();
+        println!("{accuracy}: error {error:.4}, said to be {:.4}, {} rays", found.error, found.rays);
+        assert!(error < 1.5 * f64::from(accuracy), "{error}");
+        assert!((1.0 / 1.5..1.5).contains(&(f64::from(found.error) / error)), "{error}, said to be {}", found.error);
+        found.rays
+    });
+    assert!(rays[1] > 2 * rays[0], "{rays:?}");
 }
 
 #[test]

@@ -248,7 +248,9 @@ fn a_cube_has_the_faces_of_a_cube_map() {
         diffuse: None,
         seed: 0,
     };
-    let map = cubemap::make(&Environment::point(&world, Vec3::ZERO, 16, 0), &options, &NeverStops).unwrap();
+    let map =
+        cubemap::make(&Environment::point(&world, Vec3::ZERO, cubemap::Paths::Count(16), 0), &options, &NeverStops)
+            .unwrap();
     for (number, face) in Face::ALL.into_iter().enumerate() {
         let differing = map.levels[0].face(face).iter().enumerate().filter(|(i, texel)| {
             let pixel = strip[i / SIDE * 6 * SIDE + number * SIDE + i % SIDE];
