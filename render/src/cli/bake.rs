@@ -188,13 +188,11 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         let problem = format!("--mode ao cannot be directional (--directional {})", arguments.directional.name());
         return Err(invalid(problem, "leave --directional out, or use another --mode"));
     }
-<<<<<<< HEAD
-    if let Some(shard) = arguments.shard {
-        return run_shard(arguments, (output, overrides), shard, (&pool, style));
-=======
     if arguments.mode == Mode::Ao && arguments.cache.accuracy.is_some() {
         return Err(invalid("--mode ao knows no --accuracy".to_owned(), "give --spp, its rays per texel"));
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
+    }
+    if let Some(shard) = arguments.shard {
+        return run_shard(arguments, (output, overrides), shard, (&pool, style));
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();

@@ -110,12 +110,8 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     );
     let own = shard.items(sensors.len());
     // Records alone have no number that is known before.
-<<<<<<< HEAD
-    let samples = if arguments.brute || part == Part::Total { own as u64 * u64::from(spp) } else { 0 };
-=======
     let is_fixed = arguments.brute || part == Part::Total && options.accuracy.is_none();
-    let samples = if is_fixed { sensors.len() as u64 * u64::from(spp) } else { 0 };
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
+    let samples = if is_fixed { own as u64 * u64::from(spp) } else { 0 };
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
     let found = pool.install(|| match arguments.brute {
         true => irradiance::shard_by_paths(&world, &sensors, shard, &request, &progress),

@@ -118,15 +118,10 @@ pub fn shard_by_paths(
         Part::Total => Component::All,
         Part::Indirect => Component::Indirect(None),
     };
-<<<<<<< HEAD
-    let mut found = Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None };
-    found.add(world, sensors, &own(sensors, shard), request, component, watch);
-=======
     let mut found =
         Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None, error: None };
     let effort = Effort::Samples(request.spp);
-    found.add(world, sensors, &(0..sensors.len()).collect::<Vec<_>>(), (component, effort), request.seed, watch);
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
+    found.add(world, sensors, &own(sensors, shard), (component, effort), request.seed, watch);
     found
 }
 
@@ -147,11 +142,6 @@ pub fn shard_by_cache(
     watch: &dyn Watch,
 ) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
-<<<<<<< HEAD
-    let (frozen, rays) = fill_for_surfaces(world, request.seed, cache, &surfaces, watch);
-    let mut found = look_up(world, (sensors, &own(sensors, shard)), &frozen, request, watch);
-    found.rays += rays;
-=======
     let (mut aim, mut effort, mut rays) = (Aim::Options, Effort::Samples(request.spp), 0);
     let held_out;
     if cache.options().accuracy.is_some() {
@@ -167,22 +157,16 @@ pub fn shard_by_cache(
         aim = Aim::Accuracy(&held_out);
     }
     let (frozen, filled) = fill_for_surfaces(world, request.seed, cache, &surfaces, aim, watch);
-    let (mut found, variance) = look_up(world, sensors, &frozen, (request, effort), watch);
+    let (mut found, variance) = look_up(world, (sensors, &own(sensors, shard)), &frozen, (request, effort), watch);
     found.rays += rays + filled;
     found.error = frozen.cache.estimate().map(|estimate| estimate.with(variance));
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
     let usage = frozen.usage();
     found.cache = Some((frozen.cache, usage));
     found
 }
 
-<<<<<<< HEAD
-/// Irradiance at some of the sensors with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
-/// no record.
-=======
-/// Irradiance with the indirect part from a frozen cache; by paths, of as many surfaces as those to a record, where it has
-/// no record. Gives the mean variance of what was sampled too.
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
+/// Irradiance at some of the sensors with the indirect part from a frozen cache; by paths, of as many surfaces as those to a
+/// record, where it has no record. Gives the mean variance of what was sampled too.
 fn look_up(
     world: &World,
     (sensors, own): (&[Sensor], &[usize]),
@@ -197,16 +181,11 @@ fn look_up(
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None, error: None };
     let mut variance = 0.0;
     if request.part == Part::Total {
-<<<<<<< HEAD
-        found.add(world, sensors, own, request, Component::Direct, watch);
-=======
-        let all: Vec<usize> = (0..sensors.len()).collect();
-        variance += found.add(world, sensors, &all, (Component::Direct, effort), request.seed, watch);
->>>>>>> 9313ded (--accuracy: rays, reach and light samples follow from the error that is asked for)
+        variance += found.add(world, sensors, own, (Component::Direct, effort), request.seed, watch);
     }
     let max_depth = max_depth(frozen.cache.options());
     variance += found.add(world, sensors, &lost, (Component::Indirect(max_depth), effort), request.seed, watch);
-    (found, variance / sensors.len().max(1) as f64)
+    (found, variance / own.len().max(1) as f64)
 }
 
 /// The numbers of the sensors of a shard.
