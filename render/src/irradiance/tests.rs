@@ -46,7 +46,8 @@ fn sensors_without_a_record_have_paths() {
     let request = Request { spp: 16, seed: 3, part: Part::Indirect };
     let empty = |options| FrozenCache::new(Cache::new(options, world.surroundings_hash()));
     let frozen = empty(CachedOptions::default());
-    let found = look_up(&world, &sensors, &frozen, (&request, Effort::Samples(request.spp)), &patience).0;
+    let all = own(&sensors, Shard::ALL);
+    let found = look_up(&world, (&sensors, &all), &frozen, (&request, Effort::Samples(request.spp)), &patience).0;
     assert_eq!(frozen.usage().misses, 64);
     assert!(found.finished && found.rays > 64 * 16);
     assert_eq!(found.values, by_paths(&world, &sensors, &request, &patience).values);
@@ -54,8 +55,11 @@ fn sensors_without_a_record_have_paths() {
     // As many reflections as light has on its way to a record, and direct light besides.
     let request = Request { spp: 512, seed: 3, part: Part::Total };
     let options = CachedOptions { bounces: Some(1), ..CachedOptions::default() };
-    let lost =
-        mean(&look_up(&world, &sensors, &empty(options), (&request, Effort::Samples(request.spp)), &patience).0.values);
+    let lost = mean(
+        &look_up(&world, (&sensors, &all), &empty(options), (&request, Effort::Samples(request.spp)), &patience)
+            .0
+            .values,
+    );
     let cache = Cache::new(options, world.surroundings_hash());
     let covered = by_cache(&world, &sensors, cache, &request, &patience);
     assert_eq!(covered.cache.unwrap().1.misses, 0);

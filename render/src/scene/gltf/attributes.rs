@@ -227,7 +227,7 @@ impl<'a> Attributes<'a> {
                     (None, Some(draco)) => draco.indices(),
                     (None, None) => (0..vertices as u32).collect(),
                 };
-                if mode == Mode::Triangles && corners.len() % 3 != 0 {
+                if mode == Mode::Triangles && !corners.len().is_multiple_of(3) {
                     return Err(wrong_count(corners.len()));
                 }
                 self::triangles(mode, &corners)

@@ -47,7 +47,7 @@ fn four_forms_of_corners() {
 fn row_of_squares(face: impl Fn(usize) -> String) -> String {
     const GROUP: usize = 15_000;
     let square = |i: usize| {
-        let name = if i % GROUP == 0 { format!("g {}\n", i / GROUP) } else { String::new() };
+        let name = if i.is_multiple_of(GROUP) { format!("g {}\n", i / GROUP) } else { String::new() };
         let x = i as f32;
         format!("{name}v {x} 0 0\nv {} 0 0\n# square\nv {} 1 0\nv {x} \\\n1 0\n{}\n", x + 0.5, x + 0.5, face(i))
     };
