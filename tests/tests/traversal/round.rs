@@ -29,7 +29,7 @@ fn all_ways_agree() {
         let near: Vec<Vec3> = (0..count).map(|_| vector(&mut random, i)).collect();
         let aimed = |random: &mut Pcg, k: usize| {
             let (target, origin) = (near[random.below(count)], vector(random, i + k) * [1.0, 3.0, 1e3][k % 3]);
-            let (t_min, t_max) = if k % 4 == 0 { (random.unit() as f32, 1.0) } else { (0.0, f32::INFINITY) };
+            let (t_min, t_max) = if k.is_multiple_of(4) { (random.unit() as f32, 1.0) } else { (0.0, f32::INFINITY) };
             let direction = target + vector(random, 3) * 0.1 - origin;
             Ray { origin, t_min, direction, t_max }
         };
