@@ -115,7 +115,7 @@ pub extern "C" fn bytes(mesh: usize) -> usize {
     STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, |bvh| bvh.statistics().bytes))
 }
 
-/// Traces `count` of the rays to their nearest hits with a mesh; see [`Answer`] for what is at the address.
+/// Traces `count` of the rays to their nearest hits with a mesh; see `Answer` for what is at the address.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -144,7 +144,7 @@ pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
 }
 
 /// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to the end
-/// of each ray's, and behind that of what [`Answer`] says.
+/// of each ray's, and behind that of what `Answer` says.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -162,7 +162,7 @@ pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32
     })
 }
 
-/// Finds what of a mesh is closest to `count` of the points. Gives the address of what [`Answer`] says, with distances for `t`,
+/// Finds what of a mesh is closest to `count` of the points. Gives the address of what `Answer` says, with distances for `t`,
 /// and behind that three coordinates for each.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
