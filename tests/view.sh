@@ -5,20 +5,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-packages=()
-command -v Xvfb > /dev/null || packages+=(xvfb)
-command -v xdotool > /dev/null || packages+=(xdotool)
-command -v import > /dev/null || packages+=(imagemagick)
-# What the window loads where there is a desktop.
-ldconfig -p | grep -q libxkbcommon-x11 || packages+=(libxkbcommon-x11-0)
-ldconfig -p | grep -q libXcursor || packages+=(libxcursor1)
-ldconfig -p | grep -q 'libXi\.' || packages+=(libxi6)
-ldconfig -p | grep -q libX11-xcb || packages+=(libx11-xcb1)
-if [ ${#packages[@]} -gt 0 ]; then
-    sudo=$([ "$(id -u)" -eq 0 ] || echo sudo)
-    $sudo apt-get update
-    $sudo apt-get install -y --no-install-recommends "${packages[@]}"
-fi
+.ci/install Xvfb xvfb xdotool xdotool import imagemagick
+# What the window loads at run time.
+has() { ldconfig -p | grep -q "$1" && echo true || echo "$1"; }
+.ci/install "$(has libxkbcommon-x11)" libxkbcommon-x11-0 "$(has libXcursor)" libxcursor1 "$(has 'libXi\.')" libxi6 \
+    "$(has libX11-xcb)" libx11-xcb1
 if [ -z "${HALFDOME:-}" ]; then
     cargo build --release -p halfdome --features view
     HALFDOME=target/release/halfdome
@@ -71,7 +62,13 @@ until xdotool windowfocus --sync "$window" 2> /dev/null; do
     sleep 0.1
 done
 
-shot() { import -window "$window" "$shots/$1.png"; }
+shot() {
+    for _ in 1 2 3 4 5; do
+        timeout 10 import -silent -window "$window" "$shots/$1.png" && return
+        echo "view.sh: $1: the screenshot is taken again" >&2
+    done
+    fail "$1: there is no screenshot"
+}
 # The picture is left of the text, in the middle: the window is 720 high.
 picture() { convert "$shots/$1.png" -crop 256x256+0+232 +repage "$work/picture.png"; }
 # Waits until the window shows the picture of a file.
