@@ -75,6 +75,8 @@ impl Outcome<'_> {
             "files": self.file.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         });
         if let Some((asked, estimated)) = self.accuracy {
+            // As it was given: it was rounded to `f32` since.
+            let asked = (asked * 1e6).round() / 1e6;
             event["accuracy"] = json!({ "asked": asked, "estimated": estimated });
         }
         if !self.finished {
