@@ -49,7 +49,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         let one = render(folder.path(), &format!("{options} --threads 1"));
         let channels = &one.picture.channels;
         assert!(channels.iter().any(|channel| channel.values.iter().any(|value| *value > 0.0)));
-        assert_eq!(channels.len(), if options.contains("--aov") { 33 } else { 3 }, "{options}");
+        assert_eq!(channels.len(), if options.contains("--aov") { 36 } else { 3 }, "{options}");
         for threads in [2, 16] {
             let more = render(folder.path(), &format!("{options} --threads {threads}"));
             assert!(more.exr == one.exr, "{options}, {threads} threads: the EXR differs");

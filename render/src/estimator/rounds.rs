@@ -21,7 +21,8 @@ const SALT: u64 = 0x9e37_79b9_7f4a_7c15;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundsMean {
     pub(crate) mean: DVec3,
-    /// The square of its standard error, as a mean over the channels.
+    /// The square of its standard error, as a mean over the channels; up to twice as much in truth, as rounds end where it looks
+    /// small.
     pub(crate) variance: f64,
     /// How many samples it is of.
     pub(crate) samples: u32,
@@ -77,7 +78,8 @@ mod tests {
             }
             let [squares, told, samples] = [squares, told, samples].map(|sum| sum / f64::from(points));
             assert!(squares.sqrt() < 1.1 * tolerance, "{} for {tolerance}", squares.sqrt());
-            assert!((0.6..1.2).contains(&(told / squares)), "{told} told of {squares}");
+            // Less than the truth, as means end where they look right.
+            assert!((0.5..1.2).contains(&(told / squares)), "{told} told of {squares}");
             assert!(samples < 3.0 / (tolerance * tolerance), "{samples} samples for {tolerance}");
         }
         // No noise, no second round; noise without an end has one.

@@ -1,7 +1,7 @@
 //! What of a picture is shown, and how its numbers become colours.
 //!
 //! Light is shown as PNG files show it, by their own code. Of what is no light, vectors are shown by the usual
-//! half-and-half (`(n + 1) / 2`), positions by their place in the scene's box, counts and depths by false colours up to their
+//! half-and-half (`(n + 1) / 2`), positions by their place in the scene's box, motion by halves of the longest, counts and depths by false colours up to their
 //! 99th percentile, and ids each by a colour of its own.
 
 use glam::Vec3;
@@ -41,6 +41,8 @@ enum Kind {
     Vector,
     /// Points of the scene.
     Point,
+    /// Vectors of any length.
+    Motion,
     /// Two coordinates of pictures.
     Texcoord,
     /// More is lighter.
@@ -79,8 +81,10 @@ impl Layer {
             Self::new("UV", Kind::Texcoord, &["UV.U", "UV.V"], true),
             Self::new("Depth", Kind::Depth, &["Depth.Z"], true),
             Self::new("Id.Object", Kind::Id, &["Id.Object"], true),
+            Self::new("Id.Instance", Kind::Id, &["Id.Instance"], true),
             Self::new("Id.Material", Kind::Id, &["Id.Material"], true),
             Self::new("Id.Triangle", Kind::Id, &["Id.Triangle"], true),
+            Self::new("forward", Kind::Motion, &["forward.u", "forward.v"], true),
             Self::of_light("Variance", true),
             Self::new("Samples", Kind::Count, &["Samples.Y"], true),
         ]);
@@ -107,6 +111,7 @@ impl Layer {
         let scale = match self.kind {
             Kind::Count => false_color::scale(planes[0].unwrap_or_default()) as f32,
             Kind::Depth => percentile(planes[0].unwrap_or_default()),
+            Kind::Motion => longest(planes[0].unwrap_or_default()).max(longest(planes[1].unwrap_or_default())),
             _ => 1.0,
         };
         let code = |pixel: usize| {
@@ -121,6 +126,7 @@ impl Layer {
                 Kind::Color => linear.to_srgb8([r, g, b]),
                 // Codes, not light: so they are shown everywhere.
                 Kind::Vector => [r, g, b].map(|value| unit_code(0.5 * value + 0.5)),
+                Kind::Motion => [r / scale, g / scale, 0.0].map(|value| unit_code(0.5 * value + 0.5)),
                 Kind::Point => {
                     let extent = (bounds.1 - bounds.0).max(Vec3::splat(f32::MIN_POSITIVE));
                     ((Vec3::new(r, g, b) - bounds.0) / extent).to_array().map(unit_code)
@@ -152,6 +158,11 @@ fn percentile(values: &[f32]) -> f32 {
     sorted.sort_unstable_by(f32::total_cmp);
     let value = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(1.0);
     if value > 0.0 { value } else { 1.0 }
+}
+
+/// The greatest magnitude, more than 0.
+fn longest(values: &[f32]) -> f32 {
+    values.iter().fold(f32::MIN_POSITIVE, |longest, value| longest.max(value.abs()))
 }
 
 /// A colour for each id, not dark; what has none is empty.

@@ -57,7 +57,7 @@ fn row_of_squares(face: impl Fn(usize) -> String) -> String {
 #[test]
 fn files_of_many_blocks_are_read_as_one() {
     let back = row_of_squares(|_| "f -4 -3 -2 -1".to_owned());
-    assert!(back.len() > 3 << 20);
+    assert!(back.len() > 2 << 20);
     let scene = parse(&back).unwrap();
     let corners = |i: usize| format!("f {} {} {} {}", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4);
     assert_eq!(scene, parse(row_of_squares(corners)).unwrap());
