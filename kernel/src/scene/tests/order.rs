@@ -125,5 +125,6 @@ fn filters_see_each_hit_once_and_in_one_order() {
             assert!(seen.windows(2).all(|pair| bits(Some(pair[0])) != bits(Some(pair[1]))));
         }
     }
-    assert!(total > 150, "{total}");
+    // Where there is one instruction set besides, each hit is seen once.
+    assert!(total > 80, "{total}");
 }
