@@ -220,7 +220,7 @@ impl SceneView<'_> {
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
     ///
     /// The quickest way for many rays, whether they share an origin, run side by side or neither: 32 of them are traced at
-    /// the same time, as a stream.
+    /// the same time, as a stream, unless there are scenes in the scene.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         match self.isa().level() {
@@ -229,7 +229,7 @@ impl SceneView<'_> {
                     *hit = reference::intersect(self, ray).unwrap_or(SceneHit::MISS);
                 }
             }
-            _ if is_few(rays) => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
+            _ if is_few(rays, self.levels()) => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
             _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Nearest(hits) }),
         }
     }
@@ -243,13 +243,13 @@ impl SceneView<'_> {
                     *occluded = reference::intersect(self, ray).is_some();
                 }
             }
-            _ if is_few(rays) => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
+            _ if is_few(rays, self.levels()) => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
             _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Occluded(occluded) }),
         }
     }
 }
 
-/// Whether rays are too few for a stream, or there is no room for one on the stack.
-fn is_few(rays: &[SceneRay]) -> bool {
-    cfg!(target_os = "none") || rays.len() < stream::LEAST
+/// Whether rays are too few for a stream, or there is no room for one on the stack, as where scenes in scenes recurse.
+fn is_few(rays: &[SceneRay], levels: usize) -> bool {
+    cfg!(target_os = "none") || rays.len() < stream::LEAST || levels > 0
 }

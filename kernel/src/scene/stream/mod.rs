@@ -25,7 +25,7 @@ use crate::simd::{Lanes, Simd, Work, dispatch};
 use crate::traverse::single::moving::{block_between, node_between};
 use crate::traverse::stream::{ActiveRay, NONE, Next, Stream, places_of};
 
-/// Rays that are traced at the same time: as many as leave room on a stack of 32 KiB for scenes in scenes.
+/// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
 
 /// Fewer rays are traced one by one, as most would be on their way alone.
