@@ -20,6 +20,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::blob_header::{BlobHeader, HEADER};
 use super::{BvhView, Node, TriangleBlock, WIDTH, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::Aabb;
@@ -29,10 +30,6 @@ pub const BLOB_VERSION: u32 = 1;
 
 /// The alignment that a blob needs to be traced in place.
 pub const BLOB_ALIGNMENT: usize = align_of::<Node>();
-
-const MAGIC: [u8; 8] = *b"\x89HDBVH\r\n";
-/// What tells the order of bytes.
-pub(crate) const BYTE_ORDER: u32 = 0x0102_0304;
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -50,8 +47,7 @@ struct Header {
     checksum: u32,
 }
 
-const HEADER: usize = size_of::<Header>();
-const _: () = assert!(HEADER == BLOB_ALIGNMENT);
+const _: () = assert!(size_of::<Header>() == HEADER);
 
 /// Something at an address that suits a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,48 +94,33 @@ impl<'a> BvhView<'a> {
     }
 }
 
-impl Header {
-    /// The header of a blob of the right length.
-    fn read(bytes: &[u8]) -> Result<Self, Error> {
-        let start = bytes.get(..MAGIC.len()).unwrap_or(bytes);
-        if !MAGIC.starts_with(start) {
-            return Err(Error::NotABlob);
-        }
-        let found = bytes.len() as u64;
-        let Some(header) = bytes.get(..HEADER) else {
-            return Err(Error::Truncated { needed: HEADER as u64, found });
-        };
-        let header: Self = bytemuck::pod_read_unaligned(header);
-        match header.byte_order {
-            BYTE_ORDER => {}
-            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::OtherByteOrder),
-            _ => return Err(Error::BadHeader { field: "byte order" }),
-        }
-        if header.version != BLOB_VERSION {
-            return Err(Error::OtherVersion { found: header.version, readable: BLOB_VERSION });
-        }
-        let needed = header.blob_len();
-        match found {
-            _ if found < needed => Err(Error::Truncated { needed, found }),
-            _ if found > needed => Err(Error::TrailingBytes { needed, found }),
-            _ => Ok(header),
-        }
+impl BlobHeader for Header {
+    const MAGIC: [u8; 8] = *b"\x89HDBVH\r\n";
+    const VERSION: u32 = BLOB_VERSION;
+    const NOT_THIS: Error = Error::NotABlob;
+
+    fn byte_order(&self) -> u32 {
+        self.byte_order
     }
 
-    /// The length of the blob in bytes.
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn checksum(&self) -> u32 {
+        self.checksum
+    }
+
     fn blob_len(&self) -> u64 {
         let size = |count: u32, each: usize| u64::from(count) * each as u64;
         HEADER as u64 + size(self.nodes, size_of::<Node>()) + size(self.blocks, size_of::<TriangleBlock>())
     }
+}
 
+impl Header {
     /// The bytes of the nodes, and those of the blocks.
     fn sections<'a>(&self, bytes: &'a [u8]) -> (&'a [u8], &'a [u8]) {
         bytes[HEADER..].split_at(self.nodes as usize * size_of::<Node>())
-    }
-
-    fn check_sum(&self, bytes: &[u8]) -> Result<(), Error> {
-        let computed = checksum(bytes);
-        if computed == self.checksum { Ok(()) } else { Err(Error::Damaged { stored: self.checksum, computed }) }
     }
 
     /// Whether the tree can be traced, and is the one that the header describes.
@@ -170,14 +151,6 @@ fn stored_bounds(root: &Node) -> [[f32; 3]; 2] {
     [min + 0.0, max + 0.0].map(|corner| corner.to_array())
 }
 
-/// The checksum of a blob, or of what will be one when the checksum is in its place: the last word of its header.
-pub(crate) fn checksum(bytes: &[u8]) -> u32 {
-    let mut crc = crc32fast::Hasher::new();
-    crc.update(&bytes[..HEADER - 4]);
-    crc.update(&bytes[HEADER..]);
-    crc.finalize()
-}
-
 #[cfg(any(feature = "alloc", test))]
 pub use owned::Blob;
 
@@ -188,6 +161,7 @@ mod owned {
     use core::ops::{Deref, DerefMut};
 
     use super::*;
+    use crate::bvh::blob_header::{BYTE_ORDER, checksum};
     use crate::bvh::{Bvh, pages};
 
     /// The bytes of a blob in memory of their own, where they can be traced in place.
@@ -232,7 +206,7 @@ mod owned {
             let (nodes, blocks) = (self.view().nodes(), self.view().blocks());
             let [min, max] = stored_bounds(&nodes[0]);
             let mut header = Header {
-                magic: MAGIC,
+                magic: Header::MAGIC,
                 byte_order: BYTE_ORDER,
                 version: BLOB_VERSION,
                 width: WIDTH as u32,

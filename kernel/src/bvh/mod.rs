@@ -13,6 +13,7 @@ mod binary;
 #[cfg(any(feature = "alloc", test))]
 mod bins;
 pub mod blob;
+pub(crate) mod blob_header;
 #[cfg(any(feature = "alloc", test))]
 mod box_tree;
 mod box_view;

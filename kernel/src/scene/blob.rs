@@ -59,14 +59,12 @@ use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use glam::Affine3A;
 
 use super::{Item, Object, Part, SceneView};
-use crate::bvh::blob::{BYTE_ORDER, checksum};
+use crate::bvh::blob_header::{BlobHeader, HEADER};
 use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, TriangleBlock, WIDTH};
 use crate::error::{Error, InvalidScene};
 
 /// The version of the blobs of scenes that this crate writes, and the only one that it reads.
 pub const SCENE_BLOB_VERSION: u32 = 1;
-
-const MAGIC: [u8; 8] = *b"\x89HDSCN\r\n";
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -88,8 +86,7 @@ struct Header {
     checksum: u32,
 }
 
-const HEADER: usize = size_of::<Header>();
-const _: () = assert!(HEADER == BLOB_ALIGNMENT && size_of::<Affine3A>() == 64);
+const _: () = assert!(size_of::<Header>() == HEADER && size_of::<Affine3A>() == 64);
 
 /// The qualities that a header may name.
 const QUALITIES: u32 = 3;
@@ -197,10 +194,7 @@ impl<'a> SceneBlob<'a> {
         if bytes.as_ptr().align_offset(BLOB_ALIGNMENT) != 0 {
             return Err(Error::Misaligned { alignment: BLOB_ALIGNMENT });
         }
-        let computed = checksum(bytes);
-        if computed != header.checksum {
-            return Err(Error::Damaged { stored: header.checksum, computed });
-        }
+        header.check_sum(bytes)?;
         if header.width != WIDTH as u32 {
             return Err(Error::BadHeader { field: "number of children a node" });
         }
@@ -393,35 +387,23 @@ fn follow(end: &mut u64, first: u32, count: u32, bad: InvalidScene) -> Result<()
     Ok(())
 }
 
-impl Header {
-    /// The header of a blob of the right length.
-    fn read(bytes: &[u8]) -> Result<Self, Error> {
-        let start = bytes.get(..MAGIC.len()).unwrap_or(bytes);
-        if !MAGIC.starts_with(start) {
-            return Err(Error::NotAScene);
-        }
-        let found = bytes.len() as u64;
-        let Some(header) = bytes.get(..HEADER) else {
-            return Err(Error::Truncated { needed: HEADER as u64, found });
-        };
-        let header: Self = bytemuck::pod_read_unaligned(header);
-        match header.byte_order {
-            BYTE_ORDER => {}
-            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::OtherByteOrder),
-            _ => return Err(Error::BadHeader { field: "byte order" }),
-        }
-        if header.version != SCENE_BLOB_VERSION {
-            return Err(Error::OtherVersion { found: header.version, readable: SCENE_BLOB_VERSION });
-        }
-        let needed = header.blob_len();
-        match found {
-            _ if found < needed => Err(Error::Truncated { needed, found }),
-            _ if found > needed => Err(Error::TrailingBytes { needed, found }),
-            _ => Ok(header),
-        }
+impl BlobHeader for Header {
+    const MAGIC: [u8; 8] = *b"\x89HDSCN\r\n";
+    const VERSION: u32 = SCENE_BLOB_VERSION;
+    const NOT_THIS: Error = Error::NotAScene;
+
+    fn byte_order(&self) -> u32 {
+        self.byte_order
     }
 
-    /// The length of the blob in bytes.
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn checksum(&self) -> u32 {
+        self.checksum
+    }
+
     fn blob_len(&self) -> u64 {
         let sizes = [
             (self.nodes, size_of::<Node>()),

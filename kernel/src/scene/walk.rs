@@ -203,8 +203,8 @@ impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
         if fraction != 0.0 {
             let keys = [tree.nodes(key), tree.nodes(key + 1)];
             moving::push_children_between::<S>(keys, fraction, node, stack, slabs, octant, (t_min, self.t_max()));
-        } else if let Some(node) = tree.nodes(key).get(node as usize) {
-            stack.push_children::<S>(node, slabs, octant, t_min, self.t_max());
+        } else {
+            stack.push_children_of::<S>(tree.nodes(key), node, slabs, octant, (t_min, self.t_max()));
         }
     }
 

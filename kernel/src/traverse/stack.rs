@@ -50,6 +50,21 @@ impl TraversalStack {
         self.push(children, distances, count);
     }
 
+    /// The same for the node of this index, if there is one.
+    #[inline(always)]
+    pub(crate) fn push_children_of<S: Simd>(
+        &mut self,
+        nodes: &[Node],
+        node: u32,
+        ray: &Slabs,
+        octant: u8,
+        (t_min, t_max): (f32, f32),
+    ) {
+        if let Some(node) = nodes.get(node as usize) {
+            self.push_children::<S>(node, ray, octant, t_min, t_max);
+        }
+    }
+
     /// Puts those children on top for which `near <= far`, the one with the least `near` last.
     #[inline(always)]
     pub(super) fn push_nearest_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use glam::{Vec3, vec3};
 
 use super::*;
+use crate::bvh::blob_header::checksum;
 use crate::bvh::{Bvh, Child};
 use crate::{BuildOptions, Hit, Ray, Triangle};
 

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use bytemuck::bytes_of;
 
 use super::*;
+use crate::bvh::blob_header::{BYTE_ORDER, checksum};
 use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, Serial};
 use crate::error::InvalidTree;
 use crate::scene::Scene;
@@ -202,7 +203,7 @@ impl Writer {
     fn finish(self) -> Result<Blob, Error> {
         let quality = Quality::ALL.iter().position(|&quality| quality == self.options.quality).unwrap_or_default();
         let mut header = Header {
-            magic: MAGIC,
+            magic: Header::MAGIC,
             byte_order: BYTE_ORDER,
             version: SCENE_BLOB_VERSION,
             nodes: number(self.nodes.len())?,

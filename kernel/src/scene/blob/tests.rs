@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use glam::{Quat, Vec3, vec3};
 
 use super::*;
+use crate::bvh::blob_header::checksum;
 use crate::bvh::{Blob, Child, MovingBvh};
 use crate::error::InvalidTree;
 use crate::scene::{Scene, Spheres};

@@ -43,9 +43,7 @@ impl<C: Collector> Intersector for Rounds<'_, C> {
 
     #[inline(always)]
     fn visit_node<S: Simd>(&self, node: u32, stack: &mut TraversalStack, slabs: &Slabs, octant: u8, t_min: f32) {
-        if let Some(node) = self.tree.nodes().get(node as usize) {
-            stack.push_children::<S>(node, slabs, octant, t_min, self.t_max());
-        }
+        stack.push_children_of::<S>(self.tree.nodes(), node, slabs, octant, (t_min, self.t_max()));
     }
 
     #[inline(always)]
