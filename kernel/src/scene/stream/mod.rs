@@ -4,7 +4,8 @@
 //! [`NONE`], then those of the scene. A hit culls all of them.
 //!
 //! A ray that comes to an item of triangles is taken into the item's space, together with up to seven others that come to
-//! one. What else items are it meets alone, as a single ray does; there scenes in scenes turn to recursion.
+//! one. Points, curves and shapes it meets alone, as a single ray does. Scenes with scenes in them are not traced as
+//! streams: a stack of 32 KiB has no room for a stream below their recursion.
 
 mod answers;
 mod entering;
