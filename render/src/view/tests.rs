@@ -55,9 +55,10 @@ impl Viewer {
         let mut sides = Vec::new();
         loop {
             self.frames.recv_timeout(Duration::from_secs(300)).expect("frames come until the last");
-            self.session.update();
+            // A notice may be of a frame that has been taken with an earlier one: then the last picture is still there.
+            let is_new = self.session.update();
             assert_eq!(self.session.message(), None);
-            if let Some(frame) = self.session.frame() {
+            if let Some(frame) = self.session.frame().filter(|_| is_new) {
                 sides.push(frame.side);
                 if frame.finished {
                     return sides;
