@@ -84,13 +84,18 @@ impl fmt::Display for BuildReport {
             (self.not_finite, "not finite"),
             (self.out_of_range, "too far away"),
         ];
-        let mut separator = ": ";
-        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
-            write!(f, "{separator}{count} {reason}")?;
-            separator = ", ";
-        }
-        Ok(())
+        write_reasons(f, reasons)
     }
+}
+
+/// Why some were left out, and how many for each reason: `: 2 not finite, 1 too far away`.
+pub(super) fn write_reasons(f: &mut fmt::Formatter<'_>, reasons: [(usize, &str); 3]) -> fmt::Result {
+    let mut separator = ": ";
+    for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
+        write!(f, "{separator}{count} {reason}")?;
+        separator = ", ";
+    }
+    Ok(())
 }
 
 impl Bvh {

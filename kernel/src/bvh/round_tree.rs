@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::build::build_tree;
+use super::build::{build_tree, write_reasons};
 use super::contents::{Contents, LeafShape};
 use super::executor::{Executor, Serial};
 use super::node::{Child, Node, WIDTH};
@@ -98,12 +98,7 @@ impl fmt::Display for RoundReport {
             (self.not_finite, "not finite"),
             (self.out_of_range, "too far away"),
         ];
-        let mut separator = ": ";
-        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
-            write!(f, "{separator}{count} {reason}")?;
-            separator = ", ";
-        }
-        Ok(())
+        write_reasons(f, reasons)
     }
 }
 
