@@ -53,10 +53,14 @@
 //!
 //! Where they do, [`SceneBlob`] opens one after the other.
 
+mod layout;
+
 use core::ops::Range;
 
-use bytemuck::{AnyBitPattern, Pod, Zeroable};
+use bytemuck::AnyBitPattern;
 use glam::Affine3A;
+
+use layout::{Header, ItemRecord, MESH, MeshRecord, NOTHING, QUALITIES, SCENE, SceneRecord};
 
 use super::{Item, Object, Part, SceneView};
 use crate::bvh::blob_header::{BlobHeader, HEADER};
@@ -65,68 +69,6 @@ use crate::error::{Error, InvalidScene};
 
 /// The version of the blobs of scenes that this crate writes, and the only one that it reads.
 pub const SCENE_BLOB_VERSION: u32 = 1;
-
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Header {
-    magic: [u8; 8],
-    byte_order: u32,
-    version: u32,
-    nodes: u32,
-    blocks: u32,
-    scene_nodes: u32,
-    transforms: u32,
-    meshes: u32,
-    scenes: u32,
-    items: u32,
-    parts: u32,
-    numbers: u32,
-    width: u32,
-    quality: u32,
-    checksum: u32,
-}
-
-const _: () = assert!(size_of::<Header>() == HEADER && size_of::<Affine3A>() == 64);
-
-/// The qualities that a header may name.
-const QUALITIES: u32 = 3;
-
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct MeshRecord {
-    first_node: u32,
-    nodes: u32,
-    first_block: u32,
-    blocks: u32,
-    keys: u32,
-}
-
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct SceneRecord {
-    first_item: u32,
-    items: u32,
-    first_part: u32,
-    parts: u32,
-    first_number: u32,
-    numbers: u32,
-    first_node: u32,
-    nodes: u32,
-}
-
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct ItemRecord {
-    kind: u32,
-    object: u32,
-    mask: u32,
-    first_transform: u32,
-    transforms: u32,
-}
-
-const NOTHING: u32 = 0;
-const MESH: u32 = 1;
-const SCENE: u32 = 2;
 
 /// A scene as bytes, checked.
 ///
@@ -385,40 +327,6 @@ fn follow(end: &mut u64, first: u32, count: u32, bad: InvalidScene) -> Result<()
     }
     *end += u64::from(count);
     Ok(())
-}
-
-impl BlobHeader for Header {
-    const MAGIC: [u8; 8] = *b"\x89HDSCN\r\n";
-    const VERSION: u32 = SCENE_BLOB_VERSION;
-    const NOT_THIS: Error = Error::NotAScene;
-
-    fn byte_order(&self) -> u32 {
-        self.byte_order
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn checksum(&self) -> u32 {
-        self.checksum
-    }
-
-    fn blob_len(&self) -> u64 {
-        let sizes = [
-            (self.nodes, size_of::<Node>()),
-            (self.blocks, size_of::<TriangleBlock>()),
-            (self.scene_nodes, size_of::<Node>()),
-            (self.transforms, size_of::<Affine3A>()),
-            (self.meshes, size_of::<MeshRecord>()),
-            (self.scenes, size_of::<SceneRecord>()),
-            (self.items, size_of::<ItemRecord>()),
-            (self.parts, size_of::<Part>()),
-            (self.numbers, size_of::<u32>()),
-        ];
-        let len = sizes.iter().map(|&(count, each)| u64::from(count) * each as u64).sum::<u64>();
-        (HEADER as u64 + len).next_multiple_of(BLOB_ALIGNMENT as u64)
-    }
 }
 
 #[cfg(any(feature = "alloc", test))]

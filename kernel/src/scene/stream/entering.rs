@@ -1,6 +1,6 @@
 //! Rays that are about to enter items, which are set up eight at a time.
 
-use super::MeshAt;
+use super::trees::MeshAt;
 use crate::bvh::WIDTH;
 use crate::geometry::setup_lanes::{BoxLanes, SetupLanes};
 use crate::geometry::{Aabb, Ray};

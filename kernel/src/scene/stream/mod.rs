@@ -9,14 +9,14 @@
 
 mod answers;
 mod entering;
+mod items;
 mod trees;
 
 pub(super) use answers::{Answers, Nearest, Occluded};
-use entering::Entering;
-use trees::{MeshAt, PlaceTrees};
+use trees::PlaceTrees;
 
 use super::search::Search;
-use super::walk::{MeetItem, Trace};
+use super::walk::Trace;
 use super::{SceneHit, SceneRay, SceneView};
 use crate::bvh::{Child, Node, WIDTH};
 use crate::geometry::setup::NODE_ORIGIN_PAD;
@@ -24,7 +24,9 @@ use crate::geometry::setup_lanes::{BoxLanes, SetupLanes};
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Simd, Work, dispatch};
 use crate::traverse::single::moving::{block_between, node_between};
-use crate::traverse::stream::{ActiveRay, NONE, Next, Stream, places_of};
+#[cfg(doc)]
+use crate::traverse::stream::NONE;
+use crate::traverse::stream::{ActiveRay, Next, Stream, places_of};
 
 /// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
@@ -184,98 +186,6 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         }
     }
 
-    /// Rays meet the first item of the leaf that they visit next.
-    #[inline(always)]
-    fn meet_items<S: Simd>(&mut self, places: u64) {
-        let mut entering = Entering::<S>::none();
-        let mut crowded = 0;
-        for place in places_of(places) {
-            let leaf = self.stream.next(place);
-            if Child::has_more_blocks(leaf)
-                && !self.stream.active[place % ACTIVE].push(Child::without_first_block(leaf))
-            {
-                crowded |= 1 << place;
-                continue;
-            }
-            let number = self.scene.tree().items().get(Child::first_block(leaf) as usize).copied().unwrap_or(u32::MAX);
-            match self.mesh(number, self.ray(place)) {
-                Some((item, mesh, ray)) => {
-                    entering.push(place, item, mesh, &ray);
-                    if entering.is_full() {
-                        crowded |= self.enter::<S>(&entering);
-                        entering.clear();
-                    }
-                }
-                None => self.meet_alone::<S>(place, number),
-            }
-        }
-        crowded |= self.enter::<S>(&entering);
-        self.finish(crowded);
-    }
-
-    /// The item with the box of this number, if the ray sees it and it is made of triangles: its index, where the triangles
-    /// are at the ray's time, and the ray in its space.
-    #[inline(always)]
-    fn mesh(&self, number: u32, SceneRay { ray, time, mask }: &SceneRay) -> Option<(u32, MeshAt<'a>, Ray)> {
-        let (part, item) = self.scene.item_of(number)?;
-        if item.mask & mask == 0 {
-            return None;
-        }
-        let mesh = MeshAt::new(&item.object, *time)?;
-        Some((part.item, mesh, item.placement.to_local(ray, *time)?))
-    }
-
-    /// Takes up to eight rays into items. Gives the places of those whose stacks have no room.
-    #[inline(always)]
-    fn enter<S: Simd>(&mut self, entering: &Entering<'a, S>) -> u64 {
-        let mut crowded = 0;
-        if entering.len == 0 {
-            return crowded;
-        }
-        let setups = entering.set_up();
-        let live = setups.live;
-        let setups = setups.rows::<S>();
-        for (lane, (place, item, mesh)) in entering.iter().enumerate() {
-            if live >> lane & 1 == 0 {
-                self.go_on::<S>(place);
-                continue;
-            }
-            let t_max = self.ray(place).ray.t_max;
-            let active = &mut self.stream.active[place % ACTIVE];
-            if !active.push(NONE) {
-                crowded |= 1 << place;
-                continue;
-            }
-            active.set_up(&setups, lane, A::ANY);
-            let common = SceneHit { geometry_id: item, ..self.common };
-            active.best = self.answers.to_precede(active.number, t_max, &common);
-            self.trees.enter_item(place, item, mesh);
-            self.turned &= !(1 << place);
-            self.visit_next::<S>(place, Child::Node(0).pack());
-        }
-        crowded
-    }
-
-    /// A ray meets what has the box of this number as a single ray does, if it sees that.
-    #[inline(always)]
-    fn meet_alone<S: Simd>(&mut self, place: usize, number: u32) {
-        let ray = *self.ray(place);
-        let is_seen = self.scene.item_of(number).is_some_and(|(_, item)| item.mask & ray.mask != 0);
-        if is_seen {
-            let active = &mut self.stream.active[place % ACTIVE];
-            let mut search = self.answers.search(active.number, ray.ray.t_max);
-            meet(self.scene, &ray, number, &mut search);
-            if search.t_max() < active.best.t {
-                active.best.t = search.t_max();
-                active.cull::<S>(search.t_max());
-            }
-            if self.answers.advance(active.number, search) {
-                return self.end(1 << place);
-            }
-        }
-        self.go_on::<S>(place);
-    }
-
     /// Finishes rays whose stacks are full, each alone, from the scene's root.
     #[inline(always)]
     fn finish(&mut self, crowded: u64) {
@@ -362,10 +272,4 @@ fn set_up<S: Simd>(scene: &SceneView, rows: [S::F8; WIDTH]) -> SetupLanes<WIDTH,
         ez * reach + z.abs() * origin_pad,
     ]);
     setups
-}
-
-/// Not inlined, so that its stack frame is there only while it runs.
-#[inline(never)]
-fn meet<Q: Search>(scene: &SceneView, ray: &SceneRay, number: u32, search: &mut Q) {
-    dispatch(scene.isa(), MeetItem { scene, ray, number, search });
 }
