@@ -47,7 +47,8 @@ struct Header {
     checksum: u32,
 }
 
-const _: () = assert!(size_of::<Header>() == HEADER);
+// Nodes follow the header, and lie aligned where it does.
+const _: () = assert!(size_of::<Header>() == HEADER && HEADER.is_multiple_of(BLOB_ALIGNMENT));
 
 /// Something at an address that suits a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

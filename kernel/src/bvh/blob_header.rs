@@ -3,14 +3,13 @@
 
 use bytemuck::AnyBitPattern;
 
-use super::BLOB_ALIGNMENT;
 use crate::error::Error;
 
 /// What tells the order of bytes.
 pub(crate) const BYTE_ORDER: u32 = 0x0102_0304;
 
-/// Bytes of a header.
-pub(crate) const HEADER: usize = BLOB_ALIGNMENT;
+/// Bytes of a header: one cache line.
+pub(crate) const HEADER: usize = 64;
 
 /// The header of a kind of blob, of [`HEADER`] bytes.
 pub(crate) trait BlobHeader: AnyBitPattern {
