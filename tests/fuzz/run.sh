@@ -21,5 +21,5 @@ cargo fuzz --version || cargo install cargo-fuzz --locked --debug
 for fuzzer in "${fuzzers[@]}"; do
     printf '\n== %s\n' "$fuzzer"
     cargo +nightly fuzz run --fuzz-dir tests/fuzz "$fuzzer" -- \
-        -max_total_time="$seconds" -max_len=4096 -len_control=0 -timeout=60 -print_final_stats=1
+        -max_total_time="$seconds" -max_len=4096 -len_control=0 -timeout=60 -verbosity=0 -print_final_stats=1
 done

@@ -14,6 +14,7 @@ use super::view::SceneSummary;
 use super::{Item, Object, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
 use crate::error::{Error, InvalidScene};
+use crate::geometry::Aabb;
 
 /// A scene that owns its list of items and their tree. What items are is borrowed or shared; where all of it is shared,
 /// by [`Arc`](alloc::sync::Arc), this is a `Scene<'static>`.
@@ -289,6 +290,11 @@ impl<'a> Scene<'a> {
     /// How its own tree is built.
     pub fn options(&self) -> BuildOptions {
         self.options
+    }
+
+    /// Makes the scene's box at least as large, until the next commit.
+    pub(super) fn widen(&mut self, bounds: &Aabb) {
+        self.top.tree.widen(bounds);
     }
 
     fn item_mut(&mut self, handle: Handle) -> Result<&mut Item<'a>, InvalidScene> {

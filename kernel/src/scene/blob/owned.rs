@@ -72,8 +72,11 @@ impl SceneBlob<'_> {
             let mut items = self.records_of(record).iter().map(item).collect::<Result<Vec<_>, Error>>()?;
             // A blob that cannot be traced in place is not to be loaded either.
             let (parts, nodes, numbers) = self.tree_of(record);
-            SceneView::new(&mut items, parts, nodes, numbers)?;
-            scenes.push(Arc::new(Scene::build(items, &options)?.0));
+            let bounds = SceneView::new(&mut items, parts, nodes, numbers)?.bounds();
+            let (mut scene, _) = Scene::build(items, &options)?;
+            // Scenes around it are checked with the box that it has in place, which a forged tree may make too large.
+            scene.widen(&bounds);
+            scenes.push(Arc::new(scene));
         }
         // Nothing is in the last but what is before it, and it is in nothing.
         let scene = scenes.pop().ok_or(Error::BadHeader { field: "number of scenes" })?;

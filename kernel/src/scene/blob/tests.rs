@@ -372,3 +372,23 @@ fn forged_blobs_are_refused() {
     assert!(matches!(forge(&[(parts, 77)]), Error::InvalidTree(InvalidTree::BadItem { .. })));
     assert!(matches!(forge(&[(parts + 4, 1)]), Error::InvalidTree(InvalidTree::BadItem { .. })));
 }
+
+/// Boxes of a scene in another that are larger than they need be hide what the outer tree encloses no more.
+#[test]
+fn what_is_refused_in_place_is_not_loaded() {
+    let original = town().to_bytes().unwrap();
+    let [_, _, scene_nodes, ..] = sections(&original);
+    let (mut refused, mut accepted) = (0, 0);
+    // The planes of the inner scene's root.
+    for word in 0..48 {
+        for value in [1e3f32, -1e3] {
+            let mut blob = original.clone();
+            put(&mut blob, scene_nodes + 4 * word, value.to_bits());
+            let blob = sign(blob);
+            let (borrowed, owned) = (in_place(&blob, |_| ()).err(), Scene::from_bytes(&blob).err());
+            assert_eq!(borrowed, owned, "word {word}, {value}");
+            *(if borrowed.is_some() { &mut refused } else { &mut accepted }) += 1;
+        }
+    }
+    assert!(refused > 0, "{refused} refused, {accepted} accepted");
+}
