@@ -131,7 +131,7 @@ impl<'a> Item<'a> {
     pub(super) fn aabb_at_key(&self, part: u32, key: usize) -> Aabb {
         let (local, key) = match self.object.target() {
             Target::Nothing => return Aabb::EMPTY,
-            Target::Mesh(tree) => (tree.bounds(), key),
+            Target::Mesh(tree) => return self.placement.mesh_aabb(key, &tree),
             Target::Moving(tree) if self.placement.keys() == 1 && tree.keys() > 1 => {
                 // The scene's own fraction of time is rounded otherwise than the tree's.
                 return self.placement.aabb(0, &widened(&tree.at_key(key).bounds(), &tree.bounds()));

@@ -71,6 +71,7 @@
 pub mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
+mod image;
 mod inverse;
 mod item;
 mod near;

@@ -100,13 +100,17 @@ impl TopLevel {
                 return None;
             }
             for (prim_id, part) in (0..).zip(first as usize..end as usize) {
-                let at_key = |key: usize| if count == 0 { Aabb::EMPTY } else { item.aabb(prim_id, key, keys) };
-                let is_seen = (0..keys).all(|key| at_key(key).is_usable());
+                let mut is_seen = true;
+                for key in 0..keys {
+                    let aabb = if count == 0 { Aabb::EMPTY } else { item.aabb(prim_id, key, keys) };
+                    self.boxes[key * parts + part] = aabb;
+                    is_seen &= aabb.is_usable();
+                }
                 if is_seen && !self.is_in_tree[part] {
                     return None;
                 }
-                for key in 0..keys {
-                    self.boxes[key * parts + part] = if is_seen { at_key(key) } else { Aabb::EMPTY };
+                if !is_seen {
+                    (0..keys).for_each(|key| self.boxes[key * parts + part] = Aabb::EMPTY);
                 }
             }
         }

@@ -26,7 +26,9 @@ use core::ops::Deref;
 
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
+use super::image::image_of_mesh;
 use super::inverse::{Inverse, MAX_CONDITION, inverse_norm_between, linear, norm, row_sums, translation};
+use crate::bvh::BvhView;
 use crate::error::{Error, InvalidScene};
 use crate::geometry::moment::Moment;
 use crate::geometry::{Aabb, Ray};
@@ -196,11 +198,22 @@ impl<'a> Placement<'a> {
             Self::AsItIs => *local,
             Self::Flat { .. } => Aabb::EMPTY,
             Self::Still { to_scene, .. } => image_at(&to_scene.get(), local, 0.0),
-            Self::Moving { keys, .. } => {
-                let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
-                let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
-                image_at(&keys[key], local, f64::from(largest.max_element()) * MOVING_PAD)
-            }
+            Self::Moving { keys, .. } => image_at(&keys[key], local, moving_pad(keys, local)),
+        }
+    }
+
+    /// A box around the image of a mesh at a key: no larger than that of its box.
+    pub(super) fn mesh_aabb(&self, key: usize, tree: &BvhView) -> Aabb {
+        let whole = self.aabb(key, &tree.bounds());
+        let (to_scene, pad) = match self {
+            Self::AsItIs | Self::Flat { .. } => return whole,
+            Self::Still { to_scene, .. } => (to_scene.get(), 0.0),
+            Self::Moving { keys, .. } => (keys[key], round_up(moving_pad(keys, &tree.bounds()))),
+        };
+        let Aabb { min, max } = image_of_mesh(&to_scene, tree);
+        match min.is_finite() && max.is_finite() {
+            true => Aabb { min: whole.min.max(min - pad), max: whole.max.min(max + pad) },
+            false => whole,
         }
     }
 
@@ -239,6 +252,13 @@ fn between(keys: &[Affine3A], time: f32) -> Option<(DMat3, DVec3)> {
     let (a, b) = (linear(from), linear(to));
     let linear = DMat3::from_cols(mix(a.x_axis, b.x_axis), mix(a.y_axis, b.y_axis), mix(a.z_axis, b.z_axis));
     Some((linear, mix(translation(from), translation(to))))
+}
+
+/// By what boxes are widened that move with these transforms and a box.
+fn moving_pad(keys: &[Affine3A], local: &Aabb) -> f64 {
+    let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
+    let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
+    f64::from(largest.max_element()) * MOVING_PAD
 }
 
 /// A box around the image of a box, widened by `pad`.
