@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests the npm package under Node.js, and the page in a headless Chromium, beside the program that renders the same.
+# Tests the npm package under Node.js, and the pages in a headless Chromium, beside the program that renders the same.
 # To be run after build.sh.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -8,4 +8,4 @@ cd "$(dirname "$0")"
 npm install --no-package-lock --no-audit --no-fund --silent
 cargo build --release -p halfdome
 
-node --test npm/*.mjs page/test.mjs
+node --test npm/*.mjs page/test.mjs moving/test.mjs

@@ -140,6 +140,11 @@ typedef int32_t hd_status;
 #endif // __cplusplus
 
 /**
+ * A tree of triangles that move. Scenes alone have it, as their rays have a time.
+ */
+typedef struct hd_moving_tree hd_moving_tree;
+
+/**
  * A scene, ready to be traced as it was at its last commit.
  */
 typedef struct hd_scene hd_scene;
@@ -289,7 +294,7 @@ typedef struct hd_hit {
 } hd_hit;
 
 /**
- * Something in a scene: either a tree or a scene, of which there may be many instances.
+ * Something in a scene: either a tree, a scene or a tree that moves, of which there may be many instances.
  */
 typedef struct hd_item {
     /**
@@ -322,6 +327,10 @@ typedef struct hd_item {
      * 0
      */
     uint32_t reserved;
+    /**
+     * The tree of triangles that move, or NULL.
+     */
+    const struct hd_moving_tree *moving;
 } hd_item;
 
 /**
@@ -517,6 +526,22 @@ hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree)
 hd_status hd_tree_load(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
 /**
+ * Builds a tree of key_count meshes, which are copied: the same triangles, in the same order, where they are at times evenly
+ * spaced from 0 to 1; in between they move in straight lines. options may be NULL. Put it in a scene as hd_item's moving.
+ *
+ * HD_ERROR_VALUE if there is no mesh, or if they differ in the number of triangles.
+ */
+hd_status hd_moving_tree_build(const struct hd_mesh *keys,
+                               size_t key_count,
+                               const struct hd_build_options *options,
+                               struct hd_moving_tree **tree);
+
+/**
+ * Frees a tree. Scenes that it is in keep it. NULL is allowed.
+ */
+void hd_moving_tree_free(struct hd_moving_tree *tree);
+
+/**
  * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
  * in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
  * items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
@@ -566,6 +591,23 @@ hd_status hd_scene_instances(const struct hd_scene *scene,
  * Frees a scene, which nobody may be using. Scenes that it is in stay as they are. NULL is allowed.
  */
 void hd_scene_free(struct hd_scene *scene);
+
+/**
+ * Writes a scene as of its last commit as a blob, with all trees and scenes in it: to bytes, if there is room for it, and its
+ * length to *size. Where bytes is NULL and capacity is 0 only the length is written.
+ */
+hd_status hd_scene_save(const struct hd_scene *scene,
+                        uint8_t *bytes,
+                        size_t capacity,
+                        size_t *size);
+
+/**
+ * Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to trace.
+ * Items have the numbers that they had, and handles of generation 0.
+ */
+hd_status hd_scene_load(const uint8_t *bytes,
+                        size_t size,
+                        struct hd_scene **scene);
 
 /**
  * Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their number, and 0.

@@ -31,22 +31,31 @@ pub unsafe extern "C" fn hd_tree_save(
             }
             Memory::Blob { bytes, .. } => bytes,
         };
-        if bytes.is_null() && capacity == 0 {
-            // SAFETY: the caller's promise.
-            *unsafe { room_for_one("size", size) }? = blob.len();
-            return Ok(());
-        }
-        if capacity < blob.len() {
-            let message = format!("capacity is {capacity}, and the blob takes {} bytes", blob.len());
-            return Err(Failure::new(HD_ERROR_SIZE, message));
-        }
-        check("size", size, 1)?;
         // SAFETY: the caller's promise.
-        let (bytes, size) = unsafe { (room("bytes", bytes, blob.len())?, room_for_one("size", size)?) };
-        bytes.copy_from_slice(blob);
-        *size = blob.len();
-        Ok(())
+        unsafe { write_blob(blob, bytes, capacity, size) }
     })
+}
+
+/// Writes a blob where there is room for it, and its length; only that if there is no room at all.
+///
+/// # Safety
+/// That of [`room`].
+pub(crate) unsafe fn write_blob(blob: &[u8], bytes: *mut u8, capacity: usize, size: *mut usize) -> Result<(), Failure> {
+    if bytes.is_null() && capacity == 0 {
+        // SAFETY: the caller's promise.
+        *unsafe { room_for_one("size", size) }? = blob.len();
+        return Ok(());
+    }
+    if capacity < blob.len() {
+        let message = format!("capacity is {capacity}, and the blob takes {} bytes", blob.len());
+        return Err(Failure::new(HD_ERROR_SIZE, message));
+    }
+    check("size", size, 1)?;
+    // SAFETY: the caller's promise.
+    let (bytes, size) = unsafe { (room("bytes", bytes, blob.len())?, room_for_one("size", size)?) };
+    bytes.copy_from_slice(blob);
+    *size = blob.len();
+    Ok(())
 }
 
 /// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and

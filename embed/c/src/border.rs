@@ -139,6 +139,16 @@ pub(crate) unsafe fn versioned<T: Versioned>(name: &str, pointer: *const T) -> R
     }
 }
 
+/// The bytes from one structure of an array to the next: as many as the first says that it has.
+///
+/// # Safety
+/// That of [`versioned`].
+pub(crate) unsafe fn stride<T: Versioned>(name: &str, first: *const T, count: usize) -> Result<usize, Failure> {
+    check(name, first, count)?;
+    // SAFETY: the caller's promise.
+    unsafe { known_size(name, first) }
+}
+
 /// The structure that a function writes; its `struct_size` is set.
 ///
 /// # Safety

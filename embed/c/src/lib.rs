@@ -20,7 +20,11 @@ pub mod trace;
 
 pub mod blob;
 
+pub mod moving;
+
 pub mod scene;
+
+pub mod scene_blob;
 
 pub mod changes;
 

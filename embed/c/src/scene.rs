@@ -8,7 +8,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay};
 
-use crate::border::{Versioned, check, elements, handle, make, room, versioned};
+use crate::border::{Versioned, check, elements, handle, make, room, stride, versioned};
+use crate::moving::hd_moving_tree;
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 use crate::trace::{Filter, Traceable, any, closest, hd_hit, hd_ray};
@@ -17,7 +18,7 @@ use crate::tree::{build_options, hd_build_options, hd_tree};
 /// A scene, ready to be traced as it was at its last commit.
 pub struct hd_scene(pub(crate) Arc<Scene<'static>>);
 
-/// Something in a scene: either a tree or a scene, of which there may be many instances.
+/// Something in a scene: either a tree, a scene or a tree that moves, of which there may be many instances.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct hd_item {
@@ -37,11 +38,14 @@ pub struct hd_item {
     pub mask: u32,
     /// 0
     pub reserved: u32,
+    /// The tree of triangles that move, or NULL.
+    pub moving: *const hd_moving_tree,
 }
 
-// SAFETY: struct_size comes first; numbers and pointers may have any bits.
+// SAFETY: struct_size comes first; numbers and pointers may have any bits, and zeros say that there is nothing new.
 unsafe impl Versioned for hd_item {
     const NAME: &'static str = "hd_item";
+    const FIRST_SIZE: usize = std::mem::offset_of!(Self, moving);
 }
 
 /// A ray with what a scene asks of it besides.
@@ -136,16 +140,18 @@ pub unsafe extern "C" fn hd_scene_build(
 ) -> hd_status {
     guard(|| {
         let build = || {
-            if count > 0 {
-                check("items", items, count)?;
-            }
+            let stride = match count {
+                0 => 0,
+                // SAFETY: the caller's promise.
+                _ => unsafe { stride("items", items, count) }?,
+            };
             // SAFETY: the caller's promise.
             let options = unsafe { build_options(options) }?;
             let mut placed = Vec::new();
             for number in 0..count {
                 // SAFETY: the caller's promise.
-                let made = unsafe { item(&format!("items[{number}]"), items.add(number)) };
-                placed.push(made.map_err(|failure| failure.at(number))?);
+                let made = unsafe { item(&format!("items[{number}]"), items.byte_add(number * stride)) };
+                placed.push(made.map_err(|failure| failure.of("item", number))?);
             }
             let (scene, _) = Scene::build(placed, &options)?;
             Ok(hd_scene(Arc::new(scene)))
@@ -161,15 +167,16 @@ pub unsafe extern "C" fn hd_scene_build(
 /// If `item` is not null, an item lies there whose pointers are null or to as much as it says.
 pub(crate) unsafe fn item(name: &str, item: *const hd_item) -> Result<Item<'static>, Failure> {
     // SAFETY: the caller's promise.
-    let (item, tree, scene) = unsafe {
+    let (item, tree, scene, moving) = unsafe {
         let item = versioned(name, item)?;
-        (item, item.tree.as_ref(), item.scene.as_ref())
+        (item, item.tree.as_ref(), item.scene.as_ref(), item.moving.as_ref())
     };
-    let object = match (tree, scene) {
-        (Some(tree), None) => tree.object(),
-        (None, Some(hd_scene(scene))) => scene.clone().into(),
-        (None, None) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
-        (Some(_), Some(_)) => return Err(Failure::new(HD_ERROR_VALUE, "it has both a tree and a scene")),
+    let object = match (tree, scene, moving) {
+        (Some(tree), None, None) => tree.object(),
+        (None, Some(hd_scene(scene)), None) => scene.clone().into(),
+        (None, None, Some(hd_moving_tree(tree))) => tree.clone().into(),
+        (None, None, None) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
+        _ => return Err(Failure::new(HD_ERROR_VALUE, "it has more than one of a tree, a scene and a tree that moves")),
     };
     let floats = item.transform_count.saturating_mul(12);
     // SAFETY: the caller's promise.

@@ -48,9 +48,9 @@ impl Failure {
         Self { status, message: message.into() }
     }
 
-    /// The same, with the number of the item that is wrong.
-    pub(crate) fn at(self, item: usize) -> Self {
-        Self { message: format!("item {item}: {}", self.message), ..self }
+    /// The same, with what is wrong of several: "item", and its number.
+    pub(crate) fn of(self, what: &str, number: usize) -> Self {
+        Self { message: format!("{what} {number}: {}", self.message), ..self }
     }
 
     fn of_panic(panic: Box<dyn Any + Send>) -> Self {
@@ -68,6 +68,7 @@ impl From<Error> for Failure {
             Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
             Error::InvalidScene(InvalidScene::TooManyPaths { .. }) => HD_ERROR_LIMIT,
             Error::InvalidScene(_) | Error::InvalidMesh(_) | Error::Refit(_) => HD_ERROR_VALUE,
+            Error::InvalidTree(InvalidTree::BadKeys { .. }) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
             Error::OtherByteOrder | Error::OtherVersion { .. } => HD_ERROR_VERSION,
             _ => HD_ERROR_BLOB,

@@ -80,6 +80,39 @@ export function checkMask(mask) {
   return mask;
 }
 
+export function checkTime(time) {
+  if (typeof time !== "number" || Number.isNaN(time)) {
+    throw new RangeError(`time is ${String(time)}, and should be a number from 0 to 1`);
+  }
+}
+
+/** The time of each ray; null if all are at 0. */
+export function checkTimes(time, count) {
+  if (typeof time === "number") {
+    checkTime(time);
+    return time === 0 ? null : new Float32Array(count).fill(time);
+  }
+  if (!(time instanceof Float32Array)) {
+    throw new TypeError(`time is ${typeName(time)}, and should be a number from 0 to 1 or a Float32Array of them`);
+  }
+  checkLength("time", time, count, "rays");
+  checkNumbers("time", time, 1, "ray");
+  return time;
+}
+
+export function checkFilter(filter) {
+  if (filter !== undefined && typeof filter !== "function") {
+    throw new TypeError(`filter is ${typeName(filter)}, and should be a function`);
+  }
+}
+
+export function checkTransforms(matrices) {
+  if (!Array.isArray(matrices) || matrices.length === 0) {
+    throw new TypeError("transforms should be an array of one matrix or more");
+  }
+  return matrices;
+}
+
 export function checkMatrix(matrix) {
   if (matrix === null || typeof matrix !== "object" || matrix.length !== 16) {
     throw new TypeError(`transform is ${typeName(matrix)}, and should be 16 numbers, column by column`);

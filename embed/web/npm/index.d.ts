@@ -25,6 +25,23 @@ export interface Hits {
   triangle: Int32Array;
 }
 
+/** One hit, as a filter sees it. */
+export interface Hit {
+  /** Number of the ray in the batch. */
+  ray: number;
+  t: number;
+  u: number;
+  v: number;
+  triangle: number;
+}
+
+export interface SceneHit extends Hit {
+  instance: number;
+}
+
+/** Says whether a ray ends at a hit; if not it goes on, as through the holes of a texture. Sees a ray's hits nearest first. */
+export type Filter<H> = (hit: H) => boolean;
+
 export interface SceneHits extends Hits {
   /** Number of the instance, or -1 where nothing is hit; of equally near ones the lowest. Scene.instance says which it is. */
   instance: Int32Array;
@@ -64,18 +81,18 @@ export interface Tree {
   readonly simd: boolean;
 
   /**
-   * The nearest hit of each ray, written into `hits` if they are given.
+   * The nearest hit of each ray that `filter` accepts, if there is one, written into `hits` if they are given.
    * @param rays 8 numbers for each ray, see RAY_FLOATS. Directions need no unit length; one of length 0 hits nothing.
    * @throws TypeError if an argument is of the wrong type, or after free()
    * @throws RangeError if a length is wrong, or a number of a ray is NaN
    */
-  closest(rays: Float32Array, hits?: Hits): Hits;
+  closest(rays: Float32Array, options?: { hits?: Hits; filter?: Filter<Hit> }): Hits;
 
   /**
    * Whether each ray hits anything, 1 or 0: quicker than closest().
    * @throws as closest() does
    */
-  any(rays: Float32Array, occluded?: Uint8Array): Uint8Array;
+  any(rays: Float32Array, options?: { occluded?: Uint8Array; filter?: Filter<Hit> }): Uint8Array;
 
   /**
    * All hits of each ray, or the nearest `most`.
@@ -122,7 +139,7 @@ export type Matrix = ArrayLike<number>;
 export interface Mesh {
   readonly triangles: number;
   readonly bytes: number;
-  /** As of a tree; rays see it from the next commit on, in all instances. */
+  /** As of a tree; rays see it from the next commit on, in all instances. Not of a mesh with keys. */
   refit(positions: Float32Array, indices?: Uint32Array | Uint16Array | null): number;
 }
 
@@ -133,6 +150,8 @@ export interface Instance {
   readonly mesh: Mesh;
   /** @throws RangeError if the matrix is nearly flat or not finite. One that scales by 0 hides. */
   setTransform(matrix: Matrix): void;
+  /** Where it is at times evenly spaced from 0 to 1; between these the numbers are interpolated. */
+  setTransforms(matrices: Matrix[]): void;
   /** Rays see it whose mask has a bit in common; 0 hides it. */
   setMask(mask: number): void;
   setMesh(mesh: Mesh): void;
@@ -140,23 +159,37 @@ export interface Instance {
   remove(): void;
 }
 
+/** What the rays of a batch see. */
+export interface SceneRays {
+  /** The instances whose mask has a bit in common. */
+  mask?: number;
+  /** When, from 0 to 1 (0): one time for all rays, or one for each. */
+  time?: number | Float32Array;
+  filter?: Filter<SceneHit>;
+}
+
 /** Meshes at many places that move. Rays see the scene as of its last commit. */
 export interface Scene {
   readonly simd: boolean;
   /** @throws as build() does */
   addMesh(positions: Float32Array, indices?: Uint32Array | Uint16Array | null, options?: MeshOptions): Mesh;
-  /** Adds an instance: where its own coordinates say, and for all rays to see, unless told otherwise. */
-  insert(mesh: Mesh, options?: { transform?: Matrix; mask?: number }): Instance;
+  /** A mesh that changes its shape: positions at times evenly spaced from 0 to 1, between which vertices move in lines. */
+  addMovingMesh(keys: Float32Array[], indices?: Uint32Array | Uint16Array | null, options?: MeshOptions): Mesh;
+  /**
+   * Adds an instance: where its own coordinates say, and for all rays to see, unless told otherwise. `transforms` in place of
+   * `transform`: see setTransforms.
+   */
+  insert(mesh: Mesh, options?: { transform?: Matrix; transforms?: Matrix[]; mask?: number }): Instance;
   /** The instance of this number; undefined if it was removed. */
   instance(number: number): Instance | undefined;
   /** Makes all changes since the last commit. Gives the number of instances that rays can see if their masks allow. */
   commit(): number;
 
-  /** As of a tree. Rays see the instances whose mask has a bit in common with `mask`. */
-  closest(rays: Float32Array, options?: { hits?: SceneHits; mask?: number }): SceneHits;
-  any(rays: Float32Array, options?: { occluded?: Uint8Array; mask?: number }): Uint8Array;
-  allHits(rays: Float32Array, options?: { most?: number; mask?: number }): AllSceneHits;
-  closestPoint(points: Float32Array, options?: { radius?: number; mask?: number }): ClosestScenePoints;
+  /** As of a tree. What rays see: see SceneRays. */
+  closest(rays: Float32Array, options?: { hits?: SceneHits } & SceneRays): SceneHits;
+  any(rays: Float32Array, options?: { occluded?: Uint8Array } & SceneRays): Uint8Array;
+  allHits(rays: Float32Array, options?: { most?: number } & Omit<SceneRays, "filter">): AllSceneHits;
+  closestPoint(points: Float32Array, options?: { radius?: number; mask?: number; time?: number }): ClosestScenePoints;
 
   free(): void;
 }

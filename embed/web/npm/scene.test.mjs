@@ -167,3 +167,78 @@ test("wrong arguments have errors that say what would be right, and leave the sc
   assert.throws(() => scene.closest(downAt(0)), refuses(TypeError, "this scene was freed"));
   assert.throws(() => instance.setMask(1), refuses(TypeError, "this scene was freed"));
 });
+
+test("a filter lets rays go on, past many hits too", async () => {
+  for (const simd of [false, true]) {
+    const tree = await build(layers(40), null, { simd });
+    const seen = [];
+    const filter = ({ ray, triangle, t, u, v }) => {
+      seen.push([ray, triangle]);
+      assert.deepEqual([t, u, v], [2 + triangle, 0.25, 0.25]);
+      return triangle === [0, 30, 99, 5][ray];
+    };
+    const rays = downAt(0, 0, 0, 0, 9);
+    assert.deepEqual([...tree.closest(rays, { filter }).triangle], [0, 30, -1, 5, -1]);
+    // Each hit is judged once, nearest first.
+    const ofRay = (ray) => seen.filter(([number]) => number === ray).map(([, triangle]) => triangle);
+    const upTo = (count) => Array.from({ length: count }, (_, i) => i);
+    assert.deepEqual([0, 1, 2, 3, 4].map(ofRay), [1, 31, 40, 6, 0].map(upTo));
+    assert.deepEqual([...tree.any(rays, { filter })], [1, 1, 0, 1, 0]);
+    const scene = await createScene({ simd });
+    const mesh = scene.addMesh(layers(2));
+    [0, 0, 8].forEach((x) => scene.insert(mesh, { transform: moved(x) }));
+    scene.commit();
+    const last = scene.closest(downAt(0, 8), { filter: ({ ray, instance, triangle }) => ray === 1 || (instance === 1 && triangle === 1) });
+    assert.deepEqual([[...last.instance], [...last.triangle]], [[1, 2], [1, 0]]);
+    assert.throws(() => tree.any(rays, { filter: 1 }), refuses(TypeError, "filter is 1, and should be a function"));
+    assert.throws(() => tree.closest(rays, { filter: () => { throw new Error("mine"); } }), /mine/);
+    assert.equal(tree.closest(rays).triangle[0], 0);
+  }
+});
+
+test("what moves while the shutter is open is where rays have their time", async () => {
+  for (const simd of [false, true]) {
+    const scene = await createScene({ simd });
+    const slides = scene.insert(scene.addMesh(layers(1)), { transforms: [moved(0), moved(8)] });
+    const sinks = scene.addMovingMesh([layers(1, 20), layers(1, 20).map((x, i) => (i % 3 === 2 ? x - 4 : x))]);
+    assert.deepEqual([sinks.triangles, scene.insert(sinks).number], [1, 1]);
+    scene.commit();
+    const at = (xs, time, more = {}) => {
+      const { instance, t } = scene.closest(downAt(...xs), { time, ...more });
+      return [...instance].map((number, i) => (number < 0 ? null : [number, t[i]]));
+    };
+    assert.deepEqual(at([0, 8, 20], 0), [[0, 2], null, [1, 2]]);
+    assert.deepEqual(at([0, 8, 4, 20], 1), [null, [0, 2], null, [1, 6]]);
+    assert.deepEqual(at([0, 4, 20], 0.5), [null, [0, 2], [1, 4]]);
+    assert.deepEqual(at([0, 4, 20], new Float32Array([0, 0.5, 0.25])), [[0, 2], [0, 2], [1, 3]]);
+    assert.deepEqual(at([0, 4, 20], new Float32Array([0, 0.5, 0.25]), { filter: ({ ray }) => ray > 0 }), [null, [0, 2], [1, 3]]);
+    // More rays than go over at once, each with its time; and none has the time of those before.
+    const xs = Array.from({ length: 9000 }, (_, i) => 8 * (i % 2));
+    const times = Float32Array.from(xs, (x) => x / 8);
+    assert.ok(scene.any(downAt(...xs), { time: times }).every((hit) => hit === 1));
+    assert.deepEqual([...scene.any(downAt(0, 8))], [1, 0]);
+    assert.deepEqual([...scene.allHits(downAt(0, 8), { time: 1 }).starts], [0, 0, 1]);
+    assert.equal(scene.closestPoint(new Float32Array([20, 0, 0]), { time: 1 }).distance[0], 4);
+    slides.setTransforms([moved(50), moved(60), moved(50)]);
+    scene.commit();
+    assert.deepEqual(at([50, 60], 0.5), [null, [0, 2]]);
+    slides.setTransform(moved(3));
+    scene.commit();
+    assert.deepEqual(at([3], 0.7), [[0, 2]]);
+    for (const [call, type, message] of [
+      [() => at([0], NaN), RangeError, "time is NaN, and should be a number from 0 to 1"],
+      [() => at([0], "1"), TypeError, "time is 1, and should be a number from 0 to 1 or a Float32Array of them"],
+      [() => at([0], new Float32Array(2)), RangeError, "time has 2 elements for 1 rays"],
+      [() => at([0], new Float32Array([NaN])), RangeError, "time[0], of ray 0, is NaN"],
+      [() => slides.setTransforms([]), TypeError, "transforms should be an array of one matrix or more"],
+      [() => slides.setTransforms([moved(0), [1]]), TypeError, "transform is an Array, and should be 16 numbers, column by column"],
+      [() => slides.setTransforms([moved(0), new Array(15).fill(0).concat(1)]), RangeError, null],
+      [() => scene.addMovingMesh([]), TypeError, "keys should be an array of one Float32Array of positions or more"],
+      [() => scene.addMovingMesh([layers(1), layers(2)]), RangeError, "the keys have 9 and 18 numbers, and should have as many"],
+      [() => sinks.refit(layers(1)), TypeError, "this mesh has keys, and takes no others: addMovingMesh makes a new one"],
+    ]) {
+      assert.throws(call, message === null ? type : refuses(type, message));
+    }
+    assert.deepEqual(at([3], 0.7), [[0, 2]]);
+  }
+});

@@ -148,10 +148,10 @@ test("no triangles, no rays, and triangles that cannot be hit", async () => {
 test("answers go where they are wanted", async () => {
   const tree = await build(SQUARE, new Uint16Array(SQUARE_INDICES));
   const hits = { t: new Float32Array(1), u: new Float32Array(1), v: new Float32Array(1), triangle: new Int32Array(1) };
-  assert.equal(tree.closest(DOWN, hits), hits);
+  assert.equal(tree.closest(DOWN, { hits }), hits);
   assert.deepEqual([hits.t[0], hits.triangle[0]], [2, 0]);
   const occluded = new Uint8Array(1);
-  assert.equal(tree.any(DOWN, occluded), occluded);
+  assert.equal(tree.any(DOWN, { occluded }), occluded);
   assert.equal(occluded[0], 1);
 });
 
@@ -184,9 +184,9 @@ test("wrong arguments have errors that say what would be right, and leave the tr
     [() => tree.closest(), TypeError, "rays is undefined, and should be a Float32Array"],
     [() => tree.closest(new Float32Array(9)), RangeError, "rays has 9 numbers, which are not a multiple of 8"],
     [() => tree.any(new Float32Array(16).fill(NaN, 11)), RangeError, "rays[11], of ray 1, is NaN"],
-    [() => tree.closest(DOWN, 7), TypeError, "hits is 7, and should hold the arrays t, u, v and triangle"],
-    [() => tree.closest(DOWN, { t: new Float32Array(1) }), TypeError, "hits.u is undefined, and should be a Float32Array"],
-    [() => tree.any(DOWN, new Uint8Array(2)), RangeError, "occluded has 2 elements for 1 rays"],
+    [() => tree.closest(DOWN, { hits: 7 }), TypeError, "hits is 7, and should hold the arrays t, u, v and triangle"],
+    [() => tree.closest(DOWN, { hits: { t: new Float32Array(1) } }), TypeError, "hits.u is undefined, and should be a Float32Array"],
+    [() => tree.any(DOWN, { occluded: new Uint8Array(2) }), RangeError, "occluded has 2 elements for 1 rays"],
   ];
   for (const [call, type, message] of tracing) {
     assert.throws(call, refuses(type, message));
@@ -229,14 +229,40 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
       assert.equal(calls.commit, undefined);
       continue;
     }
-    const { matrix } = calls;
-    put(matrix(), new Float32Array(16).fill(NaN));
+    const { matrices } = calls;
+    put(matrices(1), new Float32Array(16).fill(NaN));
     assert.equal(calls.insert(0, -1), -1, "NaN is no place");
-    put(matrix(), new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]));
+    put(matrices(2), new Float32Array(32).fill(NaN));
+    assert.equal(calls.insert(0, -1), -1, "nor are two NaNs");
+    put(matrices(1), new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]));
     assert.equal(calls.insert(7, -1), -1, "there is no mesh 7");
     assert.equal(calls.insert(0, -1), 0);
     assert.deepEqual([calls.set_transform(1), calls.set_mask(1, 1), calls.set_mesh(1, 0), calls.set_mesh(0, 1), calls.remove(1)], [-1, -1, -1, -1, -1]);
     assert.equal(calls.commit(), 1);
+    assert.equal(new Int32Array(memory.buffer, calls.scene_closest(1, -1), 5)[4], 0);
+    assert.equal(calls.add_moving_mesh(2), -1, "there is no key");
+    put(positions(9), SQUARE.subarray(0, 9));
+    put(indices(3), new Uint32Array([0, 1, 3]));
+    assert.equal(calls.add_key(), -1, "vertex 3 does not exist");
+    for (const corners of [9, 18]) {
+      put(positions(corners), new Float32Array(corners));
+      indices(0);
+      assert.equal(calls.add_key(), 0);
+    }
+    assert.equal(calls.add_moving_mesh(2), -1, "keys differ in length");
+    put(positions(9), SQUARE.subarray(0, 9));
+    calls.add_key();
+    assert.equal(calls.add_moving_mesh(3), -1, "quality 3 does not exist");
+    put(positions(9), SQUARE.subarray(0, 9));
+    calls.add_key();
+    assert.equal(calls.add_moving_mesh(2), 1);
+    assert.equal(calls.refit(1), -1, "it has keys");
+    assert.equal(new Int32Array(memory.buffer, calls.closest(1, 1), 4)[3], -1, "only scenes trace it");
+    // Times of fewer rays than there are.
+    put(matrices(1), new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]));
+    calls.insert(1, -1);
+    calls.times(0);
+    assert.equal(calls.commit(), 2);
     assert.equal(new Int32Array(memory.buffer, calls.scene_closest(1, -1), 5)[4], 0);
   }
 });

@@ -8,6 +8,7 @@
 mod answer;
 #[cfg(feature = "scene")]
 pub mod scene;
+mod tree;
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use halfdome_kernel::mesh::{IndexedMesh, Indices, Positions};
 use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray, Serial};
 
 use answer::Answer;
+use tree::Tree;
 
 /// All that an instance has, but for its scene.
 #[derive(Default)]
@@ -26,13 +28,24 @@ struct State {
     rays: Vec<Ray>,
     /// Coordinates, and how far to look.
     points: Vec<[f32; 4]>,
-    meshes: Vec<Arc<Bvh>>,
+    meshes: Vec<Tree>,
     answer: Answer,
 }
 
 impl State {
+    /// Adds a mesh: its number.
+    fn add(&mut self, tree: Tree) -> i32 {
+        self.meshes.push(tree);
+        self.meshes.len() as i32 - 1
+    }
+
     fn rays(&self, count: usize) -> &[Ray] {
         &self.rays[..count.min(self.rays.len())]
+    }
+
+    /// The tree over a mesh that keeps its shape.
+    fn still(&self, mesh: usize) -> Option<&Bvh> {
+        self.meshes.get(mesh).and_then(Tree::still)
     }
 
     fn points(&self, count: usize) -> &[[f32; 4]] {
@@ -80,21 +93,20 @@ pub extern "C" fn add_mesh(quality: usize) -> i32 {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             let options = BuildOptions::from(*Quality::ALL.get(quality)?);
             let (bvh, _) = Bvh::build_mesh(&mesh(&positions, &indices)?, &options).ok()?;
-            state.meshes.push(Arc::new(bvh));
-            i32::try_from(state.meshes.len() - 1).ok()
+            Some(state.add(Tree::Still(Arc::new(bvh))))
         })
         .unwrap_or(-1)
 }
 
 /// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was when the
-/// tree was built; -1 if the triangles are not those of the tree.
+/// tree was built; -1 if the triangles are not those of the tree, or if it is one that changes its shape.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn refit(number: usize) -> f32 {
     STATE
         .with_borrow_mut(|state| {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             // A scene that has the tree keeps it as it is.
-            let bvh = Arc::make_mut(state.meshes.get_mut(number)?);
+            let bvh = Arc::make_mut(state.meshes.get_mut(number)?.still_mut()?);
             Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, &indices)?).ok()?.decay)
         })
         .unwrap_or(-1.0)
@@ -103,16 +115,13 @@ pub extern "C" fn refit(number: usize) -> f32 {
 /// How many triangles a mesh has that can be hit.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn triangles(mesh: usize) -> usize {
-    STATE.with_borrow(|state| {
-        let blocks = state.meshes.get(mesh).into_iter().flat_map(|bvh| bvh.view().blocks());
-        blocks.flat_map(|block| block.prim_id).filter(|&prim_id| prim_id != Hit::NO_PRIM).count()
-    })
+    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, Tree::triangles))
 }
 
 /// The bytes that a mesh takes.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn bytes(mesh: usize) -> usize {
-    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, |bvh| bvh.statistics().bytes))
+    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, Tree::bytes))
 }
 
 /// Traces `count` of the rays to their nearest hits with a mesh; see `Answer` for what is at the address.
@@ -120,7 +129,7 @@ pub extern "C" fn bytes(mesh: usize) -> usize {
 pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
         let mut hits = vec![Hit::MISS; count.min(state.rays.len())];
-        if let Some(bvh) = state.meshes.get(mesh) {
+        if let Some(bvh) = state.still(mesh) {
             bvh.view().intersect_many(state.rays(count), &mut hits);
         }
         state.answer.clear();
@@ -134,7 +143,7 @@ pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
 pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
         let mut occluded = vec![false; count.min(state.rays.len())];
-        if let Some(bvh) = state.meshes.get(mesh) {
+        if let Some(bvh) = state.still(mesh) {
             bvh.view().occluded_many(state.rays(count), &mut occluded);
         }
         state.answer.clear();
@@ -150,7 +159,7 @@ pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32
     STATE.with_borrow_mut(|state| {
         let (mut hits, mut ends) = (Vec::new(), Vec::new());
         for ray in state.rays(count) {
-            if let Some(bvh) = state.meshes.get(mesh) {
+            if let Some(bvh) = state.still(mesh) {
                 hits.extend(bvh.view().hits(ray).take(most));
             }
             ends.push(hits.len() as u32);
@@ -167,7 +176,7 @@ pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
-        let bvh = state.meshes.get(mesh);
+        let bvh = state.still(mesh);
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
             let found = bvh.and_then(|bvh| bvh.view().closest_point(Vec3::new(x, y, z), radius));
             found.map_or((Vec3::NAN, Hit::MISS), |found| {

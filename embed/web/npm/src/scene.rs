@@ -1,16 +1,26 @@
 //! A scene of the instance's meshes: items that come, move and go.
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Vec3};
+use halfdome_kernel::bvh::MovingBvh;
+use halfdome_kernel::mesh::Mesh;
 use halfdome_kernel::scene::{Handle, Scene};
-use halfdome_kernel::{Item, Quality, SceneHit, SceneRay};
+use halfdome_kernel::{BuildOptions, Item, Quality, SceneHit, SceneRay, Triangle};
 
 use crate::answer::Answer;
-use crate::{STATE, State};
+use crate::tree::Tree;
+use crate::{STATE, State, mesh, room};
 
+#[derive(Default)]
 struct Stage {
-    matrix: [f32; 16],
+    /// Where the next item is: at times evenly spaced from 0 to 1, if there are several.
+    matrices: Vec<[f32; 16]>,
+    /// When each of the rays is; none if all are at 0.
+    times: Vec<f32>,
+    /// The triangles of the next mesh that changes its shape, at its keys.
+    keys: Vec<Vec<Triangle>>,
     scene: Scene<'static>,
     /// The mesh of each item, by its number.
     meshes: Vec<usize>,
@@ -18,21 +28,53 @@ struct Stage {
 
 thread_local! {
     static STAGE: RefCell<Stage> =
-        RefCell::new(Stage { matrix: [0.0; 16], scene: Scene::new(Quality::Fast.into()), meshes: Vec::new() });
+        RefCell::new(Stage { scene: Scene::new(Quality::Fast.into()), ..Stage::default() });
 }
 
-/// Room for a matrix of 16 numbers, column by column.
+/// Room for `count` matrices of 16 numbers, column by column: its address, or 0 if there is no memory left.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn matrix() -> *mut f32 {
-    STAGE.with_borrow_mut(|stage| stage.matrix.as_mut_ptr())
+pub extern "C" fn matrices(count: usize) -> *mut [f32; 16] {
+    STAGE.with_borrow_mut(|stage| room(&mut stage.matrices, count, [0.0; 16]))
 }
 
-/// Adds an item where the matrix takes a mesh: its number, or -1 if there is no such mesh or the matrix is refused.
+/// Room for the times of `count` rays: its address, or 0. With room for none all rays are at time 0.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn times(count: usize) -> *mut f32 {
+    STAGE.with_borrow_mut(|stage| room(&mut stage.times, count, 0.0))
+}
+
+/// Adds a key to the next mesh that changes its shape, from the positions and indices, which it forgets. 0, or -1 if it refuses
+/// them.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn add_key() -> i32 {
+    with_both(|stage, state| {
+        let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
+        let mesh = mesh(&positions, &indices)?;
+        stage.keys.push((0..mesh.len()).map(|number| mesh.triangle(number)).collect());
+        Some(0)
+    })
+    .unwrap_or(-1)
+}
+
+/// Builds a tree over the keys, which it forgets, as `add_mesh` does.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn add_moving_mesh(quality: usize) -> i32 {
+    with_both(|stage, state| {
+        let keys = std::mem::take(&mut stage.keys);
+        let keys: Vec<&[Triangle]> = keys.iter().map(Vec::as_slice).collect();
+        let options = BuildOptions::from(*Quality::ALL.get(quality)?);
+        let (bvh, _) = MovingBvh::build(&keys, &options).ok()?;
+        Some(state.add(Tree::Moving(Arc::new(bvh))))
+    })
+    .unwrap_or(-1)
+}
+
+/// Adds an item where the matrices take a mesh: its number, or -1 if there is no such mesh or a matrix is refused.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn insert(mesh: usize, mask: u32) -> i32 {
-    with_both(|Stage { matrix, scene, meshes }, state| {
-        let item = Item::new(state.meshes.get(mesh)?.clone()).with_mask(mask).placed(&transform(matrix));
-        let index = scene.insert(item.ok()?).index();
+    with_both(|Stage { matrices, scene, meshes, .. }, state| {
+        let item = placed(Item::new(state.meshes.get(mesh)?.object()).with_mask(mask), matrices);
+        let index = scene.insert(item?).index();
         let place = index as usize;
         meshes.resize(meshes.len().max(place + 1), usize::MAX);
         meshes[place] = mesh;
@@ -47,16 +89,23 @@ pub extern "C" fn follow(mesh: usize) {
     with_both(|Stage { scene, meshes, .. }, state| {
         let items = (0..).zip(meshes.iter()).filter(|&(_, own)| *own == mesh);
         for handle in items.filter_map(|(index, _)| scene.handle(index)).collect::<Vec<Handle>>() {
-            scene.set_object(handle, state.meshes.get(mesh)?.clone()).ok()?;
+            scene.set_object(handle, state.meshes.get(mesh)?.object()).ok()?;
         }
         Some(())
     });
 }
 
-/// Puts an item where the matrix takes its mesh. 0, or -1 if that is refused.
+/// Puts an item where the matrices take its mesh. 0, or -1 if that is refused.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_transform(item: u32) -> i32 {
-    change(item, |Stage { matrix, scene, .. }, handle| scene.set_transform(handle, &transform(matrix)).ok())
+    change(item, |Stage { matrices, scene, .. }, handle| {
+        if let [only] = &matrices[..] {
+            return scene.set_transform(handle, &transform(only)).ok();
+        }
+        let old = scene.get(handle)?;
+        let item = placed(Item::new(old.object().clone()).with_mask(old.mask()), matrices)?;
+        scene.set_item(handle, item).ok()
+    })
 }
 
 /// Says who sees an item. 0, or -1 if there is no such.
@@ -69,8 +118,8 @@ pub extern "C" fn set_mask(item: u32, mask: u32) -> i32 {
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_mesh(item: u32, mesh: usize) -> i32 {
     change(item, |Stage { scene, meshes, .. }, handle| {
-        let bvh = STATE.with_borrow(|state| state.meshes.get(mesh).cloned())?;
-        scene.set_object(handle, bvh).ok()?;
+        let object = STATE.with_borrow(|state| state.meshes.get(mesh).map(Tree::object))?;
+        scene.set_object(handle, object).ok()?;
         *meshes.get_mut(item as usize)? = mesh;
         Some(())
     })
@@ -93,7 +142,7 @@ pub extern "C" fn commit() -> i32 {
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn scene_closest(count: usize, mask: u32) -> *const u32 {
     with_both(|stage, state| {
-        let rays = rays(state, count, mask);
+        let rays = stage.rays(state, count, mask);
         let mut hits = vec![SceneHit::MISS; rays.len()];
         stage.scene.view().intersect_many(&rays, &mut hits);
         state.answer.clear();
@@ -106,7 +155,7 @@ pub extern "C" fn scene_closest(count: usize, mask: u32) -> *const u32 {
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn scene_any(count: usize, mask: u32) -> *const u32 {
     with_both(|stage, state| {
-        let rays = rays(state, count, mask);
+        let rays = stage.rays(state, count, mask);
         let mut occluded = vec![false; rays.len()];
         stage.scene.view().occluded_many(&rays, &mut occluded);
         state.answer.clear();
@@ -122,7 +171,7 @@ pub extern "C" fn scene_all_hits(count: usize, most: usize, mask: u32) -> *const
     with_both(|stage, state| {
         let scene = stage.scene.view();
         let (mut hits, mut ends) = (Vec::new(), Vec::new());
-        for ray in rays(state, count, mask) {
+        for ray in stage.rays(state, count, mask) {
             let first = hits.len();
             hits.resize(first + scene.count_hits(&ray).min(most), SceneHit::MISS);
             scene.nearest_hits(&ray, &mut hits[first..]);
@@ -135,14 +184,14 @@ pub extern "C" fn scene_all_hits(count: usize, most: usize, mask: u32) -> *const
     })
 }
 
-/// Finds what is closest to `count` of the points. Gives the address of what [`scene_closest`] gives, with distances for `t`,
+/// Finds what is closest to `count` of the points at a time. Gives the address of what [`scene_closest`] gives, with distances for `t`,
 /// and behind that three coordinates for each.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
-pub extern "C" fn scene_closest_points(count: usize, mask: u32) -> *const u32 {
+pub extern "C" fn scene_closest_points(count: usize, mask: u32, time: f32) -> *const u32 {
     with_both(|stage, state| {
         let scene = stage.scene.view();
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
-            scene.closest_point(Vec3::new(x, y, z), radius, 0.0, mask).unwrap_or((Vec3::NAN, SceneHit::MISS))
+            scene.closest_point(Vec3::new(x, y, z), radius, time, mask).unwrap_or((Vec3::NAN, SceneHit::MISS))
         };
         let (places, hits): (Vec<Vec3>, Vec<SceneHit>) = state.points(count).iter().map(closest).unzip();
         state.answer.clear();
@@ -157,8 +206,21 @@ fn push_hits(answer: &mut Answer, hits: &[SceneHit]) {
     answer.push_words(hits.iter().map(|hit| hit.geometry_id));
 }
 
-fn rays(state: &State, count: usize, mask: u32) -> Vec<SceneRay> {
-    state.rays(count).iter().map(|&ray| SceneRay::new(ray).with_mask(mask)).collect()
+impl Stage {
+    fn rays(&self, state: &State, count: usize, mask: u32) -> Vec<SceneRay> {
+        let times = self.times.iter().copied().chain(std::iter::repeat(0.0));
+        let ray = |(&ray, time)| SceneRay::new(ray).with_mask(mask).at_time(time);
+        state.rays(count).iter().zip(times).map(ray).collect()
+    }
+}
+
+/// The item where the matrices take it; `None` if one is refused.
+fn placed(item: Item<'static>, matrices: &[[f32; 16]]) -> Option<Item<'static>> {
+    match matrices {
+        [] => Some(item),
+        [only] => item.placed(&transform(only)).ok(),
+        keys => item.moving_shared(keys.iter().map(transform).collect()).ok(),
+    }
 }
 
 fn with_both<T>(work: impl FnOnce(&mut Stage, &mut State) -> T) -> T {

@@ -1,0 +1,60 @@
+//! The trees over meshes.
+
+use std::sync::Arc;
+
+use halfdome_kernel::{Bvh, Hit};
+#[cfg(feature = "scene")]
+use halfdome_kernel::{bvh::MovingBvh, scene::Object};
+
+/// The tree over a mesh, which a scene shares.
+pub(crate) enum Tree {
+    Still(Arc<Bvh>),
+    /// Of a mesh that changes its shape between keys; only scenes have rays with a time.
+    #[cfg(feature = "scene")]
+    Moving(Arc<MovingBvh>),
+}
+
+impl Tree {
+    pub(crate) fn still(&self) -> Option<&Bvh> {
+        match self {
+            Self::Still(bvh) => Some(bvh),
+            #[cfg(feature = "scene")]
+            Self::Moving(_) => None,
+        }
+    }
+
+    pub(crate) fn still_mut(&mut self) -> Option<&mut Arc<Bvh>> {
+        match self {
+            Self::Still(bvh) => Some(bvh),
+            #[cfg(feature = "scene")]
+            Self::Moving(_) => None,
+        }
+    }
+
+    /// What a scene has of it.
+    #[cfg(feature = "scene")]
+    pub(crate) fn object(&self) -> Object<'static> {
+        match self {
+            Self::Still(bvh) => bvh.clone().into(),
+            Self::Moving(bvh) => bvh.clone().into(),
+        }
+    }
+
+    /// How many triangles it has that can be hit.
+    pub(crate) fn triangles(&self) -> usize {
+        let blocks = match self {
+            Self::Still(bvh) => bvh.view().blocks(),
+            #[cfg(feature = "scene")]
+            Self::Moving(bvh) => bvh.view().blocks(0),
+        };
+        blocks.iter().flat_map(|block| block.prim_id).filter(|&prim_id| prim_id != Hit::NO_PRIM).count()
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Still(bvh) => bvh.statistics().bytes,
+            #[cfg(feature = "scene")]
+            Self::Moving(bvh) => bvh.bytes(),
+        }
+    }
+}
