@@ -68,9 +68,10 @@ use super::material_table::{self, MaterialTable};
 use super::moving::add_motion;
 use super::nearest::suggestion;
 use super::objects::{InstanceTable, ObjectTable, Objects, read_instances, read_objects};
+use super::overrides::options::Source;
 use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
-use super::{IntegratorOverrides, Overrides, Place, Scene, SceneError, Sharing};
+use super::{Overrides, Place, Scene, SceneError, Sharing};
 
 /// What a scene file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,105 +88,11 @@ pub struct SceneFile {
     pub instances: Vec<InstanceTable>,
 }
 
-/// The sections of a scene file with their keys.
-const SECTIONS: [(&str, &[&str]); 5] = [
-    (
-        "scene",
-        &[
-            "file",
-            "emission",
-            "lights",
-            "light_radius",
-            "sun_angle",
-            "variant",
-            "instances",
-            "frame",
-            "fps",
-            "animation",
-        ],
-    ),
-    (
-        "camera",
-        &[
-            "type",
-            "eye",
-            "target",
-            "up",
-            "vfov",
-            "focal_length",
-            "sensor",
-            "sensor_fit",
-            "shift",
-            "aperture",
-            "f_number",
-            "focus",
-            "focus_at",
-            "blades",
-            "blade_rotation",
-            "anamorphic",
-            "mm_per_unit",
-            "ortho_height",
-            "ortho_width",
-            "ipd",
-            "fisheye",
-            "fov",
-            "near",
-            "far",
-            "model_clip",
-            "rays",
-            "shutter",
-            "shutter_ramp",
-            "shutter_keys",
-        ],
-    ),
-    (
-        "film",
-        &[
-            "width",
-            "height",
-            "filter",
-            "filter_width",
-            "sharpness",
-            "aov",
-            "aov_through",
-            "cryptomatte",
-            "cryptomatte_levels",
-            "light_groups",
-        ],
-    ),
-    (
-        "render",
-        &[
-            "spp",
-            "sampler",
-            "seed",
-            "build",
-            "integrator",
-            "max_depth",
-            "lights",
-            "stop",
-            "cutoff",
-            "add_back",
-            "roulette_after",
-            "survival",
-            "clamp_indirect",
-            "guide",
-            "bounces",
-            "rays",
-            "sampling",
-            "ao_weighting",
-            "ao_distance",
-            "cache_error",
-            "gradients",
-            "metric",
-            "layout",
-            "record_rays",
-            "cache_bounces",
-            "accuracy",
-        ],
-    ),
-    ("sky", &["radiance", "picture", "rotation", "scale", "daylight", "daylight_model", "daylight_albedo"]),
-];
+/// The sections of a scene file that hold options.
+const SECTIONS: [&str; 5] = ["scene", "camera", "film", "render", "sky"];
+
+/// Tables of which there may be many.
+const TABLES: [&str; 5] = ["light", "material", "object", "instance", "aov"];
 
 /// Reads a scene: the model at `path`, or the scene file (`.toml`) and the model that it names.
 pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
@@ -262,6 +169,21 @@ struct Parser<'a> {
     text: &'a str,
 }
 
+/// An entry of a section.
+struct EntryOf<'a> {
+    parser: &'a Parser<'a>,
+    section: &'a str,
+    entry: &'a Entry<'a>,
+}
+
+impl Source for EntryOf<'_> {
+    type Error = SceneError;
+
+    fn read<T>(&self, reading: fn(&Value) -> Result<T, Expected>) -> Result<T, SceneError> {
+        self.parser.read(reading, self.section, self.entry)
+    }
+}
+
 impl Parser<'_> {
     fn parse(&self) -> Result<SceneFile, SceneError> {
         let document = DeTable::parse(self.text).map_err(|error| {
@@ -292,15 +214,11 @@ impl Parser<'_> {
                 overrides.light.added = light_table::read(self.path, self.text, section.value, section.at.start)?;
                 continue;
             }
-            let sections: Vec<&str> = SECTIONS
-                .iter()
-                .map(|&(name, _)| name)
-                .chain(["light", "material", "object", "instance", "aov"])
-                .collect();
-            let Some((_, keys)) = SECTIONS.iter().find(|(name, _)| *name == section.name) else {
+            if !SECTIONS.contains(&section.name) {
                 let problem = format!("unknown section {:?}", section.name);
-                return Err(self.error(section.at.start, problem, suggestion(section.name, &sections)));
-            };
+                let known = [SECTIONS, TABLES].concat();
+                return Err(self.error(section.at.start, problem, suggestion(section.name, &known)));
+            }
             let DeValue::Table(table) = section.value else {
                 let problem = format!("`{}` is not a section", section.name);
                 return Err(self.error(section.at.start, problem, format!("write [{}] on a line", section.name)));
@@ -308,11 +226,11 @@ impl Parser<'_> {
             for entry in entries(table) {
                 if (section.name, entry.name) == ("scene", "file") {
                     model = Some(self.file("scene", "a model", &entry)?);
-                } else if keys.contains(&entry.name) {
-                    self.set(&mut overrides, section.name, &entry)?;
-                } else {
+                } else if !self.set(&mut overrides, section.name, &entry)? {
                     let problem = format!("unknown key {:?} in [{}]", entry.name, section.name);
-                    return Err(self.error(entry.at.start, problem, suggestion(entry.name, keys)));
+                    let mut keys = Overrides::keys(section.name);
+                    keys.extend((section.name == "scene").then_some("file"));
+                    return Err(self.error(entry.at.start, problem, suggestion(entry.name, &keys)));
                 }
             }
         }
@@ -323,115 +241,15 @@ impl Parser<'_> {
         Ok(SceneFile { model, overrides, materials, objects, instances })
     }
 
-    /// Sets the option that `entry` of `section` stands for; it is one of `SECTIONS`.
-    fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
-        match entry.name {
-            _ if section == "camera" && !entry.name.starts_with("shutter") => self.set_camera(to, section, entry)?,
-            "lights" if section == "scene" => {
-                to.light.light_units = Some(self.read(value::light_units, section, entry)?)
-            }
-            "light_radius" => to.light.light_radius = Some(self.read(value::light_radius, section, entry)?),
-            "sun_angle" => to.light.sun_angle = Some(self.read(value::sun_angle, section, entry)?),
-            "variant" => to.variant = Some(self.read(value::text, section, entry)?),
-            "instances" => to.instances = Some(self.read(value::sharing, section, entry)?),
-            "frame" => to.moment.frame = Some(self.read(value::frame, section, entry)?),
-            "fps" => to.moment.fps = Some(self.read(value::fps, section, entry)?),
-            "animation" => to.moment.animations = Some(self.read(value::names, section, entry)?),
-            "shutter" => to.moment.shutter = Some(self.read(value::shutter, section, entry)?),
-            "shutter_ramp" => to.moment.shutter_ramp = Some(self.read(value::shutter_ramp, section, entry)?),
-            "shutter_keys" => to.moment.shutter_keys = Some(self.read(value::shutter_keys, section, entry)?),
-            "emission" => to.light.emits_both_sides = Some(self.read(value::emission, section, entry)?),
-            "width" => to.width = Some(self.read(value::side, section, entry)?),
-            "height" => to.height = Some(self.read(value::side, section, entry)?),
-            "filter" => to.filter = Some(self.read(value::filter, section, entry)?),
-            "filter_width" => to.filter_width = Some(self.read(value::filter_width, section, entry)?),
-            "sharpness" => to.sharpness = Some(self.read(value::sharpness, section, entry)?),
-            "aov" => to.aov = Some(self.read(value::flag, section, entry)?),
-            "aov_through" => to.aov_through = Some(self.read(value::flag, section, entry)?),
-            "cryptomatte" => to.cryptomatte = Some(self.read(value::matte_kinds, section, entry)?),
-            "cryptomatte_levels" => to.cryptomatte_levels = Some(self.read(value::matte_levels, section, entry)?),
-            "light_groups" => to.light_groups = Some(self.read(value::flag, section, entry)?),
-            "spp" => to.spp = Some(self.read(value::count, section, entry)?),
-            "sampler" => to.sampler = Some(self.read(value::sampler, section, entry)?),
-            "seed" => to.seed = Some(self.read(value::seed, section, entry)?),
-            "build" => to.build = Some(self.read(value::quality, section, entry)?),
-            "radiance" => to.light.sky = Some(self.read(value::radiance, section, entry)?),
-            "picture" => to.light.sky_light.picture = Some(self.file(section, "a picture", entry)?),
-            "rotation" => to.light.sky_light.rotation = Some(self.read(value::degrees, section, entry)?),
-            "scale" => to.light.sky_light.scale = Some(self.read(value::scale, section, entry)?),
-            "daylight" => to.light.sky_light.daylight = Some(self.read(value::daylight, section, entry)?),
-            "daylight_model" => {
-                to.light.sky_light.daylight_model = Some(self.read(value::daylight_model, section, entry)?)
-            }
-            "daylight_albedo" => to.light.sky_light.daylight_albedo = Some(self.read(value::albedo, section, entry)?),
-            _ => self.set_integrator(&mut to.integrator, section, entry)?,
+    /// Sets the option that `entry` of `section` stands for; whether there is one.
+    fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<bool, SceneError> {
+        match (section, entry.name) {
+            ("scene", "animation") => to.moment.animations = Some(self.read(value::names, section, entry)?),
+            ("camera", "rays") => to.camera.rays = Some(self.file(section, "a file of rays", entry)?),
+            ("sky", "picture") => to.light.sky_light.picture = Some(self.file(section, "a picture", entry)?),
+            (section, key) => return to.set_key(section, key, &EntryOf { parser: self, section, entry }),
         }
-        Ok(())
-    }
-
-    /// Sets an option of the camera.
-    fn set_camera(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
-        let camera = &mut to.camera;
-        match entry.name {
-            "eye" => to.eye = Some(self.read(value::point, section, entry)?),
-            "target" => to.target = Some(self.read(value::point, section, entry)?),
-            "up" => to.up = Some(self.read(value::direction, section, entry)?),
-            "vfov" => to.vfov = Some(self.read(value::vfov, section, entry)?),
-            "type" => camera.kind = Some(self.read(value::camera_kind, section, entry)?),
-            "focal_length" => camera.focal_length = Some(self.read(value::length, section, entry)?),
-            "sensor" => camera.sensor = Some(self.read(value::sensor, section, entry)?),
-            "sensor_fit" => camera.sensor_fit = Some(self.read(value::sensor_fit, section, entry)?),
-            "shift" => camera.shift = Some(self.read(value::shift, section, entry)?),
-            "aperture" => camera.aperture = Some(self.read(value::aperture, section, entry)?),
-            "f_number" => camera.f_number = Some(self.read(value::length, section, entry)?),
-            "focus" => camera.focus = Some(self.read(value::length, section, entry)?),
-            "focus_at" => camera.focus_at = Some(self.read(value::point, section, entry)?),
-            "blades" => camera.blades = Some(self.read(value::blades, section, entry)?),
-            "blade_rotation" => camera.blade_rotation = Some(self.read(value::degrees, section, entry)?),
-            "anamorphic" => camera.anamorphic = Some(self.read(value::anamorphic, section, entry)?),
-            "mm_per_unit" => camera.mm_per_unit = Some(self.read(value::length, section, entry)?),
-            "ortho_height" => camera.ortho_height = Some(self.read(value::length, section, entry)?),
-            "ortho_width" => camera.ortho_width = Some(self.read(value::length, section, entry)?),
-            "ipd" => camera.ipd = Some(self.read(value::aperture, section, entry)?),
-            "fisheye" => camera.fisheye = Some(self.read(value::fisheye, section, entry)?),
-            "fov" => camera.fov = Some(self.read(value::fisheye_fov, section, entry)?),
-            "near" => camera.near = Some(self.read(value::near, section, entry)?),
-            "far" => camera.far = Some(self.read(value::length, section, entry)?),
-            "model_clip" => camera.model_clip = Some(self.read(value::flag, section, entry)?),
-            "rays" => camera.rays = Some(self.file(section, "a file of rays", entry)?),
-            name => unreachable!("[{section}] {name} is listed, but sets nothing"),
-        }
-        Ok(())
-    }
-
-    /// Sets an option that belongs to an integrator.
-    fn set_integrator(&self, to: &mut IntegratorOverrides, section: &str, entry: &Entry<'_>) -> Result<(), SceneError> {
-        match entry.name {
-            "integrator" => to.integrator = Some(self.read(value::integrator, section, entry)?),
-            "max_depth" => to.max_depth = Some(self.read(value::count, section, entry)?),
-            "lights" => to.lights = Some(self.read(value::lights, section, entry)?),
-            "stop" => to.stop = Some(self.read(value::stop, section, entry)?),
-            "cutoff" => to.cutoff = Some(self.read(value::fraction, section, entry)?),
-            "add_back" => to.add_back = Some(self.read(value::flag, section, entry)?),
-            "roulette_after" => to.roulette_after = Some(self.read(value::number, section, entry)?),
-            "survival" => to.survival = Some(self.read(value::survival, section, entry)?),
-            "clamp_indirect" => to.clamp_indirect = Some(self.read(value::clamp, section, entry)?),
-            "guide" => to.guide = Some(self.read(value::guide, section, entry)?),
-            "bounces" => to.bounces = Some(self.read(value::number, section, entry)?),
-            "rays" => to.rays = Some(self.read(value::count, section, entry)?),
-            "sampling" => to.sampling = Some(self.read(value::hemisphere_sampling, section, entry)?),
-            "ao_weighting" => to.ao_weighting = Some(self.read(value::ao_weighting, section, entry)?),
-            "ao_distance" => to.ao_distance = Some(self.read(value::distance, section, entry)?),
-            "cache_error" => to.cached.cache_error = Some(self.read(value::cache_error, section, entry)?),
-            "gradients" => to.cached.gradients = Some(self.read(value::gradients, section, entry)?),
-            "metric" => to.cached.metric = Some(self.read(value::metric, section, entry)?),
-            "layout" => to.cached.layout = Some(self.read(value::gather_layout, section, entry)?),
-            "record_rays" => to.cached.record_rays = Some(self.read(value::record_rays, section, entry)?),
-            "accuracy" => to.cached.accuracy = Some(self.read(value::accuracy, section, entry)?),
-            "cache_bounces" => to.cached.cache_bounces = Some(self.read(value::cache_bounces, section, entry)?),
-            name => unreachable!("[{section}] {name} is listed, but sets nothing"),
-        }
-        Ok(())
+        Ok(true)
     }
 
     fn read<T>(

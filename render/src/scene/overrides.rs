@@ -9,19 +9,19 @@ mod integrator;
 mod light;
 mod moment;
 mod optics;
+pub(crate) mod options;
 mod pose;
 mod sky;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use glam::Vec3;
 use halfdome_kernel::Quality;
 use halfdome_kernel::sampling::Pattern;
 
 use super::nearest::suggestion;
-use super::value::{self, MatteKinds, argument};
+use super::value::{self, MatteKinds};
 use super::{Scene, Sharing};
 use crate::settings::{Aov, Cryptomatte, Filter, Invalid, MAX_SIDE, Settings};
 
@@ -31,107 +31,104 @@ pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
 pub use moment::MomentOverrides;
 pub(crate) use optics::MM_PER_UNIT;
+use options::{Or, Source, options};
 pub use sky::SkyOverrides;
 
-/// Options that are set here; the others are `None` and leave things as they are.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-pub struct Overrides {
-    /// Position of the camera, in the model's units
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
-    #[arg(value_parser = argument(value::point))]
-    pub eye: Option<Vec3>,
-    /// The point in the middle of the picture
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
-    #[arg(value_parser = argument(value::point))]
-    pub target: Option<Vec3>,
-    /// Up direction of the picture [default: 0,1,0 for a new camera, else the model's]
-    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
-    #[arg(value_parser = argument(value::direction))]
-    pub up: Option<Vec3>,
-    /// Vertical field of view in degrees [default: 40 for a new camera, else the model's]
-    #[arg(long, value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
-    #[arg(value_parser = argument(value::vfov))]
-    pub vfov: Option<f32>,
-    /// The kind of camera and what it has.
-    #[command(flatten)]
-    pub camera: CameraOverrides,
-
-    /// Width of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
-    #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
-    pub width: Option<u32>,
-    /// Height of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
-    #[arg(value_parser = argument(value::side), allow_negative_numbers = true)]
-    pub height: Option<u32>,
-    /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness [default:
-    /// box]
-    #[arg(long, value_name = "NAME", help_heading = "Film", value_parser = argument(value::filter))]
-    pub filter: Option<String>,
-    /// Full width of the filter in pixels [default: depends on the filter]
-    #[arg(long, value_name = "PIXELS", help_heading = "Film")]
-    #[arg(value_parser = argument(value::filter_width), allow_negative_numbers = true)]
-    pub filter_width: Option<f32>,
-    /// Sharpness of the mitchell filter, from 0 (soft) to 1 (sharp)
-    #[arg(long, value_name = "S", help_heading = "Film")]
-    #[arg(value_parser = argument(value::sharpness), allow_negative_numbers = true)]
-    pub sharpness: Option<f32>,
-
-    /// The integrator and its options.
-    #[command(flatten)]
-    pub integrator: IntegratorOverrides,
-    /// Samples per pixel [default: the model's, or 64]
-    #[arg(long, value_name = "N", help_heading = "Render")]
-    #[arg(value_parser = argument(value::count), allow_negative_numbers = true)]
-    pub spp: Option<u32>,
-    /// Sequence of random numbers: random, sobol or r2 [default: sobol]
-    #[arg(long, value_name = "NAME", help_heading = "Render", value_parser = argument(value::sampler))]
-    pub sampler: Option<Pattern>,
-    /// Seed of the random numbers [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Render")]
-    #[arg(value_parser = argument(value::seed), allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
-    #[arg(long, value_name = "QUALITY", help_heading = "Render", value_parser = argument(value::quality))]
-    pub build: Option<Quality>,
-    /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA and HalfB
-    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
-    pub aov: Option<bool>,
-    /// With --aov: where the first surface is a mirror or clear glass, the channels are of what it shows, as --denoise has
-    /// them
-    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
-    pub aov_through: Option<bool>,
-
-    /// Add Cryptomatte 1.2 masks to the EXR: object, material or both, as object,material
-    #[arg(long, value_name = "KINDS", help_heading = "Film", value_parser = argument(value::matte_kinds))]
-    pub cryptomatte: Option<MatteKinds>,
-    /// How many names a pixel has in a Cryptomatte at most [default: 6]
-    #[arg(long, value_name = "N", help_heading = "Film", value_parser = argument(value::matte_levels))]
-    pub cryptomatte_levels: Option<u32>,
-    /// Add an AOV of the light of some paths to the EXR, for example --lpe direct=CDL: a name, and a light path
-    /// expression as in Open Shading Language; can be given several times
-    #[arg(long = "lpe", value_name = "NAME=EXPR", help_heading = "Film", value_parser = Aov::parse)]
-    pub aovs: Vec<Aov>,
-    /// Add an AOV of the light of each light group to the EXR: of lights by their names, or by their keys `group`
-    #[arg(long, help_heading = "Film", num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
-    pub light_groups: Option<bool>,
-
-    /// The lights and the sky.
-    #[command(flatten)]
-    pub light: LightOverrides,
-    /// Material variant of the model to use (glTF's KHR_materials_variants)
-    #[arg(long, value_name = "NAME", help_heading = "Model")]
-    pub variant: Option<String>,
-    /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have
-    /// over a million triangles [default: auto]
-    #[arg(long, value_name = "WHEN", help_heading = "Model", value_parser = argument(value::sharing))]
-    pub instances: Option<Sharing>,
-    /// The moment of the model's animations.
-    #[command(flatten)]
-    pub moment: MomentOverrides,
+options! {
+    /// Options that are set here; the others are `None` and leave things as they are.
+    pub struct Overrides;
+    options {
+        /// Position of the camera, in the model's units
+        #[arg(value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+        eye: Vec3 = value::point, in "camera";
+        /// The point in the middle of the picture
+        #[arg(value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+        target: Vec3 = value::point, in "camera";
+        /// Up direction of the picture [default: 0,1,0 for a new camera, else the model's]
+        #[arg(value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true)]
+        up: Vec3 = value::direction, in "camera";
+        /// Vertical field of view in degrees [default: 40 for a new camera, else the model's]
+        #[arg(value_name = "DEGREES", help_heading = "Camera", allow_hyphen_values = true)]
+        vfov: f32 = value::vfov, in "camera";
+        /// Width of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
+        #[arg(value_name = "PIXELS", help_heading = "Film")]
+        #[arg(allow_negative_numbers = true)]
+        width: u32 = value::side, in "film";
+        /// Height of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
+        #[arg(value_name = "PIXELS", help_heading = "Film")]
+        #[arg(allow_negative_numbers = true)]
+        height: u32 = value::side, in "film";
+        /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness [default:
+        /// box]
+        #[arg(value_name = "NAME", help_heading = "Film")]
+        filter: String = value::filter, in "film";
+        /// Full width of the filter in pixels [default: depends on the filter]
+        #[arg(value_name = "PIXELS", help_heading = "Film")]
+        #[arg(allow_negative_numbers = true)]
+        filter_width: f32 = value::filter_width, in "film";
+        /// Sharpness of the mitchell filter, from 0 (soft) to 1 (sharp)
+        #[arg(value_name = "S", help_heading = "Film")]
+        #[arg(allow_negative_numbers = true)]
+        sharpness: f32 = value::sharpness, in "film";
+        /// Samples per pixel [default: the model's, or 64]
+        #[arg(value_name = "N", help_heading = "Render")]
+        #[arg(allow_negative_numbers = true)]
+        spp: u32 = value::count, in "render";
+        /// Sequence of random numbers: random, sobol or r2 [default: sobol]
+        #[arg(value_name = "NAME", help_heading = "Render")]
+        sampler: Pattern = value::sampler, in "render";
+        /// Seed of the random numbers [default: 0]
+        #[arg(value_name = "N", help_heading = "Render")]
+        #[arg(allow_negative_numbers = true)]
+        seed: u64 = value::seed, in "render";
+        /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
+        #[arg(value_name = "QUALITY", help_heading = "Render")]
+        build: Quality = value::quality, in "render";
+        /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA and HalfB
+        #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "BOOL", default_missing_value = "true")]
+        aov: bool = value::flag, in "film";
+        /// With --aov: where the first surface is a mirror or clear glass, the channels are of what it shows, as --denoise has
+        /// them
+        #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "BOOL", default_missing_value = "true")]
+        aov_through: bool = value::flag, in "film";
+        /// Add Cryptomatte 1.2 masks to the EXR: object, material or both, as object,material
+        #[arg(value_name = "KINDS", help_heading = "Film")]
+        cryptomatte: MatteKinds = value::matte_kinds, in "film";
+        /// How many names a pixel has in a Cryptomatte at most [default: 6]
+        #[arg(value_name = "N", help_heading = "Film")]
+        cryptomatte_levels: u32 = value::matte_levels, in "film";
+        /// Add an AOV of the light of each light group to the EXR: of lights by their names, or by their keys `group`
+        #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "BOOL", default_missing_value = "true")]
+        light_groups: bool = value::flag, in "film";
+        /// Material variant of the model to use (glTF's KHR_materials_variants)
+        #[arg(value_name = "NAME", help_heading = "Model")]
+        variant: String = value::text, in "scene";
+        /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have
+        /// over a million triangles [default: auto]
+        #[arg(value_name = "WHEN", help_heading = "Model")]
+        instances: Sharing = value::sharing, in "scene";
+    }
+    others {
+        /// The kind of camera and what it has.
+        #[command(flatten)]
+        camera: CameraOverrides;
+        /// The integrator and its options.
+        #[command(flatten)]
+        integrator: IntegratorOverrides;
+        /// Add an AOV of the light of some paths to the EXR, for example --lpe direct=CDL: a name, and a light path
+        /// expression as in Open Shading Language; can be given several times
+        #[arg(long = "lpe", value_name = "NAME=EXPR", help_heading = "Film", value_parser = Aov::parse)]
+        aovs: Vec<Aov>;
+        /// The lights and the sky.
+        #[command(flatten)]
+        light: LightOverrides;
+        /// The moment of the model's animations.
+        #[command(flatten)]
+        moment: MomentOverrides;
+    }
 }
 
 impl Overrides {
@@ -147,33 +144,33 @@ impl Overrides {
         if self.camera.replaces_vfov() {
             fallback.vfov = None;
         }
-        Self {
-            eye: self.eye.or(fallback.eye),
-            target: self.target.or(fallback.target),
-            up: self.up.or(fallback.up),
-            vfov: self.vfov.or(fallback.vfov),
-            camera: self.camera.or(fallback.camera),
-            width: self.width.or(fallback.width),
-            height: self.height.or(fallback.height),
-            filter: self.filter.or(fallback.filter),
-            filter_width: self.filter_width.or(fallback.filter_width),
-            sharpness: self.sharpness.or(fallback.sharpness),
-            integrator: self.integrator.or(fallback.integrator),
-            spp: self.spp.or(fallback.spp),
-            sampler: self.sampler.or(fallback.sampler),
-            seed: self.seed.or(fallback.seed),
-            build: self.build.or(fallback.build),
-            aov: self.aov.or(fallback.aov),
-            aov_through: self.aov_through.or(fallback.aov_through),
-            cryptomatte: self.cryptomatte.or(fallback.cryptomatte),
-            cryptomatte_levels: self.cryptomatte_levels.or(fallback.cryptomatte_levels),
-            aovs: join(self.aovs, fallback.aovs),
-            light_groups: self.light_groups.or(fallback.light_groups),
-            light: self.light.or(fallback.light),
-            variant: self.variant.or(fallback.variant),
-            instances: self.instances.or(fallback.instances),
-            moment: self.moment.or(fallback.moment),
-        }
+        self.or_each(fallback)
+    }
+
+    /// The keys that a section of a scene file may have.
+    pub(crate) fn keys(section: &str) -> Vec<&'static str> {
+        let groups = [
+            Self::KEYS,
+            CameraOverrides::KEYS,
+            MomentOverrides::KEYS,
+            IntegratorOverrides::KEYS,
+            CachedOverrides::KEYS,
+            LightOverrides::KEYS,
+            SkyOverrides::KEYS,
+        ];
+        groups.concat().into_iter().filter(|(of, _)| *of == section).map(|(_, key)| key).collect()
+    }
+
+    /// Sets the option that a key of a scene file stands for; whether there is one.
+    pub(crate) fn set_key<S: Source>(&mut self, section: &str, key: &str, source: &S) -> Result<bool, S::Error> {
+        let Self { camera, moment, integrator, light, .. } = self;
+        Ok(camera.set(section, key, source)?
+            || moment.set(section, key, source)?
+            || integrator.set(section, key, source)?
+            || integrator.cached.set(section, key, source)?
+            || light.set(section, key, source)?
+            || light.sky_light.set(section, key, source)?
+            || self.set(section, key, source)?)
     }
 
     /// Whether the camera at these options' eye and target is a new one, which has nothing of the model's.
@@ -274,12 +271,14 @@ impl Overrides {
     }
 }
 
-/// These AOVs, and of the others those with other names.
-fn join(aovs: Vec<Aov>, others: Vec<Aov>) -> Vec<Aov> {
-    let is_other = |other: &Aov| aovs.iter().all(|aov| aov.name != other.name);
-    let mut joined: Vec<Aov> = others.into_iter().filter(is_other).collect();
-    joined.extend(aovs);
-    joined
+impl Or for Vec<Aov> {
+    /// These AOVs, and of the others those with other names.
+    fn or(self, others: Self) -> Self {
+        let is_other = |other: &Aov| self.iter().all(|aov| aov.name != other.name);
+        let mut joined: Self = others.into_iter().filter(is_other).collect();
+        joined.extend(self);
+        joined
+    }
 }
 
 /// Shows a variant of the model's materials.

@@ -4,138 +4,94 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use glam::{Vec2, Vec3};
 
-use super::super::value::{self, argument};
+use super::super::value;
 use super::super::{CameraKind, FisheyeMapping, Optics, Projection, SensorFit};
 use super::Overrides;
+use super::options::options;
 use crate::settings::Invalid;
 
-/// Options that are set here; the others are `None` and leave the model's camera, or a new one's defaults.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-#[command(next_help_heading = "Camera")]
-pub struct CameraOverrides {
-    /// Kind of camera: perspective, orthographic, panorama, fisheye, cube or rays [default: the model's, or perspective]
-    #[arg(id = "camera", long, value_name = "KIND", value_parser = argument(value::camera_kind))]
-    pub kind: Option<CameraKind>,
-    /// perspective: focal length in mm, in place of --vfov
-    #[arg(long, value_name = "MM", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub focal_length: Option<f32>,
-    /// perspective: width and height of the sensor in mm, for focal length and f-number [default: 36,24]
-    #[arg(long, value_name = "W,H", value_parser = argument(value::sensor), allow_hyphen_values = true)]
-    pub sensor: Option<Vec2>,
-    /// Side of the picture that the sensor fits: auto (its width is the longer side), horizontal (its width is the width)
-    /// or vertical (its height is the height) [default: auto]
-    #[arg(long, value_name = "SIDE", value_parser = argument(value::sensor_fit))]
-    pub sensor_fit: Option<SensorFit>,
-    /// perspective, orthographic: shift of the lens to the right and up, in parts of the side that the sensor fits, as
-    /// Blender's Shift X and Y [default: 0,0]
-    #[arg(long, value_name = "X,Y", value_parser = argument(value::shift), allow_hyphen_values = true)]
-    pub shift: Option<Vec2>,
-    /// perspective, orthographic: diameter of the lens's aperture in mm; 0 is a pinhole [default: 0]
-    #[arg(long, value_name = "MM", value_parser = argument(value::aperture), allow_negative_numbers = true)]
-    pub aperture: Option<f32>,
-    /// perspective: the aperture as the focal length over its diameter
-    #[arg(long, value_name = "N", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub f_number: Option<f32>,
-    /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is given]
-    #[arg(long, value_name = "DISTANCE", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub focus: Option<f32>,
-    /// A point at whose distance along the view a lens is sharp, in place of --focus
-    #[arg(long, value_name = "X,Y,Z", value_parser = argument(value::point), allow_hyphen_values = true)]
-    pub focus_at: Option<Vec3>,
-    /// Blades of the aperture, which make it a polygon, from 3 on; 0 is a disc [default: 0]
-    #[arg(long, value_name = "N", value_parser = argument(value::blades), allow_negative_numbers = true)]
-    pub blades: Option<u32>,
-    /// Turn of the blades in degrees, from right to up; at 0 a corner is on the right [default: 0]
-    #[arg(long, value_name = "DEGREES", value_parser = argument(value::degrees), allow_negative_numbers = true)]
-    pub blade_rotation: Option<f32>,
-    /// Height of the aperture over its width: 2 for anamorphic lenses with a squeeze of 2 [default: 1]
-    #[arg(long, value_name = "RATIO", value_parser = argument(value::anamorphic), allow_negative_numbers = true)]
-    pub anamorphic: Option<f32>,
-    /// Millimetres in one of the model's units, for aperture and eye distance [default: 1000, for metres]
-    #[arg(long, value_name = "MM", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub mm_per_unit: Option<f32>,
-    /// orthographic: height of what is seen, in the model's units [default: the model's, or what a perspective camera sees
-    /// at the target, if one is given]
-    #[arg(long, value_name = "LENGTH", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub ortho_height: Option<f32>,
-    /// orthographic: its width, in place of the height
-    #[arg(long, value_name = "LENGTH", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub ortho_width: Option<f32>,
-    /// panorama: distance of two eyes in mm, 64 for most people; the upper half of the picture is the left eye's [default:
-    /// one eye]
-    #[arg(long, value_name = "MM", value_parser = argument(value::aperture), allow_negative_numbers = true)]
-    pub ipd: Option<f32>,
-    /// fisheye: how distance from the middle grows with the angle: equidistant or equisolid [default: equidistant]
-    #[arg(long, value_name = "MAPPING", value_parser = argument(value::fisheye))]
-    pub fisheye: Option<FisheyeMapping>,
-    /// fisheye: angle that the disc sees, in degrees, up to 360 [default: 180]
-    #[arg(long, value_name = "DEGREES", value_parser = argument(value::fisheye_fov), allow_negative_numbers = true)]
-    pub fov: Option<f32>,
-    /// Nothing nearer is seen: along the view of perspective and orthographic cameras, from the eye of others [default: 0]
-    #[arg(long, value_name = "DISTANCE", value_parser = argument(value::near), allow_negative_numbers = true)]
-    pub near: Option<f32>,
-    /// Nothing farther is seen [default: no limit]
-    #[arg(long, value_name = "DISTANCE", value_parser = argument(value::length), allow_negative_numbers = true)]
-    pub far: Option<f32>,
-    /// Clip at the planes of the model's camera, where --near and --far do not say otherwise (glTF's znear and zfar)
-    #[arg(long, num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
-    pub model_clip: Option<bool>,
-    /// rays: the ray of each pixel, a line `ox oy oz dx dy dz` for each, or an EXR with channels of these names
-    #[arg(id = "camera-rays", long, value_name = "FILE")]
-    pub rays: Option<PathBuf>,
+options! {
+    /// Options that are set here; the others are `None` and leave the model's camera, or a new one's defaults.
+    #[command(next_help_heading = "Camera")]
+    pub struct CameraOverrides;
+    options {
+        /// Kind of camera: perspective, orthographic, panorama, fisheye, cube or rays [default: the model's, or perspective]
+        #[arg(id = "camera", value_name = "KIND")]
+        kind: CameraKind = value::camera_kind, in "camera" "type";
+        /// perspective: focal length in mm, in place of --vfov
+        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        focal_length: f32 = value::length, in "camera";
+        /// perspective: width and height of the sensor in mm, for focal length and f-number [default: 36,24]
+        #[arg(value_name = "W,H", allow_hyphen_values = true)]
+        sensor: Vec2 = value::sensor, in "camera";
+        /// Side of the picture that the sensor fits: auto (its width is the longer side), horizontal (its width is the width)
+        /// or vertical (its height is the height) [default: auto]
+        #[arg(value_name = "SIDE")]
+        sensor_fit: SensorFit = value::sensor_fit, in "camera";
+        /// perspective, orthographic: shift of the lens to the right and up, in parts of the side that the sensor fits, as
+        /// Blender's Shift X and Y [default: 0,0]
+        #[arg(value_name = "X,Y", allow_hyphen_values = true)]
+        shift: Vec2 = value::shift, in "camera";
+        /// perspective, orthographic: diameter of the lens's aperture in mm; 0 is a pinhole [default: 0]
+        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        aperture: f32 = value::aperture, in "camera";
+        /// perspective: the aperture as the focal length over its diameter
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        f_number: f32 = value::length, in "camera";
+        /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is given]
+        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        focus: f32 = value::length, in "camera";
+        /// A point at whose distance along the view a lens is sharp, in place of --focus
+        #[arg(value_name = "X,Y,Z", allow_hyphen_values = true)]
+        focus_at: Vec3 = value::point, in "camera";
+        /// Blades of the aperture, which make it a polygon, from 3 on; 0 is a disc [default: 0]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        blades: u32 = value::blades, in "camera";
+        /// Turn of the blades in degrees, from right to up; at 0 a corner is on the right [default: 0]
+        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        blade_rotation: f32 = value::degrees, in "camera";
+        /// Height of the aperture over its width: 2 for anamorphic lenses with a squeeze of 2 [default: 1]
+        #[arg(value_name = "RATIO", allow_negative_numbers = true)]
+        anamorphic: f32 = value::anamorphic, in "camera";
+        /// Millimetres in one of the model's units, for aperture and eye distance [default: 1000, for metres]
+        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        mm_per_unit: f32 = value::length, in "camera";
+        /// orthographic: height of what is seen, in the model's units [default: the model's, or what a perspective camera sees
+        /// at the target, if one is given]
+        #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
+        ortho_height: f32 = value::length, in "camera";
+        /// orthographic: its width, in place of the height
+        #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
+        ortho_width: f32 = value::length, in "camera";
+        /// panorama: distance of two eyes in mm, 64 for most people; the upper half of the picture is the left eye's [default:
+        /// one eye]
+        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        ipd: f32 = value::aperture, in "camera";
+        /// fisheye: how distance from the middle grows with the angle: equidistant or equisolid [default: equidistant]
+        #[arg(value_name = "MAPPING")]
+        fisheye: FisheyeMapping = value::fisheye, in "camera";
+        /// fisheye: angle that the disc sees, in degrees, up to 360 [default: 180]
+        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        fov: f32 = value::fisheye_fov, in "camera";
+        /// Nothing nearer is seen: along the view of perspective and orthographic cameras, from the eye of others [default: 0]
+        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        near: f32 = value::near, in "camera";
+        /// Nothing farther is seen [default: no limit]
+        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        far: f32 = value::length, in "camera";
+        /// Clip at the planes of the model's camera, where --near and --far do not say otherwise (glTF's znear and zfar)
+        #[arg(num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "BOOL", default_missing_value = "true")]
+        model_clip: bool = value::flag, in "camera";
+    }
+    others {
+        /// rays: the ray of each pixel, a line `ox oy oz dx dy dz` for each, or an EXR with channels of these names
+        #[arg(id = "camera-rays", long, value_name = "FILE")]
+        rays: Option<PathBuf>, in "camera";
+    }
 }
-
-/// What can be done with each option but the kind.
-macro_rules! each_option {
-    ($($option:ident),+) => {
-        impl CameraOverrides {
-            /// The names of these options, and whether they are set.
-            fn given(&self) -> impl Iterator<Item = (&'static str, bool)> {
-                [$((stringify!($option), self.$option.is_some())),+].into_iter()
-            }
-
-            /// Without the options that are not among `used`.
-            fn only(mut self, used: &[&str]) -> Self {
-                $(if !used.contains(&stringify!($option)) {
-                    self.$option = None;
-                })+
-                self
-            }
-
-            fn or_each(self, fallback: Self) -> Self {
-                Self { kind: self.kind.or(fallback.kind), $($option: self.$option.or(fallback.$option)),+ }
-            }
-        }
-    };
-}
-
-each_option!(
-    focal_length,
-    sensor,
-    sensor_fit,
-    shift,
-    aperture,
-    f_number,
-    focus,
-    focus_at,
-    blades,
-    blade_rotation,
-    anamorphic,
-    mm_per_unit,
-    ortho_height,
-    ortho_width,
-    ipd,
-    fisheye,
-    fov,
-    near,
-    far,
-    model_clip,
-    rays
-);
 
 impl CameraKind {
     /// The kind of a camera that is there.

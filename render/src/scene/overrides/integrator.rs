@@ -2,77 +2,80 @@
 //!
 //! An option that the integrator would not use is refused: whoever gives it expects something else than would happen.
 
-use clap::Args;
-
-use super::super::value::{self, argument};
+use super::super::value;
+use super::options::options;
 use super::{CachedOverrides, replace};
 use crate::settings::{
     AoWeighting, HemisphereSampling, Integrator, Invalid, LightSampling, PathOptions, Stop, Survival,
 };
 
-/// Options that are set here; the others are `None` and leave the integrator's defaults.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-#[command(next_help_heading = "Integrator")]
-pub struct IntegratorOverrides {
-    /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each), direct
-    /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), normals or albedo
-    /// [default: path]
-    #[arg(long, value_name = "NAME", value_parser = argument(value::integrator))]
-    pub integrator: Option<Integrator>,
-    /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
-    /// most surfaces seen through mirrors and glass [default: 32]
-    #[arg(long, value_name = "N", value_parser = argument(value::count), allow_negative_numbers = true)]
-    pub max_depth: Option<u32>,
-    /// path, heat: how light is found: naive (bounces hit emitters by chance), direct (light sampling) or mis (both, by
-    /// multiple importance sampling) [default: mis]
-    #[arg(long, value_name = "HOW", value_parser = argument(value::lights))]
-    pub lights: Option<LightSampling>,
-    /// path, heat: what ends a path: depth (only --max-depth), threshold or roulette (Russian roulette) [default:
-    /// roulette]
-    #[arg(long, value_name = "RULE", value_parser = argument(value::stop))]
-    pub stop: Option<Stop>,
-    /// --stop threshold: end a path when its throughput falls below this in all channels [default: 0.01]
-    #[arg(long, value_name = "C", value_parser = argument(value::fraction), allow_negative_numbers = true)]
-    pub cutoff: Option<f32>,
-    /// --stop threshold: add the scene's mean radiance in place of the light that is cut off
-    #[arg(long, num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "BOOL", default_missing_value = "true", value_parser = argument(value::flag))]
-    pub add_back: Option<bool>,
-    /// --stop roulette: number of surfaces before roulette starts [default: 3]
-    #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
-    pub roulette_after: Option<u32>,
-    /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95 [default:
-    /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
-    #[arg(long, value_name = "P", value_parser = argument(value::survival), allow_negative_numbers = true)]
-    pub survival: Option<Survival>,
-    /// path, heat: scale down what a light adds after two reflections and more to at most this radiance: fewer
-    /// fireflies, less light [default: off]
-    #[arg(long, value_name = "L", value_parser = argument(value::clamp), allow_negative_numbers = true)]
-    pub clamp_indirect: Option<f32>,
-    /// path: trace paths before the picture and learn from them where light comes from, for rooms that are lit through a
-    /// window or a door ajar; =N by so many paths [default: false; N is 524288]
-    #[arg(long, num_args = 0..=1, require_equals = true)]
-    #[arg(value_name = "N", default_missing_value = "true", value_parser = argument(value::guide))]
-    pub guide: Option<u32>,
-    /// montecarlo: number of indirect bounces [default: 1]
-    #[arg(long, value_name = "N", value_parser = argument(value::number), allow_negative_numbers = true)]
-    pub bounces: Option<u32>,
-    /// montecarlo, ao: rays per surface [default: 16]
-    #[arg(long, value_name = "N", value_parser = argument(value::count), allow_negative_numbers = true)]
-    pub rays: Option<u32>,
-    /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or stratified-uniform
-    /// [default: stratified]
-    #[arg(long, value_name = "HOW", value_parser = argument(value::hemisphere_sampling))]
-    pub sampling: Option<HemisphereSampling>,
-    /// ao: value of a ray: misses (1 if it hits nothing) or hit-length (more, the farther the hit) [default: misses]
-    #[arg(long, value_name = "HOW", value_parser = argument(value::ao_weighting))]
-    pub ao_weighting: Option<AoWeighting>,
-    /// ao: hits farther away than this do not occlude [default: the scene's diagonal]
-    #[arg(long, value_name = "D", value_parser = argument(value::distance), allow_negative_numbers = true)]
-    pub ao_distance: Option<f32>,
-    /// Options of the irradiance cache.
-    #[command(flatten)]
-    pub cached: CachedOverrides,
+options! {
+    /// Options that are set here; the others are `None` and leave the integrator's defaults.
+    #[command(next_help_heading = "Integrator")]
+    pub struct IntegratorOverrides;
+    options {
+        /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each), direct
+        /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), normals or albedo
+        /// [default: path]
+        #[arg(value_name = "NAME")]
+        integrator: Integrator = value::integrator, in "render";
+        /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
+        /// most surfaces seen through mirrors and glass [default: 32]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        max_depth: u32 = value::count, in "render";
+        /// path, heat: how light is found: naive (bounces hit emitters by chance), direct (light sampling) or mis (both, by
+        /// multiple importance sampling) [default: mis]
+        #[arg(value_name = "HOW")]
+        lights: LightSampling = value::lights, in "render";
+        /// path, heat: what ends a path: depth (only --max-depth), threshold or roulette (Russian roulette) [default:
+        /// roulette]
+        #[arg(value_name = "RULE")]
+        stop: Stop = value::stop, in "render";
+        /// --stop threshold: end a path when its throughput falls below this in all channels [default: 0.01]
+        #[arg(value_name = "C", allow_negative_numbers = true)]
+        cutoff: f32 = value::fraction, in "render";
+        /// --stop threshold: add the scene's mean radiance in place of the light that is cut off
+        #[arg(num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "BOOL", default_missing_value = "true")]
+        add_back: bool = value::flag, in "render";
+        /// --stop roulette: number of surfaces before roulette starts [default: 3]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        roulette_after: u32 = value::number, in "render";
+        /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95 [default:
+        /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
+        #[arg(value_name = "P", allow_negative_numbers = true)]
+        survival: Survival = value::survival, in "render";
+        /// path, heat: scale down what a light adds after two reflections and more to at most this radiance: fewer
+        /// fireflies, less light [default: off]
+        #[arg(value_name = "L", allow_negative_numbers = true)]
+        clamp_indirect: f32 = value::clamp, in "render";
+        /// path: trace paths before the picture and learn from them where light comes from, for rooms that are lit through a
+        /// window or a door ajar; =N by so many paths [default: false; N is 524288]
+        #[arg(num_args = 0..=1, require_equals = true)]
+        #[arg(value_name = "N", default_missing_value = "true")]
+        guide: u32 = value::guide, in "render";
+        /// montecarlo: number of indirect bounces [default: 1]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        bounces: u32 = value::number, in "render";
+        /// montecarlo, ao: rays per surface [default: 16]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        rays: u32 = value::count, in "render";
+        /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or stratified-uniform
+        /// [default: stratified]
+        #[arg(value_name = "HOW")]
+        sampling: HemisphereSampling = value::hemisphere_sampling, in "render";
+        /// ao: value of a ray: misses (1 if it hits nothing) or hit-length (more, the farther the hit) [default: misses]
+        #[arg(value_name = "HOW")]
+        ao_weighting: AoWeighting = value::ao_weighting, in "render";
+        /// ao: hits farther away than this do not occlude [default: the scene's diagonal]
+        #[arg(value_name = "D", allow_negative_numbers = true)]
+        ao_distance: f32 = value::distance, in "render";
+    }
+    others {
+        /// Options of the irradiance cache.
+        #[command(flatten)]
+        cached: CachedOverrides;
+    }
 }
 
 /// What paths have; a stopping rule adds its own.
@@ -86,26 +89,12 @@ impl IntegratorOverrides {
     pub(super) fn or(self, fallback: Self) -> Self {
         let replaces_integrator = self.integrator.as_ref().is_some_and(|new| new.name() != fallback.chosen().name());
         let replaces_stop = self.stop.is_some_and(|new| new.name() != fallback.stop.unwrap_or_default().name());
-        let fallback = if replaces_integrator { Self::default() } else { fallback };
-        let rule = if replaces_stop { Self::default() } else { fallback.clone() };
-        Self {
-            integrator: self.integrator.or(fallback.integrator),
-            max_depth: self.max_depth.or(fallback.max_depth),
-            lights: self.lights.or(fallback.lights),
-            stop: self.stop.or(rule.stop),
-            cutoff: self.cutoff.or(rule.cutoff),
-            add_back: self.add_back.or(rule.add_back),
-            roulette_after: self.roulette_after.or(rule.roulette_after),
-            survival: self.survival.or(rule.survival),
-            clamp_indirect: self.clamp_indirect.or(fallback.clamp_indirect),
-            guide: self.guide.or(fallback.guide),
-            bounces: self.bounces.or(fallback.bounces),
-            rays: self.rays.or(fallback.rays),
-            sampling: self.sampling.or(fallback.sampling),
-            ao_weighting: self.ao_weighting.or(fallback.ao_weighting),
-            ao_distance: self.ao_distance.or(fallback.ao_distance),
-            cached: self.cached.or(fallback.cached),
+        let mut fallback = if replaces_integrator { Self::default() } else { fallback };
+        if replaces_stop {
+            let Self { stop, cutoff, add_back, roulette_after, survival, .. } = &mut fallback;
+            (*stop, *cutoff, *add_back, *roulette_after, *survival) = (None, None, None, None, None);
         }
+        self.or_each(fallback)
     }
 
     /// The integrator with these options in place of its defaults.
@@ -172,7 +161,7 @@ impl IntegratorOverrides {
             Integrator::MonteCarlo(_) => &["bounces", "rays", "sampling", "survival"],
             Integrator::Direct(_) => &["max_depth"],
             Integrator::Ao(_) => &["rays", "sampling", "ao_weighting", "ao_distance"],
-            Integrator::Cached(_) => &CachedOverrides::NAMES,
+            Integrator::Cached(_) => CachedOverrides::NAMES,
             Integrator::Flat | Integrator::Normals | Integrator::Albedo => &[],
         };
         let stop = self.stop.unwrap_or_default();
@@ -182,23 +171,7 @@ impl IntegratorOverrides {
             (true, Stop::Roulette { .. }) => &["roulette_after", "survival"],
             _ => &[],
         };
-        let given = [
-            ("max_depth", self.max_depth.is_some()),
-            ("lights", self.lights.is_some()),
-            ("stop", self.stop.is_some()),
-            ("cutoff", self.cutoff.is_some()),
-            ("add_back", self.add_back.is_some()),
-            ("roulette_after", self.roulette_after.is_some()),
-            ("survival", self.survival.is_some()),
-            ("clamp_indirect", self.clamp_indirect.is_some()),
-            ("guide", self.guide.is_some()),
-            ("bounces", self.bounces.is_some()),
-            ("rays", self.rays.is_some()),
-            ("sampling", self.sampling.is_some()),
-            ("ao_weighting", self.ao_weighting.is_some()),
-            ("ao_distance", self.ao_distance.is_some()),
-        ];
-        let given = given.into_iter().chain(self.cached.given());
+        let given = self.given().filter(|&(name, _)| name != "integrator").chain(self.cached.given());
         let is_unused = |name: &str| !used.contains(&name) && !used_by_stop.contains(&name);
         let Some((name, _)) = { given }.find(|&(name, is_given)| is_given && is_unused(name)) else {
             return Ok(());

@@ -1,58 +1,61 @@
 //! The options of what lights a scene.
 
-use clap::Args;
 use glam::Vec3;
 
-use super::super::value::{self, argument};
+use super::super::value;
 use super::super::{LightTable, LightUnits, PunctualLight, Scene};
 use super::SkyOverrides;
+use super::options::{Or, options};
 use crate::settings::Invalid;
 
-/// Options that are set here; the others are `None` and leave what the model says.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-#[command(next_help_heading = "Light")]
-pub struct LightOverrides {
-    /// Constant radiance of the sky in W/(m² sr), linear sRGB [default: 0]
-    #[arg(long, value_name = "R[,G,B]", allow_hyphen_values = true, value_parser = argument(value::radiance))]
-    pub sky: Option<Vec3>,
-    /// The sky's picture, or daylight.
-    #[command(flatten)]
-    pub sky_light: SkyOverrides,
-    /// Sides from which all emitters emit: front or both [default: from each material]
-    ///
-    /// The front is where corners are counter-clockwise, or where vertex normals point. Many models do not care: if a
-    /// lamp lights the wrong way, try both.
-    #[arg(long = "emission", value_name = "SIDES", value_parser = argument(value::emission))]
-    pub emits_both_sides: Option<bool>,
-    /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
-    /// [default: photometric for strong lights in files by Blender, else radiometric]
-    #[arg(long, value_name = "UNITS", value_parser = argument(value::light_units))]
-    pub light_units: Option<LightUnits>,
-    /// Radius of the model's point and spot lights, in its units, for soft shadows: Blender has 0.1 and does not write
-    /// it [default: the light's extras.radius, or 0]
-    #[arg(long, value_name = "R", value_parser = argument(value::light_radius), allow_negative_numbers = true)]
-    pub light_radius: Option<f32>,
-    /// Angle that the disc of the model's directional lights subtends, in degrees: the sun's is 0.53 [default: the
-    /// light's extras.angle, or 0]
-    #[arg(long, value_name = "DEGREES", value_parser = argument(value::sun_angle), allow_negative_numbers = true)]
-    pub sun_angle: Option<f32>,
-    /// Lights besides the model's, which the options above leave as they are.
-    #[arg(skip)]
-    pub added: Vec<LightTable>,
+options! {
+    /// Options that are set here; the others are `None` and leave what the model says.
+    #[command(next_help_heading = "Light")]
+    pub struct LightOverrides;
+    options {
+        /// Constant radiance of the sky in W/(m² sr), linear sRGB [default: 0]
+        #[arg(value_name = "R[,G,B]", allow_hyphen_values = true)]
+        sky: Vec3 = value::radiance, in "sky" "radiance";
+        /// Sides from which all emitters emit: front or both [default: from each material]
+        ///
+        /// The front is where corners are counter-clockwise, or where vertex normals point. Many models do not care: if a
+        /// lamp lights the wrong way, try both.
+        #[arg(id = "emission", value_name = "SIDES")]
+        emits_both_sides: bool = value::emission, in "scene" "emission";
+        /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
+        /// [default: photometric for strong lights in files by Blender, else radiometric]
+        #[arg(value_name = "UNITS")]
+        light_units: LightUnits = value::light_units, in "scene" "lights";
+        /// Radius of the model's point and spot lights, in its units, for soft shadows: Blender has 0.1 and does not write
+        /// it [default: the light's extras.radius, or 0]
+        #[arg(value_name = "R", allow_negative_numbers = true)]
+        light_radius: f32 = value::light_radius, in "scene";
+        /// Angle that the disc of the model's directional lights subtends, in degrees: the sun's is 0.53 [default: the
+        /// light's extras.angle, or 0]
+        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        sun_angle: f32 = value::sun_angle, in "scene";
+    }
+    others {
+        /// The sky's picture, or daylight.
+        #[command(flatten)]
+        sky_light: SkyOverrides;
+        /// Lights besides the model's, which the options above leave as they are.
+        #[arg(skip)]
+        added: Vec<LightTable>;
+    }
+}
+
+impl Or for Vec<LightTable> {
+    /// These lights, or if there are none the others.
+    fn or(self, others: Self) -> Self {
+        if self.is_empty() { others } else { self }
+    }
 }
 
 impl LightOverrides {
     /// These options, and those of `fallback` where these are not set.
     pub(super) fn or(self, fallback: Self) -> Self {
-        Self {
-            sky: self.sky.or(fallback.sky),
-            sky_light: self.sky_light.or(fallback.sky_light),
-            emits_both_sides: self.emits_both_sides.or(fallback.emits_both_sides),
-            light_units: self.light_units.or(fallback.light_units),
-            light_radius: self.light_radius.or(fallback.light_radius),
-            sun_angle: self.sun_angle.or(fallback.sun_angle),
-            added: if self.added.is_empty() { fallback.added } else { self.added },
-        }
+        self.or_each(fallback)
     }
 
     /// Changes the lights of `scene`. Daylight has the sun's own angle.

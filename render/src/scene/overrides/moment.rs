@@ -1,56 +1,52 @@
 //! The options that say which moment of a model's animations is shown.
 
-use clap::Args;
-
-use super::super::value::{self, argument};
+use super::super::value;
 use super::super::{Moment, Scene, Shutter};
+use super::options::options;
 
 /// Blender's default.
 const DEFAULT_FPS: f64 = 24.0;
 
-/// Options that are set here; the others are `None`.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-#[command(next_help_heading = "Model")]
-pub struct MomentOverrides {
-    /// Frame of the model's animations to show, also between two frames, for example 12.5: frame F is F / fps seconds after
-    /// the file's time 0, as Blender counts [default: no animation, the pose of the model's nodes]
-    #[arg(long, value_name = "F", value_parser = argument(value::frame), allow_negative_numbers = true)]
-    pub frame: Option<f64>,
-    /// Frames per second [default: 24]
-    #[arg(long, value_name = "N", value_parser = argument(value::fps), allow_negative_numbers = true)]
-    pub fps: Option<f64>,
-    /// Animation to play, can be given several times [default: all, but for those that move what an earlier one moves]
-    #[arg(long = "animation", value_name = "NAME")]
-    pub animations: Option<Vec<String>>,
-    /// Blurs what moves while the shutter is open: when it opens and closes in frames after --frame, as -0.25,0.25 or 0,1, or
-    /// in seconds, as 0s,0.01s; or how many frames it is open about --frame, as 0.5, which is Blender's default [default:
-    /// no motion blur]
-    #[arg(long, value_name = "OPEN,CLOSE", value_parser = argument(value::shutter), allow_hyphen_values = true)]
-    #[arg(help_heading = "Camera")]
-    pub shutter: Option<Shutter>,
-    /// The part of that time in which the shutter opens, and in which it closes, at an even rate, from 0 to 0.5 [default: 0,
-    /// at once]
-    #[arg(long, value_name = "PART", value_parser = argument(value::shutter_ramp), allow_negative_numbers = true)]
-    #[arg(help_heading = "Camera")]
-    pub shutter_ramp: Option<f32>,
-    /// Number of times from opening to closing at which the model is posed, odd; in between all moves in straight lines
-    /// [default: 5]
-    #[arg(long, value_name = "N", value_parser = argument(value::shutter_keys), allow_negative_numbers = true)]
-    #[arg(help_heading = "Camera")]
-    pub shutter_keys: Option<usize>,
+options! {
+    /// Options that are set here; the others are `None`.
+    #[command(next_help_heading = "Model")]
+    pub struct MomentOverrides;
+    options {
+        /// Frame of the model's animations to show, also between two frames, for example 12.5: frame F is F / fps seconds after
+        /// the file's time 0, as Blender counts [default: no animation, the pose of the model's nodes]
+        #[arg(value_name = "F", allow_negative_numbers = true)]
+        frame: f64 = value::frame, in "scene";
+        /// Frames per second [default: 24]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        fps: f64 = value::fps, in "scene";
+        /// Blurs what moves while the shutter is open: when it opens and closes in frames after --frame, as -0.25,0.25 or 0,1, or
+        /// in seconds, as 0s,0.01s; or how many frames it is open about --frame, as 0.5, which is Blender's default [default:
+        /// no motion blur]
+        #[arg(value_name = "OPEN,CLOSE", allow_hyphen_values = true)]
+        #[arg(help_heading = "Camera")]
+        shutter: Shutter = value::shutter, in "camera";
+        /// The part of that time in which the shutter opens, and in which it closes, at an even rate, from 0 to 0.5 [default: 0,
+        /// at once]
+        #[arg(value_name = "PART", allow_negative_numbers = true)]
+        #[arg(help_heading = "Camera")]
+        shutter_ramp: f32 = value::shutter_ramp, in "camera";
+        /// Number of times from opening to closing at which the model is posed, odd; in between all moves in straight lines
+        /// [default: 5]
+        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(help_heading = "Camera")]
+        shutter_keys: usize = value::shutter_keys, in "camera";
+    }
+    others {
+        /// Animation to play, can be given several times [default: all, but for those that move what an earlier one moves]
+        #[arg(long = "animation", value_name = "NAME")]
+        animations: Option<Vec<String>>, in "scene" "animation";
+    }
 }
 
 impl MomentOverrides {
     /// These options, and those of `fallback` where these are not set.
     pub(crate) fn or(self, fallback: Self) -> Self {
-        Self {
-            frame: self.frame.or(fallback.frame),
-            fps: self.fps.or(fallback.fps),
-            animations: self.animations.or(fallback.animations),
-            shutter: self.shutter.or(fallback.shutter),
-            shutter_ramp: self.shutter_ramp.or(fallback.shutter_ramp),
-            shutter_keys: self.shutter_keys.or(fallback.shutter_keys),
-        }
+        self.or_each(fallback)
     }
 
     /// The moment, if a frame is set: with a shutter the middle of the time that it is open.

@@ -2,39 +2,43 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use glam::Vec3;
 
-use super::super::value::{self, argument};
+use super::super::value;
 use super::super::{Daylight, DaylightModel, Scene, SkyPicture};
+use super::options::options;
 use crate::settings::Invalid;
 
-/// Options that are set here; the others are `None` and leave the defaults.
-#[derive(Args, Clone, Debug, Default, PartialEq)]
-#[command(next_help_heading = "Light")]
-pub struct SkyOverrides {
-    /// Environment map, equirectangular, .hdr or .exr; added to --sky
-    #[arg(long = "sky-picture", value_name = "FILE")]
-    pub picture: Option<PathBuf>,
-    /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle is
-    /// towards -z [default: 0]
-    #[arg(long = "sky-rotation", value_name = "DEGREES", value_parser = argument(value::degrees))]
-    #[arg(allow_negative_numbers = true)]
-    pub rotation: Option<f32>,
-    /// Factor on the environment map or the daylight [default: 1]
-    #[arg(long = "sky-scale", value_name = "S", value_parser = argument(value::scale), allow_negative_numbers = true)]
-    pub scale: Option<f32>,
-    /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is +x),
-    /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
-    #[arg(long, value_name = "ELEVATION,AZIMUTH[,T]", value_parser = argument(value::daylight))]
-    pub daylight: Option<Daylight>,
-    /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much
-    /// haze [default: preetham]
-    #[arg(long, value_name = "NAME", value_parser = argument(value::daylight_model))]
-    pub daylight_model: Option<DaylightModel>,
-    /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]
-    #[arg(long, value_name = "R[,G,B]", value_parser = argument(value::albedo), allow_negative_numbers = true)]
-    pub daylight_albedo: Option<Vec3>,
+options! {
+    /// Options that are set here; the others are `None` and leave the defaults.
+    #[command(next_help_heading = "Light")]
+    pub struct SkyOverrides;
+    options {
+        /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle is
+        /// towards -z [default: 0]
+        #[arg(id = "sky-rotation", value_name = "DEGREES")]
+        #[arg(allow_negative_numbers = true)]
+        rotation: f32 = value::degrees, in "sky";
+        /// Factor on the environment map or the daylight [default: 1]
+        #[arg(id = "sky-scale", value_name = "S", allow_negative_numbers = true)]
+        scale: f32 = value::scale, in "sky";
+        /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is +x),
+        /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
+        #[arg(value_name = "ELEVATION,AZIMUTH[,T]")]
+        daylight: Daylight = value::daylight, in "sky";
+        /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much
+        /// haze [default: preetham]
+        #[arg(value_name = "NAME")]
+        daylight_model: DaylightModel = value::daylight_model, in "sky";
+        /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]
+        #[arg(value_name = "R[,G,B]", allow_negative_numbers = true)]
+        daylight_albedo: Vec3 = value::albedo, in "sky";
+    }
+    others {
+        /// Environment map, equirectangular, .hdr or .exr; added to --sky
+        #[arg(long = "sky-picture", value_name = "FILE")]
+        picture: Option<PathBuf>, in "sky";
+    }
 }
 
 /// Of the ground: about that of grass and soil.
@@ -46,14 +50,7 @@ impl SkyOverrides {
         if self.picture.is_some() || self.daylight.is_some() {
             fallback = Self::default();
         }
-        Self {
-            picture: self.picture.or(fallback.picture),
-            rotation: self.rotation.or(fallback.rotation),
-            scale: self.scale.or(fallback.scale),
-            daylight: self.daylight.or(fallback.daylight),
-            daylight_model: self.daylight_model.or(fallback.daylight_model),
-            daylight_albedo: self.daylight_albedo.or(fallback.daylight_albedo),
-        }
+        self.or_each(fallback)
     }
 
     /// Gives `scene` the sky, and the sun.

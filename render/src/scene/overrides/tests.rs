@@ -138,3 +138,51 @@ fn variants_and_light_units_change_the_scene() {
     let error = Overrides { variant: Some("steal".into()), ..Default::default() }.apply(&mut scene()).unwrap_err();
     assert_eq!(error.to_string(), "the model has no variant \"steal\"\n  help: did you mean `steel`?");
 }
+
+/// What help calls a default is one: where an option is used, giving it changes nothing.
+#[test]
+fn defaults_in_help_are_true() {
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        overrides: Overrides,
+    }
+    let result = |words: &[&str]| {
+        let line = Line::try_parse_from(["halfdome"].iter().chain(words)).ok()?;
+        let mut scene = cornell_box();
+        let settings = line.overrides.apply(&mut scene).ok()?;
+        Some(format!("{settings:?} {:?} {:?} {:?}", scene.camera, scene.optics, scene.sky.radiance))
+    };
+    let places: &[&[&str]] = &[
+        &["--integrator", "path"],
+        &["--integrator", "path", "--stop", "threshold"],
+        &["--integrator", "montecarlo"],
+        &["--integrator", "direct"],
+        &["--integrator", "ao"],
+        &["--integrator", "cached"],
+        &["--filter", "mitchell"],
+        &["--camera", "fisheye"],
+        &["--camera", "perspective", "--f-number", "8", "--focus", "3"],
+        &["--camera", "panorama", "--ipd", "64"],
+        &["--daylight", "45,0", "--daylight-model", "hosek"],
+    ];
+    let mut compared = 0;
+    for option in Line::command().get_arguments() {
+        let (Some(name), Some(help)) = (option.get_long(), option.get_help()) else { continue };
+        let help = help.to_string();
+        let defaults = help.split("[default: ").skip(1).filter_map(|rest| rest.split(']').next());
+        for default in defaults.filter(|default| !default.contains(' ')) {
+            let given = format!("--{name}={default}");
+            let used =
+                places.iter().filter_map(|place| Some((result(place)?, result(&[place, &[&*given][..]].concat())?)));
+            let used: Vec<_> = used.collect();
+            // What is chosen once cannot be given again, as the integrator.
+            if used.is_empty() {
+                continue;
+            }
+            assert!(used.iter().any(|(without, with)| without == with), "{given}: {used:#?}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 25, "{compared} were compared");
+}
