@@ -77,7 +77,7 @@ target = [0, 9, -30]
 vfov = 38
 
 [sky]
-daylight = [30, 60, 3]
+daylight = [34, 125, 3]
 daylight_model = "hosek"
 
 [[object]]
@@ -89,4 +89,4 @@ of = "spruce"
 table = "trees.csv"
 TOML
 "$halfdome" info "$folder/forest.toml"
-"$halfdome" render "$folder/forest.toml" --size 800x450 --spp "${SPP:-64}" --exposure "${EXPOSURE:--3}" -o "${OUTPUT:-docs/forest.png}"
+"$halfdome" render "$folder/forest.toml" --size 800x450 --spp "${SPP:-64}" --exposure "${EXPOSURE:--3.6}" --tone neutral -o "${OUTPUT:-docs/forest.png}"
