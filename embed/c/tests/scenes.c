@@ -142,7 +142,7 @@ static void bad_scenes_are_refused(void) {
     items[1].tree = NULL;
     FAILS(HD_ERROR_NULL, "item 1: it has neither", hd_scene_build(items, 2, NULL, &scene));
     items[1].tree = tree, items[1].scene = good;
-    FAILS(HD_ERROR_VALUE, "item 1: it has both", hd_scene_build(items, 2, NULL, &scene));
+    FAILS(HD_ERROR_VALUE, "item 1: it has more than one", hd_scene_build(items, 2, NULL, &scene));
     items[1] = item_of(tree, NULL, NULL, 1);
     FAILS(HD_ERROR_NULL, "item 1: its transforms is NULL", hd_scene_build(items, 2, NULL, &scene));
     items[1].transforms = larger, items[1].transform_count = SIZE_MAX;

@@ -81,7 +81,8 @@ pub struct Mesh {
     pub object: Option<usize>,
     /// Where in a glTF file it stands; `None` for other formats.
     pub origin: Option<Origin>,
-    /// Whether a scene file adds it to the model, as a lamp or an object: it gets no lightmap.
+    /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or lines: it gets no
+    /// lightmap.
     pub is_added: bool,
 }
 

@@ -8,6 +8,7 @@
 //! light_radius = 0.1     # of its point and spot lights, for soft shadows
 //! sun_angle = 0.53       # that its directional lights subtend, degrees
 //! variant = "oak"        # of its materials
+//! point_radius = 0.01    # of its points and lines, which are left out otherwise
 //! instances = "auto"     # whether meshes that it shows several times are kept once: "auto", "always" or "never"
 //! frame = 12             # of its animations: frame / fps seconds
 //! fps = 24
@@ -116,14 +117,17 @@ pub fn open_watched(
     let of_file = file.as_ref().map(|file| file.overrides.clone()).unwrap_or_default();
     let moments = overrides.moment.clone().or(of_file.moment.clone());
     let sharing = overrides.instances.or(of_file.instances).unwrap_or_default();
+    let point_radius = overrides.point_radius.or(of_file.point_radius);
     let read = |options: &LoadOptions| match &file {
         Some(file) => assemble(path, file, options),
         None => load_with(path, options),
     };
-    let mut scene = read(&LoadOptions { sharing, moment: moments.moment(), watch, ..LoadOptions::default() })?;
+    let mut scene =
+        read(&LoadOptions { sharing, moment: moments.moment(), point_radius, watch, ..LoadOptions::default() })?;
     if let Some(keys) = moments.shutter_moments().filter(|_| !scene.animations.is_empty()) {
         let ramp = moments.shutter_ramp.unwrap_or(0.0);
-        let read = |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true, watch });
+        let read =
+            |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true, point_radius, watch });
         add_motion(&mut scene, keys, ramp, read)?;
     }
     Ok((scene, of_file))

@@ -13,6 +13,9 @@ pub struct LoadOptions<'a> {
     pub moment: Option<Moment>,
     /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
     pub without_pictures: bool,
+    /// Of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes. Without it they are left
+    /// out.
+    pub point_radius: Option<f32>,
     /// Hears how far the reading of a file is.
     pub watch: Option<&'a dyn LoadWatch>,
 }

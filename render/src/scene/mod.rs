@@ -42,6 +42,7 @@ mod position;
 mod profile;
 mod punctual;
 mod ray_file;
+mod round;
 mod sharing;
 mod sky;
 mod statement;

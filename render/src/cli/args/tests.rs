@@ -41,7 +41,7 @@ fn every_override_can_be_given() {
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
-                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak --instances never --frame -12.5 --fps 30 --animation Walk --animation Camera --shutter -0.25,0.25 --shutter-ramp .1 --shutter-keys 9 \
+                     --seed 18446744073709551615 --build medium --sky 1,2,3 --emission both --light-units radiometric --light-radius .25 --sun-angle .5 --variant oak --point-radius .01 --instances never --frame -12.5 --fps 30 --animation Walk --animation Camera --shutter -0.25,0.25 --shutter-ramp .1 --shutter-keys 9 \
                      --sky-picture a.hdr --sky-rotation -90 --sky-scale 2 --daylight 30,-90,4 --threads 2 --exposure -1.5";
     let arguments = render(&arguments.split_whitespace().collect::<Vec<_>>()).unwrap();
     let expected = Overrides {
@@ -131,6 +131,7 @@ fn every_override_can_be_given() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        point_radius: Some(0.01),
         instances: Some(Sharing::Never),
         moment: MomentOverrides {
             frame: Some(-12.5),

@@ -4,8 +4,8 @@ use halfdome_kernel::sampling::Pattern;
 
 use super::*;
 use crate::scene::{
-    CachedOverrides, CameraKind, CameraOverrides, CameraPose, Daylight, FisheyeMapping, LightOverrides, LightUnits,
-    MomentOverrides, SensorFit, Shutter, SkyOverrides,
+    CachedOverrides, CameraKind, CameraOverrides, CameraPose, Daylight, FisheyeMapping, IntegratorOverrides,
+    LightOverrides, LightUnits, MomentOverrides, SensorFit, Shutter, SkyOverrides,
 };
 use crate::settings::Filter;
 use crate::settings::{
@@ -45,6 +45,7 @@ fn every_key_sets_its_option() {
         light_radius = 0.25
         sun_angle = 0.5
         variant = "oak"
+        point_radius = 0.5
         instances = "never"
         frame = 12.5
         fps = 30
@@ -163,6 +164,7 @@ fn every_key_sets_its_option() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        point_radius: Some(0.5),
         instances: Some(Sharing::Never),
         moment: MomentOverrides {
             frame: Some(12.5),
@@ -197,7 +199,7 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
     );
     assert_eq!(
         error("[sky]\ncolour = 3").2,
-        "known are radiance, picture, rotation, scale, daylight, daylight_model, daylight_albedo"
+        "known are radiance, rotation, scale, daylight, daylight_model, daylight_albedo, picture"
     );
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");

@@ -204,9 +204,7 @@ impl<'a> Attributes<'a> {
 
     /// The triangles of a mode, with corners below the number of vertices.
     pub(super) fn triangles(&self, mode: Mode, vertices: usize) -> Result<Vec<[u32; 3]>, SceneError> {
-        const KINDS: [ComponentType; 3] = [U8, U16, U32];
-        let index = self.primitive.indices.filter(|_| self.draco.is_none());
-        let holder = index.map_or_else(|| self.place.to_owned(), |index| format!("accessor {}", index.value()));
+        let index = self.index_accessor();
         let wrong_count = |corners: usize| {
             let problem = format!("its triangles have {} together", count(corners, "corner", "corners"));
             self.error(problem, "give each triangle 3")
@@ -217,16 +215,10 @@ impl<'a> Attributes<'a> {
                 if corners % 3 != 0 {
                     return Err(wrong_count(usize::try_from(corners).unwrap_or(usize::MAX)));
                 }
-                accessor::read_threes(self.document, index, self.place, "indices", &KINDS)?
+                accessor::read_threes(self.document, index, self.place, "indices", &INDICES)?
             }
             _ => {
-                let corners: Vec<u32> = match (index, &self.draco) {
-                    (Some(index), _) => {
-                        accessor::read_as(self.document, index, self.place, "indices", &KINDS, |[it]| it.index())?
-                    }
-                    (None, Some(draco)) => draco.indices(),
-                    (None, None) => (0..vertices as u32).collect(),
-                };
+                let corners = self.all_indices(vertices)?;
                 if mode == Mode::Triangles && !corners.len().is_multiple_of(3) {
                     return Err(wrong_count(corners.len()));
                 }
@@ -234,14 +226,48 @@ impl<'a> Attributes<'a> {
             }
         };
         let wrong = triangles.par_iter().with_min_len(PARALLEL).flatten_iter();
-        if let Some(wrong) = wrong.find_first(|index| **index as usize >= vertices) {
-            let vertices = count(vertices, "vertex", "vertices");
-            let problem = format!("it holds the index {wrong}, but {} has {vertices}", self.place);
-            return Err(self.document.error(holder, problem, "keep indices below that number"));
+        match wrong.find_first(|index| **index as usize >= vertices) {
+            Some(&wrong) => Err(self.wrong_index(wrong, vertices)),
+            None => Ok(triangles),
         }
-        Ok(triangles)
+    }
+
+    /// The vertices of points and lines, in their order, below the number of vertices.
+    pub(super) fn indices(&self, vertices: usize) -> Result<Vec<u32>, SceneError> {
+        let indices = self.all_indices(vertices)?;
+        match indices.iter().find(|&&index| index as usize >= vertices) {
+            Some(&wrong) => Err(self.wrong_index(wrong, vertices)),
+            None => Ok(indices),
+        }
+    }
+
+    fn all_indices(&self, vertices: usize) -> Result<Vec<u32>, SceneError> {
+        Ok(match (self.index_accessor(), &self.draco) {
+            (Some(index), _) => {
+                accessor::read_as(self.document, index, self.place, "indices", &INDICES, |[it]| it.index())?
+            }
+            (None, Some(draco)) => draco.indices(),
+            (None, None) => (0..vertices as u32).collect(),
+        })
+    }
+
+    fn index_accessor(&self) -> Option<Index<Accessor>> {
+        self.primitive.indices.filter(|_| self.draco.is_none())
+    }
+
+    fn wrong_index(&self, wrong: u32, vertices: usize) -> SceneError {
+        let holder = match self.index_accessor() {
+            Some(index) => format!("accessor {}", index.value()),
+            None => self.place.to_owned(),
+        };
+        let vertices = count(vertices, "vertex", "vertices");
+        let problem = format!("it holds the index {wrong}, but {} has {vertices}", self.place);
+        self.document.error(holder, problem, "keep indices below that number")
     }
 }
+
+/// What numbers of vertices are stored as.
+const INDICES: [ComponentType; 3] = [U8, U16, U32];
 
 /// Corners of triangles, strips and fans in the order that keeps the winding (glTF 2.0, section 3.7.2.1).
 pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {

@@ -109,7 +109,9 @@ impl<'a> Meshes<'a> {
     fn add(&self, part: Part<'_>, name: &str, object: Option<usize>, scene: &mut Scene) -> Result<(), SceneError> {
         let Part { primitive, place, origin, mesh } = part;
         variants::add(self.document, primitive, &place, scene.meshes.len(), &mut scene.variants)?;
-        scene.meshes.push(Mesh { name: name.to_owned(), object, origin: Some(origin), ..mesh });
+        // Balls and tubes are nowhere in the file.
+        let origin = primitive::has_triangles(primitive).then_some(origin);
+        scene.meshes.push(Mesh { name: name.to_owned(), object, origin, ..mesh });
         Ok(())
     }
 }

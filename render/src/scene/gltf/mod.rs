@@ -9,8 +9,8 @@
 //! named like its node; those of a mesh that many nodes show become an object with instances (`instancing.rs`).
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
-//! radiance, a light's candela are W/sr and its lux W/m², one to one. Lights' ranges, points and lines are left
-//! out with a warning.
+//! radiance, a light's candela are W/sr and its lux W/m², one to one. Lights' ranges are left out
+//! with a warning, and points and lines too if they are given no radius (`round.rs`).
 
 pub(crate) mod accessor;
 mod animation;
@@ -84,6 +84,8 @@ pub(crate) struct Document<'a> {
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// See [`LoadOptions`].
     without_pictures: bool,
+    /// Of points and lines, in the coordinates of their mesh; without it they are left out.
+    point_radius: Option<f32>,
 }
 
 /// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
@@ -101,7 +103,19 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
     }
     let buffers = container::buffers(&Disk, path, &root, chunks.binary)?;
     let decompressed = BTreeMap::new();
-    Ok((Document { files: &Disk, path, root, animations, buffers, decompressed, without_pictures: false }, chunks))
+    Ok((
+        Document {
+            files: &Disk,
+            path,
+            root,
+            animations,
+            buffers,
+            decompressed,
+            without_pictures: false,
+            point_radius: None,
+        },
+        chunks,
+    ))
 }
 
 /// As many elements are worth a thread's while.
@@ -213,8 +227,8 @@ fn read(
     let (mut warnings, mut notes) = (Vec::new(), Notes::default());
     let buffers = container::buffers(files, path, &root, binary)?;
     let decompressed = meshopt::decompress(path, &root, &buffers)?;
-    let without_pictures = options.without_pictures;
-    let document = Document { files, path, root, animations, buffers, decompressed, without_pictures };
+    let LoadOptions { without_pictures, point_radius, .. } = *options;
+    let document = Document { files, path, root, animations, buffers, decompressed, without_pictures, point_radius };
     let (materials, textures) = material::read(&document, &mut notes)?;
     let mut scene = Scene { materials, textures, variants: variants::names(&document)?, ..Scene::default() };
     let mut skipped = Skipped::default();
@@ -383,7 +397,12 @@ fn empty_nodes(document: &Document) -> Vec<String> {
 impl Skipped {
     fn warnings(&self, path: &Path) -> Vec<String> {
         let counts = [
-            (self.points_and_lines, "primitive of points or lines is", "primitives of points or lines are", "skipped"),
+            (
+                self.points_and_lines,
+                "primitive of points or lines is",
+                "primitives of points or lines are",
+                "skipped: --point-radius shows them",
+            ),
             (self.skinless, "primitive is", "primitives are", "shown without the skin, for want of JOINTS_0"),
             (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
             (self.weightless, "vertex is", "vertices are", "moved by the first joint named, for want of weights"),

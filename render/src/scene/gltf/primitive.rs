@@ -1,4 +1,5 @@
-//! Triangles of a mesh primitive, in the mesh's coordinates, or, where a skin moves them, in the world's.
+//! Triangles of a mesh primitive, or balls and tubes for its points and lines, in the mesh's coordinates, or, where a skin moves
+//! them, in the world's.
 
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
@@ -7,7 +8,7 @@ use glam::DAffine3;
 use super::attributes::{Attributes, Vertices};
 use super::skin::Skin;
 use super::{Document, Skipped, morph};
-use crate::scene::{Mesh, SceneError};
+use crate::scene::{Mesh, SceneError, round};
 
 /// What moves the vertices of a node's mesh.
 #[derive(Default)]
@@ -25,8 +26,8 @@ impl Deformation {
     }
 }
 
-/// The triangles of `primitive`, which `place` names in errors; `None` for points and lines. The material is the number
-/// of materials for a primitive without one.
+/// The triangles of `primitive`, which `place` names in errors; `None` for points and lines if they have no radius. The material
+/// is the number of materials for a primitive without one.
 pub(super) fn read(
     document: &Document,
     primitive: &Primitive,
@@ -37,7 +38,8 @@ pub(super) fn read(
     let Checked::Valid(mode) = primitive.mode else {
         return Err(document.error(place, "its mode is unknown", "use a mode from 0 to 6; 4 is triangles"));
     };
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+    let has_triangles = has_triangles(primitive);
+    if !has_triangles && document.point_radius.is_none() {
         skipped.points_and_lines += 1;
         return Ok(None);
     }
@@ -45,7 +47,7 @@ pub(super) fn read(
     let positions = attributes.positions()?;
     let vertices = positions.len();
     let mut moved = Vertices { tangents: attributes.tangents(vertices)?, positions, normals: Vec::new() };
-    let mut triangles = attributes.triangles(mode, vertices)?;
+    let mut triangles = if has_triangles { attributes.triangles(mode, vertices)? } else { Vec::new() };
 
     let material = match primitive.material {
         Some(index) => {
@@ -81,7 +83,27 @@ pub(super) fn read(
         material,
         ..Mesh::default()
     };
-    Ok(Some(mesh))
+    Ok(Some(match document.point_radius {
+        Some(radius) if !has_triangles => solid(mesh, mode, &attributes.indices(vertices)?, radius),
+        _ => mesh,
+    }))
+}
+
+/// Whether the primitive has triangles of its own.
+pub(super) fn has_triangles(primitive: &Primitive) -> bool {
+    matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
+}
+
+/// The mesh with balls or tubes for its points or lines (glTF 2.0, section 3.7.2.1).
+fn solid(mesh: Mesh, mode: Mode, indices: &[u32], radius: f32) -> Mesh {
+    let pairs = indices.windows(2).map(|pair| [pair[0], pair[1]]);
+    let lines: Vec<[u32; 2]> = match mode {
+        Mode::Lines => indices.as_chunks().0.to_vec(),
+        Mode::LineLoop => pairs.chain(indices.last().map(|&last| [last, indices[0]])).collect(),
+        Mode::LineStrip => pairs.collect(),
+        _ => return round::balls(mesh, indices, radius),
+    };
+    round::tubes(mesh, &lines, radius)
 }
 
 /// The mesh where a node shows it; an error if the transform takes it out of the range of numbers.

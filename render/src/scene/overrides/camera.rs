@@ -217,8 +217,9 @@ impl Overrides {
             ("up", self.up.is_some()),
             ("vfov", self.vfov.is_some()),
         ];
+        let options = self.camera.given().filter(|&(name, _)| name != "kind");
         let given: Vec<&str> =
-            pose.into_iter().chain(self.camera.given()).filter(|&(_, given)| given).map(|(name, _)| name).collect();
+            pose.into_iter().chain(options).filter(|&(_, given)| given).map(|(name, _)| name).collect();
         let used = kind.used();
         if let Some(name) = given.iter().find(|name| !used.contains(name)) {
             let users: Vec<&str> =

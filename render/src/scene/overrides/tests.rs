@@ -1,4 +1,7 @@
+use clap::{CommandFactory as _, Parser};
+
 use super::*;
+use crate::scene::cornell_box;
 use crate::scene::{CameraPose, LightUnits, Mesh, PunctualLight, Variant};
 
 /// A scene of one triangle with `camera` after `overrides` are applied, and the settings.

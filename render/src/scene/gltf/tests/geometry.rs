@@ -50,12 +50,44 @@ fn strips_and_fans_keep_the_winding() {
 }
 
 #[test]
-fn points_and_lines_are_skipped() {
+fn points_and_lines_are_skipped_if_they_have_no_radius() {
     for mode in 0..4 {
         let scene = parse(with("/meshes/0/primitives/0/mode", json!(mode))).unwrap();
         assert!(scene.meshes.is_empty());
-        assert_eq!(scene.warnings, ["model.gltf: 1 primitive of points or lines is skipped"]);
+        assert_eq!(
+            scene.warnings,
+            ["model.gltf: 1 primitive of points or lines is skipped: --point-radius shows them"]
+        );
     }
+    let shown = |document| {
+        let options = LoadOptions { point_radius: Some(0.125), ..LoadOptions::default() };
+        parse_as(document, &triangle_bytes(), &options)
+    };
+    let (ball, tube) = (320, 24);
+    for (mode, expected) in [(0, 3 * ball), (2, 3 * (ball + tube)), (3, 3 * ball + 2 * tube)] {
+        let scene = shown(with("/meshes/0/primitives/0/mode", json!(mode))).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let mesh = one_mesh(scene);
+        assert_eq!(mesh.triangles.len(), expected, "mode {mode}");
+        assert!(mesh.origin.is_none() && mesh.texcoords.len() == mesh.positions.len());
+        let reach = mesh.positions.iter().fold(0.0f32, |reach, p| reach.max(p.max_element()));
+        assert!((reach - 1.125).abs() < 0.01, "{reach}");
+    }
+    // Two ends each; what is over belongs to no line. Indices are checked.
+    let lines = |mode: u32, indices: Value| {
+        let mut document = with("/meshes/0/primitives/0/mode", json!(mode));
+        document["meshes"][0]["primitives"][0]["indices"] = indices;
+        document
+    };
+    assert_eq!(one_mesh(shown(lines(1, json!(3))).unwrap()).triangles.len(), 2 * ball + tube);
+    let mut wrong = lines(0, json!(3));
+    wrong["accessors"][3]["count"] = json!(1);
+    wrong["accessors"][3]["byteOffset"] = json!(2);
+    assert_eq!(one_mesh(shown(wrong.clone()).unwrap()).triangles.len(), ball);
+    wrong["accessors"][0]["count"] = json!(2);
+    wrong["accessors"][1]["count"] = json!(2);
+    wrong["accessors"][2]["count"] = json!(2);
+    assert_eq!(told(shown(wrong)), "accessor 3: it holds the index 2, but mesh 0, primitive 0 has 2 vertices");
     let wrong = problem(with("/meshes/0/primitives/0/mode", json!(7)));
     assert_eq!(wrong, "mesh 0, primitive 0: its mode is unknown");
 }
