@@ -2,9 +2,9 @@
 //!
 //! The halves are independent estimates `a` and `b` of a pixel, of weights `p` and `q` that sum to 1, so that the variance
 //! of the pixel, `p a + q b`, is estimated without bias by `p q (a - b)²`. One pixel's estimate is poor; a tile's mean of
-//! 1024 is good. Errors are relative to the pixel's luminance, or that of its brightest neighbour if this is less: a pixel
-//! that is too bright by chance would excuse its own error. They are relative to no less than a tenth of the film's level:
-//! the squared mean of the roots of the first samples' luminance, which bright lamps hardly move.
+//! 1024 is good. Errors are relative to the luminance of the darker half, as a sample that is too bright by chance would
+//! excuse its own error, and to no less than a tenth of the film's level: the squared mean of the roots of the first
+//! samples' luminance, which bright lamps hardly move.
 
 use super::Film;
 use super::tile::Tile;
@@ -53,26 +53,16 @@ impl Tile {
         if self.halves.is_empty() || self.samples.len() < 16 {
             return None;
         }
-        let values: Vec<f64> = self.pixels.iter().map(|pixel| luminance(pixel.mean()).max(0.0)).collect();
-        let squared = |(number, value): (usize, &f64)| {
+        let squared = |number: usize| {
             let [a, b] = self.halves(number)?;
             let (p, q) = (self.pixels[number].mean_of(a.weight), self.pixels[number].mean_of(b.weight));
-            let difference = luminance(a.mean()) - luminance(b.mean());
-            let seen = value.min(self.brightest_neighbour(&values, number)).max(FLOOR * level);
-            let variance = p * q * difference * difference;
+            let (a, b) = (luminance(a.mean()), luminance(b.mean()));
+            let variance = p * q * (a - b) * (a - b);
+            let seen = a.min(b).max(FLOOR * level);
             Some(if variance > 0.0 { variance / (seen * seen) } else { 0.0 })
         };
-        let sum: f64 = values.iter().enumerate().map(squared).sum::<Option<f64>>()?;
-        Some((sum / values.len() as f64).sqrt())
-    }
-
-    /// The largest of the values around a pixel of the tile; its own if it has no neighbour.
-    fn brightest_neighbour(&self, values: &[f64], number: usize) -> f64 {
-        let width = self.width();
-        let (x, y) = (number % width, number / width);
-        let around = |middle: usize, end: usize| middle.saturating_sub(1)..(middle + 2).min(end);
-        let places =
-            around(y, values.len() / width).flat_map(|row| around(x, width).map(move |column| row * width + column));
-        places.filter(|&place| place != number).map(|place| values[place]).reduce(f64::max).unwrap_or(values[number])
+        let count = self.pixels.len();
+        let sum: f64 = (0..count).map(squared).sum::<Option<f64>>()?;
+        Some((sum / count as f64).sqrt())
     }
 }

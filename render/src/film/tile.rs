@@ -151,11 +151,6 @@ pub(crate) fn tiles(width: u32, height: u32, extras: Extras) -> Vec<Tile> {
 }
 
 impl Tile {
-    /// Pixels across.
-    pub(super) fn width(&self) -> usize {
-        self.x.len()
-    }
-
     /// The pixels' coordinates, in the order in which [`add`](Self::add) numbers them.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let (columns, rows) = (self.x.clone(), self.y.clone());
@@ -175,7 +170,7 @@ impl Tile {
     /// Notes a sample that is not a number; gives what it counts as.
     #[cold]
     fn add_bad(&mut self, pixel: usize) -> Vec3 {
-        let (column, row) = (pixel % self.width(), pixel / self.width());
+        let (column, row) = (pixel % self.x.len(), pixel / self.x.len());
         let place = (self.y.start + row as u32, self.x.start + column as u32);
         self.bad = self.bad.and(BadSamples { count: 1, first: Some(place) });
         Vec3::ZERO
