@@ -39,18 +39,19 @@ def coverage(found, layer, number):
     """The sum of what covers pixels under an id, by the layout of Cryptomatte 1.2."""
     total = 0
     for level in range(99):
-        for name, cover in ("RG", "BA"):
-            channel = next((c for c in (f"{layer}{level:02}.{name}", f"{layer}{level:02}.{name.lower()}") if c in found), None)
-            if channel is None:
+        # Blender writes these names in small letters.
+        spelled = str.lower if f"{layer}{level:02}.r" in found else str.upper
+        for name, cover in ("rg", "ba"):
+            channel, weight = (f"{layer}{level:02}.{spelled(part)}" for part in (name, cover))
+            if channel not in found:
                 return total
-            weights = found[channel[:-1] + (cover if channel[-1].isupper() else cover.lower())]
-            total = total + np.where(found[channel].view(np.uint32) == number, weights, 0)
+            total = total + np.where(found[channel].view(np.uint32) == number, found[weight], 0)
     return total
 
 
 def manifest(header):
     """The names of objects with their ids."""
-    key = next(k for k, v in header.items() if k.endswith("/name") and "bject" in str(v))
+    key = next(key for key, value in header.items() if key.endswith("/name") and value == "CryptoObject")
     return {name: int(number, 16) for name, number in json.loads(header[key[:-4] + "manifest"]).items()}
 
 

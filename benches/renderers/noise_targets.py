@@ -2,7 +2,7 @@
 
 usage, after setup-renderers.sh and `cargo build --release`:
     target/renderers/bin/python benches/renderers/noise_targets.py [--halfdome FILE] [--noise PERCENT] [--size WxH]
-        [--runs N] [--reference N] [--threads N] [SCENE...]
+        [--runs N] [--reference N] [--limit N] [--threads N] [SCENE...]
 
 The true error is the root mean square over pixels, relative as `--noise` has it, against the mean of two long renders, less
 what these two differ by. The bias is that of the mean of all runs' pictures, beside its standard error among runs.

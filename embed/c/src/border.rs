@@ -139,11 +139,14 @@ pub(crate) unsafe fn versioned<T: Versioned>(name: &str, pointer: *const T) -> R
     }
 }
 
-/// The bytes from one structure of an array to the next: as many as the first says that it has.
+/// The bytes from one structure of an array to the next: as many as the first says that it has. An array of none may be null.
 ///
 /// # Safety
 /// That of [`versioned`].
 pub(crate) unsafe fn stride<T: Versioned>(name: &str, first: *const T, count: usize) -> Result<usize, Failure> {
+    if count == 0 {
+        return Ok(0);
+    }
     check(name, first, count)?;
     // SAFETY: the caller's promise.
     unsafe { known_size(name, first) }

@@ -6,7 +6,7 @@ use halfdome_kernel::Triangle;
 use halfdome_kernel::bvh::MovingBvh;
 use halfdome_kernel::mesh::Mesh as _;
 
-use crate::border::{check, make, versioned};
+use crate::border::{make, stride, versioned};
 use crate::mesh::{hd_mesh, with_mesh};
 use crate::status::{guard, hd_status};
 use crate::tree::{build_options, hd_build_options};
@@ -27,14 +27,13 @@ pub unsafe extern "C" fn hd_moving_tree_build(
 ) -> hd_status {
     guard(|| {
         let build = || {
-            check("keys", keys, key_count)?;
             // SAFETY: the caller's promise.
-            let options = unsafe { build_options(options) }?;
+            let (stride, options) = unsafe { (stride("keys", keys, key_count)?, build_options(options)?) };
             let mut soups: Vec<Vec<Triangle>> = Vec::new();
             for number in 0..key_count {
                 // SAFETY: the caller's promise.
                 let soup = unsafe {
-                    versioned(&format!("keys[{number}]"), keys.add(number)).and_then(|key| {
+                    versioned(&format!("keys[{number}]"), keys.byte_add(number * stride)).and_then(|key| {
                         with_mesh(&key, |mesh| Ok((0..mesh.len()).map(|prim| mesh.triangle(prim)).collect()))
                     })
                 };

@@ -140,13 +140,8 @@ pub unsafe extern "C" fn hd_scene_build(
 ) -> hd_status {
     guard(|| {
         let build = || {
-            let stride = match count {
-                0 => 0,
-                // SAFETY: the caller's promise.
-                _ => unsafe { stride("items", items, count) }?,
-            };
             // SAFETY: the caller's promise.
-            let options = unsafe { build_options(options) }?;
+            let (stride, options) = unsafe { (stride("items", items, count)?, build_options(options)?) };
             let mut placed = Vec::new();
             for number in 0..count {
                 // SAFETY: the caller's promise.

@@ -79,12 +79,24 @@ static void bad_keys(void) {
     FAILS(HD_ERROR_VALUE, "keys", hd_moving_tree_build(keys, 2, NULL, &tree));
     CHECK(tree == NULL);
     FAILS(HD_ERROR_VALUE, "keys", hd_moving_tree_build(keys, 0, NULL, &tree));
+    FAILS(HD_ERROR_VALUE, "keys", hd_moving_tree_build(NULL, 0, NULL, &tree));
     FAILS(HD_ERROR_NULL, "keys is NULL", hd_moving_tree_build(NULL, 2, NULL, &tree));
     FAILS(HD_ERROR_NULL, "tree is NULL", hd_moving_tree_build(keys, 1, NULL, NULL));
     keys[1] = one;
     keys[1].vertex_count = 2;
     FAILS(HD_ERROR_SIZE, "key 1: mesh->vertex_count is 2", hd_moving_tree_build(keys, 2, NULL, &tree));
-    keys[1] = one;
+    /* Meshes as programs have them that were compiled before there were indices of 16 bits: an array of shorter structures. */
+    const size_t before = offsetof(hd_mesh, index_size);
+    unsigned char *old = (unsigned char *)malloc(2 * before);
+    for (int i = 0; i < 2; i++) {
+        keys[0] = one;
+        keys[0].struct_size = before;
+        memcpy(old + i * before, &keys[0], before);
+    }
+    OK(hd_moving_tree_build((const hd_mesh *)(const void *)old, 2, NULL, &tree));
+    hd_moving_tree_free(tree);
+    free(old);
+    keys[0] = keys[1] = one;
     keys[1].struct_size = 7;
     FAILS(HD_ERROR_VERSION, "keys[1]->struct_size is 7", hd_moving_tree_build(keys, 2, NULL, &tree));
     hd_moving_tree_free(NULL);

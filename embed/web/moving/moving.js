@@ -6,7 +6,7 @@ import { createScene } from "./halfdome/index.js";
 import { RINGS, World } from "./world.js";
 
 const address = new URLSearchParams(location.search);
-const text = (name) => document.querySelector(`#${name}`);
+const element = (name) => document.querySelector(`#${name}`);
 
 function number(name, otherwise, most) {
   const wish = Number(address.get(name) ?? otherwise);
@@ -17,10 +17,10 @@ async function run() {
   const canvas = document.querySelector("#picture");
   canvas.width = Math.ceil(number("width", 320, 2048));
   canvas.height = Math.ceil(number("height", 240, 2048));
-  const context = canvas.getContext("2d");
+  const context = canvas.getConelement("2d");
   const scene = await createScene({ simd: address.get("simd") !== "no" });
   const world = new World(scene);
-  text("rings").textContent = `${RINGS} moving rings of 576 triangles, ${scene.simd ? "with" : "without"} SIMD`;
+  element("rings").textContent = `${RINGS} moving rings of 576 triangles, ${scene.simd ? "with" : "without"} SIMD`;
   const stopped = address.has("time") ? Number(address.get("time")) : null;
   let smooth = null;
 
@@ -33,8 +33,8 @@ async function run() {
     context.putImageData(new ImageData(bytes, canvas.width, canvas.height), 0, 0);
     const times = [moved - start, traced - moved];
     smooth = smooth === null ? times : smooth.map((time, i) => 0.95 * time + 0.05 * times[i]);
-    text("commit").textContent = `${smooth[0].toFixed(2)} ms`;
-    text("trace").textContent = `${smooth[1].toFixed(1)} ms for ${rays} rays and their shading`;
+    element("commit").textContent = `${smooth[0].toFixed(2)} ms`;
+    element("trace").textContent = `${smooth[1].toFixed(1)} ms for ${rays} rays and their shading`;
     if (stopped === null) {
       requestAnimationFrame(frame);
     } else {
@@ -46,5 +46,5 @@ async function run() {
 
 run().catch((error) => {
   document.body.dataset.state = "failed";
-  text("message").textContent = error.message;
+  element("message").textContent = error.message;
 });

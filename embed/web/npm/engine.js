@@ -159,6 +159,7 @@ export class Engine {
     }
     const quality = qualityNumber(options);
     return this.attempt((exports) => {
+      exports.forget_keys();
       for (const positions of keys) {
         this.#writeMesh(exports, positions, indices);
         exports.add_key();

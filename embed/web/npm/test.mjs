@@ -253,6 +253,9 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
     put(positions(9), SQUARE.subarray(0, 9));
     calls.add_key();
     assert.equal(calls.add_moving_mesh(3), -1, "quality 3 does not exist");
+    put(positions(18), new Float32Array(18));
+    calls.add_key();
+    calls.forget_keys();
     put(positions(9), SQUARE.subarray(0, 9));
     calls.add_key();
     assert.equal(calls.add_moving_mesh(2), 1);

@@ -66,3 +66,55 @@ impl Tile {
         Some((sum / count as f64).sqrt())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::film::{Extras, FilterSample, tiles};
+
+    /// A tile of two pixels whose samples have these luminances.
+    fn tile(samples: u32, value: impl Fn(usize, u32) -> f32) -> Tile {
+        let mut tile = tiles(2, 1, Extras { halves: true, ..Extras::default() }).remove(0);
+        let filter = FilterSample { offset: [0.0; 2], weight: 1.0 };
+        for sample in 0..samples {
+            (0..2).for_each(|pixel| tile.add(pixel, sample, &filter, Vec3::splat(value(pixel, sample))));
+        }
+        tile.samples = 0..samples;
+        tile
+    }
+
+    /// One sample of 32 is a thousand times too bright: about 32 times too much, which is to be told and not excused.
+    #[test]
+    fn bright_dots_do_not_excuse_themselves() {
+        let dot = tile(32, |pixel, sample| if (pixel, sample) == (0, 5) { 1000.0 } else { 1.0 });
+        let error = dot.relative_error(1.0).unwrap();
+        assert!(error > 10.0, "{error}");
+        // A lamp of a pixel's size is no dot: its halves are 99 and 101.
+        let is_first = crate::film::tile::is_in_first_half;
+        let lamp = tile(32, |pixel, sample| match pixel {
+            0 => {
+                if is_first(sample) {
+                    99.0
+                } else {
+                    101.0
+                }
+            }
+            _ => 1.0,
+        });
+        let error = lamp.relative_error(1.0).unwrap();
+        let expected = (0.5f64 * 0.25 * (2.0f64 / 99.0).powi(2)).sqrt();
+        assert!((error - expected).abs() < 1e-6, "{error}, {expected}");
+        assert_eq!(tile(32, |_, _| 0.0).relative_error(1.0), Some(0.0));
+    }
+
+    #[test]
+    fn dark_pixels_are_held_against_the_level() {
+        let is_first = crate::film::tile::is_in_first_half;
+        let dark = tile(32, |_, sample| if is_first(sample) { 0.0 } else { 0.01 });
+        let error = dark.relative_error(1.0).unwrap();
+        assert!((error - 0.005 / FLOOR).abs() < 1e-6, "{error}");
+        assert_eq!(tile(8, |_, _| 1.0).relative_error(1.0), None, "too few");
+    }
+}

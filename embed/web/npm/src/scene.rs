@@ -43,6 +43,12 @@ pub extern "C" fn times(count: usize) -> *mut f32 {
     STAGE.with_borrow_mut(|stage| room(&mut stage.times, count, 0.0))
 }
 
+/// Forgets keys of a mesh that was not built, as there was no memory for all.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn forget_keys() {
+    STAGE.with_borrow_mut(|stage| stage.keys.clear());
+}
+
 /// Adds a key to the next mesh that changes its shape, from the positions and indices, which it forgets. 0, or -1 if it refuses
 /// them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
