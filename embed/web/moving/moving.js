@@ -17,7 +17,7 @@ async function run() {
   const canvas = document.querySelector("#picture");
   canvas.width = Math.ceil(number("width", 320, 2048));
   canvas.height = Math.ceil(number("height", 240, 2048));
-  const context = canvas.getConelement("2d");
+  const context = canvas.getContext("2d");
   const scene = await createScene({ simd: address.get("simd") !== "no" });
   const world = new World(scene);
   element("rings").textContent = `${RINGS} moving rings of 576 triangles, ${scene.simd ? "with" : "without"} SIMD`;
