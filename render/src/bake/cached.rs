@@ -84,7 +84,7 @@ impl Baker<'_> {
                 let irradiance = frozen.irradiance(&surface)?;
                 let (mut sums, mut weights) = ([DVec3::ZERO; 4], 0.0);
                 if !moments.is_empty() {
-                    frozen.cache.weigh(surface.position, surface.shading_normal, |record, weight| {
+                    frozen.cache.weigh(surface.position, surface.smooth_normal, |record, weight| {
                         weights += f64::from(weight);
                         for (sum, moment) in sums.iter_mut().zip(&moments[record][1..]) {
                             *sum += f64::from(weight) * moment.as_dvec3();

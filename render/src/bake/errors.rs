@@ -98,7 +98,7 @@ fn noise_about(view: &View, texel: u32) -> f32 {
 /// The standard error of what a texel's records say of its brightness.
 fn standard_error(world: &World, cache: &Cache, texel: &Texel) -> f32 {
     let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-    let (position, normal) = (surface.position, surface.shading_normal);
+    let (position, normal) = (surface.position, surface.smooth_normal);
     let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);
     cache.weigh(position, normal, |record, weight| {
         let said = cache.records()[record].extrapolate(position, normal, true, true).element_sum();

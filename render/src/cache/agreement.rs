@@ -83,7 +83,7 @@ mod tests {
         Tolerance { relative, absolute: 0.0, least: LEAST }
     }
 
-    const WEIGHTING: Weighting = Weighting { metric: Metric::SplitSphere, error: 0.4, stretch: 2.0 };
+    const WEIGHTING: Weighting = Weighting::new(Metric::SplitSphere, 0.4, 2.0);
 
     fn record(position: Vec3, irradiance: Vec3, slope: f32, standard_error: f32) -> Record {
         Record {

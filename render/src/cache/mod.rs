@@ -15,6 +15,7 @@
 mod agreement;
 mod clamp;
 mod cones;
+mod doubt;
 mod file;
 mod fill;
 mod merge;
@@ -222,7 +223,7 @@ impl Cache {
     }
 
     fn weighting(&self, stretch: f32) -> Weighting {
-        Weighting { metric: self.options.metric, error: self.options.error, stretch }
+        Weighting::new(self.options.metric, self.options.error, stretch)
     }
 
     /// From how far away neighbours tell a record what they know, and what their gradients are worth; of tents, as the
@@ -262,17 +263,42 @@ impl Cache {
 
     /// The irradiance at a point with a unit normal; `None` where no record is valid.
     pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        let reading = match self.options.gradients {
-            Gradients::Both => Reading::Together,
-            gradients => Reading::Alone(gradients),
-        };
-        self.interpolate_by(reading, position, normal)
+        self.interpolate_by(self.reading(), position, normal)
     }
 
     /// The same, read in a way that may not be that of the options.
-    #[inline]
     pub(crate) fn interpolate_by(&self, reading: Reading, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        let weighting = self.weighting(self.stretch());
+        self.mix(reading, &self.weighting(self.stretch()), position, [normal; 2])
+    }
+
+    /// The irradiance at a point of a surface with a unit normal for the normal that a map tilts it to.
+    pub(crate) fn interpolate_tilted(&self, position: Vec3, normals: [Vec3; 2]) -> Option<Interpolated> {
+        self.mix(self.reading(), &self.weighting(self.stretch()), position, normals)
+    }
+
+    /// The same, where surfaces turn so much that no record is valid by the published angles, from those up to 45° away.
+    pub(crate) fn interpolate_wide(&self, position: Vec3, normals: [Vec3; 2]) -> Option<Interpolated> {
+        let strict = self.interpolate_tilted(position, normals);
+        strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), position, normals))
+    }
+
+    /// How the options ask for records to be read.
+    fn reading(&self) -> Reading {
+        match self.options.gradients {
+            Gradients::Both => Reading::Together,
+            gradients => Reading::Alone(gradients),
+        }
+    }
+
+    /// What records say of a point on a surface with the first normal, for light that falls on the second.
+    #[inline]
+    fn mix(
+        &self,
+        reading: Reading,
+        weighting: &Weighting,
+        position: Vec3,
+        [normal, tilted]: [Vec3; 2],
+    ) -> Option<Interpolated> {
         let gradients = match reading {
             Reading::Alone(gradients) => gradients,
             Reading::Together => Gradients::Both,
@@ -289,6 +315,10 @@ impl Cache {
                         polynomial.extrapolate(record, position, normal)
                     }
                     _ => record.extrapolate(position, normal, rotation, translation),
+                };
+                let irradiance = match tilted == normal {
+                    true => irradiance,
+                    false => record.tilt(irradiance, normal, tilted, rotation),
                 };
                 negative += u32::from(irradiance.min_element() < 0.0);
                 sum += weight * irradiance.max(Vec3::ZERO);

@@ -51,6 +51,18 @@ impl Record {
         irradiance
     }
 
+    /// What is left of `irradiance` for a normal that a map tilts, on a surface with this unit normal. Light comes from above
+    /// the surface alone: of uniform light `(1 + cos) / 2` is left, and the gradient tells how other light differs.
+    #[inline]
+    pub(crate) fn tilt(&self, irradiance: Vec3, normal: Vec3, tilted: Vec3, rotation: bool) -> Vec3 {
+        let left = irradiance * (0.5 + 0.5 * normal.dot(tilted));
+        if !rotation {
+            return left;
+        }
+        let axis = normal.cross(tilted);
+        left + Vec3::from_array(self.rotational.map(|gradient| gradient.dot(axis)))
+    }
+
     /// How far away `step` from the record is, in units of how far it reaches there.
     #[inline]
     pub fn relative_distance(&self, step: Vec3) -> f32 {

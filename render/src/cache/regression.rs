@@ -199,10 +199,8 @@ mod tests {
         ((0..25).map(record).collect(), frame)
     }
 
-    const NEIGHBOURHOOD: Neighbourhood = Neighbourhood {
-        weighting: Weighting { metric: Metric::Hessian, error: 0.3, stretch: 2.0 },
-        gradient_weight: 0.03,
-    };
+    const NEIGHBOURHOOD: Neighbourhood =
+        Neighbourhood { weighting: Weighting::new(Metric::Hessian, 0.3, 2.0), gradient_weight: 0.03 };
 
     fn quadratic(x: f32, y: f32) -> (Vec3, [Vec3; 2]) {
         let (a, b, c) = (vec3(1.0, 2.0, -1.0), vec3(0.5, -1.0, 0.0), vec3(2.0, 0.0, 1.0));

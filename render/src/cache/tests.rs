@@ -269,3 +269,87 @@ fn rotational_gradients_turn_what_neighbours_say() {
     println!("off {off}, rotation {rotation}, both {both}");
     assert!(rotation < 0.3 * off && both < 0.5 * off, "off {off}, rotation {rotation}, both {both}");
 }
+
+/// A normal that a map tilts sees the horizon: of uniform light `(1 + cos) / 2` is left. The surface's own normal says which
+/// records are valid.
+#[test]
+fn maps_tilt_what_records_say() {
+    let mut cache = Cache::new(options(), SCENE);
+    let flat = Record { rotational: [Vec3::ZERO; 3], translational: [Vec3::ZERO; 3], ..record(0, 0.0, 0.0, 1.0) };
+    cache.commit(vec![flat]);
+    let tilted = vec3(40f32.to_radians().sin(), 0.0, 40f32.to_radians().cos());
+    let found = cache.interpolate_tilted(vec3(0.1, 0.0, 0.0), [Vec3::Z, tilted]).unwrap().irradiance;
+    let expected = vec3(20.0, 10.0, 1.0) * 0.5 * (1.0 + tilted.z);
+    assert!((found - expected).abs().max_element() < 1e-4, "{found}, not {expected}");
+    assert_eq!(cache.interpolate_tilted(vec3(0.1, 0.0, 0.0), [tilted, Vec3::Z]), None, "a surface that turns away");
+    // The gradient's part: light from one side, E = 20 + 5 x in red.
+    let sided = Record { rotational: [Vec3::Z.cross(Vec3::X) * 5.0; 3], ..flat };
+    assert!((sided.tilt(Vec3::ZERO, Vec3::Z, tilted, true).x - 5.0 * tilted.x).abs() < 1e-5);
+    assert_eq!(sided.tilt(Vec3::ZERO, Vec3::Z, tilted, false), Vec3::ZERO);
+}
+
+/// Records 20° apart around a thin column are valid nowhere between by the published angles, and say the right thing anyway.
+#[test]
+fn thin_columns_are_read_between_their_records() {
+    const RADIUS: f32 = 0.05;
+    let direction = vec3(0.6, 0.0, 0.8);
+    let light = |normal: Vec3| Vec3::splat(4.0 + 2.0 * direction.dot(normal));
+    let normal_at = |degrees: f32| vec3(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
+    let record = |key: u32| {
+        let normal = normal_at(20.0 * key as f32);
+        Record {
+            key: key.into(),
+            position: RADIUS * normal,
+            normal,
+            irradiance: light(normal),
+            rotational: [2.0 * normal.cross(direction); 3],
+            translational: [Vec3::ZERO; 3],
+            axis: Vec3::Z,
+            ..record(0, 0.0, 0.0, 0.05)
+        }
+    };
+    let mut cache = Cache::new(options(), SCENE);
+    cache.commit((0..18).filter(|key| key % 2 == 0).map(record).collect());
+    for degrees in [20.0, 100.0, 179.0, 300.0] {
+        let normal = normal_at(degrees);
+        assert_eq!(cache.interpolate(RADIUS * normal, normal), None, "{degrees}");
+        let found = cache.interpolate_wide(RADIUS * normal, [normal; 2]).unwrap().irradiance;
+        assert!((found / light(normal) - 1.0).abs().max_element() < 0.04, "{degrees}: {found}, not {}", light(normal));
+    }
+    assert_eq!(cache.interpolate_wide(RADIUS * Vec3::X, [Vec3::Z; 2]), None, "beyond 45°");
+}
+
+/// One record that a bright ray made is doubtful; once it is right, so are those beside it that had missed the light.
+#[test]
+fn records_that_cannot_be_right_are_doubtful() {
+    let flat = |key: u64, light: f32, standard_error: f32| Record {
+        irradiance: Vec3::splat(light),
+        standard_error,
+        rotational: [Vec3::ZERO; 3],
+        translational: [Vec3::ZERO; 3],
+        ..record(key, 0.1 * (key % 5) as f32, 0.1 * (key / 5) as f32, 0.2)
+    };
+    let doubtful = |records: Vec<Record>, again: &[u64]| {
+        let mut cache = Cache::new(options(), SCENE);
+        cache.commit(records);
+        let mut keys = cache.doubtful(&again.iter().copied().collect());
+        keys.sort_unstable();
+        keys
+    };
+    let quiet = |key: u64| flat(key, 1.0, 0.01);
+    assert_eq!(doubtful((0..25).map(quiet).collect(), &[]), [0u64; 0]);
+    assert_eq!(doubtful((0..25).map(quiet).collect(), &[12]), [0u64; 0], "it agrees");
+    let bright = |key: u64| if key == 12 { flat(12, 5.0, 4.0) } else { quiet(key) };
+    assert_eq!(doubtful((0..25).map(bright).collect(), &[]), [12]);
+    // Gathered again it says 2: the light is there, and its neighbours have missed it. It is not asked for once more.
+    let right = |key: u64| if key == 12 { flat(12, 2.0, 0.1) } else { quiet(key) };
+    let found = doubtful((0..25).map(right).collect(), &[12]);
+    assert!([7, 11, 13, 17].iter().all(|key| found.contains(key)) && !found.contains(&12), "{found:?}");
+    assert!(!found.contains(&0), "too far away");
+
+    let mut cache = Cache::new(options(), SCENE);
+    cache.commit((0..25).map(bright).collect());
+    cache.replace(vec![flat(12, 1.0, 0.01)]);
+    assert_eq!(cache.records().len(), 25);
+    assert_eq!(cache.interpolate(vec3(0.2, 0.2, 0.0), Vec3::Z).unwrap().irradiance, Vec3::ONE);
+}

@@ -9,7 +9,8 @@
 //!
 //! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count half
 //! (Tabellion and Lamorlette again), or of √2 with the Hessian. So a record's neighbours reach over it, and a point
-//! between points that had records has some, too.
+//! between points that had records has some, too. Where a surface turns by more than these angles within a few pixels, as a
+//! thin column does, pictures take records with any normal up to 45° away (`wide`).
 //!
 //! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
 //! own: the point must not be above or below the surface that the record and it could share, by the mean of the
@@ -32,10 +33,14 @@ pub(crate) struct Weighting {
     pub(crate) error: f32,
     /// By how much more a record is worth than when records are placed: at least 1.
     pub(crate) stretch: f32,
+    /// By how many times more `1 - c` may be: at least 1.
+    pub(crate) turn: f32,
 }
 
 /// `1 - cos 10°`.
 const ANGLE: f32 = 0.015_192_247;
+/// `1 - cos 45°`.
+const WIDE_ANGLE: f32 = 0.292_893_2;
 /// The greatest of Ward's weights is the inverse of this, less 1.
 const CAP: f32 = 0.1;
 /// How far above or below the common surface a point may be, in units of its distance ...
@@ -46,11 +51,21 @@ const LEVEL: f32 = 0.01;
 const BEFORE: f32 = 0.995;
 
 impl Weighting {
+    /// How records are weighted that are used so much farther than they keep others away.
+    pub(crate) const fn new(metric: Metric, error: f32, stretch: f32) -> Self {
+        Self { metric, error, stretch, turn: stretch * stretch }
+    }
+
+    /// The same up to 45° between normals.
+    pub(crate) fn wide(self) -> Self {
+        Self { turn: WIDE_ANGLE / ANGLE, ..self }
+    }
+
     /// The weight of a record at a point with this unit normal, at least 0.
     #[inline]
     pub(crate) fn weight(&self, record: &Record, position: Vec3, normal: Vec3) -> f32 {
         let step = position - record.position;
-        let turn = (1.0 - normal.dot(record.normal)).max(0.0) / (self.stretch * self.stretch);
+        let turn = (1.0 - normal.dot(record.normal)).max(0.0) / self.turn;
         let distance = record.relative_distance(step) / self.stretch;
         let weight = match self.metric {
             Metric::SplitSphere => 1.0 / (distance + turn.sqrt() / self.error).max(CAP) - 1.0,
@@ -111,7 +126,7 @@ mod tests {
     }
 
     fn weighting(metric: Metric, stretch: f32) -> Weighting {
-        Weighting { metric, error: 0.5, stretch }
+        Weighting::new(metric, 0.5, stretch)
     }
 
     #[test]

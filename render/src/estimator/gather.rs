@@ -39,6 +39,13 @@ pub(crate) struct GatherPoint<'w> {
     pub(crate) surface: Surface<'w>,
 }
 
+impl GatherPoint<'_> {
+    /// The same without what maps do to its normals.
+    pub(crate) fn smooth(self) -> Self {
+        Self { surface: self.surface.smooth(), ..self }
+    }
+}
+
 /// What a gather found.
 #[derive(Clone, Debug)]
 pub(crate) struct Gathered {

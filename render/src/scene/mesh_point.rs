@@ -126,6 +126,11 @@ impl Material {
         self.opacity.at(texel, if self.uses_vertex_colors { point.vertex_color().w } else { 1.0 })
     }
 
+    /// Whether a map makes shading normals other than the interpolated ones.
+    pub fn tilts_normals(&self) -> bool {
+        self.normal_map.is_some() || self.bump_map.is_some()
+    }
+
     /// Normal and tangent at a point, whose interpolated normal is `interpolated`, as in [`shading_at`](Self::shading_at).
     pub fn frame_at(&self, point: &MeshPoint<'_>, interpolated: Vec3) -> ShadingFrame {
         let corners = point.mesh.tangents.get(point.triangle);

@@ -26,6 +26,8 @@ pub(crate) struct Surface<'w> {
     pub position: Vec3,
     /// Unit normal of the triangle, on its front side.
     pub normal: Vec3,
+    /// Unit normal by vertices, before normal maps tilt it.
+    pub smooth_normal: Vec3,
     /// Unit normal by vertices and maps, on the same side as long as it can be.
     pub shading_normal: Vec3,
     /// Unit vector across it along which anisotropy is measured; zero where any will do.
@@ -53,6 +55,7 @@ pub(crate) struct Surface<'w> {
 /// What differs between the points of a triangle that is not plain.
 struct Details {
     normal: Vec3,
+    smooth_normal: Vec3,
     shading_normal: Vec3,
     tangent: Vec3,
     diffuse: Vec3,
@@ -68,6 +71,7 @@ impl World {
         Surface {
             position,
             normal,
+            smooth_normal: normal,
             shading_normal: normal,
             tangent: Vec3::ZERO,
             wo: normal,
@@ -111,6 +115,7 @@ impl World {
         let mut surface = Surface {
             position: interpolate(face.corners, weights),
             normal: face.normal,
+            smooth_normal: face.normal,
             shading_normal: face.normal,
             tangent: Vec3::ZERO,
             wo: face.normal,
@@ -128,6 +133,7 @@ impl World {
             // Field by field, or the compiler would keep every surface in memory instead of in registers.
             let details = self.details(face.normal, hit, weights);
             surface.normal = details.normal;
+            surface.smooth_normal = details.smooth_normal;
             surface.shading_normal = details.shading_normal;
             surface.tangent = details.tangent;
             surface.diffuse = details.diffuse;
@@ -155,6 +161,10 @@ impl World {
         let is_turned = normal.dot(interpolated) < 0.0;
         Details {
             normal: if is_turned { -normal } else { normal },
+            smooth_normal: match material.tilts_normals() {
+                true => interpolated.normalize_or(frame.normal),
+                false => frame.normal,
+            },
             shading_normal: frame.normal,
             tangent: frame.tangent,
             diffuse: match record.is_matte() {
@@ -214,11 +224,23 @@ impl Surface<'_> {
         let side = if is_behind { -1.0 } else { 1.0 };
         Self {
             normal: self.normal * side,
+            smooth_normal: self.smooth_normal * side,
             shading_normal: self.shading_normal * side,
             wo: -direction,
             is_back: self.is_back != is_behind,
             ..self
         }
+    }
+
+    /// The unit normal by vertices, and what maps make of it.
+    #[inline(always)]
+    pub(crate) fn normals(&self) -> [Vec3; 2] {
+        [self.smooth_normal, self.shading_normal]
+    }
+
+    /// The same surface without what maps do to its normals.
+    pub(crate) fn smooth(self) -> Self {
+        Self { shading_normal: self.smooth_normal, ..self }
     }
 
     /// What lights are chosen by.

@@ -154,7 +154,7 @@ impl<'w> HeldOut<'w> {
     pub(crate) fn squared_error(&self, cache: &Cache) -> f64 {
         let square = |(surface, pair): (&Surface, &[Vec3; 2])| {
             // Where there is no record a path is traced, or a gather made.
-            let found = cache.interpolate(surface.position, surface.shading_normal)?.irradiance;
+            let found = cache.interpolate_tilted(surface.position, surface.normals())?.irradiance;
             let [a, b] = pair.map(|gathered| (found - gathered).as_dvec3());
             Some((a * b).element_sum() / 3.0)
         };

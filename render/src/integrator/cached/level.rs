@@ -1,5 +1,7 @@
 //! Fills one cache: gathers where it asks for records, with whatever finds the light beyond.
 
+use std::collections::{HashMap, HashSet};
+
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
@@ -32,6 +34,8 @@ pub(super) struct Level<'a> {
     pub(crate) options: &'a CachedOptions,
     pub(crate) source: GatherSource<'a>,
     pub(crate) gatherer: AdaptiveGatherer,
+    /// What gathers again where records are doubtful, if anything does.
+    pub(crate) careful: Option<AdaptiveGatherer>,
     /// The error that records are made with; they reach as far as by that of the options.
     pub(crate) made_with: f32,
     pub(crate) watch: &'a dyn Watch,
@@ -102,12 +106,35 @@ pub(super) struct RecordSite<'w> {
 const HESSIAN_EXTENT: f32 = 0.02;
 /// Mean distances of what a record sees within which the scene matters.
 const SURROUNDINGS: f32 = 16.0;
+/// How often records are looked over for doubtful ones.
+const ROUNDS_AGAIN: usize = 3;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;
 
 impl Level<'_> {
-    /// Adds records to `cache` until each site is covered, or the watcher says stop; gives the rays traced.
+    /// Adds records to `cache` until each site is covered, and gathers again those that are doubtful, or until the watcher
+    /// says stop; gives the rays traced.
     pub(crate) fn fill(&self, cache: &mut Cache, sites: &[RecordSite], passes: &[Pass]) -> u64 {
+        let mut traced = self.cover(cache, sites, passes);
+        let Some(gatherer) = &self.careful else { return traced };
+        let by_key: HashMap<u64, usize> = (0..).zip(sites).map(|(i, site)| (site.point.key, i)).collect();
+        let mut again = HashSet::new();
+        for _ in 0..ROUNDS_AGAIN {
+            let doubtful = cache.doubtful(&again);
+            again.extend(&doubtful);
+            let picks: Vec<usize> = doubtful.iter().filter_map(|key| by_key.get(key).copied()).collect();
+            if picks.is_empty() {
+                break;
+            }
+            let Some((records, rays)) = self.gather(gatherer, sites, &picks, &NoLog) else { return traced };
+            traced += rays;
+            cache.replace(records);
+        }
+        traced + self.cover(cache, sites, &passes[passes.len() - 1..])
+    }
+
+    /// Adds records until each site is covered.
+    fn cover(&self, cache: &mut Cache, sites: &[RecordSite], passes: &[Pass]) -> u64 {
         let places: Vec<Place> = sites.iter().map(|site| site.place).collect();
         let mut traced = 0;
         cache.fill(&places, passes, |picks, covered| {
@@ -116,31 +143,44 @@ impl Level<'_> {
             let mut records: Vec<Option<Record>> = picks.iter().map(known).collect();
             let new: Vec<(usize, usize)> =
                 (0..).zip(picks).filter(|&(place, _)| records[place].is_none()).map(|(place, &i)| (place, i)).collect();
-            let gathers = new.par_chunks(GATHERS).map(|new| {
-                if self.watch.stop() {
-                    return None;
-                }
-                let points: Vec<GatherPoint> = new.iter().map(|&(_, i)| sites[i].point).collect();
-                let mut follower = Follower::new(self.world, self.source, GATHER_FIRST_SET);
-                let (found, rays) = self.gatherer.gather(self.world, &points, &mut follower);
-                let records = new.iter().zip(found).map(|(&(_, i), found)| {
-                    let record = self.record(&sites[i], &found);
-                    self.log.put(&record);
-                    self.fit(record, &sites[i])
-                });
-                let records: Vec<Record> = records.collect();
-                self.watch.advance(0, rays);
-                self.watch.gathered(records.len() as u64);
-                Some((records, rays))
-            });
-            let gathers: Vec<Option<(Vec<Record>, u64)>> = gathers.collect();
-            traced += gathers.iter().flatten().map(|(_, rays)| rays).sum::<u64>();
+            let picks: Vec<usize> = new.iter().map(|&(_, i)| i).collect();
             // A round counts as a whole, or where it ended would show.
-            let made = gathers.into_iter().collect::<Option<Vec<_>>>()?.into_iter().flat_map(|(records, _)| records);
+            let (made, rays) = self.gather(&self.gatherer, sites, &picks, self.log)?;
+            traced += rays;
             new.iter().zip(made).for_each(|(&(place, _), record)| records[place] = Some(record));
             records.into_iter().collect()
         });
         traced
+    }
+
+    /// The records of sites by their numbers, and the rays traced; `None` if the watcher says stop.
+    fn gather(
+        &self,
+        gatherer: &AdaptiveGatherer,
+        sites: &[RecordSite],
+        picks: &[usize],
+        log: &dyn RecordLog,
+    ) -> Option<(Vec<Record>, u64)> {
+        let gathers = picks.par_chunks(GATHERS).map(|picks| {
+            if self.watch.stop() {
+                return None;
+            }
+            let points: Vec<GatherPoint> = picks.iter().map(|&i| sites[i].point.smooth()).collect();
+            let mut follower = Follower::new(self.world, self.source, GATHER_FIRST_SET);
+            let (found, rays) = gatherer.gather(self.world, &points, &mut follower);
+            let records = picks.iter().zip(found).map(|(&i, found)| {
+                let record = self.record(&sites[i], &found);
+                log.put(&record);
+                self.fit(record, &sites[i])
+            });
+            let records: Vec<Record> = records.collect();
+            self.watch.advance(0, rays);
+            self.watch.gathered(records.len() as u64);
+            Some((records, rays))
+        });
+        let gathers = gathers.collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()?;
+        let rays = gathers.iter().map(|(_, rays)| rays).sum();
+        Some((gathers.into_iter().flat_map(|(records, _)| records).collect(), rays))
     }
 
     /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
@@ -155,7 +195,7 @@ impl Level<'_> {
     /// The record of what a gather found, whose radii have no bounds yet.
     fn record(&self, site: &RecordSite, found: &Gathered) -> Record {
         let Gathered { gather, hessian, occluders } = found;
-        let surface = &site.point.surface;
+        let surface = &site.point.surface.smooth();
         // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
         let mean_distance = gather.harmonic_mean_distance.min(occluders.clearance).min(self.world.diagonal());
         // Rays meet surfaces, but not where these are nearest; the planes of occluders do.

@@ -1,7 +1,9 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
 //! Of a surface that is not matte, records tell what its diffuse albedo reflects. For the rest of its closure a ray goes on as
-//! the closure scatters, and what records know is taken off its weight.
+//! the closure scatters, and what records know is taken off its weight; of a glossy surface its lobe is left, as if the diffuse
+//! light below were Lambert's (deviation: of uneven light that is off by what the reflection takes from grazing light). From where such a ray arrives one ray at most goes on:
+//! where no record is valid it stands for all that the surface scatters, as in path tracing, and roulette ends it.
 //!
 //! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
 //! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
@@ -26,6 +28,9 @@ use crate::world::{Hit, Surface, World};
 
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;
+
+/// The least probability with which a ray goes on for what records leave: emission is looked for by the same ray.
+const LEAST_REST: f32 = 0.25;
 
 /// Points without a record, and the rays that go on from there.
 #[derive(Default)]
@@ -111,9 +116,13 @@ impl VertexStep for Lookup<'_> {
                 shadow_queue.push(index, throughput, shadow_ray);
             }
         }
+        let is_first = path.is_first() && self.batch.density != 0.0;
+        let may_split = is_first || is_matte || self.frozen.cache.options().bounces.is_some();
+        let mut known = albedo;
         if albedo != Vec3::ZERO {
-            match self.frozen.irradiance(&surface) {
+            match self.frozen.irradiance_about(&surface) {
                 Some(irradiance) => *radiance += throughput * albedo * irradiance * (1.0 / PI),
+                None if !may_split => known = Vec3::ZERO,
                 None => {
                     let direction = surface.frame().to_world(numbers.cosine);
                     if surface.normal.dot(direction) > 0.0 {
@@ -126,15 +135,39 @@ impl VertexStep for Lookup<'_> {
         if is_matte && lights == LightSampling::Direct {
             return None;
         }
-        let bounce = scattering.sample(numbers.u_direction)?;
-        let (direction, normal) = (bounce.direction, surface.receiver().packed());
-        if bounce.density < f32::INFINITY {
-            // Records know what is scattered diffusely.
-            let known = albedo * (surface.lambert(direction) / bounce.density);
-            self.misses.indirect[index as usize] =
-                if is_matte { Vec3::ZERO } else { throughput * (bounce.weight - known) };
+        let mut u = numbers.u_direction;
+        if !may_split {
+            let survival = scattering.albedo().max_element().min(1.0);
+            // NaN survives, and shows.
+            if u.x >= survival {
+                return None;
+            }
+            u.x /= survival;
+            throughput /= survival;
         }
-        let next = Path { throughput: throughput * bounce.weight, density: bounce.density, normal, ..path };
+        let bounce = scattering.sample(u)?;
+        let direction = bounce.direction;
+        let mut next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
+        if bounce.density < f32::INFINITY {
+            next.normal = surface.receiver().packed();
+            let mut indirect = Vec3::ZERO;
+            if !is_matte {
+                // Records know what is scattered diffusely. Where that is nearly all, few rays look for emission alone.
+                let rest = if world.kind(hit.prim_id) == Kind::Glossy && known != Vec3::ZERO && !surface.transmits {
+                    scattering.glossy(direction) / bounce.density
+                } else {
+                    bounce.weight - known * (surface.lambert(direction) / bounce.density)
+                };
+                let part = rest.abs().max_element() / bounce.weight.max_element();
+                let survival = part.clamp(LEAST_REST, 1.0);
+                if numbers.light().1 >= survival {
+                    return None;
+                }
+                indirect = throughput * rest / survival;
+                next.throughput /= survival;
+            }
+            self.misses.indirect[index as usize] = indirect;
+        }
         Some((next, Ray::new(surface.origin_towards(direction), direction)))
     }
 }

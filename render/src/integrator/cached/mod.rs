@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 
 use super::{RayBatch, Wavefront, path};
-use crate::cache::Cache;
+use crate::cache::{Cache, Interpolated};
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
@@ -65,7 +65,19 @@ impl FrozenCache {
 
     /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
     pub(crate) fn irradiance(&self, surface: &Surface) -> Option<Vec3> {
-        let found = self.cache.interpolate(surface.position, surface.shading_normal);
+        self.count(self.cache.interpolate_tilted(surface.position, surface.normals()))
+    }
+
+    /// The same for pictures, and for means over many points: where a surface turns within a few pixels, records with other
+    /// normals do.
+    pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
+        self.count(match self.cache.options().accuracy {
+            Some(_) => self.cache.interpolate_tilted(surface.position, surface.normals()),
+            None => self.cache.interpolate_wide(surface.position, surface.normals()),
+        })
+    }
+
+    fn count(&self, found: Option<Interpolated>) -> Option<Vec3> {
         // Sums of whole numbers do not depend on the order of threads.
         match &found {
             None => _ = self.misses.fetch_add(1, Ordering::Relaxed),

@@ -31,6 +31,12 @@ const SENSOR_UNITS: f32 = 10.0;
 const DEEPER_UNITS: f32 = 40.0;
 /// From so many sites without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
+/// Records that are doubtful have so many times more rays ...
+const MORE: u32 = 8;
+/// ... but no more than these.
+const MOST_RAYS: u32 = 1 << 16;
+/// Keeps the numbers of gathers apart that are made again.
+const SALT_AGAIN: u64 = 0x3c6e_f372_fe94_f82b;
 /// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
 const FEWER: u32 = 4;
 
@@ -89,7 +95,7 @@ pub(crate) fn fill_for_texels<'w>(
     let least_texels = LEAST_TEXELS * to_accuracy::made_with(cache.options());
     let site = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| RecordSite {
         point: GatherPoint { key, surface },
-        place: Place { position: surface.position, normal: surface.shading_normal, spacing },
+        place: Place { position: surface.position, normal: surface.smooth_normal, spacing },
         bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
         floor: LEAST_FOR_ALL.min(least_texels) * spacing,
     };
@@ -155,7 +161,8 @@ impl Prefill<'_> {
                 })
             }
             Aim::Options | Aim::Noise(..) => {
-                let rays = self.level(self.aim, &options, source, self.log).fill(&mut cache, sites, passes);
+                let level = self.level(self.aim, &options, source, self.log);
+                let rays = Level { careful: self.careful(&options), ..level }.fill(&mut cache, sites, passes);
                 (cache, rays)
             }
         };
@@ -176,7 +183,25 @@ impl Prefill<'_> {
             None => Gatherer::new(layout, options.rays, with_hessian, seed).into(),
             Some(rays_and_noise) => AdaptiveGatherer::new(rays_and_noise, layout, with_hessian, seed),
         };
-        Level { world, options, source, gatherer, made_with: to_accuracy::made_with(options), watch, log }
+        Level {
+            world,
+            options,
+            source,
+            gatherer,
+            careful: None,
+            made_with: to_accuracy::made_with(options),
+            watch,
+            log,
+        }
+    }
+
+    /// What gathers again where the records of a cache with these options are doubtful; nothing where an accuracy is asked for,
+    /// as each record is right enough then.
+    fn careful(&self, options: &CachedOptions) -> Option<AdaptiveGatherer> {
+        let rays = (MORE * options.rays).min(MOST_RAYS);
+        let with_hessian = options.metric == Metric::Hessian;
+        (matches!(self.aim, Aim::Options) && rays > options.rays)
+            .then(|| Gatherer::new(options.layout, rays, with_hessian, self.seed ^ SALT_AGAIN).into())
     }
 }
 

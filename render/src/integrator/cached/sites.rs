@@ -39,6 +39,8 @@ const DEEPER_RAYS: u32 = 8;
 const MAX_DEEPER_SITES: usize = 8192;
 /// The most surfaces that a camera's ray may meet.
 const MAX_SURFACES: u32 = 16;
+/// The least part of light for which what glossy surfaces show gets sites.
+const LEAST_SHARE: f32 = 0.02;
 /// Keys of what is seen in mirrors begin with the number of mirrors.
 const DEPTH_SHIFT: u32 = 48;
 /// Keys of deeper caches begin with the number of reflections.
@@ -78,10 +80,12 @@ struct View {
     ray: Ray,
     /// The way from the camera to where the ray begins.
     distance: f32,
+    /// How much of the light that arrives by the ray is seen, at most.
+    share: f32,
 }
 
 /// The sites that the camera sees in the middles of pixels, and the number of rays: all surfaces that scatter light
-/// up to the first that shows no other.
+/// up to the first that shows no other; glossy ones count as mirrors.
 fn visible_sites<'w>(
     world: &'w World,
     settings: &Settings,
@@ -92,7 +96,7 @@ fn visible_sites<'w>(
     let view = |&(x, y): &(u32, u32)| {
         let film = FilmPoint::middle(x, y);
         let pixel = u64::from(y) * u64::from(settings.width) + u64::from(x);
-        Some(View { film, pixel, ray: camera.central_ray(&film)?, distance: 0.0 })
+        Some(View { film, pixel, ray: camera.central_ray(&film)?, distance: 0.0, share: 1.0 })
     };
     let mut views: Vec<View> = pixels.iter().filter_map(view).collect();
     let (mut sites, mut traced) = (Vec::new(), 0);
@@ -102,7 +106,8 @@ fn visible_sites<'w>(
         world.intersect_many(&rays, &mut hits);
         traced += rays.len() as u64;
         let mut next = Vec::new();
-        for (View { film, pixel, ray, distance }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        for (View { film, pixel, ray, distance, share }, hit) in views.iter().zip(&hits).filter(|(_, hit)| hit.is_hit())
+        {
             let mut surface = world.surface_at(hit).facing(ray.direction);
             let scattering = world.scattering(&mut surface);
             let distance = distance + hit.t;
@@ -112,9 +117,20 @@ fn visible_sites<'w>(
             }
             let sampler = Sampler::new(Pattern::Sobol, !settings.seed, *pixel as u32, depth);
             let bounce = scattering.sample(sampler.uniform2(0));
+            let mut go_on = |direction: Vec3, share: f32| {
+                let ray = Ray::new(surface.origin_towards(direction), direction);
+                next.push(View { film: *film, pixel: *pixel, ray, distance, share });
+            };
             if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
-                let ray = Ray::new(surface.origin_towards(bounce.direction), bounce.direction);
-                next.push(View { film: *film, pixel: *pixel, ray, distance });
+                go_on(bounce.direction, *share);
+            } else if !world.is_nearly_diffuse(hit.prim_id) {
+                // What stands in the middle of a glossy lobe.
+                let share = share * (scattering.albedo() - surface.diffuse).max_element();
+                let direction =
+                    ray.direction - 2.0 * surface.shading_normal.dot(ray.direction) * surface.shading_normal;
+                if share > LEAST_SHARE && surface.normal.dot(direction) > 0.0 {
+                    go_on(direction, share);
+                }
             }
         }
         if next.is_empty() {
@@ -133,7 +149,7 @@ fn camera_site<'w>(pixel_width: f32, error: f32, surface: Surface<'w>, ray: &Ray
     let spacing = pixel_width / cosine.sqrt();
     RecordSite {
         point: GatherPoint { key, surface },
-        place: Place { position: surface.position, normal: surface.shading_normal, spacing },
+        place: Place { position: surface.position, normal: surface.smooth_normal, spacing },
         bounds: Bounds { lower: (LEAST_PIXELS * error).max(LEAST_FOR_ALL) * spacing, upper: MOST_PIXELS * spacing },
         floor: LEAST_FOR_ALL * spacing,
     }
@@ -149,12 +165,12 @@ pub(super) fn point_sites<'w>(
     neighbour: usize,
 ) -> Vec<RecordSite<'w>> {
     let diagonal = world.diagonal();
-    let points: Vec<(Vec3, Vec3)> = surfaces.iter().map(|surface| (surface.position, surface.shading_normal)).collect();
+    let points: Vec<(Vec3, Vec3)> = surfaces.iter().map(|surface| (surface.position, surface.smooth_normal)).collect();
     let site = |((number, &surface), apart): ((u64, &Surface<'w>), f32)| {
         let spacing = (apart / UNITS_APART).clamp(LEAST_OF_DIAGONAL * diagonal, diagonal / PARTS);
         RecordSite {
             point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
-            place: Place { position: surface.position, normal: surface.shading_normal, spacing },
+            place: Place { position: surface.position, normal: surface.smooth_normal, spacing },
             bounds: Bounds { lower: least_units * spacing, upper: MOST_OF_DIAGONAL * diagonal },
             floor: 0.0,
         }

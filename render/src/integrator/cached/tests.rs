@@ -13,16 +13,29 @@ use crate::watch::Watch;
 
 /// The inside of a tetrahedron about the origin that emits 1 and reflects half.
 fn furnace() -> World {
+    World::new(furnace_scene()).unwrap()
+}
+
+fn furnace_scene() -> Scene {
     let positions = vec![vec3(1.0, 1.0, 1.0), vec3(1.0, -1.0, -1.0), vec3(-1.0, 1.0, -1.0), vec3(-1.0, -1.0, 1.0)];
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
     let wall = Material { emission: Vec3::ONE, ..Material::matte(Vec3::splat(0.5)) };
-    World::new(Scene {
+    Scene {
         meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
         materials: vec![wall],
         camera: Some(CameraPose { eye: Vec3::ZERO, target: Vec3::X, up: Vec3::Y, vfov: 60.0 }),
         ..Scene::default()
-    })
-    .unwrap()
+    }
+}
+
+/// Rays from the origin, about the z axis, and what they hit.
+fn rays_from_the_middle(world: &World, count: u32) -> (Vec<Sampler>, Vec<Ray>, Vec<Hit>) {
+    let samplers: Vec<Sampler> = (0..count).map(|i| Sampler::new(Pattern::Sobol, 5, 0, i)).collect();
+    let direction = |sampler: &Sampler| CosineHemisphere.map(sampler.uniform2(0));
+    let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    world.intersect_many(&rays, &mut hits);
+    (samplers, rays, hits)
 }
 
 /// `L = 1 + ρ (1 + Σ ρ^k)`, with as many terms as the cache has reflections; for ever `1 / (1 - ρ)`.
@@ -30,11 +43,7 @@ fn furnace() -> World {
 fn paths_in_place_of_records_are_as_long() {
     let world = furnace();
     const COUNT: u32 = 1 << 14;
-    let samplers: Vec<Sampler> = (0..COUNT).map(|i| Sampler::new(Pattern::Sobol, 5, 0, i)).collect();
-    let direction = |sampler: &Sampler| CosineHemisphere.map(sampler.uniform2(0));
-    let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    world.intersect_many(&rays, &mut hits);
+    let (samplers, rays, hits) = rays_from_the_middle(&world, COUNT);
     let camera = RayBatch {
         rays: &rays,
         hits: &hits,
@@ -85,5 +94,48 @@ fn few_points_have_no_record() {
         let missing = points.iter().filter(|surface| frozen.irradiance(surface).is_none()).count();
         println!("error {error}: {missing} of {} points", points.len());
         assert!(points.len() > 1 << 14 && missing * 25 < points.len(), "{missing} of {}", points.len());
+    }
+}
+
+/// A closed room of glossy walls that emit 1 is as bright by records as by paths, and by neither where a record is missing.
+#[test]
+fn glossy_walls_are_as_bright_as_by_paths() {
+    let mut scene = furnace_scene();
+    let wall = &mut scene.materials[0];
+    wall.inputs.specular_weight = 1.0;
+    wall.inputs.specular_roughness = 0.2;
+    wall.inputs.base_color = Vec3::splat(0.6);
+    let world = World::new(scene).unwrap();
+    const COUNT: u32 = 1 << 15;
+    let (samplers, rays, hits) = rays_from_the_middle(&world, COUNT);
+    let camera = RayBatch {
+        rays: &rays,
+        hits: &hits,
+        samplers: &samplers,
+        times: &[],
+        first_set: FIRST_SET,
+        density: f32::INFINITY,
+    };
+    let mean = |found: &[Vec3]| found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / f64::from(COUNT);
+    let mut found = vec![Vec3::ZERO; rays.len()];
+    let options = PathOptions { max_depth: 64, stop: Stop::Depth, ..PathOptions::default() };
+    let wave = &mut Wavefront::default();
+    path::radiance(&world, &options, &camera, wave, &mut found, &mut |_| (), path::Companions::default());
+    let expected = mean(&found);
+    let empty = || Cache::new(CachedOptions::default(), world.surroundings_hash());
+    let surfaces: Vec<Surface> =
+        rays.iter().zip(&hits).map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect();
+    let (filled, _) = fill_for_surfaces(&world, 1, empty(), &surfaces[..4096], Aim::Options, &NeverStops);
+    // Half of the points without a record.
+    let half = filled.cache.records().iter().filter(|record| record.position.x > 0.0).copied().collect();
+    let half = Cache::of(CachedOptions::default(), world.surroundings_hash(), half);
+    let mut misses_before = u64::MAX;
+    for (name, frozen) in [("none", FrozenCache::new(empty())), ("half", FrozenCache::new(half)), ("all", filled)] {
+        radiance(&world, &frozen, &camera, wave, &mut Misses::default(), &mut found);
+        let (mean, misses) = (mean(&found), frozen.usage().misses);
+        println!("{name}: {mean}, by paths {expected}; {misses} misses");
+        assert!((mean / expected - 1.0).abs() < 0.004, "{name}: {mean}, not {expected}");
+        assert!(misses < misses_before / 2, "{name}: {misses} of {misses_before} misses");
+        misses_before = misses;
     }
 }

@@ -71,6 +71,7 @@ impl LightSamples {
         let light = Surface {
             position: interpolate(corners, [1.0 - point.x - point.y, point.x, point.y]),
             normal,
+            smooth_normal: normal,
             shading_normal: normal,
             diffuse: Vec3::ZERO,
             emission: emitters.emission.get(i),

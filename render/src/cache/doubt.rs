@@ -1,0 +1,54 @@
+//! Which records are to be gathered again, with more rays: those that a few bright rays made, and those that such rays
+//! have missed.
+//!
+//! A record is doubtful if its standard error is large beside the light around, `σ_i > ε Ē`, as that of one is in which a
+//! single ray found much. Where those have been gathered again, their neighbours are doubtful that disagree with one by more
+//! than both standard errors allow: `|E_i - E_j| > 3 √(σ_i² + σ_j²)`. One that has missed the light knows nothing of it.
+
+use std::collections::HashSet;
+
+use super::Cache;
+use super::record::Record;
+
+/// ε.
+const LARGE: f32 = 0.25;
+/// By how many standard errors records may differ.
+const DEVIATIONS: f32 = 3.0;
+/// The part of irradiance by which they may differ besides: gradients do not tell all of what is between them.
+const TOLERANCE: f32 = 0.1;
+
+impl Cache {
+    /// The keys of the records that are doubtful, in the order of the records. `again` are those that were gathered again.
+    pub(crate) fn doubtful(&self, again: &HashSet<u64>) -> Vec<u64> {
+        let doubts = |&(number, record): &(usize, &Record)| {
+            let weighting = self.weighting(self.stretch());
+            let (mut light, mut weights, mut disagrees) = (0.0, 0.0, false);
+            self.tree.query(record.position, |i| {
+                let other = &self.records[i];
+                let weight = weighting.weight(other, record.position, record.normal);
+                if i == number || weight <= 0.0 {
+                    return;
+                }
+                let said = other.extrapolate(record.position, record.normal, true, true);
+                light += weight * other.irradiance.max_element();
+                weights += weight;
+                let allowed = DEVIATIONS * record.standard_error.hypot(other.standard_error);
+                let difference = (said - record.irradiance).abs().max_element();
+                disagrees |= again.contains(&other.key)
+                    && difference
+                        > allowed + TOLERANCE * other.irradiance.max_element().max(record.irradiance.max_element());
+            });
+            let light = if weights > 0.0 { light / weights } else { record.irradiance.max_element() };
+            disagrees || record.standard_error > LARGE * light
+        };
+        let open = self.records.iter().enumerate().filter(|(_, record)| !again.contains(&record.key));
+        open.filter(doubts).map(|(_, record)| record.key).collect()
+    }
+
+    /// Takes these records in place of those that have their keys.
+    pub(crate) fn replace(&mut self, records: Vec<Record>) {
+        let keys: HashSet<u64> = records.iter().map(|record| record.key).collect();
+        let kept: Vec<Record> = self.take_original().filter(|record| !keys.contains(&record.key)).collect();
+        self.commit(kept.into_iter().chain(records).collect());
+    }
+}
