@@ -12,6 +12,8 @@ use super::record::Record;
 
 /// ε.
 const LARGE: f32 = 0.25;
+/// The light around counts as at least this part of the mean of all records: nobody sees by how much the dark is wrong.
+const DARK: f32 = 0.1;
 /// By how many standard errors records may differ.
 const DEVIATIONS: f32 = 3.0;
 /// The part of irradiance by which they may differ besides: gradients do not tell all of what is between them.
@@ -20,6 +22,9 @@ const TOLERANCE: f32 = 0.1;
 impl Cache {
     /// The keys of the records that are doubtful, in the order of the records. `again` are those that were gathered again.
     pub(crate) fn doubtful(&self, again: &HashSet<u64>) -> Vec<u64> {
+        let mean = self.records.iter().map(|record| f64::from(record.irradiance.max_element())).sum::<f64>()
+            / self.records.len().max(1) as f64;
+        let dark = DARK * mean as f32;
         let doubts = |&(number, record): &(usize, &Record)| {
             let weighting = self.weighting(self.stretch());
             let (mut light, mut weights, mut disagrees) = (0.0, 0.0, false);
@@ -36,10 +41,11 @@ impl Cache {
                 let difference = (said - record.irradiance).abs().max_element();
                 disagrees |= again.contains(&other.key)
                     && difference
-                        > allowed + TOLERANCE * other.irradiance.max_element().max(record.irradiance.max_element());
+                        > allowed
+                            + TOLERANCE * other.irradiance.max_element().max(record.irradiance.max_element()).max(dark);
             });
             let light = if weights > 0.0 { light / weights } else { record.irradiance.max_element() };
-            disagrees || record.standard_error > LARGE * light
+            disagrees || record.standard_error > LARGE * light.max(dark)
         };
         let open = self.records.iter().enumerate().filter(|(_, record)| !again.contains(&record.key));
         open.filter(doubts).map(|(_, record)| record.key).collect()

@@ -135,7 +135,7 @@ impl Prefill<'_> {
                 let options = CachedOptions { bounces: Some(reflections), accuracy: None, ..options };
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 let source = below.as_ref().map_or(paths, GatherSource::Cache);
-                traced += self.level(Aim::Options, &options, source, &NoLog).fill(
+                traced += self.level(Aim::Means, &options, source, &NoLog).fill(
                     &mut cache,
                     sites,
                     &point_passes(sites.len()),
@@ -160,7 +160,7 @@ impl Prefill<'_> {
                     self.level(self.aim, options, source, log).fill(cache, sites, passes)
                 })
             }
-            Aim::Options | Aim::Noise(..) => {
+            Aim::Options | Aim::Means | Aim::Noise(..) => {
                 let level = self.level(self.aim, &options, source, self.log);
                 let rays = Level { careful: self.careful(&options), ..level }.fill(&mut cache, sites, passes);
                 (cache, rays)

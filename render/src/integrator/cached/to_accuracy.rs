@@ -36,8 +36,10 @@ const FACTORS: [f64; 2] = [0.5, 0.85];
 /// How right records are to be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Aim<'a> {
-    /// As their options make them.
+    /// As their options make them, the doubtful ones with more rays.
     Options,
+    /// As their options make them.
+    Means,
     /// They reach as far as their options say, and have as many rays as this asks for: rays at first, and a standard error
     /// in W/m².
     Noise(u32, f32),
@@ -49,7 +51,7 @@ impl Aim<'_> {
     /// That of a cache over which gathers take means.
     pub(crate) fn of_means(&self) -> Aim<'static> {
         match self {
-            Aim::Options => Aim::Options,
+            Aim::Options | Aim::Means => Aim::Means,
             Aim::Noise(rays, tolerance) => Aim::Noise(*rays, *tolerance),
             Aim::Accuracy(held_out) => {
                 let (rays, tolerance) = held_out.rays_and_noise(NOISE_OF_MEANS);
@@ -61,7 +63,7 @@ impl Aim<'_> {
     /// Rays of records at first, and their standard error, if that is what they go by.
     pub(super) fn rays_and_noise(&self) -> Option<(u32, f32)> {
         match self {
-            Aim::Options => None,
+            Aim::Options | Aim::Means => None,
             Aim::Noise(rays, tolerance) => Some((*rays, *tolerance)),
             Aim::Accuracy(held_out) => Some(held_out.rays_and_noise(NOISE)),
         }
