@@ -2,9 +2,9 @@
 //! that a second microfacet meets.
 //!
 //! The albedo of a lobe depends on the cosine `μ` of `wo`, on roughness and on the refractive index. Tables hold it for
-//! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices, of which each is computed once, over
-//! visible normals, when a closure first asks for it. A closure blends a [`Column`] of cosines out of it when it
-//! is made. As functions between nodes are linear, their integrals over all directions are exact sums.
+//! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices. A [`Column`] of cosines is computed
+//! once, over visible normals, when a closure first asks for it. A closure blends columns when it is made, or two nodes where
+//! it needs one cosine. As functions between nodes are linear, their integrals over all directions are exact sums.
 
 use std::array;
 use std::sync::{LazyLock, OnceLock};
@@ -65,11 +65,8 @@ impl Column {
     /// Its value at a cosine, 0 to 1.
     #[inline]
     pub(super) fn at(&self, cos: f32) -> f32 {
-        let x = cos.sqrt() * LAST;
-        // The comparison is false for a NaN too.
-        let k = if x < LAST { x as usize } else { NODES - 2 };
-        let fraction = x - k as f32;
-        self.0[k] + fraction * (self.0[k + 1] - self.0[k])
+        let (k, fraction) = node(cos);
+        mix(self.0[k], self.0[k + 1], fraction)
     }
 
     /// Its mean over uniform light, `2 ∫ f(μ) μ dμ`.
@@ -98,8 +95,33 @@ impl Column {
 
     #[inline]
     pub(super) fn lerp(&self, other: &Self, fraction: f32) -> Self {
-        self.zip(other, |a, b| a + fraction * (b - a))
+        self.zip(other, |a, b| mix(a, b, fraction))
     }
+}
+
+/// The node below a cosine, and the way from there to the next one.
+#[inline]
+fn node(cos: f32) -> (usize, f32) {
+    let x = cos.sqrt() * LAST;
+    // The comparison is false for a NaN too.
+    let k = if x < LAST { x as usize } else { NODES - 2 };
+    (k, x - k as f32)
+}
+
+#[inline]
+fn mix(a: f32, b: f32, fraction: f32) -> f32 {
+    a + fraction * (b - a)
+}
+
+/// A lookup: of all nodes or of two, from a column to what is blended.
+trait Pick<const N: usize>: Fn(&Column) -> [f32; N] {}
+
+impl<const N: usize, F: Fn(&Column) -> [f32; N]> Pick<N> for F {}
+
+/// A node and the next one.
+#[inline]
+fn two(k: usize) -> impl Pick<2> {
+    move |column| [column.0[k], column.0[k + 1]]
 }
 
 /// Roughnesses of a table, evenly from 0 to 1.
@@ -107,39 +129,50 @@ pub(super) const ROUGHNESSES: usize = 33;
 /// Refractive indices of a table: the root of the reflectance at normal incidence, below 1, is `(j/16)²`.
 pub(super) const INDICES: usize = 16;
 
-/// Columns by roughness.
-type Rows = [Column; ROUGHNESSES];
+/// Columns by roughness, each made when it is first asked for.
+type Rows = [OnceLock<Column>; ROUGHNESSES];
 
-/// Rows by refractive index, each made when it is first asked for.
-type Table = [OnceLock<Rows>; INDICES];
+/// Rows by refractive index.
+type Table = [Rows; INDICES];
+
+const fn no_rows() -> Rows {
+    [const { OnceLock::new() }; ROUGHNESSES]
+}
+
+const fn no_table() -> Table {
+    [const { no_rows() }; INDICES]
+}
 
 /// The reflection lobe's albedo where all is reflected, of a roughness.
 #[inline]
 pub(super) fn full(roughness: f32) -> Column {
-    static ROWS: LazyLock<Rows> = LazyLock::new(|| rows(|ggx, wo, h, _| reflected(ggx, wo, h)));
-    at_roughness(&ROWS, roughness)
+    static ROWS: Rows = no_rows();
+    Column(at_roughness(&ROWS, roughness, |ggx, wo, h, _| reflected(ggx, wo, h), |column| column.0))
 }
 
-/// The reflection lobe's albedo where `(1 - cos)⁵` is reflected, and where `cos (1 - cos)⁶` is: see [`fresnel::Metal`].
-pub(super) fn metal(roughness: f32) -> (Column, Column) {
-    static SCHLICK: LazyLock<Rows> =
-        LazyLock::new(|| rows(|ggx, wo, h, cos| fresnel::schlick(cos) * reflected(ggx, wo, h)));
-    static DIP: LazyLock<Rows> =
-        LazyLock::new(|| rows(|ggx, wo, h, cos| cos * (1.0 - cos) * fresnel::schlick(cos) * reflected(ggx, wo, h)));
-    (at_roughness(&SCHLICK, roughness), at_roughness(&DIP, roughness))
+/// The reflection lobe's albedo at a cosine where `(1 - cos)⁵` is reflected, and where `cos (1 - cos)⁶` is: see
+/// [`fresnel::Metal`].
+pub(super) fn metal_at(roughness: f32, cos: f32) -> (f32, f32) {
+    static SCHLICK: Rows = no_rows();
+    static DIP: Rows = no_rows();
+    let schlick = |ggx: &Ggx, wo, h, cos| fresnel::schlick(cos) * reflected(ggx, wo, h);
+    let dip = |ggx: &Ggx, wo, h, cos| cos * (1.0 - cos) * fresnel::schlick(cos) * reflected(ggx, wo, h);
+    let (k, fraction) = node(cos);
+    let [schlick, next_schlick] = at_roughness(&SCHLICK, roughness, schlick, two(k));
+    let [dip, next_dip] = at_roughness(&DIP, roughness, dip, two(k));
+    (mix(schlick, next_schlick, fraction), mix(dip, next_dip, fraction))
 }
 
 /// What a lobe of this roughness loses under a smooth coat of index 1.5 whose `t(μ) = 1 - F(μ)` dims it by the lesser of
 /// `t(μ_o)` and `t(μ_i)`: `∫ max(0, t(μ_o) - t(μ_i)) f cos`. Other coats lose in proportion.
 #[inline]
 fn dimmed(roughness: f32) -> Column {
-    static ROWS: LazyLock<Rows> = LazyLock::new(|| {
-        rows(|ggx, wo, h, _| {
-            let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
-            (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0) * reflected(ggx, wo, h)
-        })
-    });
-    at_roughness(&ROWS, roughness)
+    static ROWS: Rows = no_rows();
+    let weight = |ggx: &Ggx, wo: Vec3, h: Vec3, _: f32| {
+        let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
+        (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0) * reflected(ggx, wo, h)
+    };
+    Column(at_roughness(&ROWS, roughness, weight, |column| column.0))
 }
 
 /// What wide light loses likewise, under a cover whose `t` grows with the cosine: `∫ max(0, t(μ) - t(ν)) 2ν dν`.
@@ -163,50 +196,77 @@ pub(super) fn dimmed_under(transmittance: &Column, roughness: f32) -> Column {
 /// The reflection lobe's albedo with Fresnel's reflectance, seen from outside or inside.
 #[inline]
 pub(super) fn reflection(roughness: f32, ior: f32, is_inside: bool) -> Column {
-    static TABLES: [Table; 2] = [const { [const { OnceLock::new() }; INDICES] }; 2];
-    at(&TABLES[usize::from(is_inside)], roughness, ior, |ior| {
+    Column(find_reflection(roughness, ior, is_inside, |column| column.0))
+}
+
+/// The same at one cosine.
+#[inline]
+pub(super) fn reflection_at(roughness: f32, ior: f32, is_inside: bool, cos: f32) -> f32 {
+    let (k, fraction) = node(cos);
+    let [a, b] = find_reflection(roughness, ior, is_inside, two(k));
+    mix(a, b, fraction)
+}
+
+#[inline]
+fn find_reflection<const N: usize>(roughness: f32, ior: f32, is_inside: bool, pick: impl Pick<N>) -> [f32; N] {
+    static TABLES: [Table; 2] = [const { no_table() }; 2];
+    let weight = |ior: f32, ggx: &Ggx, wo, h, cos| {
         let eta = if is_inside { 1.0 / ior } else { ior };
-        rows(|ggx, wo, h, cos| fresnel::dielectric(cos, eta).0 * reflected(ggx, wo, h))
-    })
+        fresnel::dielectric(cos, eta).0 * reflected(ggx, wo, h)
+    };
+    at(&TABLES[usize::from(is_inside)], roughness, ior, weight, pick)
 }
 
 /// The albedo of reflection and refraction together, seen from outside or inside.
 #[inline]
 pub(super) fn glass(roughness: f32, ior: f32, is_inside: bool) -> Column {
-    static TABLES: [Table; 2] = [const { [const { OnceLock::new() }; INDICES] }; 2];
-    at(&TABLES[usize::from(is_inside)], roughness, ior, |ior| {
+    static TABLES: [Table; 2] = [const { no_table() }; 2];
+    let weight = |ior: f32, ggx: &Ggx, wo, h, cos| {
         let eta = if is_inside { 1.0 / ior } else { ior };
-        rows(|ggx, wo, h, cos| interface(ggx, wo, h, cos, eta))
-    })
+        interface(ggx, wo, h, cos, eta)
+    };
+    Column(at(&TABLES[usize::from(is_inside)], roughness, ior, weight, |column| column.0))
 }
 
-/// The mean of a weight of visible normals, for each roughness and cosine.
-fn rows(weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Rows {
-    array::from_fn(|r| {
-        let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
-        let ggx = Ggx { alpha: Vec2::splat(roughness * roughness) };
-        Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos)))
-    })
+/// The mean of a weight of visible normals, for each cosine.
+#[cold]
+#[inline(never)]
+fn column(r: usize, weight: &dyn Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Column {
+    let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
+    let ggx = Ggx { alpha: Vec2::splat(roughness * roughness) };
+    Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos)))
 }
 
 #[inline]
-fn at(table: &Table, roughness: f32, ior: f32, make: impl Fn(f32) -> Rows) -> Column {
+fn at<const N: usize>(
+    table: &Table,
+    roughness: f32,
+    ior: f32,
+    weight: impl Fn(f32, &Ggx, Vec3, Vec3, f32) -> f32,
+    pick: impl Pick<N>,
+) -> [f32; N] {
     let (j, fraction) = place(((ior - 1.0) / (ior + 1.0)).sqrt() * INDICES as f32, INDICES);
     let row = |j: usize| {
-        let rows = table[j].get_or_init(|| {
-            let root = j as f32 / INDICES as f32;
-            // At an index of 1 refraction has no half vector.
-            make(((1.0 + root * root) / (1.0 - root * root)).max(1.001))
-        });
-        at_roughness(rows, roughness)
+        let root = j as f32 / INDICES as f32;
+        // At an index of 1 refraction has no half vector.
+        let ior = ((1.0 + root * root) / (1.0 - root * root)).max(1.001);
+        at_roughness(&table[j], roughness, |ggx, wo, h, cos| weight(ior, ggx, wo, h, cos), &pick)
     };
-    row(j).lerp(&row(j + 1), fraction)
+    let (below, above) = (row(j), row(j + 1));
+    array::from_fn(|k| mix(below[k], above[k], fraction))
 }
 
 #[inline]
-fn at_roughness(rows: &Rows, roughness: f32) -> Column {
+fn at_roughness<const N: usize>(
+    rows: &Rows,
+    roughness: f32,
+    weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32,
+    pick: impl Pick<N>,
+) -> [f32; N] {
     let (r, fraction) = place(roughness * (ROUGHNESSES - 1) as f32, ROUGHNESSES);
-    rows[r].lerp(&rows[r + 1], fraction)
+    let row = |r: usize| pick(rows[r].get_or_init(|| column(r, &weight)));
+    let (below, above) = (row(r), row(r + 1));
+    array::from_fn(|k| mix(below[k], above[k], fraction))
 }
 
 /// The node below, one that has a node above, and the way to that; beyond the last node its own value.

@@ -226,11 +226,11 @@ impl Lobes for Glossy {
             return albedo + full * self.reflectance(typical_cos(wo.z, self.ggx.alpha.x));
         }
         if self.metalness > 0.0 {
-            let (schlick, dip) = energy::metal(self.roughness);
-            albedo += self.metalness * self.metal.albedo(full, schlick.at(wo.z), dip.at(wo.z));
+            let (schlick, dip) = energy::metal_at(self.roughness, wo.z);
+            albedo += self.metalness * self.metal.albedo(full, schlick, dip);
         }
         if self.metalness < 1.0 {
-            let fresnel = energy::reflection(self.roughness, self.dielectric.eta, false).at(wo.z);
+            let fresnel = energy::reflection_at(self.roughness, self.dielectric.eta, false, wo.z);
             albedo += (1.0 - self.metalness) * self.dielectric.albedo(full, fresnel);
         }
         albedo
