@@ -176,7 +176,7 @@ fn damaged_and_foreign_files_are_refused() {
         changed[range].copy_from_slice(new);
         problem(&changed)
     };
-    assert!(with(8..12, &1u32.to_le_bytes()).contains("has version 1 of the format; this program reads version 3"));
+    assert!(with(8..12, &1u32.to_le_bytes()).contains("has version 1 of the format; this program reads version 4"));
     assert!(with(12..16, &0x0102_0304u32.to_be_bytes()).contains("order of bytes of another machine"));
     assert!(with(100..101, &[bytes[100] ^ 1]).contains("its checksum is wrong"));
     // With a right checksum, numbers that are none are still found.
