@@ -22,11 +22,11 @@ const TOLERANCE: f32 = 0.1;
 impl Cache {
     /// The keys of the records that are doubtful, in the order of the records. `again` are those that were gathered again.
     pub(crate) fn doubtful(&self, again: &HashSet<u64>) -> Vec<u64> {
-        let mean = self.records.iter().map(|record| f64::from(record.irradiance.max_element())).sum::<f64>()
-            / self.records.len().max(1) as f64;
-        let dark = DARK * mean as f32;
+        let brightness = |record: &Record| record.irradiance.max_element();
+        let sum: f64 = self.records.iter().map(|record| f64::from(brightness(record))).sum();
+        let dark = DARK * (sum / self.records.len().max(1) as f64) as f32;
+        let weighting = self.weighting(self.stretch());
         let doubts = |&(number, record): &(usize, &Record)| {
-            let weighting = self.weighting(self.stretch());
             let (mut light, mut weights, mut disagrees) = (0.0, 0.0, false);
             self.tree.query(record.position, |i| {
                 let other = &self.records[i];
@@ -35,16 +35,14 @@ impl Cache {
                     return;
                 }
                 let said = other.extrapolate(record.position, record.normal, true, true);
-                light += weight * other.irradiance.max_element();
+                light += weight * brightness(other);
                 weights += weight;
-                let allowed = DEVIATIONS * record.standard_error.hypot(other.standard_error);
+                let noise = DEVIATIONS * record.standard_error.hypot(other.standard_error);
+                let allowed = noise + TOLERANCE * brightness(other).max(brightness(record)).max(dark);
                 let difference = (said - record.irradiance).abs().max_element();
-                disagrees |= again.contains(&other.key)
-                    && difference
-                        > allowed
-                            + TOLERANCE * other.irradiance.max_element().max(record.irradiance.max_element()).max(dark);
+                disagrees |= difference > allowed && again.contains(&other.key);
             });
-            let light = if weights > 0.0 { light / weights } else { record.irradiance.max_element() };
+            let light = if weights > 0.0 { light / weights } else { brightness(record) };
             disagrees || record.standard_error > LARGE * light.max(dark)
         };
         let open = self.records.iter().enumerate().filter(|(_, record)| !again.contains(&record.key));

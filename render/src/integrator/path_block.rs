@@ -174,7 +174,7 @@ impl PathBlock {
         Surface {
             position: self.position.get(i),
             normal: self.normal.get(i),
-            smooth_normal: Vec3::ZERO,
+            smooth_normal: self.shading_normal.get(i),
             shading_normal: self.shading_normal.get(i),
             diffuse: self.materials.diffuse.get(i),
             emission: Vec3::ZERO,

@@ -312,3 +312,21 @@ fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f3
     }
     sum / points
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two nodes give the same bits as a column.
+    #[test]
+    fn one_cosine_is_as_in_a_column() {
+        for (roughness, ior) in [(0.0, 1.5), (0.31, 1.33), (0.5, 1.5), (1.0, 2.4), (0.77, 1.0)] {
+            for is_inside in [false, true] {
+                let column = reflection(roughness, ior, is_inside);
+                for cos in [0.0, 1e-4, 0.2, 0.55, 0.999, 1.0] {
+                    assert_eq!(reflection_at(roughness, ior, is_inside, cos).to_bits(), column.at(cos).to_bits());
+                }
+            }
+        }
+    }
+}

@@ -122,15 +122,18 @@ impl Level<'_> {
         for _ in 0..ROUNDS_AGAIN {
             let doubtful = cache.doubtful(&again);
             again.extend(&doubtful);
+            // Others were in the cache before, for other sites.
             let picks: Vec<usize> = doubtful.iter().filter_map(|key| by_key.get(key).copied()).collect();
             if picks.is_empty() {
                 break;
             }
+            // The log has them as they were at first, as what doubts them follows from that.
             let Some((records, rays)) = self.gather(gatherer, sites, &picks, &NoLog) else { return traced };
             traced += rays;
             cache.replace(records);
         }
-        traced + self.cover(cache, sites, &passes[passes.len() - 1..])
+        // The new records may reach less far.
+        if again.is_empty() { traced } else { traced + self.cover(cache, sites, &passes[passes.len() - 1..]) }
     }
 
     /// Adds records until each site is covered.

@@ -31,14 +31,14 @@ const SENSOR_UNITS: f32 = 10.0;
 const DEEPER_UNITS: f32 = 40.0;
 /// From so many sites without a record on it is worth it to gather from another cache instead of by paths ...
 const MANY: usize = 1024;
-/// Records that are doubtful have so many times more rays ...
+/// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
+const FEWER: u32 = 4;
+/// Records that are doubtful get so many times more rays ...
 const MORE: u32 = 8;
 /// ... but no more than these.
 const MOST_RAYS: u32 = 1 << 16;
-/// Keeps the numbers of gathers apart that are made again.
+/// Keeps the random numbers apart of gathers that are made again.
 const SALT_AGAIN: u64 = 0x3c6e_f372_fe94_f82b;
-/// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
-const FEWER: u32 = 4;
 
 /// Adds to `cache` what a camera needs, and freezes it; gives the rays traced. If the cache's options ask for an accuracy,
 /// it is for this.

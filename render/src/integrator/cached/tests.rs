@@ -5,6 +5,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use super::*;
+use crate::cache::Record;
 use crate::camera::FilmPoint;
 use crate::integrator::FIRST_SET;
 use crate::scene::{CameraPose, Material, Mesh, Scene, cornell_box};
@@ -29,13 +30,35 @@ fn furnace_scene() -> Scene {
 }
 
 /// Rays from the origin, about the z axis, and what they hit.
-fn rays_from_the_middle(world: &World, count: u32) -> (Vec<Sampler>, Vec<Ray>, Vec<Hit>) {
-    let samplers: Vec<Sampler> = (0..count).map(|i| Sampler::new(Pattern::Sobol, 5, 0, i)).collect();
-    let direction = |sampler: &Sampler| CosineHemisphere.map(sampler.uniform2(0));
-    let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    world.intersect_many(&rays, &mut hits);
-    (samplers, rays, hits)
+struct CameraRays {
+    samplers: Vec<Sampler>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+}
+
+impl CameraRays {
+    fn new(world: &World, count: u32) -> Self {
+        let samplers: Vec<Sampler> = (0..count).map(|i| Sampler::new(Pattern::Sobol, 5, 0, i)).collect();
+        let direction = |sampler: &Sampler| CosineHemisphere.map(sampler.uniform2(0));
+        let rays: Vec<Ray> = samplers.iter().map(|sampler| Ray::new(Vec3::ZERO, direction(sampler))).collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        world.intersect_many(&rays, &mut hits);
+        Self { samplers, rays, hits }
+    }
+
+    fn batch(&self) -> RayBatch<'_> {
+        let Self { samplers, rays, hits } = self;
+        RayBatch { rays, hits, samplers, times: &[], first_set: FIRST_SET, density: f32::INFINITY }
+    }
+
+    fn surfaces<'w>(&self, world: &'w World) -> Vec<Surface<'w>> {
+        self.rays.iter().zip(&self.hits).map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect()
+    }
+}
+
+/// The mean of the green channel.
+fn mean(found: &[Vec3]) -> f64 {
+    found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / found.len() as f64
 }
 
 /// `L = 1 + ρ (1 + Σ ρ^k)`, with as many terms as the cache has reflections; for ever `1 / (1 - ρ)`.
@@ -43,22 +66,14 @@ fn rays_from_the_middle(world: &World, count: u32) -> (Vec<Sampler>, Vec<Ray>, V
 fn paths_in_place_of_records_are_as_long() {
     let world = furnace();
     const COUNT: u32 = 1 << 14;
-    let (samplers, rays, hits) = rays_from_the_middle(&world, COUNT);
-    let camera = RayBatch {
-        rays: &rays,
-        hits: &hits,
-        samplers: &samplers,
-        times: &[],
-        first_set: FIRST_SET,
-        density: f32::INFINITY,
-    };
+    let camera = CameraRays::new(&world, COUNT);
     for (bounces, expected) in [(Some(1), 1.75), (Some(2), 1.875), (Some(3), 1.9375), (None, 2.0)] {
         let cache = Cache::new(CachedOptions { bounces, ..CachedOptions::default() }, world.surroundings_hash());
         let frozen = FrozenCache::new(cache);
-        let mut found = vec![Vec3::ZERO; rays.len()];
-        radiance(&world, &frozen, &camera, &mut Wavefront::default(), &mut Misses::default(), &mut found);
+        let mut found = vec![Vec3::ZERO; COUNT as usize];
+        radiance(&world, &frozen, &camera.batch(), &mut Wavefront::default(), &mut Misses::default(), &mut found);
         assert_eq!(frozen.usage().misses, u64::from(COUNT));
-        let mean = found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / f64::from(COUNT);
+        let mean = mean(&found);
         assert!((mean / expected - 1.0).abs() < 0.008, "{bounces:?}: {mean}, not {expected}");
     }
 }
@@ -107,35 +122,78 @@ fn glossy_walls_are_as_bright_as_by_paths() {
     wall.inputs.base_color = Vec3::splat(0.6);
     let world = World::new(scene).unwrap();
     const COUNT: u32 = 1 << 15;
-    let (samplers, rays, hits) = rays_from_the_middle(&world, COUNT);
-    let camera = RayBatch {
-        rays: &rays,
-        hits: &hits,
-        samplers: &samplers,
-        times: &[],
-        first_set: FIRST_SET,
-        density: f32::INFINITY,
-    };
-    let mean = |found: &[Vec3]| found.iter().map(|radiance| f64::from(radiance.y)).sum::<f64>() / f64::from(COUNT);
-    let mut found = vec![Vec3::ZERO; rays.len()];
+    let camera = CameraRays::new(&world, COUNT);
+    let mut found = vec![Vec3::ZERO; COUNT as usize];
     let options = PathOptions { max_depth: 64, stop: Stop::Depth, ..PathOptions::default() };
     let wave = &mut Wavefront::default();
-    path::radiance(&world, &options, &camera, wave, &mut found, &mut |_| (), path::Companions::default());
+    path::radiance(&world, &options, &camera.batch(), wave, &mut found, &mut |_| (), path::Companions::default());
     let expected = mean(&found);
     let empty = || Cache::new(CachedOptions::default(), world.surroundings_hash());
-    let surfaces: Vec<Surface> =
-        rays.iter().zip(&hits).map(|(ray, hit)| world.surface_at(hit).facing(ray.direction)).collect();
+    let surfaces = camera.surfaces(&world);
     let (filled, _) = fill_for_surfaces(&world, 1, empty(), &surfaces[..4096], Aim::Options, &NeverStops);
     // Half of the points without a record.
     let half = filled.cache.records().iter().filter(|record| record.position.x > 0.0).copied().collect();
     let half = Cache::of(CachedOptions::default(), world.surroundings_hash(), half);
     let mut misses_before = u64::MAX;
     for (name, frozen) in [("none", FrozenCache::new(empty())), ("half", FrozenCache::new(half)), ("all", filled)] {
-        radiance(&world, &frozen, &camera, wave, &mut Misses::default(), &mut found);
+        radiance(&world, &frozen, &camera.batch(), wave, &mut Misses::default(), &mut found);
         let (mean, misses) = (mean(&found), frozen.usage().misses);
         println!("{name}: {mean}, by paths {expected}; {misses} misses");
         assert!((mean / expected - 1.0).abs() < 0.004, "{name}: {mean}, not {expected}");
         assert!(misses < misses_before / 2, "{name}: {misses} of {misses_before} misses");
         misses_before = misses;
     }
+}
+
+/// Of gathers of few rays some are far off. With more rays for these few are left.
+#[test]
+fn doubtful_records_are_gathered_again() {
+    let world = World::new(cornell_box()).unwrap();
+    let settings = Settings { width: 64, height: 64, ..Settings::default() };
+    let camera = world.camera_on(settings.width, settings.height);
+    let rays = (0..64 * 64).filter_map(|pixel| camera.central_ray(&FilmPoint::middle(pixel % 64, pixel / 64)));
+    let surfaces: Vec<Surface> = rays
+        .filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
+        .filter(|surface| surface.diffuse != Vec3::ZERO)
+        .collect();
+    let noisy = |aim: Aim| {
+        let options = CachedOptions { rays: 24, ..CachedOptions::default() };
+        let cache = Cache::new(options, world.surroundings_hash());
+        let (frozen, _) = fill_for_surfaces(&world, 1, cache, &surfaces, aim, &NeverStops);
+        let records = frozen.cache.records();
+        let noisy = |record: &&Record| record.standard_error > 0.3 * record.irradiance.max_element();
+        (records.iter().filter(noisy).count(), records.len())
+    };
+    let [(before, all), (after, _)] = [Aim::Means, Aim::Options].map(noisy);
+    println!("{before} of {all} records were noisy, {after} are");
+    assert!(before > 20 && after * 4 < before, "{before} of {all} records were noisy, {after} are");
+}
+
+/// A camera that looks down at a polished floor sees the ceiling behind it, which has records for that.
+#[test]
+fn what_glossy_surfaces_show_has_records() {
+    let square = |y: f32, side: f32, material: usize| Mesh {
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| vec3(side * x, y, z)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material,
+        ..Mesh::default()
+    };
+    let mut polished = Material::matte(Vec3::splat(0.5));
+    polished.inputs.specular_weight = 1.0;
+    polished.inputs.specular_roughness = 0.15;
+    let records_above = |floor: Material| {
+        let world = World::new(Scene {
+            meshes: vec![square(0.0, 1.0, 0), square(2.0, -1.0, 1)],
+            materials: vec![floor, Material::matte(Vec3::splat(0.5))],
+            camera: Some(CameraPose { eye: Vec3::Y, target: Vec3::ZERO, up: Vec3::Z, vfov: 60.0 }),
+            ..Scene::default()
+        })
+        .unwrap();
+        let settings = Settings { width: 64, height: 64, ..Settings::default() };
+        let cache = Cache::new(CachedOptions { rays: 48, ..CachedOptions::default() }, world.surroundings_hash());
+        let (frozen, _) = fill_for_camera(&world, &settings, cache, &NeverStops);
+        frozen.cache.records().iter().filter(|record| record.position.y > 1.0).count()
+    };
+    assert_eq!(records_above(Material::matte(Vec3::splat(0.5))), 0);
+    assert!(records_above(polished) > 0);
 }
