@@ -1,5 +1,5 @@
 use crate::world::Hit;
-use glam::vec3;
+use glam::{Vec2, vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
@@ -8,7 +8,7 @@ use super::*;
 use crate::cache::Record;
 use crate::camera::FilmPoint;
 use crate::integrator::FIRST_SET;
-use crate::scene::{CameraPose, Material, Mesh, Scene, cornell_box};
+use crate::scene::{CameraPose, ColorSpace, Material, Mesh, NormalMap, Scene, Sky, Texture, TextureMap, cornell_box};
 use crate::settings::Settings;
 use crate::watch::Watch;
 
@@ -196,4 +196,40 @@ fn what_glossy_surfaces_show_has_records() {
     };
     assert_eq!(records_above(Material::matte(Vec3::splat(0.5))), 0);
     assert!(records_above(polished) > 0);
+}
+
+/// Records of a floor with a normal map are of the floor; what they say is tilted as the map says. Under a uniform sky of 1 a
+/// normal at an angle θ receives `π (1 + cos θ) / 2`.
+#[test]
+fn records_are_of_the_surface_below_a_normal_map() {
+    let mut material = Material::matte(Vec3::splat(0.5));
+    let texture = TextureMap { space: ColorSpace::Linear, ..TextureMap::default() };
+    material.normal_map = Some(NormalMap { texture, scale: Vec2::ONE });
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let mut scene = Scene {
+        meshes: vec![Mesh {
+            positions: corners.map(|(x, y)| vec3(x, y, 0.0)).to_vec(),
+            texcoords: corners.map(|(x, y)| Vec2::new(x, 1.0 - y)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }],
+        materials: vec![material],
+        textures: vec![Texture::new(1, 1, vec![[218, 128, 218, 255]].into())],
+        sky: Sky::constant(Vec3::ONE),
+        camera: Some(CameraPose { eye: vec3(0.5, 0.5, 1.0), target: vec3(0.5, 0.5, 0.0), up: Vec3::Y, vfov: 45.0 }),
+        ..Scene::default()
+    };
+    scene.complete_tangents();
+    let world = World::new(scene).unwrap();
+    let settings = Settings { width: 32, height: 32, ..Settings::default() };
+    let cache = Cache::new(CachedOptions { rays: 256, ..CachedOptions::default() }, world.surroundings_hash());
+    let (frozen, _) = fill_for_camera(&world, &settings, cache, &NeverStops);
+    assert!(!frozen.cache.records().is_empty());
+    assert!(frozen.cache.records().iter().all(|record| record.normal == Vec3::Z));
+    let surface = world.surface(0, 0.3, 0.3);
+    let cosine = surface.shading_normal.z;
+    assert!((0.6..0.8).contains(&cosine), "the map tilts by 45°");
+    let found = frozen.irradiance(&surface).unwrap().y;
+    let expected = std::f32::consts::PI * 0.5 * (1.0 + cosine);
+    assert!((found / expected - 1.0).abs() < 0.01, "{found}, not {expected}");
 }
