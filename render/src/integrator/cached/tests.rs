@@ -214,7 +214,7 @@ fn records_are_of_the_surface_below_a_normal_map() {
             ..Mesh::default()
         }],
         materials: vec![material],
-        textures: vec![Texture::new(1, 1, vec![[218, 128, 218, 255]].into())],
+        textures: vec![Texture::new(1, 1, vec![[218, 128, 218, 255]])],
         sky: Sky::constant(Vec3::ONE),
         camera: Some(CameraPose { eye: vec3(0.5, 0.5, 1.0), target: vec3(0.5, 0.5, 0.0), up: Vec3::Y, vfov: 45.0 }),
         ..Scene::default()
