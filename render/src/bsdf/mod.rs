@@ -42,6 +42,21 @@ impl<B: Bsdf> Scattering<B> {
         Self { closure: closure(surface.is_back), shading: Shading::new(normal, shading_normal, tangent, wo), wo }
     }
 
+    /// The closure, in the shading frame.
+    pub(crate) fn closure(&self) -> &B {
+        &self.closure
+    }
+
+    /// The shading frame.
+    pub(crate) fn shading(&self) -> &Shading {
+        &self.shading
+    }
+
+    /// The unit vector to where it is seen from.
+    pub(crate) fn wo(&self) -> Vec3 {
+        self.wo
+    }
+
     /// `f cos θ` for light from the unit vector `direction`, and the density per solid angle with which
     /// [`sample`](Self::sample) gives it: nothing and zero for mirrors and clear glass.
     #[inline]

@@ -3,8 +3,9 @@
 //!
 //! The albedo of a lobe depends on the cosine `μ` of `wo`, on roughness and on the refractive index. Tables hold it for
 //! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices. A [`Column`] of cosines is computed
-//! once, over visible normals, when a closure first asks for it. A closure blends columns when it is made, or two nodes where
-//! it needs one cosine. As functions between nodes are linear, their integrals over all directions are exact sums.
+//! once, over visible normals, when a closure first asks for it. A closure holds a [`Blend`] of some columns, which mixes two
+//! nodes of each where it needs a cosine. As functions between nodes are linear, their integrals over all directions are exact
+//! sums.
 
 use std::array;
 use std::sync::{LazyLock, OnceLock};
@@ -65,8 +66,8 @@ impl Column {
     /// Its value at a cosine, 0 to 1.
     #[inline]
     pub(super) fn at(&self, cos: f32) -> f32 {
-        let (k, fraction) = node(cos);
-        mix(self.0[k], self.0[k + 1], fraction)
+        let Node { below, fraction } = Node::new(cos);
+        mix(self.0[below], self.0[below + 1], fraction)
     }
 
     /// Its mean over uniform light, `2 ∫ f(μ) μ dμ`.
@@ -99,13 +100,22 @@ impl Column {
     }
 }
 
-/// The node below a cosine, and the way from there to the next one.
-#[inline]
-fn node(cos: f32) -> (usize, f32) {
-    let x = cos.sqrt() * LAST;
-    // The comparison is false for a NaN too.
-    let k = if x < LAST { x as usize } else { NODES - 2 };
-    (k, x - k as f32)
+/// The place of a cosine in every column: the node below it, and the way from there to the next one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    below: usize,
+    fraction: f32,
+}
+
+impl Node {
+    /// Of a cosine, 0 to 1.
+    #[inline]
+    pub(super) fn new(cos: f32) -> Self {
+        let x = cos.sqrt() * LAST;
+        // The comparison is false for a NaN too.
+        let below = if x < LAST { x as usize } else { NODES - 2 };
+        Self { below, fraction: x - below as f32 }
+    }
 }
 
 #[inline]
@@ -113,15 +123,67 @@ fn mix(a: f32, b: f32, fraction: f32) -> f32 {
     a + fraction * (b - a)
 }
 
-/// A lookup: of all nodes or of two, from a column to what is blended.
-trait Pick<const N: usize>: Fn(&Column) -> [f32; N] {}
+/// A column of a table, and its mean.
+#[derive(Debug)]
+struct Tabled {
+    column: Column,
+    mean: f32,
+}
 
-impl<const N: usize, F: Fn(&Column) -> [f32; N]> Pick<N> for F {}
+impl Tabled {
+    fn new(column: Column) -> Self {
+        Self { mean: column.mean(), column }
+    }
+}
 
-/// A node and the next one.
-#[inline]
-fn two(k: usize) -> impl Pick<2> {
-    move |column| [column.0[k], column.0[k + 1]]
+/// A column between those of a table, which are as many as it takes: none is copied.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blend<const N: usize> {
+    columns: [&'static Tabled; N],
+    weights: [f32; N],
+}
+
+impl<const N: usize> Blend<N> {
+    /// The same value everywhere.
+    pub(super) fn constant(value: f32) -> Self {
+        static ONE: Tabled = Tabled { column: Column::ONE, mean: 1.0 };
+        Self { columns: [&ONE; N], weights: array::from_fn(|i| if i == 0 { value } else { 0.0 }) }
+    }
+
+    #[inline]
+    fn sum(&self, value: impl Fn(&Tabled) -> f32) -> f32 {
+        let mut sum = 0.0;
+        for (column, weight) in self.columns.iter().zip(self.weights) {
+            sum += weight * value(column);
+        }
+        sum
+    }
+
+    /// Its value at a cosine.
+    #[inline]
+    pub(super) fn at(&self, Node { below, fraction }: Node) -> f32 {
+        mix(self.sum(|it| it.column.0[below]), self.sum(|it| it.column.0[below + 1]), fraction)
+    }
+
+    /// See [`Column::mean`].
+    #[inline]
+    pub(super) fn mean(&self) -> f32 {
+        self.sum(|it| it.mean)
+    }
+
+    /// All of it.
+    pub(super) fn column(&self) -> Column {
+        Column(array::from_fn(|k| self.sum(|it| it.column.0[k])))
+    }
+}
+
+impl Blend<2> {
+    /// The same in the form of more columns.
+    #[inline]
+    pub(super) fn widen(&self) -> Blend<4> {
+        let ([a, b], [x, y]) = (self.columns, self.weights);
+        Blend { columns: [a, b, a, b], weights: [x, y, 0.0, 0.0] }
+    }
 }
 
 /// Roughnesses of a table, evenly from 0 to 1.
@@ -130,7 +192,7 @@ pub(super) const ROUGHNESSES: usize = 33;
 pub(super) const INDICES: usize = 16;
 
 /// Columns by roughness, each made when it is first asked for.
-type Rows = [OnceLock<Column>; ROUGHNESSES];
+type Rows = [OnceLock<Tabled>; ROUGHNESSES];
 
 /// Rows by refractive index.
 type Table = [Rows; INDICES];
@@ -145,34 +207,32 @@ const fn no_table() -> Table {
 
 /// The reflection lobe's albedo where all is reflected, of a roughness.
 #[inline]
-pub(super) fn full(roughness: f32) -> Column {
+pub(super) fn full(roughness: f32) -> Blend<2> {
     static ROWS: Rows = no_rows();
-    Column(at_roughness(&ROWS, roughness, |ggx, wo, h, _| reflected(ggx, wo, h), |column| column.0))
+    at_roughness(&ROWS, roughness, |ggx, wo, h, _| reflected(ggx, wo, h))
 }
 
 /// The reflection lobe's albedo at a cosine where `(1 - cos)⁵` is reflected, and where `cos (1 - cos)⁶` is: see
 /// [`fresnel::Metal`].
-pub(super) fn metal_at(roughness: f32, cos: f32) -> (f32, f32) {
+#[inline]
+pub(super) fn metal_at(roughness: f32, node: Node) -> (f32, f32) {
     static SCHLICK: Rows = no_rows();
     static DIP: Rows = no_rows();
     let schlick = |ggx: &Ggx, wo, h, cos| fresnel::schlick(cos) * reflected(ggx, wo, h);
     let dip = |ggx: &Ggx, wo, h, cos| cos * (1.0 - cos) * fresnel::schlick(cos) * reflected(ggx, wo, h);
-    let (k, fraction) = node(cos);
-    let [schlick, next_schlick] = at_roughness(&SCHLICK, roughness, schlick, two(k));
-    let [dip, next_dip] = at_roughness(&DIP, roughness, dip, two(k));
-    (mix(schlick, next_schlick, fraction), mix(dip, next_dip, fraction))
+    (at_roughness(&SCHLICK, roughness, schlick).at(node), at_roughness(&DIP, roughness, dip).at(node))
 }
 
 /// What a lobe of this roughness loses under a smooth coat of index 1.5 whose `t(μ) = 1 - F(μ)` dims it by the lesser of
 /// `t(μ_o)` and `t(μ_i)`: `∫ max(0, t(μ_o) - t(μ_i)) f cos`. Other coats lose in proportion.
 #[inline]
-fn dimmed(roughness: f32) -> Column {
+fn dimmed(roughness: f32) -> Blend<2> {
     static ROWS: Rows = no_rows();
     let weight = |ggx: &Ggx, wo: Vec3, h: Vec3, _: f32| {
         let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
         (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0) * reflected(ggx, wo, h)
     };
-    Column(at_roughness(&ROWS, roughness, weight, |column| column.0))
+    at_roughness(&ROWS, roughness, weight)
 }
 
 /// What wide light loses likewise, under a cover whose `t` grows with the cosine: `∫ max(0, t(μ) - t(ν)) 2ν dν`.
@@ -188,85 +248,64 @@ fn dimmed_wide(transmittance: &Column) -> Column {
 /// What a lobe of this roughness loses under a cover that leaves `transmittance`: [`dimmed`] in proportion to what wide
 /// light loses.
 pub(super) fn dimmed_under(transmittance: &Column, roughness: f32) -> Column {
-    static SMOOTH: LazyLock<Column> = LazyLock::new(|| dimmed_wide(&reflection(0.0, 1.5, false).map(|f| 1.0 - f)));
+    static SMOOTH: LazyLock<Column> =
+        LazyLock::new(|| dimmed_wide(&reflection(0.0, 1.5, false).column().map(|f| 1.0 - f)));
     let ratio = dimmed_wide(transmittance).zip(&SMOOTH, |cover, smooth| (cover / smooth.max(1e-5)).min(2.0));
-    dimmed(roughness).zip(&ratio, |lost, ratio| lost * ratio)
+    dimmed(roughness).column().zip(&ratio, |lost, ratio| lost * ratio)
 }
 
 /// The reflection lobe's albedo with Fresnel's reflectance, seen from outside or inside.
 #[inline]
-pub(super) fn reflection(roughness: f32, ior: f32, is_inside: bool) -> Column {
-    Column(find_reflection(roughness, ior, is_inside, |column| column.0))
-}
-
-/// The same at one cosine.
-#[inline]
-pub(super) fn reflection_at(roughness: f32, ior: f32, is_inside: bool, cos: f32) -> f32 {
-    let (k, fraction) = node(cos);
-    let [a, b] = find_reflection(roughness, ior, is_inside, two(k));
-    mix(a, b, fraction)
-}
-
-#[inline]
-fn find_reflection<const N: usize>(roughness: f32, ior: f32, is_inside: bool, pick: impl Pick<N>) -> [f32; N] {
+pub(super) fn reflection(roughness: f32, ior: f32, is_inside: bool) -> Blend<4> {
     static TABLES: [Table; 2] = [const { no_table() }; 2];
     let weight = |ior: f32, ggx: &Ggx, wo, h, cos| {
         let eta = if is_inside { 1.0 / ior } else { ior };
         fresnel::dielectric(cos, eta).0 * reflected(ggx, wo, h)
     };
-    at(&TABLES[usize::from(is_inside)], roughness, ior, weight, pick)
+    at(&TABLES[usize::from(is_inside)], roughness, ior, weight)
 }
 
 /// The albedo of reflection and refraction together, seen from outside or inside.
 #[inline]
-pub(super) fn glass(roughness: f32, ior: f32, is_inside: bool) -> Column {
+pub(super) fn glass(roughness: f32, ior: f32, is_inside: bool) -> Blend<4> {
     static TABLES: [Table; 2] = [const { no_table() }; 2];
     let weight = |ior: f32, ggx: &Ggx, wo, h, cos| {
         let eta = if is_inside { 1.0 / ior } else { ior };
         interface(ggx, wo, h, cos, eta)
     };
-    Column(at(&TABLES[usize::from(is_inside)], roughness, ior, weight, |column| column.0))
+    at(&TABLES[usize::from(is_inside)], roughness, ior, weight)
 }
 
 /// The mean of a weight of visible normals, for each cosine.
 #[cold]
 #[inline(never)]
-fn column(r: usize, weight: &dyn Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Column {
+fn column(r: usize, weight: &dyn Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Tabled {
     let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
     let ggx = Ggx { alpha: Vec2::splat(roughness * roughness) };
-    Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos)))
+    Tabled::new(Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos))))
 }
 
 #[inline]
-fn at<const N: usize>(
-    table: &Table,
-    roughness: f32,
-    ior: f32,
-    weight: impl Fn(f32, &Ggx, Vec3, Vec3, f32) -> f32,
-    pick: impl Pick<N>,
-) -> [f32; N] {
+fn at(table: &'static Table, roughness: f32, ior: f32, weight: impl Fn(f32, &Ggx, Vec3, Vec3, f32) -> f32) -> Blend<4> {
     let (j, fraction) = place(((ior - 1.0) / (ior + 1.0)).sqrt() * INDICES as f32, INDICES);
     let row = |j: usize| {
         let root = j as f32 / INDICES as f32;
         // At an index of 1 refraction has no half vector.
         let ior = ((1.0 + root * root) / (1.0 - root * root)).max(1.001);
-        at_roughness(&table[j], roughness, |ggx, wo, h, cos| weight(ior, ggx, wo, h, cos), &pick)
+        at_roughness(&table[j], roughness, |ggx, wo, h, cos| weight(ior, ggx, wo, h, cos))
     };
     let (below, above) = (row(j), row(j + 1));
-    array::from_fn(|k| mix(below[k], above[k], fraction))
+    let ([a, b], [c, d]) = (below.columns, above.columns);
+    let [x, y] = below.weights;
+    let rest = 1.0 - fraction;
+    Blend { columns: [a, b, c, d], weights: [rest * x, rest * y, fraction * x, fraction * y] }
 }
 
 #[inline]
-fn at_roughness<const N: usize>(
-    rows: &Rows,
-    roughness: f32,
-    weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32,
-    pick: impl Pick<N>,
-) -> [f32; N] {
+fn at_roughness(rows: &'static Rows, roughness: f32, weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Blend<2> {
     let (r, fraction) = place(roughness * (ROUGHNESSES - 1) as f32, ROUGHNESSES);
-    let row = |r: usize| pick(rows[r].get_or_init(|| column(r, &weight)));
-    let (below, above) = (row(r), row(r + 1));
-    array::from_fn(|k| mix(below[k], above[k], fraction))
+    let row = |r: usize| rows[r].get_or_init(|| column(r, &weight));
+    Blend { columns: [row(r), row(r + 1)], weights: [1.0 - fraction, fraction] }
 }
 
 /// The node below, one that has a node above, and the way to that; beyond the last node its own value.
@@ -317,16 +356,19 @@ fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f3
 mod tests {
     use super::*;
 
-    /// Two nodes give the same bits as a column.
+    /// A blend is what its columns are: at any cosine, and in the mean.
     #[test]
-    fn one_cosine_is_as_in_a_column() {
+    fn blends_are_as_their_columns() {
         for (roughness, ior) in [(0.0, 1.5), (0.31, 1.33), (0.5, 1.5), (1.0, 2.4), (0.77, 1.0)] {
             for is_inside in [false, true] {
-                let column = reflection(roughness, ior, is_inside);
+                let blend = reflection(roughness, ior, is_inside);
+                let column = blend.column();
                 for cos in [0.0, 1e-4, 0.2, 0.55, 0.999, 1.0] {
-                    assert_eq!(reflection_at(roughness, ior, is_inside, cos).to_bits(), column.at(cos).to_bits());
+                    assert_eq!(blend.at(Node::new(cos)).to_bits(), column.at(cos).to_bits());
                 }
+                assert!((blend.mean() - column.mean()).abs() < 1e-6);
             }
         }
+        assert_eq!(Blend::<4>::constant(0.25).column(), Column::ONE.map(|_| 0.25));
     }
 }

@@ -7,11 +7,13 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// A rough diffuse reflection.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Eon {
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Eon {
     /// Albedo of the facets, and that of light which is scattered between them, divided by its mean loss.
     color: Vec3,
     multiple: Vec3,
@@ -38,11 +40,8 @@ impl Eon {
     }
 
     /// `f(wo, wi)`; both above the horizon.
-    #[inline]
+    #[inline(always)]
     pub(super) fn f(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        if self.roughness == 0.0 {
-            return self.color * FRAC_1_PI;
-        }
         let s = wo.truncate().dot(wi.truncate());
         let ratio = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
         let single = self.flat * (1.0 + self.roughness * ratio);
@@ -62,7 +61,7 @@ impl Eon {
     }
 
     /// The albedo of one reflection from white facets: the paper's fit.
-    #[inline]
+    #[inline(always)]
     fn single_albedo(&self, cos: f32) -> f32 {
         let s = 1.0 - cos;
         let g = s * (0.057_108_53 + s * (0.491_881_87 + s * (-0.332_181_44 + s * 0.071_442_99)));

@@ -2,23 +2,24 @@
 //!
 //! `cos` is the cosine between a direction and the (micro)facet's normal, 0 to 1.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// A dielectric's reflectance for unpolarized light, and the cosine of the refracted direction: 1 and 0 where reflection
 /// is total. `eta`: refractive index beyond the interface by that on the side of `cos`.
-#[inline]
+#[inline(always)]
 pub fn dielectric(cos: f32, eta: f32) -> (f32, f32) {
     let sin2_beyond = (1.0 - cos) * (1.0 + cos) / (eta * eta);
-    if sin2_beyond >= 1.0 {
-        return (1.0, 0.0);
-    }
-    let cos_beyond = (1.0 - sin2_beyond).sqrt();
-    (of_refraction(cos, cos_beyond, eta), cos_beyond)
+    // Without a branch, for lanes. Where reflection is total, both reflectances come out as 1, but for 0 by 0.
+    let is_total = sin2_beyond >= 1.0;
+    let cos_beyond = (1.0 - sin2_beyond).max(0.0).sqrt();
+    let reflectance = of_refraction(cos, cos_beyond, eta);
+    (if is_total { 1.0 } else { reflectance }, cos_beyond)
 }
 
 /// The reflectance where both cosines are known: that from the other side, `of_refraction(cos_beyond, cos, 1/eta)`, is the
 /// same.
-#[inline]
+#[inline(always)]
 pub fn of_refraction(cos: f32, cos_beyond: f32, eta: f32) -> f32 {
     let perpendicular = (cos - eta * cos_beyond) / (cos + eta * cos_beyond);
     let parallel = (eta * cos - cos_beyond) / (eta * cos + cos_beyond);
@@ -45,7 +46,7 @@ pub fn conductor(cos: f32, n: f32, k: f32) -> f32 {
 }
 
 /// `(1 - cos)⁵`, by which Schlick's formula goes from normal to grazing incidence.
-#[inline]
+#[inline(always)]
 pub fn schlick(cos: f32) -> f32 {
     let s = 1.0 - cos;
     (s * s) * (s * s) * s
@@ -58,7 +59,8 @@ const EDGE_COS: f32 = 1.0 / 7.0;
 /// Adobe Standard Material" (2021):
 ///
 /// `F(c) = F₀ + (1 - F₀)(1 - c)⁵ - a c (1 - c)⁶`, with `a` such that `F(1/7)` is `edge` times Schlick's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub struct Metal {
     normal: Vec3,
     dip: Vec3,
@@ -89,7 +91,7 @@ impl Metal {
     }
 
     /// Reflectance.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, cos: f32) -> Vec3 {
         let schlick = schlick(cos);
         // A deep dip would go below zero beside its angle.
@@ -124,7 +126,8 @@ impl Metal {
 
 /// A dielectric's reflectance as Fresnel gives it, stretched to other ends: `normal` at normal incidence, `grazing` at
 /// grazing angles. With the ends 1 and that of its refractive index it is Fresnel's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub struct Dielectric {
     /// Refractive index beyond by that on this side.
     pub eta: f32,
@@ -148,14 +151,14 @@ impl Dielectric {
     }
 
     /// Reflectance, and the cosine of the refracted direction.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, cos: f32) -> (Vec3, f32) {
         let (reflectance, cos_beyond) = dielectric(cos, self.eta);
         (self.stretch(reflectance), cos_beyond)
     }
 
     /// What becomes of Fresnel's reflectance.
-    #[inline]
+    #[inline(always)]
     pub fn stretch(&self, reflectance: f32) -> Vec3 {
         self.normal + (self.grazing - self.normal) * ((reflectance - self.physical) * self.per_rest)
     }

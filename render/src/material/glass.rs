@@ -21,7 +21,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::{self, Column};
+use super::energy::{self, Blend, Node};
 use super::film::Film;
 use super::fresnel::{self, Dielectric};
 use super::ggx::{Ggx, half, reflect};
@@ -32,8 +32,6 @@ use super::{Event, Inputs};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Glass {
     ggx: Ggx,
-    is_thin: bool,
-    fresnel: Dielectric,
     film: Option<Film>,
     tint: Vec3,
     here: Side,
@@ -47,10 +45,12 @@ pub(super) struct Glass {
 #[derive(Clone, Copy, Debug)]
 struct Side {
     index: f32,
-    /// `K(μ)`: the probability of the separable lobes.
-    lost: Column,
-    /// The albedo of reflection, the greatest of the three colours.
-    reflected: Column,
+    is_thin: bool,
+    fresnel: Dielectric,
+    /// Albedo of reflection where all is reflected, with Fresnel's reflectance, and that of reflection and refraction.
+    full: Blend<2>,
+    reflection: Blend<4>,
+    all: Blend<4>,
     /// How much of the rest is transmitted.
     tint: f32,
     /// `τ`.
@@ -71,22 +71,45 @@ impl Side {
         let is_inside = is_inside && !thin_walled;
         let roughness = ggx.mean_roughness();
         let full = energy::full(roughness);
-        let all = if thin_walled { full } else { energy::glass(roughness, ior, is_inside) };
-        let fresnel = Dielectric::new(ior, is_inside, weight, specular_color);
-        let tint = mean(inputs.transmission_color);
-        let mut reflected = energy::reflection(roughness, ior, is_inside);
-        reflected = reflected.zip(&full, |reflected, full| {
-            let reflected = fresnel.greatest_albedo(full, reflected);
-            if thin_walled { 2.0 * reflected * full / (full + reflected) } else { reflected }
-        });
-        let lost = if ggx.is_delta() { Column::ZERO } else { all.map(|all| (1.0 - all).max(0.0)) };
-        Self { index: if is_inside { ior } else { 1.0 }, lost, reflected, tint, through: 0.0 }
+        let all = if ggx.is_delta() {
+            Blend::constant(1.0)
+        } else if thin_walled {
+            full.widen()
+        } else {
+            energy::glass(roughness, ior, is_inside)
+        };
+        Self {
+            index: if is_inside { ior } else { 1.0 },
+            is_thin: thin_walled,
+            fresnel: Dielectric::new(ior, is_inside, weight, specular_color),
+            full,
+            reflection: energy::reflection(roughness, ior, is_inside),
+            all,
+            tint: mean(inputs.transmission_color),
+            through: 0.0,
+        }
+    }
+
+    /// The mean of `K`.
+    #[inline]
+    fn lost_mean(&self) -> f32 {
+        (1.0 - self.all.mean()).max(1e-6)
+    }
+
+    /// `K(μ)`, the probability of the separable lobes, and the albedo of reflection, the greatest of the three colours.
+    #[inline]
+    fn albedos(&self, cos: f32) -> (f32, f32) {
+        let node = Node::new(cos);
+        let full = self.full.at(node);
+        let reflected = self.fresnel.greatest_albedo(full, self.reflection.at(node));
+        let reflected = if self.is_thin { 2.0 * reflected * full / (full + reflected) } else { reflected };
+        ((1.0 - self.all.at(node)).max(0.0), reflected)
     }
 
     /// The probabilities of the separable lobes, and of reflection in the others.
     #[inline]
     fn probabilities(&self, cos: f32) -> (f32, f32) {
-        let (lost, reflected) = (self.lost.at(cos), self.reflected.at(cos));
+        let (lost, reflected) = self.albedos(cos);
         let transmitted = self.tint * (1.0 - lost - reflected).max(0.0);
         let probability = reflected / (reflected + transmitted).max(f32::MIN_POSITIVE);
         (lost, probability.clamp(LEAST, 1.0 - LEAST))
@@ -109,8 +132,8 @@ impl Glass {
     /// Reflected and transmitted light, and the cosine of the refracted direction.
     #[inline]
     fn split(&self, cos: f32) -> (Vec3, Vec3, f32) {
-        let (reflected, cos_beyond) = self.fresnel.at(cos);
-        if cos_beyond == 0.0 && !self.is_thin {
+        let (reflected, cos_beyond) = self.here.fresnel.at(cos);
+        if cos_beyond == 0.0 && !self.here.is_thin {
             return (Vec3::ONE, Vec3::ZERO, 0.0);
         }
         let reflected = self.covered(reflected, if self.here.index > 1.0 { cos_beyond } else { cos });
@@ -121,11 +144,11 @@ impl Glass {
     #[inline]
     fn covered(&self, mut reflected: Vec3, cos_outside: f32) -> Vec3 {
         if let Some(film) = &self.film {
-            let ior = self.here.index.max(self.beyond.index).max(self.fresnel.eta);
-            let covered = self.fresnel.grazing * film.over_dielectric(cos_outside, ior);
+            let ior = self.here.index.max(self.beyond.index).max(self.here.fresnel.eta);
+            let covered = self.here.fresnel.grazing * film.over_dielectric(cos_outside, ior);
             reflected = reflected.lerp(covered, film.weight);
         }
-        if self.is_thin { 2.0 * reflected / (1.0 + reflected) } else { reflected }
+        if self.here.is_thin { 2.0 * reflected / (1.0 + reflected) } else { reflected }
     }
 
     #[inline]
@@ -157,9 +180,9 @@ impl Glass {
             return;
         }
         // From both cosines, as one from the other is too rough beside total reflection.
-        let reflectance = fresnel::of_refraction(cos_o, cos_i, self.fresnel.eta);
+        let reflectance = fresnel::of_refraction(cos_o, cos_i, self.here.fresnel.eta);
         let cos_outside = if self.here.index > 1.0 { cos_i } else { cos_o };
-        let transmitted = self.transmitted(self.covered(self.fresnel.stretch(reflectance), cos_outside.min(1.0)));
+        let transmitted = self.transmitted(self.covered(self.here.fresnel.stretch(reflectance), cos_outside.min(1.0)));
         let (here, beyond) = (self.here.index * self.here.index, self.beyond.index * self.beyond.index);
         let jacobian = self.ggx.d(h) * cos_o * cos_i / d2;
         parts.glossy = transmitted * (jacobian * beyond * self.ggx.g2(wo, wi) / wo.z);
@@ -170,12 +193,12 @@ impl Glass {
     /// The direction beyond a microfacet; `None` where reflection is total.
     #[inline]
     fn refract(&self, wo: Vec3, h: Vec3) -> Option<Vec3> {
-        if self.is_thin {
+        if self.here.is_thin {
             return Some(turned(reflect(wo, h)));
         }
         let cos = wo.dot(h).clamp(0.0, 1.0);
         let (_, _, cos_beyond) = self.split(cos);
-        let eta = self.fresnel.eta;
+        let eta = self.here.fresnel.eta;
         (cos_beyond > 0.0).then(|| ((cos / eta - cos_beyond) * h - wo / eta).normalize())
     }
 }
@@ -187,16 +210,14 @@ impl Lobes for Glass {
         let is_thin = inputs.thin_walled;
         let ior = inputs.specular_ior.max(LEAST_INDEX);
         let [mut here, mut beyond] = [is_inside, !is_inside].map(|is_inside| Side::new(inputs, is_inside, &ggx));
-        let [mean_here, mean_beyond] = [&here, &beyond].map(|side| side.lost.mean().max(1e-6));
+        let [mean_here, mean_beyond] = [&here, &beyond].map(Side::lost_mean);
         let smooth = energy::reflection(0.0, ior, false);
-        let reflectance = if is_thin { smooth.map(|f| 2.0 * f / (1.0 + f)).mean() } else { smooth.mean() };
+        let reflectance = if is_thin { smooth.column().map(|f| 2.0 * f / (1.0 + f)).mean() } else { smooth.mean() };
         let through = |index: f32, ratio: f32| (1.0 - reflectance) / (index * index) * ratio.min(1.0);
         here.through = through(here.index, mean_beyond / mean_here);
         beyond.through = through(beyond.index, mean_here / mean_beyond);
         Self {
             ggx,
-            is_thin,
-            fresnel: Dielectric::new(ior, is_inside && !is_thin, inputs.specular_weight, inputs.specular_color),
             film: Film::of(inputs),
             tint: inputs.transmission_color,
             here,
@@ -236,7 +257,7 @@ impl Lobes for Glass {
             reverse_density: lost_i * self.beyond.through * FRAC_1_PI * wo.z,
         };
         let (forth, back) = ((1.0 - lost_o) * (1.0 - reflected_o), (1.0 - lost_i) * (1.0 - reflected_i));
-        if self.is_thin {
+        if self.here.is_thin {
             self.through_wall(wo, wi, &mut parts, forth, back);
         } else {
             self.refracted(wo, wi, &mut parts, forth, back);
@@ -277,7 +298,7 @@ impl Lobes for Glass {
 
     /// Of the tints of reflection as if microfacets reflected what the surface as a whole does.
     fn albedo(&self, wo: Vec3) -> Vec3 {
-        let (lost, reflected) = (self.here.lost.at(wo.z), self.here.reflected.at(wo.z));
+        let (lost, reflected) = self.here.albedos(wo.z);
         let (color, _, _) = self.split(wo.z);
         let wide = Vec3::splat(1.0 - self.here.through) + self.here.through * self.tint;
         color * (reflected / color.max_element().max(f32::MIN_POSITIVE))

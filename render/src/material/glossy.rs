@@ -17,37 +17,31 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::{self, Column};
+use super::energy::{self, Blend, Column, Node};
 use super::eon::Eon;
 use super::film::Film;
 use super::fresnel::{Dielectric, Metal};
-use super::ggx::{Ggx, half, reflect};
+use super::ggx::Ggx;
 use super::lobes::{Choice, Lobes, Parts, choose, mean};
+use super::reflection::{Chosen, Reflection, Side};
 use super::{Event, Inputs};
 
 /// See [`Kind::Glossy`](super::Kind::Glossy).
 #[derive(Clone, Copy, Debug)]
 pub struct Glossy {
-    ggx: Ggx,
-    roughness: f32,
-    metalness: f32,
-    metal: Metal,
-    dielectric: Dielectric,
+    reflection: Reflection,
     film: Option<Film>,
-    /// `t(μ)`.
-    below: Column,
-    diffuse: Eon,
+    /// Albedo of the microfacets' reflection where all is reflected, and with Fresnel's reflectance.
+    full: Blend<2>,
+    fresnel: Blend<4>,
     transmitted: Vec3,
-    /// The weight of both by `t̄`, and `t̄`.
-    diffuse_scale: f32,
+    /// `t̄`.
     below_mean: f32,
     /// What is chosen of diffuse light: mean albedo, and the share of transmission.
     diffuse_energy: f32,
     through: f32,
-    /// `1 - E(μ)` of the microfacets where all is reflected, and the metal's colour after more than one reflection by the
-    /// mean of that.
-    lost: Column,
-    multiple: Vec3,
+    /// The mean of what microfacets lose where all is reflected.
+    lost_mean: f32,
     multiple_energy: f32,
 }
 
@@ -55,15 +49,6 @@ pub struct Glossy {
 #[inline]
 fn typical_cos(cos: f32, alpha: f32) -> f32 {
     (cos + alpha) / (1.0 + alpha)
-}
-
-/// What depends on one direction.
-#[derive(Clone, Copy)]
-struct Side {
-    below: f32,
-    lost: f32,
-    /// The probability of the glossy lobe.
-    glossy: f32,
 }
 
 impl Glossy {
@@ -75,58 +60,90 @@ impl Glossy {
         let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
         let dielectric = Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color);
         // A mirror loses nothing, whatever the table has for the least roughness.
-        let full = if ggx.is_delta() { Column::ONE } else { energy::full(roughness) };
-        let below = if inputs.specular_weight > 0.0 {
-            let fresnel = energy::reflection(roughness, inputs.specular_ior, false);
-            full.zip(&fresnel, |full, fresnel| 1.0 - dielectric.greatest_albedo(full, fresnel))
-        } else {
-            Column::ONE
-        };
-        let film = Film::of(inputs);
-        let below = if let Some(film) = &film {
-            let reflectances = Column::from_fn(|cos| {
-                dielectric.grazing * film.over_dielectric(typical_cos(cos, ggx.alpha.x), dielectric.eta).max_element()
-            });
-            let covered = reflectances.zip(&full, |reflectance, full| 1.0 - reflectance * full);
-            below.lerp(&covered, film.weight)
-        } else {
-            below
-        };
-        let below_mean = below.mean();
+        let full = if ggx.is_delta() { Blend::constant(1.0) } else { energy::full(roughness) };
+        let reflects = inputs.specular_weight > 0.0 && metalness < 1.0;
+        let fresnel =
+            if reflects { energy::reflection(roughness, inputs.specular_ior, false) } else { Blend::constant(0.0) };
         let through = inputs.diffuse_transmission_weight;
         let color = inputs.base_color * (1.0 - through);
         let transmitted = inputs.diffuse_transmission_color * through;
         let diffuse_energy = mean(color + transmitted);
-        let lost = full.map(|full| (1.0 - full).max(0.0));
-        let lost_mean = lost.mean();
-        let multiple = metal.multiple(lost_mean) * metalness;
-        Self {
-            ggx,
-            roughness,
-            metalness,
-            metal,
-            dielectric,
-            film,
-            below,
-            diffuse: Eon::new(color, inputs.base_diffuse_roughness),
+        let lost_mean = (1.0 - full.mean()).max(0.0);
+        let multiple = if metalness > 0.0 { metal.multiple(lost_mean) * metalness } else { Vec3::ZERO };
+        let mut glossy = Self {
+            reflection: Reflection {
+                ggx,
+                metalness,
+                metal,
+                dielectric,
+                diffuse: Eon::new(color, inputs.base_diffuse_roughness),
+                diffuse_scale: 0.0,
+                multiple: multiple / lost_mean.max(1e-6),
+            },
+            film: Film::of(inputs),
+            full,
+            fresnel,
             transmitted,
-            diffuse_scale: (1.0 - metalness) / below_mean.max(f32::MIN_POSITIVE),
-            below_mean,
+            below_mean: 1.0 - dielectric.greatest_albedo(full.mean(), fresnel.mean()),
             diffuse_energy: (1.0 - metalness) * diffuse_energy,
             through: mean(transmitted) / diffuse_energy.max(f32::MIN_POSITIVE),
-            lost,
-            multiple: multiple / lost_mean.max(1e-6),
+            lost_mean,
             multiple_energy: mean(multiple),
+        };
+        if glossy.film.is_some() {
+            glossy.below_mean = glossy.below().mean();
         }
+        glossy.reflection.diffuse_scale = (1.0 - metalness) / glossy.below_mean.max(f32::MIN_POSITIVE);
+        glossy
+    }
+
+    /// What needs no table.
+    #[inline]
+    pub(crate) fn reflection(&self) -> &Reflection {
+        &self.reflection
+    }
+
+    /// `t(μ)` and `1 - E(μ)`.
+    #[inline]
+    pub(crate) fn left_at(&self, cos: f32) -> (f32, f32) {
+        let node = Node::new(cos);
+        let full = self.full.at(node);
+        (self.below_at(cos, full, self.fresnel.at(node)), (1.0 - full).max(0.0))
+    }
+
+    /// `t(μ)`, with both albedos at this cosine.
+    #[inline]
+    fn below_at(&self, cos: f32, full: f32, fresnel: f32) -> f32 {
+        let dielectric = &self.reflection.dielectric;
+        let mut below = 1.0 - dielectric.greatest_albedo(full, fresnel);
+        if let Some(film) = &self.film {
+            let cos = typical_cos(cos, self.reflection.ggx.alpha.x);
+            let reflectance = dielectric.grazing * film.over_dielectric(cos, dielectric.eta).max_element();
+            below += film.weight * (1.0 - reflectance * full - below);
+        }
+        below
+    }
+
+    /// What diffuse light is reflected and transmitted to a direction, for which `t(μ)` is `below`.
+    #[inline]
+    fn diffuse_from(&self, wo: Vec3, below: f32) -> Vec3 {
+        let scale = self.reflection.diffuse_scale * self.below_mean * below;
+        scale * (self.reflection.diffuse.albedo(wo) + self.transmitted)
+    }
+
+    /// `t(μ)` of all angles.
+    fn below(&self) -> Column {
+        Column::from_fn(|cos| self.left_at(cos).0)
     }
 
     /// Roughly how much is scattered about one direction, by angle, its tint, and how much in all.
     #[inline]
     pub(super) fn energy(&self) -> (Column, Vec3, f32) {
-        let metal = self.metalness * self.metal.mean();
+        let metalness = self.reflection.metalness;
+        let metal = metalness * self.reflection.metal.mean();
         let most = metal.max_element();
-        let dielectric = 1.0 - self.metalness;
-        let glossy = self.below.map(|below| most + dielectric * (1.0 - below));
+        let dielectric = 1.0 - metalness;
+        let glossy = self.below().map(|below| most + dielectric * (1.0 - below));
         let white = dielectric * (1.0 - self.below_mean);
         let tint = (metal + white) / (most + white).max(f32::MIN_POSITIVE);
         (glossy, tint, mean(metal) + white + self.diffuse_energy * self.below_mean)
@@ -135,40 +152,34 @@ impl Glossy {
     /// How much wide lobes scatter by angle, in any unit but 0.
     #[inline]
     pub(super) fn wide(&self) -> Column {
-        self.below.zip(&self.lost, |below, lost| {
+        Column::from_fn(|cos| {
+            let (below, lost) = self.left_at(cos);
             self.diffuse_energy * below + self.multiple_energy * lost + f32::MIN_POSITIVE
         })
     }
 
     #[inline]
     fn reflectance(&self, cos: f32) -> Vec3 {
-        let mut reflectance = Vec3::ZERO;
-        if self.metalness > 0.0 {
-            reflectance += self.metalness * self.metal.at(cos);
-        }
-        if self.metalness < 1.0 {
-            reflectance += (1.0 - self.metalness) * self.dielectric.at(cos).0;
-        }
-        if let Some(film) = &self.film {
-            let metal = film.over_metal(cos, self.metal.normal());
-            let dielectric = self.dielectric.grazing * film.over_dielectric(cos, self.dielectric.eta);
-            reflectance = reflectance.lerp(dielectric.lerp(metal, self.metalness), film.weight);
-        }
-        reflectance
+        let reflectance = self.reflection.reflectance(cos);
+        let Some(film) = &self.film else { return reflectance };
+        let Reflection { metal, dielectric, metalness, .. } = &self.reflection;
+        let over_metal = film.over_metal(cos, metal.normal());
+        let over_dielectric = dielectric.grazing * film.over_dielectric(cos, dielectric.eta);
+        reflectance.lerp(over_dielectric.lerp(over_metal, *metalness), film.weight)
     }
 
+    /// What tables say of a direction with this cosine.
     #[inline]
-    fn side(&self, cos: f32) -> Side {
-        let mut side = Side { below: self.below.at(cos), lost: 0.0, glossy: 0.0 };
-        let mut glossy = (1.0 - self.metalness) * (1.0 - side.below);
-        let mut wide = self.diffuse_energy * side.below;
-        if self.metalness > 0.0 {
-            side.lost = self.lost.at(cos);
-            glossy += self.metalness * (1.0 - side.lost) * mean(self.metal.at(cos));
-            wide += self.multiple_energy * side.lost;
+    pub(crate) fn side(&self, cos: f32) -> Side {
+        let (below, lost) = self.left_at(cos);
+        let metalness = self.reflection.metalness;
+        let mut glossy = (1.0 - metalness) * (1.0 - below);
+        let mut wide = self.diffuse_energy * below;
+        if metalness > 0.0 {
+            glossy += metalness * (1.0 - lost) * mean(self.reflection.metal.at(cos));
+            wide += self.multiple_energy * lost;
         }
-        side.glossy = glossy / (glossy + wide).max(f32::MIN_POSITIVE);
-        side
+        Side { below, lost, glossy: glossy / (glossy + wide).max(f32::MIN_POSITIVE) }
     }
 }
 
@@ -180,70 +191,75 @@ impl Lobes for Glossy {
 
     #[inline]
     fn parts(&self, wo: Vec3, wi: Vec3) -> Parts {
+        let it = &self.reflection;
         let (o, i) = (self.side(wo.z), self.side(wi.z.abs()));
-        let diffuse = self.diffuse_scale * o.below * i.below;
-        let share = if wi.z < 0.0 { self.through } else { 1.0 - self.through };
-        let mut parts = Parts {
-            density: (1.0 - o.glossy) * share * FRAC_1_PI * wi.z.abs(),
-            reverse_density: (1.0 - i.glossy) * share * FRAC_1_PI * wo.z,
-            ..Parts::default()
-        };
+        let through = |side: Side, cos: f32| (1.0 - side.glossy) * self.through * FRAC_1_PI * cos;
         if wi.z <= 0.0 {
-            parts.wide = self.transmitted * (diffuse * FRAC_1_PI * -wi.z);
-            return parts;
+            let diffuse = it.diffuse_scale * o.below * i.below;
+            return Parts {
+                wide: self.transmitted * (diffuse * FRAC_1_PI * -wi.z),
+                density: through(o, -wi.z),
+                reverse_density: through(i, wo.z),
+                ..Parts::default()
+            };
         }
-        parts.wide = (diffuse * wi.z) * self.diffuse.f(wo, wi) + (o.lost * i.lost * FRAC_1_PI * wi.z) * self.multiple;
-        if !self.ggx.is_delta() {
-            let (h, cos) = half(wo, wi);
-            let lobe = self.ggx.d(h) * self.ggx.g2(wo, wi) / (4.0 * wo.z);
-            parts.glossy = lobe * self.reflectance(cos);
-            parts.density += o.glossy * self.ggx.reflection_density(wo, h);
-            parts.reverse_density += i.glossy * self.ggx.reflection_density(wi, h);
+        let lobe = it.lobe(wo, wi);
+        Parts {
+            glossy: lobe.f_cos * self.reflectance(lobe.cos),
+            wide: it.wide((wo, o), (wi, i)),
+            density: it.density((wo, o), wi, lobe.half) - through(o, wi.z),
+            reverse_density: it.density((wi, i), wo, lobe.half) - through(i, wo.z),
         }
-        parts
     }
 
     #[inline]
-    fn choose(&self, wo: Vec3, mut u: Vec2) -> Option<Choice> {
-        if choose(&mut u.x, self.side(wo.z).glossy) {
-            if self.ggx.is_delta() {
-                let weight = self.reflectance(wo.z) / self.side(wo.z).glossy;
-                return Some(Choice::delta(reflect(wo, Vec3::Z), weight, Event::REFLECTION));
-            }
-            let wi = reflect(wo, self.ggx.sample_reflection(wo, u));
-            return (wi.z > 0.0).then_some(Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
+    fn choose(&self, wo: Vec3, u: Vec2) -> Option<Choice> {
+        let o = self.side(wo.z);
+        let mut rest = u;
+        if !choose(&mut rest.x, o.glossy) && self.through > 0.0 {
+            let is_through = choose(&mut rest.x, self.through);
+            let wi = CosineHemisphere.map(rest);
+            return Some(if is_through {
+                Choice::new(-wi, Event::DIFFUSE | Event::TRANSMISSION)
+            } else {
+                Choice::new(wi, Event::DIFFUSE | Event::REFLECTION)
+            });
         }
-        if choose(&mut u.x, self.through) {
-            return Some(Choice::new(-CosineHemisphere.map(u), Event::DIFFUSE | Event::TRANSMISSION));
+        let Chosen { wi, is_glossy, .. } = self.reflection.choose((wo, o), u);
+        if is_glossy && self.reflection.is_delta() {
+            return Some(Choice::delta(wi, self.reflectance(wo.z) / o.glossy, Event::REFLECTION));
         }
-        Some(Choice::new(CosineHemisphere.map(u), Event::DIFFUSE | Event::REFLECTION))
+        let lobe = if is_glossy { Event::GLOSSY } else { Event::DIFFUSE };
+        (wi.z > 0.0).then_some(Choice::new(wi, lobe | Event::REFLECTION))
     }
 
     fn albedo(&self, wo: Vec3) -> Vec3 {
-        let full = 1.0 - self.lost.at(wo.z);
-        let mut albedo = self.diffuse_albedo(wo) + self.multiple * ((1.0 - full) * self.lost.mean());
+        let Reflection { metal, dielectric, metalness, .. } = self.reflection;
+        let node = Node::new(wo.z);
+        let full = self.full.at(node);
+        let fresnel = self.fresnel.at(node);
+        let mut albedo = self.diffuse_from(wo, self.below_at(wo.z, full, fresnel))
+            + self.reflection.multiple * ((1.0 - full) * self.lost_mean);
         if self.film.is_some() {
-            return albedo + full * self.reflectance(typical_cos(wo.z, self.ggx.alpha.x));
+            return albedo + full * self.reflectance(typical_cos(wo.z, self.reflection.ggx.alpha.x));
         }
-        if self.metalness > 0.0 {
-            let (schlick, dip) = energy::metal_at(self.roughness, wo.z);
-            albedo += self.metalness * self.metal.albedo(full, schlick, dip);
+        if metalness > 0.0 {
+            let (schlick, dip) = energy::metal_at(self.reflection.ggx.mean_roughness(), node);
+            albedo += metalness * metal.albedo(full, schlick, dip);
         }
-        if self.metalness < 1.0 {
-            let fresnel = energy::reflection_at(self.roughness, self.dielectric.eta, false, wo.z);
-            albedo += (1.0 - self.metalness) * self.dielectric.albedo(full, fresnel);
+        if metalness < 1.0 {
+            albedo += (1.0 - metalness) * dielectric.albedo(full, fresnel);
         }
         albedo
     }
 
     #[inline]
     fn diffuse_albedo(&self, wo: Vec3) -> Vec3 {
-        let below = self.diffuse_scale * self.below_mean * self.below.at(wo.z);
-        below * (self.diffuse.albedo(wo) + self.transmitted)
+        self.diffuse_from(wo, self.left_at(wo.z).0)
     }
 
     #[inline]
     fn transmits(&self) -> bool {
-        self.diffuse_scale > 0.0 && self.through > 0.0
+        self.reflection.diffuse_scale > 0.0 && self.through > 0.0
     }
 }

@@ -95,7 +95,7 @@ impl Lobes for Layered {
         let under_fuzz = fuzz.as_ref().map_or(Column::ONE, |fuzz| fuzz.albedo.map(|albedo| 1.0 - fuzz_most * albedo));
         let below = if inputs.coat_weight > 0.0 {
             let roughness = if coat.is_delta() { 0.0 } else { inputs.coat_roughness };
-            let reflected = energy::reflection(roughness, inputs.coat_ior, false);
+            let reflected = energy::reflection(roughness, inputs.coat_ior, false).column();
             under_fuzz.zip(&reflected, |under, reflected| under * (1.0 - inputs.coat_weight * reflected))
         } else {
             under_fuzz

@@ -120,7 +120,7 @@ pub(super) fn mean(color: Vec3) -> f32 {
 }
 
 /// Whether an event of this probability happens by `u` in [0, 1), which is left uniform.
-#[inline]
+#[inline(always)]
 pub(super) fn choose(u: &mut f32, probability: f32) -> bool {
     let happens = *u < probability;
     *u = if happens { *u / probability } else { (*u - probability) / (1.0 - probability) }.min(ONE_MINUS_EPSILON);

@@ -52,6 +52,7 @@ mod glossy;
 mod layered;
 mod lobes;
 mod matte;
+mod reflection;
 mod shading;
 mod sheen;
 mod transmissive;
@@ -60,6 +61,7 @@ pub use closure::Closure;
 pub use glossy::Glossy;
 pub use layered::Layered;
 pub use matte::Matte;
+pub(crate) use reflection::{Reflection, Side};
 pub use shading::{Shading, bent_normal};
 pub use transmissive::Transmissive;
 

@@ -49,13 +49,40 @@ impl Shading {
         Self { frame, geometric }
     }
 
+    /// Of a frame whose normal is bent already.
+    #[inline(always)]
+    pub(crate) fn of(frame: Frame, geometric: Vec3) -> Self {
+        Self { frame, geometric }
+    }
+
+    /// A direction and the one that is mirrored to it, in the shading frame.
+    #[inline(always)]
+    pub(crate) fn locals(&self, direction: Vec3) -> [Vec3; 2] {
+        [self.frame.to_local(direction), self.frame.to_local(self.mirrored(direction))]
+    }
+
+    /// Where a direction that was sampled above the horizon of the shading normal leads, and the other one of the shading
+    /// frame that leads there.
+    #[inline(always)]
+    pub(crate) fn onwards(&self, sampled: Vec3) -> (Vec3, Vec3) {
+        let sampled = self.frame.to_world(sampled);
+        let other = self.mirrored(sampled);
+        let wi = if self.geometric.dot(sampled) > 0.0 { sampled } else { other };
+        (wi, self.frame.to_local(other))
+    }
+
     /// The frame of closures.
     #[inline]
     pub fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    #[inline]
+    /// The surface's own normal.
+    pub(crate) fn geometric(&self) -> Vec3 {
+        self.geometric
+    }
+
+    #[inline(always)]
     fn mirrored(&self, w: Vec3) -> Vec3 {
         w - 2.0 * self.geometric.dot(w) * self.geometric
     }
@@ -92,16 +119,19 @@ impl Shading {
     /// density and the weight are those of both.
     #[inline]
     pub fn sample(&self, closure: &impl Bsdf, wo: Vec3, u: Vec2) -> Option<Sample> {
-        let sample = closure.sample(self.frame.to_local(wo), u)?;
-        let mut wi = self.frame.to_world(sample.wi);
+        let wo = self.frame.to_local(wo);
+        let sample = closure.sample(wo, u)?;
+        let sampled = self.frame.to_world(sample.wi);
         let is_before = sample.wi.z > 0.0;
-        if (self.geometric.dot(wi) > 0.0) != is_before {
-            wi = self.mirrored(wi);
-        }
-        if sample.density.is_infinite() || (self.frame.to_local(self.mirrored(wi)).z > 0.0) != is_before {
+        // One of both is on the right side of the surface, and both may lead to it.
+        let other = self.mirrored(sampled);
+        let wi = if (self.geometric.dot(sampled) > 0.0) == is_before { sampled } else { other };
+        let local = self.frame.to_local(other);
+        if sample.density.is_infinite() || (local.z > 0.0) != is_before {
             return Some(Sample { wi, ..sample });
         }
-        let Evaluation { f_cos, density, .. } = self.eval(closure, wo, wi);
-        (density > 0.0).then(|| Sample { wi, weight: f_cos / density, density, event: sample.event })
+        let Evaluation { f_cos, density, .. } = closure.eval(wo, local);
+        let sum = sample.density + density;
+        Some(Sample { wi, weight: (sample.weight * sample.density + f_cos) / sum, density: sum, ..sample })
     }
 }

@@ -45,7 +45,7 @@ pub struct ShadingInputs {
 pub struct ShadingFrame {
     /// Unit vector, on the front.
     pub normal: Vec3,
-    /// Unit vector across it.
+    /// Unit vector across it, along which anisotropy is measured; zero where any will do.
     pub tangent: Vec3,
 }
 
@@ -144,16 +144,12 @@ impl Material {
             normal = map.normal(point, normal.normalize_or(interpolated));
         }
         let normal = normal.normalize_or(interpolated.normalize_or(Vec3::Z));
-        let across = tangent.map_or(Vec3::ZERO, Vec4::truncate).reject_from(normal);
-        let tangent = match across.try_normalize() {
-            Some(along) => {
-                let bitangent = normal.cross(along) * tangent.map_or(1.0, |it| it.w.signum());
-                self.turned(point, along, bitangent)
-            }
-            // The frame of the warps, with which directions are made of random numbers.
-            None => halfdome_kernel::sampling::Frame::from_normal(normal).to_world(Vec3::X),
-        };
-        ShadingFrame { normal, tangent }
+        let tangent = tangent.filter(|_| self.is_anisotropic()).and_then(|tangent| {
+            let along = tangent.truncate().reject_from(normal).try_normalize()?;
+            let bitangent = normal.cross(along) * tangent.w.signum();
+            Some(self.turned(point, along, bitangent))
+        });
+        ShadingFrame { normal, tangent: tangent.unwrap_or(Vec3::ZERO) }
     }
 
     /// The tangent, turned as anisotropy asks.

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::Vec3;
 
-use super::Material;
+use super::{Input, InputMap, Material};
 use crate::material::{Bsdf, Closure, Inputs, Kind};
 
 impl Material {
@@ -44,6 +44,12 @@ impl Material {
         let has_maps = !self.maps.is_empty() || self.emission_map.is_some() || self.anisotropy.is_some();
         let turns_normals = self.normal_map.is_some() || self.bump_map.is_some();
         !has_maps && !turns_normals && self.tangent_rotation == 0.0
+    }
+
+    /// Whether reflections may be wider in one direction than in another.
+    pub(crate) fn is_anisotropic(&self) -> bool {
+        let is_mapped = |map: &InputMap| map.targets.iter().any(|target| target.input == Input::SpecularAnisotropy);
+        self.inputs.specular_anisotropy > 0.0 || self.anisotropy.is_some() || self.maps.iter().any(is_mapped)
     }
 
     /// Whether it has holes, or is there in part, vertex colours left aside.

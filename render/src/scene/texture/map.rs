@@ -78,6 +78,10 @@ impl Wrap {
     /// The texel that is seen at `place`, of `size`.
     #[inline]
     pub(super) fn within(self, place: i32, size: u32) -> usize {
+        // Mostly it is, and divisions are slow.
+        if (place as u32) < size && place >= 0 {
+            return place as usize;
+        }
         let (place, size) = (i64::from(place), i64::from(size));
         let within = match self {
             Self::Repeat => place.rem_euclid(size),

@@ -117,10 +117,14 @@ impl Texture {
         }
         let corner = (place - 0.5).floor();
         let part = place - 0.5 - corner;
-        let texel = |x, y| self.texel(map, corner + Vec2::new(x, y));
-        let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), part.x);
-        let below = texel(0.0, 1.0).lerp(texel(1.0, 1.0), part.x);
-        let color = above.lerp(below, part.y);
+        let IVec2 { x, y } = corner.as_ivec2();
+        let columns = [x, x.saturating_add(1)].map(|x| map.wrap[0].within(x, self.width));
+        let rows = [y, y.saturating_add(1)].map(|y| map.wrap[1].within(y, self.height) * self.width as usize);
+        let [a, b, c, d] = self.fetch_all(
+            map.space,
+            [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]],
+        );
+        let color = a.lerp(b, part.x).lerp(c.lerp(d, part.x), part.y);
         // What is far out has no part of a texel, nor has what is not a number.
         if color.is_finite() { color } else { self.texel(map, corner) }
     }
@@ -132,20 +136,50 @@ impl Texture {
         self.fetch(map.space, y * self.width as usize + x)
     }
 
-    /// The texel with this number. Grey is red, green and blue alike; without alpha, it is 1.
     #[inline]
     fn fetch(&self, space: ColorSpace, index: usize) -> Vec4 {
-        let first = index * self.channels;
-        let last = first + self.channels;
+        let [texel] = self.fetch_all(space, [index]);
+        texel
+    }
+
+    /// The texels with these numbers. Grey is red, green and blue alike; without alpha, it is 1.
+    #[inline]
+    fn fetch_all<const N: usize>(&self, space: ColorSpace, indices: [usize; N]) -> [Vec4; N] {
         match (&self.texels, space) {
-            (Texels::U8(texels), ColorSpace::Srgb) => widen(&texels[first..last], from_srgb8, unit8),
-            (Texels::U8(texels), ColorSpace::Linear) => widen(&texels[first..last], unit8, unit8),
-            (Texels::U16(texels), ColorSpace::Srgb) => {
-                widen(&texels[first..last], |code| from_srgb(unit16(code)), unit16)
+            (Texels::U8(texels), ColorSpace::Srgb) => {
+                let linear = &*SRGB8;
+                self.widen(texels, indices, |code| linear[usize::from(code)], unit8)
             }
-            (Texels::U16(texels), ColorSpace::Linear) => widen(&texels[first..last], unit16, unit16),
-            (Texels::F32(texels), _) => widen(&texels[first..last], |number| number, |number| number),
+            (Texels::U8(texels), ColorSpace::Linear) => self.widen(texels, indices, unit8, unit8),
+            (Texels::U16(texels), ColorSpace::Srgb) => {
+                self.widen(texels, indices, |code| from_srgb(unit16(code)), unit16)
+            }
+            (Texels::U16(texels), ColorSpace::Linear) => self.widen(texels, indices, unit16, unit16),
+            (Texels::F32(texels), _) => self.widen(texels, indices, |number| number, |number| number),
         }
+    }
+
+    #[inline(always)]
+    fn widen<T: Copy, const N: usize>(
+        &self,
+        texels: &[T],
+        indices: [usize; N],
+        color: impl Fn(T) -> f32,
+        alpha: impl Fn(T) -> f32,
+    ) -> [Vec4; N] {
+        // A loop, as `map` is not always inlined.
+        let mut found = [Vec4::ONE; N];
+        for (found, index) in found.iter_mut().zip(indices) {
+            let first = index * self.channels;
+            *found = match texels[first..first + self.channels] {
+                [grey] => Vec4::new(color(grey), color(grey), color(grey), 1.0),
+                [grey, a] => Vec4::new(color(grey), color(grey), color(grey), alpha(a)),
+                [r, g, b] => Vec4::new(color(r), color(g), color(b), 1.0),
+                [r, g, b, a] => Vec4::new(color(r), color(g), color(b), alpha(a)),
+                _ => Vec4::ONE,
+            };
+        }
+        found
     }
 }
 
@@ -159,17 +193,7 @@ impl Texels {
     }
 }
 
-#[inline(always)]
-fn widen<T: Copy>(texel: &[T], color: impl Fn(T) -> f32, alpha: impl Fn(T) -> f32) -> Vec4 {
-    match *texel {
-        [grey] => Vec4::new(color(grey), color(grey), color(grey), 1.0),
-        [grey, a] => Vec4::new(color(grey), color(grey), color(grey), alpha(a)),
-        [r, g, b] => Vec4::new(color(r), color(g), color(b), 1.0),
-        [r, g, b, a] => Vec4::new(color(r), color(g), color(b), alpha(a)),
-        _ => Vec4::ONE,
-    }
-}
-
+#[inline]
 fn unit8(code: u8) -> f32 {
     f32::from(code) / 255.0
 }
@@ -179,11 +203,7 @@ fn unit16(code: u16) -> f32 {
 }
 
 /// [`from_srgb`] of all 8-bit codes.
-fn from_srgb8(code: u8) -> f32 {
-    static LINEAR: LazyLock<[f32; 256]> =
-        LazyLock::new(|| core::array::from_fn(|code| srgb_to_linear(code as f64 / 255.0)));
-    LINEAR[usize::from(code)]
-}
+static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| core::array::from_fn(|code| srgb_to_linear(code as f64 / 255.0)));
 
 fn from_srgb(signal: f32) -> f32 {
     srgb_to_linear(signal.into())
