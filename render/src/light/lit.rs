@@ -89,9 +89,10 @@ impl LitTriangles {
     }
 
     /// The probability with which a path's surface aims at any, by the irradiance that all may cause.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn chance(&self, receiver: &Receiver) -> f32 {
-        self.tree.as_ref().map_or(0.0, |tree| (total(&tree.root_weights(receiver)) / self.worth).min(1.0))
+        let Some(tree) = &self.tree else { return 0.0 };
+        (total(&tree.root_weights(receiver)) / self.worth).min(1.0)
     }
 
     /// Chooses one for a receiver by a number in [0, 1). `None` if none may send light there.

@@ -7,6 +7,7 @@
 //! of their sum.
 
 mod ambient;
+mod choice;
 mod distant;
 pub(crate) mod few;
 mod lit;
@@ -17,18 +18,17 @@ mod tree;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::{Aabb, Triangle};
 
+pub(crate) use self::choice::{LightChoice, SampledLight};
 use self::distant::Patches;
 use self::few::FEW;
 pub(crate) use self::lit::{LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::sky::{SkyLight, SkyPart};
-use self::tree::cluster::Lane;
+use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
 pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};
-use self::tree::{Pick, RootWeights, Tree};
 use crate::scene::{Material, PunctualLight};
 use crate::settings::LightSampling;
 
@@ -69,42 +69,6 @@ pub(crate) enum Light {
     Punctual(PunctualLight),
     /// The sky.
     Sky,
-}
-
-/// A light that was chosen.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SampledLight {
-    /// The number of its light.
-    pub index: u32,
-    /// The probability of choosing it.
-    pub probability: f32,
-    /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
-    /// light are.
-    pub rest: f32,
-}
-
-/// What each kind of light may send to a receiver.
-pub(crate) struct Weights {
-    triangles: RootWeights,
-    points: RootWeights,
-    triangles_sum: f32,
-    points_sum: f32,
-    directional: f32,
-    sky: f32,
-}
-
-impl Weights {
-    /// The sum: an estimate of irradiance, as luminance.
-    #[inline(always)]
-    pub(crate) fn total(&self) -> f32 {
-        (self.triangles_sum + self.points_sum) + (self.directional + self.sky)
-    }
-
-    /// The probability with which the sky is chosen.
-    #[inline(always)]
-    pub(crate) fn sky_probability(&self) -> f32 {
-        if self.sky > 0.0 { self.sky / self.total() } else { 0.0 }
-    }
 }
 
 /// Linear sRGB to luminance (Rec. 709).
@@ -209,62 +173,6 @@ impl LightSampler {
         }
     }
 
-    /// What lights may send to a receiver, of the sky this part.
-    #[inline(always)]
-    pub(crate) fn weigh(&self, receiver: &Receiver, part: SkyPart) -> Weights {
-        let (mut triangles, mut points) = (RootWeights::default(), RootWeights::default());
-        let (mut triangles_sum, mut points_sum) = (0.0, 0.0);
-        if let Some(tree) = &self.triangles {
-            triangles = tree.root_weights(receiver);
-            triangles_sum = tree::total(&triangles);
-        }
-        if let Some(tree) = &self.points {
-            points = tree.root_weights(receiver);
-            points_sum = tree::total(&points);
-        }
-        let directional = self.directional.rows(receiver).map(|row| tree::sum(&row)).sum();
-        let sky = self.sky.weight(receiver, part);
-        Weights { triangles, points, triangles_sum, points_sum, directional, sky }
-    }
-
-    /// Chooses a light for a receiver with these weights, by a number in [0, 1), of double precision as there may be
-    /// millions. `None` if no light reaches it.
-    #[inline(always)]
-    pub(crate) fn choose(&self, receiver: &Receiver, weights: &Weights, u: f64) -> Option<SampledLight> {
-        let total = weights.total();
-        if total <= 0.0 {
-            return None;
-        }
-        if !self.few.is_empty() && weights.sky == 0.0 {
-            let [a, b, c, d, ..] = weights.triangles[0];
-            let (index, probability, rest) = few::choose([a, b, c, d], few::coarse(u));
-            return Some(SampledLight { index, probability, rest });
-        }
-        let mut place = u * f64::from(total);
-        let kinds = [weights.triangles_sum, weights.points_sum, weights.directional, weights.sky];
-        // The last of those that have any, if rounding led behind all of them.
-        let (mut kind, mut start, mut end) = (0, 0.0, 0.0);
-        for (i, &weight) in kinds.iter().enumerate() {
-            if place >= end && weight > 0.0 {
-                (kind, start) = (i, end);
-            }
-            end += f64::from(weight);
-        }
-        place = (place - start).max(0.0);
-        let part = kinds[kind] / total;
-        let rest = (place / f64::from(kinds[kind])).min(1.0 - f64::EPSILON / 2.0);
-        let near = self.triangles.as_ref().map_or(0, Tree::len) as u32;
-        let distant = near + self.points.as_ref().map_or(0, Tree::len) as u32;
-        let (pick, first) = match kind {
-            0 => (self.triangles.as_ref()?.choose(receiver, &weights.triangles, rest), 0),
-            1 => (self.points.as_ref()?.choose(receiver, &weights.points, rest), near),
-            2 => (self.choose_directional(receiver, weights.directional, place), distant),
-            _ => (Pick { index: 0, probability: 1.0, rest }, self.lights.len() as u32 - 1),
-        };
-        let rest = (pick.rest as f32).min(ONE_MINUS_EPSILON);
-        Some(SampledLight { index: first + pick.index, probability: part * pick.probability, rest })
-    }
-
     /// Whether anything shines from infinitely far away.
     pub(crate) fn has_distant(&self) -> bool {
         self.directional.len() > 0 || self.sky.mean() != Vec3::ZERO
@@ -299,21 +207,6 @@ impl LightSampler {
     #[inline(always)]
     pub(crate) fn few(&self, part: SkyPart) -> &[TriangleLight] {
         if self.sky.has(part) { &[] } else { &self.few }
-    }
-
-    /// The directional light that lies at this place if all lie side by side.
-    fn choose_directional(&self, receiver: &Receiver, sum: f32, mut place: f64) -> Pick {
-        let mut chosen: Option<(usize, Lane, f64)> = None;
-        for (number, weights) in self.directional.rows(receiver).enumerate() {
-            let width = tree::sum(&weights);
-            if width > 0.0 && (chosen.is_none() || place >= 0.0) {
-                chosen = Some((number, weights, place));
-            }
-            place -= f64::from(width);
-        }
-        let (row, weights, place) = chosen.unwrap_or((0, [1.0; tree::WIDTH], 0.0));
-        let (lane, rest) = tree::pick(&weights, place);
-        Pick { index: (row * tree::WIDTH + lane) as u32, probability: weights[lane] / sum, rest }
     }
 
     /// All lights, by their numbers.

@@ -5,7 +5,7 @@ use halfdome_kernel::sampling::unit_double;
 
 use super::Advance;
 use crate::estimator::{aim, aimed_weight};
-use crate::integrator::path_block::{BlockClosures, PathBlock};
+use crate::integrator::path_block::{BlockClosures, LANES, PathBlock};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
 use crate::settings::{LightSampling, Stop};
@@ -21,15 +21,21 @@ impl Advance<'_, '_> {
     }
 
     /// Aims from the block's surfaces at lit triangles, and puts such paths behind the others that go on.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
+        let mut chances = [0.0; LANES];
+        for (i, chance) in chances[..block.len].iter_mut().enumerate() {
+            *chance = if block.aims(i) { self.world.lights.lit.chance(&block.receiver(i)) } else { 0.0 };
+        }
+        self.aim_by(closures, block, &chances);
+    }
+
+    /// Aims with a probability from each surface.
+    #[inline(never)]
+    fn aim_by<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, chances: &[f32; LANES]) {
         let first_set = first_set(self.batch, self.depth);
-        for i in (0..block.len).filter(|&i| block.aims(i)) {
-            let receiver = block.receiver(i);
-            let chance = self.world.lights.lit.chance(&receiver);
-            if block.u_aim[i] >= chance {
-                continue;
-            }
+        for i in (0..block.len).filter(|&i| block.u_aim[i] < chances[i]) {
+            let (receiver, chance) = (block.receiver(i), chances[i]);
             let index = block.index(i);
             // What light samples and bounces have left of their sets.
             let [[.., a, b], [.., c, _]] = [0, 1].map(|set| self.batch.samplers[index].uniform4(first_set + set));

@@ -6,11 +6,11 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::{Isa, Ray};
 
 use super::columns::{Column, EmitterColumns, Integers, LANES, Rays, Vectors, gather, keep, triangle};
-use super::{BlockClosures, PathBlock};
+use super::{BlockClosures, PathBlock, Scattered};
 use crate::estimator::{area_light_sample, light_warp};
 use crate::integrator::state::u_light_choice;
 use crate::light::few::{self, FEW};
-use crate::light::{Receiver, SampledLight, SkyPart, TriangleLight};
+use crate::light::{LightChoice, Receiver, SampledLight, SkyPart, TriangleLight};
 use crate::scene::Material;
 use crate::settings::LightSampling;
 use crate::world::{MIDDLE, Surface, World, interpolate};
@@ -35,9 +35,11 @@ pub(super) struct LightSamples {
 pub(in crate::integrator) struct ShadowRays {
     rays: Rays,
     waiting: PendingLights,
-    /// The reciprocals of the densities with which their directions were chosen, and those of the closures' bounces.
+    /// The reciprocals of the densities with which their directions were chosen.
     per_density: Column,
-    bounce_density: Column,
+    /// Unit vectors to the lights, and what the closures scatter of light from there.
+    towards: Vectors,
+    scattered: Scattered,
     /// Whether there is any light.
     lit: Integers,
 }
@@ -125,20 +127,36 @@ impl PathBlock {
         true
     }
 
-    /// Chooses one by one.
+    /// Chooses for one path after the other, step by step.
     #[inline(always)]
     fn choose_from_all(&mut self, world: &World, part: SkyPart) {
         let none = world.lights.lights().len() as u32 - 1;
+        let mut choices = [LightChoice::None; LANES];
+        let mut going = [0u8; LANES];
         for i in 0..self.len {
             let receiver = self.receiver(i);
             let weights = world.lights.weigh(&receiver, part);
             let u = u_light_choice(self.u_light[i], self.u_direction[i]);
-            let light = world.lights.choose(&receiver, &weights, u);
+            choices[i] = world.lights.begin(&receiver, &weights, u);
+            going[i] = i as u8;
+            self.light_samples.sky_probability[i] = weights.sky_probability();
+        }
+        let mut count = self.len;
+        while count > 0 {
+            let mut left = 0;
+            for k in 0..count {
+                let i = usize::from(going[k]);
+                going[left] = going[k];
+                left += usize::from(world.lights.descend(&self.receiver(i), &mut choices[i]));
+            }
+            count = left;
+        }
+        let samples = &mut self.light_samples;
+        for (i, choice) in choices[..self.len].iter().enumerate() {
+            let light = world.lights.end(choice);
             let light = light.unwrap_or(SampledLight { index: none, probability: 0.0, rest: 0.0 });
-            let samples = &mut self.light_samples;
             (samples.lights[i], samples.probability[i]) = (light.index, light.probability);
             samples.uv[0][i] = light.rest;
-            samples.sky_probability[i] = weights.sky_probability();
         }
     }
 
@@ -204,21 +222,26 @@ impl PathBlock {
         matte: &Material,
         shadows: &mut ShadowRays,
     ) {
-        for i in 0..if C::IN_LANES { LANES } else { self.len } {
+        for i in 0..LANES {
             let surface = self.surface(i, matte);
             let (light, area) = self.light_samples.point(i, &surface, &self.receiver(i), lights);
-            let (light, arrives) = area_light_sample(&surface, !C::IN_LANES & surface.transmits, &light, area);
-            let (scattered, density) = closures.eval(i, &surface, light.direction);
-            let weight = lights.light_weight(light.inv_density, density);
-            let radiance = scattered * light.radiance * weight;
+            let (light, arrives) = area_light_sample(&surface, surface.transmits, &light, area);
+            shadows.towards.set(i, light.direction);
             shadows.rays.origin.set(i, light.shadow.origin);
             shadows.rays.direction.set(i, light.shadow.direction);
             shadows.waiting.index[i] = self.paths.index[i];
-            shadows.waiting.light.set(i, self.throughput(i) * radiance);
-            (shadows.per_density[i], shadows.bounce_density[i]) = (light.inv_density, density);
+            shadows.waiting.light.set(i, light.radiance);
+            shadows.per_density[i] = light.inv_density;
             let is_chosen = u32::from(self.light_samples.probability[i] > 0.0);
             let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
-            shadows.lit[i] = u32::from(arrives & (radiance.max_element() > 0.0)) & is_there;
+            shadows.lit[i] = u32::from(arrives) & is_there;
+        }
+        closures.eval_all(self, matte, &shadows.towards, &mut shadows.scattered);
+        for i in 0..LANES {
+            let weight = lights.light_weight(shadows.per_density[i], shadows.scattered.density[i]);
+            let radiance = shadows.scattered.f_cos.get(i) * shadows.waiting.light.get(i) * weight;
+            shadows.waiting.light.set(i, self.throughput(i) * radiance);
+            shadows.lit[i] &= u32::from(radiance.max_element() > 0.0);
         }
     }
 }
@@ -248,7 +271,7 @@ impl ShadowRays {
 
     /// Weighs the light of ray `i` for bounces with another density than the closure's.
     pub(super) fn reweigh(&mut self, i: usize, lights: LightSampling, density: impl Fn(f32) -> f32) {
-        let (per_density, before) = (self.per_density[i], self.bounce_density[i]);
+        let (per_density, before) = (self.per_density[i], self.scattered.density[i]);
         let [before, after] = [before, density(before)].map(|density| lights.light_weight(per_density, density));
         self.waiting.light.set(i, self.waiting.light.get(i) * (after / before));
     }

@@ -81,6 +81,18 @@ pub(crate) struct Pick {
     pub rest: f64,
 }
 
+/// On the way to a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    child: Child,
+    /// Which of the child's children.
+    lane: usize,
+    /// What is left of the number.
+    rest: f64,
+    /// With which it is chosen.
+    probability: f32,
+}
+
 impl<L: LeafLights> Tree<L> {
     fn root_slot(root: usize) -> u32 {
         NO_PARENT + root as u32
@@ -119,28 +131,45 @@ impl<L: LeafLights> Tree<L> {
     /// Chooses a light for a receiver for which roots have these weights, whose sum is not 0, by a number in [0, 1).
     #[inline(always)]
     pub(crate) fn choose(&self, receiver: &Receiver, roots: &RootWeights, u: f64) -> Pick {
-        let total = total(roots);
-        let (mut root, mut below) = (0, 0.0);
-        while root + 1 < self.roots.len() && u * f64::from(total) >= below + f64::from(sum(&roots[root])) {
-            below += f64::from(sum(&roots[root]));
+        let mut descent = self.begin(roots, u);
+        while self.descend(receiver, &mut descent) {}
+        self.end(&descent)
+    }
+
+    /// The first step of [`choose`](Self::choose), among the children of the roots.
+    #[inline(always)]
+    pub(crate) fn begin(&self, roots: &RootWeights, u: f64) -> Descent {
+        let sums = roots.each_ref().map(sum);
+        let total = sums[0] + sums[1] + sums[2];
+        let (mut root, mut place) = (0, u * f64::from(total));
+        // Not to a root of no weight, where rounding led.
+        let is_any_behind = |root: usize| sums[root + 1..].iter().any(|&sum| sum > 0.0);
+        while root + 1 < self.roots.len() && place >= f64::from(sums[root]) && is_any_behind(root) {
+            place -= f64::from(sums[root]);
             root += 1;
         }
-        // Rounding may have led to a root of no weight.
-        while sum(&roots[root]) == 0.0 && root > 0 {
-            root -= 1;
-            below -= f64::from(sum(&roots[root]));
+        let (lane, rest) = pick(&roots[root], place);
+        Descent { child: self.roots[root], lane, rest, probability: roots[root][lane] / total }
+    }
+
+    /// Goes on to a child's children, if it has any.
+    #[inline(always)]
+    pub(crate) fn descend(&self, receiver: &Receiver, descent: &mut Descent) -> bool {
+        if descent.child.0 & Child::LEAF != 0 {
+            return false;
         }
-        let (mut lane, mut rest) = pick(&roots[root], u * f64::from(total) - below);
-        let mut probability = roots[root][lane] / total;
-        let mut child = self.roots[root];
-        while child.0 & Child::LEAF == 0 {
-            let node = &self.nodes[child.0 as usize];
-            child = node.children[lane];
-            let weights = self.sound_weights(child, receiver);
-            let sum = sum(&weights);
-            (lane, rest) = pick(&weights, rest * f64::from(sum));
-            probability *= weights[lane] / sum;
-        }
+        let child = self.nodes[descent.child.0 as usize].children[descent.lane];
+        let weights = self.sound_weights(child, receiver);
+        let sums = Sums::of(&weights);
+        let (lane, rest) = sums.pick(&weights, descent.rest * f64::from(sums.all));
+        let probability = descent.probability * (weights[lane] / sums.all);
+        *descent = Descent { child, lane, rest, probability };
+        true
+    }
+
+    /// The light at which there was no way on.
+    #[inline(always)]
+    pub(crate) fn end(&self, &Descent { child, lane, rest, probability }: &Descent) -> Pick {
         let leaf = &self.leaves[(child.0 & !Child::LEAF) as usize];
         Pick { index: leaf.indices[lane], probability, rest }
     }
@@ -195,22 +224,46 @@ pub(crate) fn total(roots: &RootWeights) -> f32 {
 
 /// The sum, always in the same order.
 #[inline(always)]
-pub(crate) fn sum(&[a, b, c, d, e, f, g, h]: &Lane) -> f32 {
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+pub(crate) fn sum(weights: &Lane) -> f32 {
+    Sums::of(weights).all
 }
 
-/// The lane in which a place lies if the weights lie side by side from 0 on, and how far into it, in [0, 1). One weight at
-/// least is not 0.
+/// See [`Sums::pick`].
 #[inline(always)]
 pub(crate) fn pick(weights: &Lane, place: f64) -> (usize, f64) {
-    let place = place.max(0.0);
-    let (mut lane, mut end, mut start) = (0, 0.0, 0.0);
-    for (i, &weight) in weights.iter().enumerate() {
-        // The last that is not 0, if rounding led behind all of them.
-        let is_next = (place >= end) & (weight > 0.0);
-        (lane, start) = if is_next { (i, end) } else { (lane, start) };
-        end += f64::from(weight);
+    Sums::of(weights).pick(weights, place)
+}
+
+/// Sums of neighbouring weights.
+struct Sums {
+    pairs: [f32; 4],
+    halves: [f32; 2],
+    all: f32,
+}
+
+impl Sums {
+    #[inline(always)]
+    fn of(&[a, b, c, d, e, f, g, h]: &Lane) -> Self {
+        let pairs = [a + b, c + d, e + f, g + h];
+        let halves = [pairs[0] + pairs[1], pairs[2] + pairs[3]];
+        Self { pairs, halves, all: halves[0] + halves[1] }
     }
-    let rest = (place - start) / f64::from(weights[lane]);
-    (lane, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0))
+
+    /// The lane in which a place lies if the weights lie side by side from 0 on, and how far into it, in [0, 1). One weight
+    /// at least is not 0.
+    #[inline(always)]
+    fn pick(&self, weights: &Lane, place: f64) -> (usize, f64) {
+        let mut place = place.max(0.0);
+        let mut second = |[first, second]: [f32; 2]| {
+            // Never to what is 0, where rounding led.
+            let is_second = (place >= f64::from(first)) & (second > 0.0);
+            place -= if is_second { f64::from(first) } else { 0.0 };
+            usize::from(is_second)
+        };
+        let half = second(self.halves);
+        let pair = 2 * half + second([self.pairs[2 * half], self.pairs[2 * half + 1]]);
+        let lane = 2 * pair + second([weights[2 * pair], weights[2 * pair + 1]]);
+        let rest = place / f64::from(weights[lane]);
+        (lane, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0))
+    }
 }
