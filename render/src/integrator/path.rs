@@ -26,14 +26,16 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::{Ray, Task};
 
 use super::emission::{emission, sky};
-use super::path_block::{BlockClosures, Bounces, Closures, GuidedBlock, LANES, Lambert, PathBlock, ShadowRays, clamp};
+use super::path_block::{
+    BlockClosures, Bounces, Closures, GlossyLanes, GuidedBlock, LANES, Lambert, PathBlock, ShadowRays, clamp,
+};
 use super::state::Path;
 use super::wavefront::{WavefrontStep, first_set};
 use super::{RayBatch, Wavefront};
 use crate::estimator::{ShadowRay, aimed_density, sample_light};
 use crate::guide::Guide;
 use crate::light::{SampledLight, SkyPart};
-use crate::material::{Glossy, Kind, Layered, Transmissive};
+use crate::material::{Kind, Layered, Transmissive};
 use crate::settings::{LightSampling, PathOptions, Stop};
 use crate::world::{Hit, WHITE, World};
 pub(in crate::integrator) use record::{Recorder, RecorderMemory};
@@ -72,7 +74,7 @@ pub(super) fn radiance(
         block: PathBlock::new(),
         shadows: ShadowRays::new(),
         bounces: Bounces::new(),
-        glossy: Closures::default(),
+        glossy: GlossyLanes::default(),
         transmissive: Closures::default(),
         layered: Closures::default(),
     };
@@ -99,7 +101,7 @@ struct Scratch {
     block: PathBlock,
     shadows: ShadowRays,
     bounces: Bounces,
-    glossy: Closures<Glossy>,
+    glossy: GlossyLanes,
     transmissive: Closures<Transmissive>,
     layered: Closures<Layered>,
 }
@@ -243,10 +245,11 @@ impl Advance<'_, '_> {
         block.arrive(self.world, &self.wave.paths, &self.wave.rays);
         closures.clear();
         for i in 0..block.len {
-            if !C::IN_LANES || block.is_general(i) {
+            if !C::ARRIVE_IN_LANES || block.is_general(i) {
                 self.shade(closures, block, i);
             }
         }
+        closures.arrived(self.world.isa());
     }
 
     /// Collects the light that a surface emits, and tells the block what is not in its columns.

@@ -13,6 +13,7 @@
 mod bounce;
 mod closures;
 mod columns;
+mod glossy;
 mod guided;
 mod light;
 
@@ -28,10 +29,12 @@ use crate::world::{Hit, Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
+use closures::{Continuations, Scattered};
 pub(super) use columns::LANES;
 use columns::{
     Column, InstanceColumns, Integers, MaterialColumns, Paths, Rays, TriangleColumns, Vectors, gather, triangle,
 };
+pub(super) use glossy::GlossyLanes;
 pub(super) use guided::GuidedBlock;
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};

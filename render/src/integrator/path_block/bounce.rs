@@ -5,7 +5,7 @@ use glam::Vec3;
 use halfdome_kernel::{Isa, Ray};
 
 use super::columns::{Integers, LANES, Paths, Rays, keep};
-use super::{BlockClosures, PathBlock};
+use super::{BlockClosures, Continuations, PathBlock};
 use crate::bsdf::Bounce;
 use crate::integrator::state::Path;
 use crate::scene::Material;
@@ -14,6 +14,8 @@ use crate::scene::Material;
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct Bounces {
+    /// As closures have it, before it becomes rays.
+    on: Continuations,
     rays: Rays,
     pub paths: Paths,
     /// Whether the path goes on.
@@ -32,16 +34,16 @@ impl PathBlock {
         bounces.paths.index = self.paths.index;
         bounces.paths.normal = self.packed;
         bounces.paths.target = self.target;
-        for i in 0..if C::IN_LANES { LANES } else { self.len } {
-            let surface = self.surface(i, matte);
-            let (bounce, scatters) = closures.sample(i, &surface, self.u_direction[i], self.cosine[i]);
-            bounces.rays.origin.set(i, surface.origin_towards(bounce.direction));
-            bounces.rays.direction.set(i, bounce.direction);
+        closures.sample_all(self, matte, &mut bounces.on);
+        for i in 0..LANES {
+            let (surface, direction) = (self.surface(i, matte), bounces.on.direction.get(i));
+            bounces.rays.origin.set(i, surface.origin_towards(direction));
+            bounces.rays.direction.set(i, direction);
             let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
-            bounces.paths.throughput.set(i, throughput * bounce.weight);
-            bounces.paths.density[i] = bounce.density;
+            bounces.paths.throughput.set(i, throughput * bounces.on.weight.get(i));
+            bounces.paths.density[i] = bounces.on.density[i];
             let survives = self.u_roulette[i] < self.survival[i];
-            bounces.goes_on[i] = u32::from(scatters & survives) & self.goes_on[i];
+            bounces.goes_on[i] = bounces.on.scatters[i] & u32::from(survives) & self.goes_on[i];
         }
     }
 }

@@ -1,15 +1,43 @@
 //! What the surfaces of a block do with light. All of a block have one kind of closure: Lambert's is computed in lanes, the
 //! others one by one, each in code of its own.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
-use super::LANES;
+use halfdome_kernel::Isa;
+
+use super::columns::{Column, Integers, Vectors};
+use super::{LANES, PathBlock};
 use crate::bsdf::{Bounce, Scattering};
 use crate::material::Bsdf;
+use crate::scene::Material;
 use crate::world::{Surface, World};
+
+/// What the closures of a block's paths scatter.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(in crate::integrator) struct Scattered {
+    /// `f cos θ`.
+    pub f_cos: Vectors,
+    /// The density per solid angle with which paths go on in this direction.
+    pub density: Column,
+}
+
+/// How the paths of a block go on.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(in crate::integrator) struct Continuations {
+    pub direction: Vectors,
+    pub weight: Vectors,
+    pub density: Column,
+    /// Whether they do.
+    pub scatters: Integers,
+}
 
 /// The closures of a block's surfaces.
 pub(in crate::integrator) trait BlockClosures {
+    /// Whether the block itself knows closures of surfaces that are not general.
+    const ARRIVE_IN_LANES: bool;
     /// Whether all lanes are computed, so that loops over them become lanes.
     const IN_LANES: bool;
 
@@ -19,6 +47,9 @@ pub(in crate::integrator) trait BlockClosures {
     /// Takes the closure of the next path's surface, whose normals face the viewer, and tells the surface what it must know
     /// of it. Gives the part of all light that is scattered, and what is left of light after the way to the surface.
     fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3);
+
+    /// Has taken all.
+    fn arrived(&mut self, _isa: Isa) {}
 
     /// `f cos θ` of path `i` for light from a unit vector, and the density per solid angle with which it is sampled.
     fn eval(&self, i: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32);
@@ -31,6 +62,29 @@ pub(in crate::integrator) trait BlockClosures {
 
     /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
     fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
+
+    /// What all scatter of light from a direction each.
+    #[inline(always)]
+    fn eval_all(&self, block: &PathBlock, matte: &Material, directions: &Vectors, scattered: &mut Scattered) {
+        for i in 0..if Self::IN_LANES { LANES } else { block.len } {
+            let (f_cos, density) = self.eval(i, &block.surface(i, matte), directions.get(i));
+            scattered.f_cos.set(i, f_cos);
+            scattered.density[i] = density;
+        }
+    }
+
+    /// How all go on, by the block's numbers.
+    #[inline(always)]
+    fn sample_all(&self, block: &PathBlock, matte: &Material, on: &mut Continuations) {
+        for i in 0..if Self::IN_LANES { LANES } else { block.len } {
+            let surface = block.surface(i, matte);
+            let (bounce, scatters) = self.sample(i, &surface, block.u_direction[i], block.cosine[i]);
+            on.direction.set(i, bounce.direction);
+            on.weight.set(i, bounce.weight);
+            on.density[i] = bounce.density;
+            on.scatters[i] = u32::from(scatters);
+        }
+    }
 }
 
 /// Diffuse reflection, of which the block itself knows all.
@@ -38,6 +92,7 @@ pub(in crate::integrator) trait BlockClosures {
 pub(in crate::integrator) struct Lambert;
 
 impl BlockClosures for Lambert {
+    const ARRIVE_IN_LANES: bool = true;
     const IN_LANES: bool = true;
 
     fn clear(&mut self) {}
@@ -76,7 +131,14 @@ impl<B> Default for Closures<B> {
     }
 }
 
+impl<B> Closures<B> {
+    pub(super) fn iter(&self) -> std::slice::Iter<'_, Scattering<B>> {
+        self.0.iter()
+    }
+}
+
 impl<B: Bsdf> BlockClosures for Closures<B> {
+    const ARRIVE_IN_LANES: bool = false;
     const IN_LANES: bool = false;
 
     fn clear(&mut self) {
