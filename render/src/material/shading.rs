@@ -61,13 +61,12 @@ impl Shading {
         [self.frame.to_local(direction), self.frame.to_local(self.mirrored(direction))]
     }
 
-    /// Where a direction that was sampled above the horizon of the shading normal leads, and the other one of the shading
-    /// frame that leads there.
+    /// Where a direction leads that was sampled in the shading frame, and the other one of the frame that may lead there.
     #[inline(always)]
-    pub(crate) fn onwards(&self, sampled: Vec3) -> (Vec3, Vec3) {
-        let sampled = self.frame.to_world(sampled);
+    pub(crate) fn onwards(&self, local: Vec3) -> (Vec3, Vec3) {
+        let sampled = self.frame.to_world(local);
         let other = self.mirrored(sampled);
-        let wi = if self.geometric.dot(sampled) > 0.0 { sampled } else { other };
+        let wi = if (self.geometric.dot(sampled) > 0.0) == (local.z > 0.0) { sampled } else { other };
         (wi, self.frame.to_local(other))
     }
 
@@ -121,16 +120,11 @@ impl Shading {
     pub fn sample(&self, closure: &impl Bsdf, wo: Vec3, u: Vec2) -> Option<Sample> {
         let wo = self.frame.to_local(wo);
         let sample = closure.sample(wo, u)?;
-        let sampled = self.frame.to_world(sample.wi);
-        let is_before = sample.wi.z > 0.0;
-        // One of both is on the right side of the surface, and both may lead to it.
-        let other = self.mirrored(sampled);
-        let wi = if (self.geometric.dot(sampled) > 0.0) == is_before { sampled } else { other };
-        let local = self.frame.to_local(other);
-        if sample.density.is_infinite() || (local.z > 0.0) != is_before {
+        let (wi, other) = self.onwards(sample.wi);
+        if sample.density.is_infinite() || (other.z > 0.0) != (sample.wi.z > 0.0) {
             return Some(Sample { wi, ..sample });
         }
-        let Evaluation { f_cos, density, .. } = closure.eval(wo, local);
+        let Evaluation { f_cos, density, .. } = closure.eval(wo, other);
         let sum = sample.density + density;
         Some(Sample { wi, weight: (sample.weight * sample.density + f_cos) / sum, density: sum, ..sample })
     }
