@@ -13,7 +13,7 @@
 //!
 //! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are
 //! computed in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission,
-//! textures, mirrors, glass, the sky and delta lights are done one by one.
+//! textures, glass, layers, the sky and delta lights are done one by one.
 
 mod aim;
 mod record;
@@ -245,7 +245,7 @@ impl Advance<'_, '_> {
         block.arrive(self.world, &self.wave.paths, &self.wave.rays);
         closures.clear();
         for i in 0..block.len {
-            if !C::ARRIVE_IN_LANES || block.is_general(i) {
+            if !C::IN_LANES || block.is_general(i) {
                 self.shade(closures, block, i);
             }
         }

@@ -7,7 +7,7 @@
 //! inlined and has no branch. So results are equal bit for bit to those of one path at a time, on every instruction
 //! set. All lanes are computed, those behind the last path for nothing.
 //!
-//! What is not the same for all, as textures, mirrors and emission, is *general*: a block says which paths need it, and
+//! What is not the same for all, as textures and emission, is *general*: a block says which paths need it, and
 //! the integrator shades these one by one (the slow path), and tells the block.
 
 mod bounce;

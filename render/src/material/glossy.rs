@@ -225,7 +225,7 @@ impl Lobes for Glossy {
                 Choice::new(wi, Event::DIFFUSE | Event::REFLECTION)
             });
         }
-        let Chosen { wi, is_glossy, .. } = self.reflection.choose((wo, o), u);
+        let Chosen { wi, is_glossy } = self.reflection.choose((wo, o), u);
         if is_glossy && self.reflection.is_delta() {
             return Some(Choice::delta(wi, self.reflectance(wo.z) / o.glossy, Event::REFLECTION));
         }

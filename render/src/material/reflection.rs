@@ -114,7 +114,7 @@ impl Reflection {
 
     /// What the path is multiplied by that a mirror was chosen for.
     #[inline(always)]
-    pub(crate) fn mirrored(&self, (wo, o): (Vec3, Side)) -> Vec3 {
+    pub(crate) fn mirror_weight(&self, (wo, o): (Vec3, Side)) -> Vec3 {
         self.reflectance(wo.z) / o.glossy
     }
 }

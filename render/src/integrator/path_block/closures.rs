@@ -3,7 +3,6 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-
 use halfdome_kernel::Isa;
 
 use super::columns::{Column, Integers, Vectors};
@@ -36,9 +35,8 @@ pub(in crate::integrator) struct Continuations {
 
 /// The closures of a block's surfaces.
 pub(in crate::integrator) trait BlockClosures {
-    /// Whether the block itself knows closures of surfaces that are not general.
-    const ARRIVE_IN_LANES: bool;
-    /// Whether all lanes are computed, so that loops over them become lanes.
+    /// Whether the block itself knows all of closures whose surfaces are not general: then all lanes are computed, so that
+    /// loops over them become lanes.
     const IN_LANES: bool;
 
     /// Forgets those of the block before.
@@ -48,7 +46,7 @@ pub(in crate::integrator) trait BlockClosures {
     /// of it. Gives the part of all light that is scattered, and what is left of light after the way to the surface.
     fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3);
 
-    /// Has taken all.
+    /// Is told that the closures of all paths are taken.
     fn arrived(&mut self, _isa: Isa) {}
 
     /// `f cos θ` of path `i` for light from a unit vector, and the density per solid angle with which it is sampled.
@@ -63,7 +61,7 @@ pub(in crate::integrator) trait BlockClosures {
     /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
     fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
 
-    /// What all scatter of light from a direction each.
+    /// [`eval`](Self::eval) of all paths, of light from a direction each.
     #[inline(always)]
     fn eval_all(&self, block: &PathBlock, matte: &Material, directions: &Vectors, scattered: &mut Scattered) {
         for i in 0..if Self::IN_LANES { LANES } else { block.len } {
@@ -73,7 +71,7 @@ pub(in crate::integrator) trait BlockClosures {
         }
     }
 
-    /// How all go on, by the block's numbers.
+    /// [`sample`](Self::sample) of all paths, by the block's numbers.
     #[inline(always)]
     fn sample_all(&self, block: &PathBlock, matte: &Material, on: &mut Continuations) {
         for i in 0..if Self::IN_LANES { LANES } else { block.len } {
@@ -92,7 +90,6 @@ pub(in crate::integrator) trait BlockClosures {
 pub(in crate::integrator) struct Lambert;
 
 impl BlockClosures for Lambert {
-    const ARRIVE_IN_LANES: bool = true;
     const IN_LANES: bool = true;
 
     fn clear(&mut self) {}
@@ -138,7 +135,6 @@ impl<B> Closures<B> {
 }
 
 impl<B: Bsdf> BlockClosures for Closures<B> {
-    const ARRIVE_IN_LANES: bool = false;
     const IN_LANES: bool = false;
 
     fn clear(&mut self) {

@@ -111,8 +111,8 @@ impl GlossyLanes {
 }
 
 impl BlockClosures for GlossyLanes {
-    const ARRIVE_IN_LANES: bool = false;
-    const IN_LANES: bool = true;
+    /// They arrive one by one.
+    const IN_LANES: bool = false;
 
     fn clear(&mut self) {
         self.closures.clear();
@@ -198,7 +198,7 @@ impl BlockClosures for GlossyLanes {
             let (other_f, other_density) = row.reflection.eval(wo, (others.get(i), sides.get(1, i)));
             let is_mirrored = is_mirrored[i] != 0;
             let sum = density + other_density;
-            let weight = if is_mirrored { row.reflection.mirrored(wo) } else { (f + other_f) / sum };
+            let weight = if is_mirrored { row.reflection.mirror_weight(wo) } else { (f + other_f) / sum };
             on.weight.set(i, weight);
             on.density[i] = if is_mirrored { f32::INFINITY } else { sum };
             let is_above = (cosines[i] > 0.0) & (is_mirrored | (density > 0.0));

@@ -39,11 +39,9 @@ impl Task for Step<'_> {
     }
 }
 
-const TRIANGLES: u32 = 40;
-
 /// Triangles anywhere, every second one a light, of which every other shines to both sides. Every fourth one, which is
 /// none, may be in an object with two instances, and comes after the others then.
-fn world(has_instances: bool) -> World {
+fn world(triangles: u32, has_instances: bool) -> World {
     let material = |i: u32| {
         let [red, green, blue, _] = Stream::new(1, i, 0).uniform4(0);
         let (diffuse, emission) = (Vec3::new(red, green, blue), Vec3::new(blue, red, green) * (i % 2) as f32);
@@ -57,7 +55,7 @@ fn world(has_instances: bool) -> World {
         ..Mesh::default()
     };
     let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
-    let (meshes, materials) = ((0..TRIANGLES).map(mesh).collect(), (0..TRIANGLES).map(material).collect());
+    let (meshes, materials) = ((0..triangles).map(mesh).collect(), (0..triangles).map(material).collect());
     let turn = Quat::from_rotation_y(1.0);
     let at = |scale: Vec3| Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(0.3, -0.2, 0.1));
     let instances =
@@ -68,29 +66,32 @@ fn world(has_instances: bool) -> World {
 }
 
 /// A path that comes to a point of a triangle.
-fn path(number: u32, has_instances: bool) -> (Path, Ray, Hit) {
+fn path(number: u32, triangles: u32, has_instances: bool) -> (Path, Ray, Hit) {
     let stream = Stream::new(2, number, 0);
     let [red, green, blue, density] = stream.uniform4(0);
     let throughput = Vec3::new(red, green, blue);
     let path = Path { throughput, density, ..Path::from_camera(1000 + number, 0.0) };
     let ray = Ray::new(Vec3::ZERO, UniformSphere.map(stream.uniform2(1)));
     let point = TriangleWarp.map(stream.uniform2(2));
-    let prim_id = number * 7 % TRIANGLES;
-    let is_shared = has_instances && prim_id >= TRIANGLES * 3 / 4;
+    let prim_id = number * 7 % triangles;
+    let is_shared = has_instances && prim_id >= triangles * 3 / 4;
     let instance = if is_shared { 1 + number % 2 } else { 0 };
     (path, ray, Hit { t: 1.0, u: point.x, v: point.y, prim_id, instance, time: MIDDLE })
 }
 
 #[test]
 fn lanes_equal_paths_one_by_one_on_every_instruction_set() {
-    [false, true].into_iter().for_each(lanes_equal_paths);
+    lanes_equal_paths(40, false);
+    lanes_equal_paths(40, true);
+    // So many lights that their tree has several levels.
+    lanes_equal_paths(1000, false);
 }
 
-fn lanes_equal_paths(has_instances: bool) {
-    let (world, matte) = (world(has_instances), Material::default());
+fn lanes_equal_paths(triangles: u32, has_instances: bool) {
+    let (world, matte) = (world(triangles, has_instances), Material::default());
     // One lane less than there are: what is behind the last path must not count.
     let count = LANES - 1;
-    let numbers: Vec<_> = (0..count).map(|i| path(i as u32, has_instances)).collect();
+    let numbers: Vec<_> = (0..count).map(|i| path(i as u32, triangles, has_instances)).collect();
     // Not in the order of the lanes.
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().rev().map(|(path, ray, _)| (*path, *ray)).unzip();
     let (mut lit, mut unlit) = (0, 0);
@@ -159,8 +160,8 @@ fn lanes_equal_paths(has_instances: bool) {
 
 #[test]
 fn thresholds_end_the_paths_below_them() {
-    let (world, cutoff) = (world(false), 0.3);
-    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, false)).collect();
+    let (world, cutoff) = (world(40, false), 0.3);
+    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, 40, false)).collect();
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
     let mut block = PathBlock::new();
     block.len = LANES;
