@@ -4,6 +4,7 @@ mod bodies;
 mod hit;
 mod inputs;
 mod instances;
+mod light_colors;
 mod light_shares;
 mod light_visibility;
 mod lit_triangles;
@@ -37,6 +38,7 @@ pub(crate) use motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 pub use seen_points::LookFrom;
+pub(crate) use seen_points::Side;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 

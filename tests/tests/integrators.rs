@@ -344,6 +344,30 @@ fn heat_counts_visits() {
     all_are(&render(&scene, &settings(heat(9), 3)), Vec3::ONE, 0.0, "the root alone");
 }
 
+#[test]
+fn heat_lights_mixes_the_colours_of_lights_as_they_are_chosen() {
+    let with_lights = |intensities: [f32; 2]| {
+        let lights = intensities.map(|intensity| PunctualLight::Point {
+            position: Vec3::new(0.0, 0.0, 1.0),
+            intensity: Vec3::splat(intensity),
+            radius: 0.0,
+        });
+        let scene = Scene {
+            meshes: vec![mesh(&floor(1.0), 0)],
+            materials: vec![Material::default()],
+            lights: lights.into(),
+            camera: peephole(Vec3::new(0.3, 0.2, 1.0), Vec3::ZERO),
+            ..Scene::default()
+        };
+        let all = pixels(&render(&scene, &settings(Integrator::HeatLights, 64)));
+        all.iter().sum::<DVec3>() / all.len() as f64
+    };
+    let [first, second] = [with_lights([1.0, 0.0]), with_lights([0.0, 1.0])];
+    assert!(first.distance(second) > 0.5, "{first} {second}");
+    let mixed = with_lights([1.0, 3.0]);
+    assert!(mixed.distance((first + 3.0 * second) / 4.0) < 0.01, "{mixed} {first} {second}");
+}
+
 /// Keeps the levels of a progressive render.
 struct Levels(Mutex<Vec<(u32, Picture)>>);
 

@@ -25,7 +25,7 @@ use crate::executor::RayonExecutor;
 use crate::film::{BadSamples, Film, Picture, is_for_denoising};
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::scene::{Scene, count};
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
 /// Renders a picture or a sequence; the exit code says whether every sample was taken.
@@ -121,6 +121,9 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     drop(building);
     seconds.build = recorder.lap();
     let facts = facts.with_world(&world);
+    if settings.integrator == Integrator::HeatLights {
+        print_light_colors(style, &world);
+    }
     let cache = match &arguments.cache {
         Some(path) => Some(read_cache(Some(path), &cached_options(&settings)?, &world)?),
         None => None,
@@ -281,6 +284,22 @@ fn begun(
         &format!("going on with {}: {} to {} samples a pixel", path.display(), samples.start, samples.end),
     );
     Ok(Some(film))
+}
+
+/// As many lights as are named with their colours.
+const NAMED_LIGHTS: usize = 24;
+
+/// Says which colour is which light's.
+fn print_light_colors(style: Style, world: &World) {
+    let colors = world.light_colors();
+    let tone = ToneMapping::default();
+    for (name, color) in colors.iter().take(NAMED_LIGHTS) {
+        let [red, green, blue] = tone.to_srgb8(color.to_array());
+        print_text(style, &format!("#{red:02x}{green:02x}{blue:02x} {name}"));
+    }
+    if colors.len() > NAMED_LIGHTS {
+        print_text(style, &format!("and {} more", colors.len() - NAMED_LIGHTS));
+    }
 }
 
 /// What is said of samples that are not numbers, if there are any.

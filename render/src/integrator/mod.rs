@@ -9,6 +9,7 @@ mod direct;
 mod emission;
 mod flat;
 mod heat;
+mod heat_lights;
 mod light_paths;
 mod montecarlo;
 mod path;
@@ -141,6 +142,7 @@ pub(crate) fn radiance(
         Integrator::Ao(options) => ao::radiance(world, options, batch, ao_rays, radiance),
         Integrator::Flat => flat::colors(world, batch, radiance),
         Integrator::Heat(options) => heat::visits(world, options, batch, wave, radiance),
+        Integrator::HeatLights => heat_lights::colors(world, batch, wave, radiance),
         Integrator::Normals => flat::normals(world, batch, radiance),
         Integrator::Albedo => flat::albedo(world, batch, radiance),
     }

@@ -42,7 +42,7 @@ pub(in crate::integrator) use record::{Recorder, RecorderMemory};
 pub(in crate::integrator) use train::Trainer;
 
 /// What of the sky light samples find: paths go on by the cosine, and find the rest.
-const SKY: SkyPart = SkyPart::Bright;
+pub(super) const SKY: SkyPart = SkyPart::Bright;
 
 /// What goes along with paths.
 #[derive(Default)]

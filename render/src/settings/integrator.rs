@@ -20,6 +20,8 @@ pub enum Integrator {
     /// What path tracing with these options costs in each pixel: nodes and blocks of the tree visited by a sample's
     /// rays, on average.
     Heat(PathOptions),
+    /// Which light path tracing samples at the first surface, each in a colour of its own.
+    HeatLights,
     /// Shading normals as colours.
     Normals,
     /// Diffuse reflectance.
@@ -149,7 +151,8 @@ pub enum AoWeighting {
 
 impl Integrator {
     /// The names of all integrators.
-    pub const NAMES: [&str; 9] = ["path", "cached", "montecarlo", "direct", "ao", "flat", "heat", "normals", "albedo"];
+    pub const NAMES: [&str; 10] =
+        ["path", "cached", "montecarlo", "direct", "ao", "flat", "heat", "heat-lights", "normals", "albedo"];
 
     /// The integrator of this name with its default options.
     pub fn named(name: &str) -> Option<Self> {
@@ -161,6 +164,7 @@ impl Integrator {
             "ao" => Self::Ao(AoOptions::default()),
             "flat" => Self::Flat,
             "heat" => Self::Heat(PathOptions::default()),
+            "heat-lights" => Self::HeatLights,
             "normals" => Self::Normals,
             "albedo" => Self::Albedo,
             _ => return None,
@@ -177,6 +181,7 @@ impl Integrator {
             Self::Ao(_) => "ao",
             Self::Flat => "flat",
             Self::Heat(_) => "heat",
+            Self::HeatLights => "heat-lights",
             Self::Normals => "normals",
             Self::Albedo => "albedo",
         }

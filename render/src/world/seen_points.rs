@@ -37,6 +37,13 @@ pub(super) struct SeenPoints {
     pub escaped: f32,
 }
 
+/// A side of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Front,
+    Back,
+}
+
 /// One of them.
 enum SeenPoint {
     /// A hit, and the direction of its ray.
@@ -116,16 +123,30 @@ impl World {
         (0..POINTS).map(point).collect()
     }
 
+    /// Rays by the cosine from one side of points that are spread over the surfaces by their area.
+    pub(crate) fn rays_from_surfaces(&self, side: Side) -> Vec<Ray> {
+        let turned = |point: SeenPoint| match (side, point) {
+            (Side::Back, SeenPoint::Hit(hit, direction)) => SeenPoint::Hit(hit, -direction),
+            (_, point) => point,
+        };
+        self.rays_by_cosine(&self.points_by_area().into_iter().map(turned).collect::<Vec<_>>(), 0)
+    }
+
     /// Sends a ray by the cosine from each point; gives their number, and where they hit something.
     fn scatter(&self, points: &[SeenPoint], set: u32) -> (usize, Vec<SeenPoint>) {
+        let rays = self.rays_by_cosine(points, set);
+        (rays.len(), self.points_along(&rays))
+    }
+
+    /// A ray by the cosine from each point.
+    fn rays_by_cosine(&self, points: &[SeenPoint], set: u32) -> Vec<Ray> {
         let ray = |(point, number): (&SeenPoint, u32)| {
             let point = point.surface(self);
             let u: Vec2 = Sampler::new(Pattern::Sobol, 0, 1, number).uniform2(set);
             let direction = point.frame().to_world(CosineHemisphere.map(u));
             (point.normal.dot(direction) > 0.0).then(|| Ray::new(point.origin_towards(direction), direction))
         };
-        let rays: Vec<Ray> = points.iter().zip(0..).filter_map(ray).collect();
-        (rays.len(), self.points_along(&rays))
+        points.iter().zip(0..).filter_map(ray).collect()
     }
 
     /// Where rays hit something.

@@ -15,8 +15,8 @@ options! {
     pub struct IntegratorOverrides;
     options {
         /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each), direct
-        /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), normals or albedo
-        /// [default: path]
+        /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), heat-lights (which
+        /// lights are chosen), normals or albedo [default: path]
         #[arg(value_name = "NAME")]
         integrator: Integrator = value::integrator, in "render";
         /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
@@ -117,7 +117,7 @@ impl IntegratorOverrides {
                 replace(&mut options.sampling, self.sampling);
             }
             Integrator::Cached(options) => *options = self.cached.options(),
-            Integrator::Flat | Integrator::Normals | Integrator::Albedo => {}
+            Integrator::HeatLights | Integrator::Flat | Integrator::Normals | Integrator::Albedo => {}
         }
         integrator.check()?;
         Ok(integrator)
@@ -162,7 +162,7 @@ impl IntegratorOverrides {
             Integrator::Direct(_) => &["max_depth"],
             Integrator::Ao(_) => &["rays", "sampling", "ao_weighting", "ao_distance"],
             Integrator::Cached(_) => CachedOverrides::NAMES,
-            Integrator::Flat | Integrator::Normals | Integrator::Albedo => &[],
+            Integrator::HeatLights | Integrator::Flat | Integrator::Normals | Integrator::Albedo => &[],
         };
         let stop = self.stop.unwrap_or_default();
         let follows_paths = matches!(integrator, Integrator::Path(_) | Integrator::Heat(_));

@@ -52,7 +52,7 @@ fn misspelt_names_get_the_nearest() {
     let error = argument(integrator)("pth").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "expected one of path, cached, montecarlo, direct, ao, flat, heat, normals, albedo; did you mean `path`?"
+        "expected one of path, cached, montecarlo, direct, ao, flat, heat, heat-lights, normals, albedo; did you mean `path`?"
     );
     let error = argument(filter)("bx").unwrap_err();
     assert_eq!(error.to_string(), "expected one of box, tent, gaussian, mitchell; did you mean `box`?");
