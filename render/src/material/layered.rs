@@ -7,11 +7,14 @@
 //!
 //! Seen from inside, glass has its coat and fuzz on the other side: they dim what goes through.
 //!
+//! A coat may have a normal of its own: then its lobe, and what it leaves for the base, go by angles about that.
+//!
 //! Deviation: light that a coat reflects back into glass is lost.
 
 use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::energy::{self, Column};
@@ -26,6 +29,8 @@ use super::{Event, Inputs, Transmissive};
 pub struct Layered {
     base: Transmissive,
     coat: Ggx,
+    /// The coat's own frame, if it is another one.
+    coat_frame: Option<Frame>,
     coat_fresnel: Dielectric,
     coat_weight: f32,
     coat_color: Vec3,
@@ -57,6 +62,18 @@ struct Shares {
 }
 
 impl Layered {
+    /// A direction in the coat's frame.
+    #[inline]
+    fn to_coat(&self, w: Vec3) -> Vec3 {
+        self.coat_frame.as_ref().map_or(w, |frame| frame.to_local(w))
+    }
+
+    /// A direction of the coat's frame in that of the surface.
+    #[inline]
+    fn from_coat(&self, w: Vec3) -> Vec3 {
+        self.coat_frame.as_ref().map_or(w, |frame| frame.to_world(w))
+    }
+
     #[inline]
     fn shares(&self, cos: f32) -> Shares {
         let under_fuzz = self.under_fuzz.at(cos);
@@ -88,6 +105,7 @@ impl Lobes for Layered {
         let base: Transmissive = Lobes::new(inputs, is_inside);
         let is_sheet = inputs.thin_walled || inputs.transmission_weight * (1.0 - inputs.base_metalness) == 0.0;
         let coat = Ggx::new(inputs.coat_roughness, 0.0);
+        let coat_frame = (inputs.coat_normal != Vec3::Z).then(|| Frame::from_normal(inputs.coat_normal));
         let coat_fresnel = Dielectric::new(inputs.coat_ior, false, inputs.coat_weight, Vec3::ONE);
         let fuzz = (inputs.fuzz_weight > 0.0).then(|| Sheen::new(inputs.fuzz_roughness));
         let fuzz_color = inputs.fuzz_weight * inputs.fuzz_color;
@@ -113,6 +131,7 @@ impl Lobes for Layered {
         Self {
             base,
             coat,
+            coat_frame,
             coat_fresnel,
             coat_weight: inputs.coat_weight,
             coat_color: inputs.coat_color,
@@ -132,7 +151,8 @@ impl Lobes for Layered {
 
     fn parts(&self, wo: Vec3, wi: Vec3) -> Parts {
         let mut base = self.base.parts(wo, wi);
-        let (cos_o, cos_i) = (wo.z, wi.z.abs());
+        let [coat_o, coat_i] = [wo, wi].map(|w| self.to_coat(w));
+        let [cos_o, cos_i] = [coat_o, coat_i].map(|w| w.z.abs());
         if wi.z <= 0.0 && !self.is_sheet {
             // Through glass, whose layers are on one side.
             let outside = if self.is_outside { cos_o } else { cos_i };
@@ -171,13 +191,13 @@ impl Lobes for Layered {
             parts.density += o.fuzz * density;
             parts.reverse_density += i.fuzz * reverse_density;
         }
-        if self.coat_weight > 0.0 && !self.coat.is_delta() {
-            let (h, cos) = half(wo, wi);
+        if self.coat_weight > 0.0 && !self.coat.is_delta() && coat_o.z > 0.0 && coat_i.z > 0.0 {
+            let (h, cos) = half(coat_o, coat_i);
             let under = self.under_fuzz.at(cos_o).min(self.under_fuzz.at(cos_i));
-            let lobe = self.coat.d(h) * self.coat.g2(wo, wi) / (4.0 * wo.z);
+            let lobe = self.coat.d(h) * self.coat.g2(coat_o, coat_i) / (4.0 * coat_o.z);
             parts.glossy += self.coat_fresnel.at(cos).0 * (under * lobe);
-            parts.density += o.coat * self.coat.reflection_density(wo, h);
-            parts.reverse_density += i.coat * self.coat.reflection_density(wi, h);
+            parts.density += o.coat * self.coat.reflection_density(coat_o, h);
+            parts.reverse_density += i.coat * self.coat.reflection_density(coat_i, h);
         }
         parts
     }
@@ -186,11 +206,14 @@ impl Lobes for Layered {
         if !self.is_outside {
             let mut choice = self.base.choose(wo, u)?;
             if let Some(weight) = choice.delta.as_mut().filter(|_| choice.wi.z < 0.0) {
-                *weight *= self.below.at(-choice.wi.z) * self.absorbed(-choice.wi.z);
+                let cos = self.to_coat(choice.wi).z.abs();
+                *weight *= self.below.at(cos) * self.absorbed(cos);
             }
             return Some(choice);
         }
-        let Shares { fuzz, coat, lost, .. } = self.shares(wo.z);
+        let coat_o = self.to_coat(wo);
+        let cos_o = coat_o.z.abs();
+        let Shares { fuzz, coat, lost, .. } = self.shares(cos_o);
         if choose(&mut u.x, fuzz) {
             let wi = self.fuzz.as_ref()?.sample(wo, u);
             return (wi.z > 0.0).then(|| Choice::new(wi, Event::DIFFUSE | Event::REFLECTION));
@@ -198,11 +221,13 @@ impl Lobes for Layered {
         let rest = 1.0 - fuzz;
         if choose(&mut u.x, coat / rest) {
             if self.coat.is_delta() {
-                let weight = self.coat_fresnel.at(wo.z).0 * (self.under_fuzz.at(wo.z) / coat);
-                return Some(Choice::delta(reflect(wo, Vec3::Z), weight, Event::REFLECTION));
+                let weight = self.coat_fresnel.at(cos_o).0 * (self.under_fuzz.at(cos_o) / coat);
+                let wi = self.from_coat(reflect(coat_o, Vec3::Z));
+                return (wi.z > 0.0).then(|| Choice::delta(wi, weight, Event::REFLECTION));
             }
-            let wi = reflect(wo, self.coat.sample_reflection(wo, u));
-            return (wi.z > 0.0).then(|| Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
+            let coat_i = reflect(coat_o, self.coat.sample_reflection(coat_o, u));
+            let wi = self.from_coat(coat_i);
+            return (coat_i.z > 0.0 && wi.z > 0.0).then(|| Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
         }
         let rest = rest - coat;
         if choose(&mut u.x, lost / rest) {
@@ -210,11 +235,11 @@ impl Lobes for Layered {
         }
         let mut choice = self.base.choose(wo, u)?;
         if let Some(weight) = choice.delta.as_mut() {
-            let cos_i = choice.wi.z.abs();
+            let cos_i = self.to_coat(choice.wi).z.abs();
             let (below, absorbed) = if choice.wi.z > 0.0 || self.is_sheet {
-                (self.below.at(wo.z).min(self.below.at(cos_i)), self.absorbed(wo.z) * self.absorbed(cos_i))
+                (self.below.at(cos_o).min(self.below.at(cos_i)), self.absorbed(cos_o) * self.absorbed(cos_i))
             } else {
-                (self.below.at(wo.z), self.absorbed(wo.z))
+                (self.below.at(cos_o), self.absorbed(cos_o))
             };
             *weight *= absorbed * (below / (rest - lost));
         }
@@ -227,10 +252,11 @@ impl Lobes for Layered {
         if !self.is_outside {
             return base;
         }
-        let coat = (self.under_fuzz.at(wo.z) - self.below.at(wo.z)).max(0.0);
+        let cos_o = self.to_coat(wo).z.abs();
+        let coat = (self.under_fuzz.at(cos_o) - self.below.at(cos_o)).max(0.0);
         let fuzz = self.fuzz.as_ref().map_or(0.0, |fuzz| fuzz.albedo.at(wo.z));
-        let absorbed = self.absorbed(wo.z);
-        base * absorbed * absorbed * self.below.at(wo.z) + Vec3::splat(coat) + self.fuzz_color * fuzz
+        let absorbed = self.absorbed(cos_o);
+        base * absorbed * absorbed * self.below.at(cos_o) + Vec3::splat(coat) + self.fuzz_color * fuzz
     }
 
     fn diffuse_albedo(&self, wo: Vec3) -> Vec3 {
@@ -238,8 +264,9 @@ impl Lobes for Layered {
         if !self.is_outside {
             return base;
         }
-        let absorbed = self.absorbed(wo.z);
-        base * absorbed * absorbed * self.below.at(wo.z)
+        let cos_o = self.to_coat(wo).z.abs();
+        let absorbed = self.absorbed(cos_o);
+        base * absorbed * absorbed * self.below.at(cos_o)
     }
 
     #[inline]

@@ -124,6 +124,8 @@ pub struct Inputs {
     pub coat_roughness: f32,
     /// Refractive index of the coat, 1 and above.
     pub coat_ior: f32,
+    /// Normal of the coat: a unit vector in the shading frame, on the side of whoever looks. OpenPBR's `geometry_coat_normal`.
+    pub coat_normal: Vec3,
     /// How much of the surface fuzz (sheen) covers, 0 to 1.
     pub fuzz_weight: f32,
     /// Albedo of the fuzz, 0 to 1.
@@ -160,6 +162,7 @@ impl Inputs {
         coat_color: Vec3::ONE,
         coat_roughness: 0.0,
         coat_ior: 1.6,
+        coat_normal: Vec3::Z,
         fuzz_weight: 0.0,
         fuzz_color: Vec3::ONE,
         fuzz_roughness: 0.5,

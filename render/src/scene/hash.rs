@@ -3,8 +3,8 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::{
-    BumpMap, CameraPose, Clip, GltfAnisotropy, Input, InputMap, Instance, Lens, Material, Mesh, Motion, NormalMap,
-    Opacity, Optics, Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
+    BumpMap, CameraPose, Clip, CoatNormal, GltfAnisotropy, Input, InputMap, Instance, Lens, Material, Mesh, Motion,
+    NormalMap, Opacity, Optics, Projection, PunctualLight, Scene, Sky, SkyPicture, Target, TextureMap,
 };
 
 impl Scene {
@@ -146,6 +146,7 @@ impl Fnv {
     fn material(&mut self, material: &Material) {
         let Material { name: _, inputs, maps, uses_vertex_colors, base_color_tints_transmission: tints, .. } = material;
         let Material { tangent_rotation, anisotropy, normal_map, bump_map, opacity, unlit, dispersion, .. } = material;
+        let Material { coat_normal, .. } = material;
         let Material { emission, emission_map, emits_both_sides, .. } = material;
         Input::ALL.iter().for_each(|input| self.vector(input.get(inputs)));
         self.vector(inputs.absorption);
@@ -167,6 +168,14 @@ impl Fnv {
         if let Some(NormalMap { texture, scale }) = normal_map {
             self.map(Some(texture));
             self.floats(&scale.to_array());
+        }
+        match coat_normal {
+            CoatNormal::OfBase => {}
+            CoatNormal::OfVertices => self.word(1),
+            CoatNormal::Map(NormalMap { texture, scale }) => {
+                self.map(Some(texture));
+                self.floats(&scale.to_array());
+            }
         }
         if let Some(BumpMap { texture, channel, height }) = bump_map {
             self.map(Some(texture));

@@ -9,6 +9,7 @@
 //! base_color_map = "wood.png"        # multiplies it; relative to the folder of this file
 //! specular_roughness_map = { file = "wood.png", channel = "g", wrap = "clamp", set = 1, scale = [2, 2] }
 //! geometry_normal_map = { file = "wood_n.png", strength = 0.5, green = "down" }
+//! geometry_coat_normal_map = "flakes_n.png"   # or "none", for the normals of the vertices
 //! geometry_bump_map = { file = "height.png", height = 0.01 }
 //! geometry_opacity = 0.5             # with geometry_opacity_cutoff it is a mask
 //! geometry_thin_walled = true
@@ -28,7 +29,7 @@ use toml::de::{DeTable, DeValue};
 use super::error::{Place, SceneError};
 use super::files::Disk;
 use super::files::Recorded;
-use super::material::{BumpMap, Channel, Input, Material, NormalMap, Opacity};
+use super::material::{BumpMap, Channel, CoatNormal, Input, Material, NormalMap, Opacity};
 use super::nearest::suggestion;
 use super::table_reader::TableReader;
 use super::texture::{ColorSpace, TextureFilter, TextureMap, TextureStore, Wrap};
@@ -59,6 +60,8 @@ enum Change {
     LightGroup(String),
     /// Degrees.
     TangentRotation(f32),
+    /// A coat with the normals of the vertices.
+    PlainCoat,
 }
 
 /// What a map varies.
@@ -68,6 +71,7 @@ enum Target {
     Emission,
     Opacity,
     Normal,
+    CoatNormal,
     Bump,
 }
 
@@ -90,7 +94,7 @@ struct MapFile {
 }
 
 /// Keys besides the inputs and their maps.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "light_group",
     "name",
     "meshes",
@@ -99,6 +103,7 @@ const KEYS: [&str; 16] = [
     "geometry_opacity_cutoff",
     "geometry_thin_walled",
     "geometry_normal_map",
+    "geometry_coat_normal_map",
     "geometry_bump_map",
     "geometry_tangent_rotation",
     "emission_color",
@@ -157,6 +162,10 @@ impl Reader<'_> {
             "light_group" => Change::LightGroup(self.0.text_of(entry)?),
             "transmission_depth" => Change::TransmissionDepth(unit(f32::MIN_POSITIVE, f32::MAX)?),
             "geometry_normal_map" => Change::Map(Target::Normal, self.map(entry)?),
+            "geometry_coat_normal_map" if matches!(entry.value, DeValue::String(text) if text == "none") => {
+                Change::PlainCoat
+            }
+            "geometry_coat_normal_map" => Change::Map(Target::CoatNormal, self.map(entry)?),
             "geometry_bump_map" => Change::Map(Target::Bump, self.map(entry)?),
             "geometry_opacity_map" => Change::Map(Target::Opacity, self.map(entry)?),
             "emission_color_map" => Change::Map(Target::Emission, self.map(entry)?),
@@ -340,6 +349,7 @@ impl Material {
                 (self.inputs.transmission_color, self.base_color_tints_transmission) = (Vec3::ONE, false);
             }
             Change::TangentRotation(degrees) => self.tangent_rotation = degrees.to_radians(),
+            Change::PlainCoat => self.coat_normal = CoatNormal::OfVertices,
             Change::Map(target, ref map) => self.map(target, map, store)?,
         }
         Ok(())
@@ -359,9 +369,13 @@ impl Material {
                 let map = Some((texture, map.channel.unwrap_or(Channel::A)));
                 self.opacity = Opacity { map, ..self.opacity.clone() };
             }
-            Target::Normal => {
+            Target::Normal | Target::CoatNormal => {
                 let scale = map.strength * Vec2::new(1.0, if map.green_is_down { -1.0 } else { 1.0 });
-                self.normal_map = Some(NormalMap { texture, scale });
+                let map = NormalMap { texture, scale };
+                match target {
+                    Target::Normal => self.normal_map = Some(map),
+                    _ => self.coat_normal = CoatNormal::Map(map),
+                }
             }
             Target::Bump => self.bump_map = Some(BumpMap { texture, channel, height: map.height }),
         }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::Vec3;
 
-use super::material::{Input, Material};
+use super::material::{CoatNormal, Input, Material};
 use super::texture::{ColorSpace, Texture, TextureMap};
 use crate::material::Inputs;
 
@@ -29,6 +29,9 @@ impl Material {
         }
         if self.tangent_rotation != 0.0 {
             line("geometry_tangent_rotation", number(self.tangent_rotation.to_degrees()));
+        }
+        if self.coat_normal == CoatNormal::OfVertices && self.inputs.coat_weight > 0.0 && self.tilts_normals() {
+            line("geometry_coat_normal_map", quoted("none"));
         }
         if self.opacity.value != 1.0 {
             line("geometry_opacity", number(self.opacity.value));
@@ -64,6 +67,9 @@ impl Material {
         }
         if let Some(it) = &self.normal_map {
             map(&format!("geometry_normal_map, strength {}", it.scale.x), &it.texture);
+        }
+        if let Some(it) = self.coat_normal.map() {
+            map(&format!("geometry_coat_normal_map, strength {}", it.scale.x), &it.texture);
         }
         if let Some(it) = &self.bump_map {
             map(&format!("geometry_bump_map, height {}", it.height), &it.texture);

@@ -10,7 +10,7 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{BumpMap, Material, NormalMap};
+use super::{BumpMap, CoatNormal, Material, NormalMap};
 use crate::material::Inputs;
 use crate::scene::{Mesh, Texture, TextureMap, Turn};
 
@@ -75,6 +75,12 @@ impl<'a> MeshPoint<'a> {
         self.texcoord(map.set).map_or_else(|| texture.mean_in(map.space), |texcoord| texture.sample(map, texcoord))
     }
 
+    /// The interpolated tangent, with the bitangent's sign; `None` if the mesh has none.
+    fn tangent(&self) -> Option<Vec4> {
+        let tangent = self.mix(*self.mesh.tangents.get(self.triangle)?);
+        Some(self.turn.map_or(tangent, |turn| turn.tangent(tangent)))
+    }
+
     /// The colour of the vertices; white if they have none.
     #[inline]
     fn vertex_color(&self) -> Vec4 {
@@ -131,11 +137,22 @@ impl Material {
         self.normal_map.is_some() || self.bump_map.is_some()
     }
 
+    /// The coat's normal at a point, on the front, where it is not that of what the coat covers; `smooth` is the unit normal
+    /// by the vertices.
+    pub fn coat_normal_at(&self, point: &MeshPoint<'_>, smooth: Vec3) -> Option<Vec3> {
+        match &self.coat_normal {
+            CoatNormal::OfBase => None,
+            CoatNormal::OfVertices => Some(smooth),
+            CoatNormal::Map(map) => {
+                let Some(tangent) = point.tangent() else { return Some(smooth) };
+                Some(map.normal(point.texel(&map.texture), smooth, tangent).normalize_or(smooth))
+            }
+        }
+    }
+
     /// Normal and tangent at a point, whose interpolated normal is `interpolated`, as in [`shading_at`](Self::shading_at).
     pub fn frame_at(&self, point: &MeshPoint<'_>, interpolated: Vec3) -> ShadingFrame {
-        let corners = point.mesh.tangents.get(point.triangle);
-        let tangent = corners.map(|corners| point.mix(*corners));
-        let tangent = tangent.map(|tangent| point.turn.map_or(tangent, |turn| turn.tangent(tangent)));
+        let tangent = point.tangent();
         let mut normal = interpolated;
         if let Some((map, tangent)) = self.normal_map.as_ref().zip(tangent) {
             normal = map.normal(point.texel(&map.texture), interpolated, tangent);

@@ -65,7 +65,9 @@ pub use framing::frame;
 pub use instance::{Instance, Object};
 pub use light_table::LightTable;
 pub use load_options::{LoadOptions, LoadWatch};
-pub use material::{BumpMap, Channel, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Target};
+pub use material::{
+    BumpMap, Channel, CoatNormal, GltfAnisotropy, Input, InputMap, Material, NormalMap, Opacity, Target,
+};
 pub use material_table::MaterialTable;
 pub use mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub use model::{load, load_from, load_with};

@@ -97,3 +97,18 @@ pub(super) fn coloured() -> Vec<Case> {
     }
     cases
 }
+
+/// Coats with a normal of their own, which are not reciprocal, as little as any shading normal is.
+pub(super) fn tilted() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (name, inputs) in
+        coloured().into_iter().filter(|(name, _)| name.starts_with("coated") || name.starts_with("fuzzy"))
+    {
+        for degrees in [10.0f32, 35.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let coat_normal = Vec3::new(0.6 * sin, -0.8 * sin, cos);
+            cases.push((format!("{name}, coat tilted by {degrees} degrees"), Inputs { coat_normal, ..inputs }));
+        }
+    }
+    cases
+}

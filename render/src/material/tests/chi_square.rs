@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::cases::coloured;
+use super::cases::{coloured, tilted};
 use super::*;
 
 const HEIGHTS: usize = 48;
@@ -54,7 +54,7 @@ fn probability(chi_square: f64, freedom: f64) -> f64 {
 
 #[test]
 fn samples_are_as_dense_as_told() {
-    let cases = coloured();
+    let cases: Vec<_> = coloured().into_iter().chain(tilted().into_iter().step_by(3)).collect();
     let cosines = [0.15, 0.7];
     let tests = (cases.len() * 2 * cosines.len()) as f64;
     let significance = 1.0 - 0.99f64.powf(1.0 / tests);

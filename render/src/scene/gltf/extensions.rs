@@ -2,6 +2,7 @@
 
 use ::gltf::json::Value;
 use ::gltf::json::extensions::texture::TextureTransform;
+use ::gltf::json::material::NormalTexture;
 use ::gltf::json::texture::Info;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -56,7 +57,7 @@ pub(super) struct Clearcoat {
     pub(super) clearcoat_texture: Option<Info>,
     pub(super) clearcoat_roughness_factor: f32,
     pub(super) clearcoat_roughness_texture: Option<Info>,
-    pub(super) clearcoat_normal_texture: Option<Value>,
+    pub(super) clearcoat_normal_texture: Option<NormalTexture>,
 }
 
 /// `KHR_materials_diffuse_transmission`.

@@ -9,7 +9,7 @@
 //! | `KHR_materials_pbrSpecularGlossiness` | a dielectric whose `specular_color` gives its F0, roughness 1 - glossiness |
 //! | `KHR_materials_transmission`, `_volume` | `transmission_weight`, tinted by the base colour; `absorption` |
 //! | `KHR_materials_diffuse_transmission` | `diffuse_transmission_weight`, `diffuse_transmission_color` |
-//! | `KHR_materials_clearcoat`, `_sheen` | `coat_…` with an index of 1.5; `fuzz_…` |
+//! | `KHR_materials_clearcoat`, `_sheen` | `coat_…` with an index of 1.5, and normals of its own; `fuzz_…` |
 //! | `KHR_materials_iridescence`, `_anisotropy` | `thin_film_…`; anisotropy as glTF defines it |
 //! | `KHR_materials_unlit` | emission of the base colour, and nothing else |
 //!
@@ -17,8 +17,7 @@
 //! solid, since Blender has no thin walls and writes no volume for its glass. A solid's base colour tints light once for its
 //! way in and out, so half of it (the square root) at each surface, as rasterizers and Cycles do.
 //!
-//! Deviations: the coat has the normals of the base; `occlusionTexture` and a volume's thickness are not used, as light is
-//! traced; dispersion is kept and not shown.
+//! Deviations: `occlusionTexture` and a volume's thickness are not used, as light is traced; dispersion is kept and not shown.
 
 use ::gltf::json::material::{AlphaMode, NormalTexture};
 use ::gltf::json::texture::Info;
@@ -31,7 +30,8 @@ use super::texture::{Reference, Textures};
 use crate::material::Inputs;
 use crate::scene::notes::Notes;
 use crate::scene::{
-    Channel, ColorSpace, GltfAnisotropy, Input, Material, NormalMap, Opacity, SceneError, Texture, TextureMap,
+    Channel, CoatNormal, ColorSpace, GltfAnisotropy, Input, Material, NormalMap, Opacity, SceneError, Texture,
+    TextureMap,
 };
 
 use ColorSpace::{Linear, Srgb};
@@ -71,7 +71,7 @@ impl Reader<'_> {
             Some(base) => self.specular_glossiness(source, &base)?,
             None => self.metallic_roughness(source)?,
         }
-        self.normal(source.normal_texture.as_ref())?;
+        self.material.normal_map = self.normal_map("normalTexture", source.normal_texture.as_ref())?;
         let strength: extensions::EmissiveStrength =
             extensions.take("KHR_materials_emissive_strength")?.unwrap_or_default();
         self.emission(source, strength.emissive_strength)?;
@@ -88,7 +88,7 @@ impl Reader<'_> {
             self.diffuse_transmission(&it)?;
         }
         if let Some(it) = extensions.take("KHR_materials_clearcoat")? {
-            self.clearcoat(source, &it)?;
+            self.clearcoat(&it)?;
         }
         if let Some(it) = extensions.take("KHR_materials_sheen")? {
             self.sheen(&it)?;
@@ -167,16 +167,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn normal(&mut self, normal: Option<&NormalTexture>) -> Result<(), SceneError> {
-        let Some(normal) = normal else { return Ok(()) };
+    /// A normal map in the slot called `slot`.
+    fn normal_map(&mut self, slot: &str, normal: Option<&NormalTexture>) -> Result<Option<NormalMap>, SceneError> {
+        let Some(normal) = normal else { return Ok(None) };
         let others = normal.extensions.as_ref().map(|extensions| &extensions.others);
         let transform = extensions::texture_transform(others);
         let reference = Reference::new(normal.index, normal.tex_coord, transform.as_ref());
-        let user = format!("{}, normalTexture", self.place);
+        let user = format!("{}, {slot}", self.place);
         let map = self.textures.map(self.document, reference, Linear, &user, self.notes)?;
-        let scale = self.in_range("normalTexture's scale", normal.scale, f32::MIN, f32::MAX)?;
-        self.material.normal_map = map.map(|texture| NormalMap { texture, scale: Vec2::splat(scale) });
-        Ok(())
+        let scale = self.in_range(&format!("{slot}'s scale"), normal.scale, f32::MIN, f32::MAX)?;
+        Ok(map.map(|texture| NormalMap { texture, scale: Vec2::splat(scale) }))
     }
 
     fn emission(&mut self, source: &::gltf::json::Material, strength: f32) -> Result<(), SceneError> {
@@ -254,7 +254,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn clearcoat(&mut self, source: &::gltf::json::Material, it: &extensions::Clearcoat) -> Result<(), SceneError> {
+    fn clearcoat(&mut self, it: &extensions::Clearcoat) -> Result<(), SceneError> {
         self.number(Input::CoatWeight, "clearcoatFactor", it.clearcoat_factor)?;
         self.number(Input::CoatRoughness, "clearcoatRoughnessFactor", it.clearcoat_roughness_factor)?;
         self.material.inputs.coat_ior = 1.5;
@@ -262,11 +262,12 @@ impl Reader<'_> {
         self.vary(Input::CoatWeight, weight.as_ref(), Channel::R);
         let roughness = self.texture("clearcoatRoughnessTexture", it.clearcoat_roughness_texture.as_ref(), Linear)?;
         self.vary(Input::CoatRoughness, roughness.as_ref(), Channel::G);
-        let index = it.clearcoat_normal_texture.as_ref().and_then(|normal| normal.get("index")?.as_u64());
-        let base = source.normal_texture.as_ref().map(|normal| normal.index.value() as u64);
-        if it.clearcoat_factor > 0.0 && index != base {
-            self.notes.add("a coat has the normals of what it covers; clearcoatNormalTexture is not read", self.place);
-        }
+        let map = self.normal_map("clearcoatNormalTexture", it.clearcoat_normal_texture.as_ref())?;
+        self.material.coat_normal = match map {
+            map if map == self.material.normal_map => CoatNormal::OfBase,
+            Some(map) => CoatNormal::Map(map),
+            None => CoatNormal::OfVertices,
+        };
         Ok(())
     }
 

@@ -42,7 +42,7 @@ impl Material {
     /// Whether it is the same all over a mesh, vertex normals and colours left aside.
     pub(crate) fn is_uniform(&self) -> bool {
         let has_maps = !self.maps.is_empty() || self.emission_map.is_some() || self.anisotropy.is_some();
-        let turns_normals = self.normal_map.is_some() || self.bump_map.is_some();
+        let turns_normals = self.tilts_normals() || self.coat_normal.map().is_some();
         !has_maps && !turns_normals && self.tangent_rotation == 0.0
     }
 

@@ -56,6 +56,18 @@ pub struct NormalMap {
     pub scale: Vec2,
 }
 
+/// What turns the normals of a coat.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CoatNormal {
+    /// The same as those of what it covers.
+    #[default]
+    OfBase,
+    /// Nothing: they are those of the vertices.
+    OfVertices,
+    /// A map of its own.
+    Map(NormalMap),
+}
+
 /// Heights over the surface, which turn its normals (Blinn 1978).
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpMap {
@@ -119,6 +131,16 @@ impl Channel {
             Self::G => "g",
             Self::B => "b",
             Self::A => "a",
+        }
+    }
+}
+
+impl CoatNormal {
+    /// The map, if it has one of its own.
+    pub(crate) fn map(&self) -> Option<&NormalMap> {
+        match self {
+            Self::Map(map) => Some(map),
+            Self::OfBase | Self::OfVertices => None,
         }
     }
 }

@@ -8,7 +8,7 @@ mod presets;
 use glam::{Vec3, Vec4};
 
 pub use input::Input;
-pub use maps::{BumpMap, Channel, GltfAnisotropy, InputMap, NormalMap, Opacity, Target};
+pub use maps::{BumpMap, Channel, CoatNormal, GltfAnisotropy, InputMap, NormalMap, Opacity, Target};
 
 use super::{Texture, TextureMap};
 use crate::material::Inputs;
@@ -38,6 +38,8 @@ pub struct Material {
     pub normal_map: Option<NormalMap>,
     /// The same by heights.
     pub bump_map: Option<BumpMap>,
+    /// What turns those of its coat.
+    pub coat_normal: CoatNormal,
     /// How much of the surface there is.
     pub opacity: Opacity,
     /// Whether it scatters nothing and shows a colour, which is its emission, whatever the light.
@@ -66,6 +68,7 @@ impl Default for Material {
             anisotropy: None,
             normal_map: None,
             bump_map: None,
+            coat_normal: CoatNormal::OfBase,
             opacity: Opacity::default(),
             unlit: false,
             dispersion: 0.0,
@@ -160,6 +163,7 @@ impl Material {
             self.normal_map.as_ref().map(|map| &map.texture),
             self.bump_map.as_ref().map(|map| &map.texture),
             self.anisotropy.as_ref().and_then(|anisotropy| anisotropy.map.as_ref()),
+            self.coat_normal.map().map(|map| &map.texture),
         ];
         inputs.chain(others.into_iter().flatten())
     }
@@ -173,13 +177,17 @@ impl Material {
             self.normal_map.as_mut().map(|map| &mut map.texture),
             self.bump_map.as_mut().map(|map| &mut map.texture),
             self.anisotropy.as_mut().and_then(|anisotropy| anisotropy.map.as_mut()),
+            match &mut self.coat_normal {
+                CoatNormal::Map(map) => Some(&mut map.texture),
+                CoatNormal::OfBase | CoatNormal::OfVertices => None,
+            },
         ];
         inputs.chain(others.into_iter().flatten())
     }
 
     /// Whether shading asks for a tangent that follows the texture coordinates, and of which set of these.
     pub(crate) fn tangent_set(&self) -> Option<u32> {
-        let normal = self.normal_map.as_ref().map(|map| map.texture.set);
+        let normal = self.normal_map.as_ref().or(self.coat_normal.map()).map(|map| map.texture.set);
         let anisotropy = self.anisotropy.as_ref().and_then(|it| it.map.as_ref()).map(|map| map.set);
         normal.or(anisotropy).or((self.greatest_inputs().specular_anisotropy > 0.0).then_some(0))
     }

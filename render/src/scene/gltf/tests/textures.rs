@@ -9,7 +9,7 @@ use image::{ImageFormat, RgbaImage};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::scene::{Input, TextureFilter, TextureMap, Wrap};
+use crate::scene::{CoatNormal, Input, TextureFilter, TextureMap, Wrap};
 
 /// A picture of two texels: black and transparent, and white.
 fn image(format: ImageFormat) -> Vec<u8> {
@@ -176,4 +176,28 @@ fn an_image_of_an_extension_goes_before_the_texture_s_own() {
     document["images"][1] = json!({"uri": uri("image/gif", b"GIF89a")});
     let scene = parse(document).unwrap();
     assert_eq!((scene.textures.len(), scene.textures[0].size()), (1, (2, 1)));
+}
+
+#[test]
+fn a_coat_has_its_own_normals_unless_its_map_is_that_of_the_base() {
+    let read = |base: Option<Value>, coat: Option<Value>| {
+        let mut clearcoat = json!({"clearcoatFactor": 1});
+        if let Some(coat) = coat {
+            clearcoat["clearcoatNormalTexture"] = coat;
+        }
+        let mut material = json!({"extensions": {"KHR_materials_clearcoat": clearcoat}});
+        if let Some(base) = base {
+            material["normalTexture"] = base;
+        }
+        let scene = parse(textured(material)).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        scene.materials[0].coat_normal.clone()
+    };
+    let map = |scale: f32| json!({"index": 0, "scale": scale});
+    assert_eq!(read(None, None), CoatNormal::OfBase);
+    assert_eq!(read(Some(map(1.0)), None), CoatNormal::OfVertices);
+    assert_eq!(read(Some(map(1.0)), Some(map(1.0))), CoatNormal::OfBase);
+    for base in [None, Some(map(1.0))] {
+        assert!(matches!(read(base, Some(map(0.5))), CoatNormal::Map(map) if map.scale == Vec2::splat(0.5)));
+    }
 }
