@@ -6,6 +6,7 @@
 
 use glam::{DVec2, Vec2};
 
+use super::outside::LeftOut;
 use crate::scene::Scene;
 
 /// Stands for no chart.
@@ -21,6 +22,8 @@ pub struct Atlas {
     pub parts: Vec<Part>,
     /// The pieces, part by part.
     pub charts: Vec<Chart>,
+    /// Triangles without a chart, although they have an area.
+    pub left_out: LeftOut,
     /// What was wrong with the model's own coordinates, a line each.
     pub warnings: Vec<String>,
 }

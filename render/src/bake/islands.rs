@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::atlas::{Chart, NO_CHART, Page, Part};
+use super::outside::LeftOut;
 use super::raster::Polygon;
 use crate::scene::Scene;
 
@@ -12,14 +13,16 @@ const NO_AREA: f64 = 1e-9;
 /// A corner, in space and on the page, bit for bit.
 type Corner = [u32; 5];
 
-/// Finds the charts, and writes into parts which triangle belongs to which.
-pub(crate) fn islands(scene: &Scene, pages: &[Page], parts: &mut [Part]) -> Vec<Chart> {
+/// Finds the charts of what is not left out, and writes into parts which triangle belongs to which.
+pub(crate) fn islands(scene: &Scene, pages: &[Page], parts: &mut [Part], left_out: &LeftOut) -> Vec<Chart> {
     let mut charts = Vec::new();
     for (number, part) in parts.iter_mut().enumerate() {
         let page = pages[part.page];
         let on_page = |triangle: usize| Polygon::triangle(part.corners(triangle, page)).area().abs();
-        let has_area: Vec<bool> = (0..part.triangles.len()).map(|i| on_page(i) > NO_AREA).collect();
+        let is_left_out = |triangle: usize| left_out.has(part.mesh, part.faces[triangle] as usize);
+        let has_area: Vec<bool> = (0..part.triangles.len()).map(|i| on_page(i) > NO_AREA && !is_left_out(i)).collect();
         let roots = connect(scene, part, &has_area);
+        part.charts.fill(NO_CHART);
         let mut chart_of_root = vec![NO_CHART; roots.len()];
         for triangle in (0..roots.len()).filter(|&triangle| has_area[triangle]) {
             let mut chart = chart_of_root[roots[triangle]];

@@ -6,6 +6,7 @@ use super::check::{Check, check};
 use super::edges::SharedEdge;
 use super::islands::{area, islands};
 use super::options::{BakeOptions, Coordinates};
+use super::outside::LeftOut;
 use super::raster::Polygon;
 use super::unwrap::{Request, unwrap};
 use crate::scene::{Scene, count};
@@ -19,16 +20,21 @@ impl Atlas {
     ///
     /// # Errors
     /// If pages are too small or texels too many, or if the model's own coordinates must be kept and cannot.
-    pub(crate) fn build(scene: &Scene, edges: &[SharedEdge], options: &BakeOptions) -> Result<Self, Invalid> {
+    pub(crate) fn build(
+        scene: &Scene,
+        edges: &[SharedEdge],
+        left_out: &LeftOut,
+        options: &BakeOptions,
+    ) -> Result<Self, Invalid> {
         if let Some(density) = options.density.filter(|density| !density.is_finite() || *density <= 0.0) {
             return Err(Invalid::new(
                 format!("the density is {density} texels per unit"),
                 "give a number greater than 0",
             ));
         }
-        let mut atlas = Self::default();
+        let mut atlas = Self { left_out: left_out.clone(), ..Self::default() };
         let requests = atlas.keep(scene, options)?;
-        let (pages, parts) = unwrap(scene, edges, &requests, options, atlas.pages.len())?;
+        let (pages, parts) = unwrap(scene, edges, left_out, &requests, options, atlas.pages.len())?;
         atlas.pages.extend(pages);
         atlas.parts.extend(parts);
         let texels: u64 = atlas.pages.iter().map(|page| page.texels() as u64).sum();
@@ -39,7 +45,7 @@ impl Atlas {
             ));
         }
         atlas.parts.sort_by_key(|part| (part.mesh, part.page));
-        atlas.charts = islands(scene, &atlas.pages, &mut atlas.parts);
+        atlas.charts = islands(scene, &atlas.pages, &mut atlas.parts, left_out);
         if atlas.charts.is_empty() {
             return Err(Invalid::new("no triangle has an area", "give a model with surfaces"));
         }
@@ -134,7 +140,7 @@ impl Atlas {
             Some(density) => kept_size(scene, &parts, density)?,
         };
         let mut given = Self { pages: vec![Page { width: size, height: size }], parts, ..Self::default() };
-        given.charts = islands(scene, &given.pages, &mut given.parts);
+        given.charts = islands(scene, &given.pages, &mut given.parts, &LeftOut::default());
         Ok(given)
     }
 }

@@ -31,6 +31,7 @@ mod moments;
 mod noise;
 pub mod obj;
 mod options;
+mod outside;
 mod picture;
 mod raster;
 pub mod report;
@@ -67,6 +68,7 @@ pub use checkpoint::{Checkpoint, STATE_EXTENSION};
 pub use dilate::TexelSource;
 pub use hashes::{combined, hashes};
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
+pub use outside::LeftOut;
 pub use picture::charts_picture;
 
 /// Light for every page of an atlas.
@@ -152,7 +154,15 @@ impl Atlas {
     /// If pages are too small or texels too many, if there is no surface, or if the model's own coordinates are to be kept
     /// and cannot be.
     pub fn new(scene: &Scene, options: &BakeOptions) -> Result<Self, Invalid> {
-        Self::build(scene, &shared_edges(scene), options)
+        Self::without(scene, &LeftOut::default(), options)
+    }
+
+    /// The same, of what is not left out: new coordinates of other triangles lie on one point.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn without(scene: &Scene, left_out: &LeftOut, options: &BakeOptions) -> Result<Self, Invalid> {
+        Self::build(scene, &shared_edges(scene), left_out, options)
     }
 }
 

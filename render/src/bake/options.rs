@@ -1,5 +1,7 @@
 //! What a bake depends on besides the scene.
 
+use glam::Vec3;
+
 use crate::settings::{CachedOptions, named};
 
 /// The options of a bake; defaults as `BakeOptions::default()` has them.
@@ -27,6 +29,9 @@ pub struct BakeOptions {
     pub cache: CachedOptions,
     /// Ambient occlusion: the distance from which on hits do not occlude; `None` for any.
     pub ao_distance: Option<f32>,
+    /// Whether what nobody sees from inside is left out ([`LeftOut`](super::LeftOut)): from these places, or, if there are
+    /// none, from anywhere in front of a surface.
+    pub skip_outside: Option<Vec<Vec3>>,
     /// Whether noise is smoothed away inside each chart.
     pub denoise: bool,
     /// Selects the random numbers.
@@ -128,12 +133,19 @@ impl BakeOptions {
             ("spp", spp.to_string()),
             ("brute", self.brute.to_string()),
             ("ao-distance", number(self.ao_distance)),
+            ("skip-outside", self.skip_outside.as_ref().map_or("no".to_owned(), |places| self::places(places))),
             ("denoise", self.denoise.to_string()),
             ("seed", self.seed.to_string()),
         ];
         named.extend(crate::cache::named(&self.cache));
         named
     }
+}
+
+/// Places for a manifest.
+fn places(places: &[Vec3]) -> String {
+    let place = |place: &Vec3| place.to_array().map(|coordinate| coordinate.to_string()).join(",");
+    if places.is_empty() { "auto".to_owned() } else { places.iter().map(place).collect::<Vec<_>>().join(" ") }
 }
 
 impl Sampling {
@@ -160,6 +172,7 @@ impl Default for BakeOptions {
             brute: false,
             cache: CachedOptions::default(),
             ao_distance: None,
+            skip_outside: None,
             denoise: false,
             seed: 0,
         }

@@ -12,6 +12,7 @@ use crate::settings::GatherLayout;
 use crate::world::LookFrom;
 
 mod accuracy;
+mod outside;
 mod seams;
 mod shadows;
 

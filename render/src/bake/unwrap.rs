@@ -12,6 +12,7 @@ use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing};
 use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::edges::SharedEdge;
 use super::options::BakeOptions;
+use super::outside::LeftOut;
 use crate::scene::Scene;
 use crate::settings::Invalid;
 
@@ -33,6 +34,7 @@ const THINNEST: f64 = 1e-6;
 pub(crate) fn unwrap(
     scene: &Scene,
     edges: &[SharedEdge],
+    left_out: &LeftOut,
     requests: &[Request],
     options: &BakeOptions,
     first_page: usize,
@@ -41,10 +43,11 @@ pub(crate) fn unwrap(
         return Ok((Vec::new(), Vec::new()));
     }
     let creases = creases(scene, edges);
-    let geometry: Vec<_> = requests.iter().map(|request| Geometry::new(scene, *request)).collect();
+    let geometry: Vec<_> = requests.iter().map(|request| Geometry::new(scene, *request, left_out)).collect();
     let inputs = |instances: &'static [f32]| -> Vec<MeshInput<'_>> {
         let inputs = requests.iter().zip(&geometry).map(|(request, geometry)| MeshInput {
             seams: (!request.repack).then_some(&creases[request.mesh][..]),
+            ignored_faces: geometry.left_out,
             existing_uvs: request.repack.then_some(&geometry.coordinates[..]),
             // The crate cannot place a mesh without charts as a whole.
             instance_scales: if geometry.has_charts() { instances } else { &[] },
@@ -93,19 +96,22 @@ pub(crate) fn unwrap(
 }
 
 /// A mesh as the crate takes it.
-struct Geometry {
+struct Geometry<'a> {
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
     coordinates: Vec<[f32; 2]>,
+    /// Triangles that get no chart, if there are any.
+    left_out: Option<&'a [bool]>,
 }
 
-impl Geometry {
-    fn new(scene: &Scene, request: Request) -> Self {
+impl<'a> Geometry<'a> {
+    fn new(scene: &Scene, request: Request, left_out: &'a LeftOut) -> Self {
         let mesh = &scene.meshes[request.mesh];
         Self {
             positions: mesh.positions.iter().map(|position| position.to_array()).collect(),
             indices: mesh.triangles.iter().flatten().copied().collect(),
             coordinates: mesh.lightmap_texcoords.iter().map(|uv| uv.to_array()).collect(),
+            left_out: left_out.of_mesh(request.mesh),
         }
     }
 
@@ -118,7 +124,8 @@ impl Geometry {
             (low, high) = (low.min(position), high.max(position));
         }
         let thinnest = THINNEST * (high - low).length();
-        self.indices.chunks_exact(3).any(|corners| {
+        let is_left_out = |face: usize| self.left_out.is_some_and(|left_out| left_out[face]);
+        self.indices.chunks_exact(3).enumerate().filter(|(face, _)| !is_left_out(*face)).any(|(_, corners)| {
             let [a, b, c] = [corners[0], corners[1], corners[2]].map(position);
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
             (b - a).cross(c - a).length() / longest > thinnest

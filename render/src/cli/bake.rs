@@ -2,6 +2,7 @@
 
 mod check;
 mod files;
+mod inside;
 mod part;
 
 use std::io::IsTerminal;
@@ -25,6 +26,7 @@ use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, Sharing};
 use crate::settings::Shard;
 use crate::world::{LookFrom, World};
 use files::Files;
+use inside::Inside;
 pub(super) use part::is_state;
 
 /// How often the state of a bake is written.
@@ -107,6 +109,13 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "PICTURE", num_args = 0..=1, require_equals = true, help_heading = "Layout")]
     check_uv: Option<Option<PathBuf>>,
 
+    /// Leave out what nobody sees who stays inside, as the outer walls of a house: it gets neither light nor room in new layouts.
+    /// Inside is where four of five rays reach something; or what can be reached from the camera (=camera) or from a place (=X,Y,Z),
+    /// which may be given several times
+    #[arg(long, value_name = "FROM", num_args = 0..=1, require_equals = true, default_missing_value = "auto")]
+    #[arg(help_heading = "Layout", value_parser = Inside::parse)]
+    skip_outside: Vec<Inside>,
+
     #[command(flatten)]
     cache: CachedOverrides,
 
@@ -133,9 +142,9 @@ pub(super) struct BakeArguments {
 }
 
 impl BakeArguments {
-    /// What the bake depends on, with the seed of the scene file if none is given.
-    fn options(&self, seed: u64) -> BakeOptions {
-        BakeOptions {
+    /// What the bake of a scene depends on, with the seed of the scene file if none is given.
+    fn options(&self, scene: &Scene, seed: u64) -> Result<BakeOptions, CliError> {
+        Ok(BakeOptions {
             mode: self.mode,
             directional: self.directional,
             sampling: self.sampling,
@@ -147,9 +156,10 @@ impl BakeArguments {
             brute: self.brute,
             cache: self.cache.options(),
             ao_distance: self.ao_distance,
+            skip_outside: Inside::places(&self.skip_outside, scene)?,
             denoise: self.denoise,
             seed,
-        }
+        })
     }
 
     /// The model's file; `None` for the built-in scene.
@@ -181,7 +191,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     if let Some(picture) = &arguments.check_uv {
         let named = picture.as_slice();
         let (scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-        return pool.install(|| check::run(&scene, &arguments.options(settings.seed), picture.as_deref()));
+        let options = arguments.options(&scene, settings.seed)?;
+        return pool.install(|| check::run(&scene, &options, picture.as_deref(), style));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
     if arguments.mode == Mode::Ao && arguments.directional != Directional::None {
@@ -197,7 +208,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
     let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, &named, style))?;
-    let options = arguments.options(settings.seed);
+    let options = arguments.options(&scene, settings.seed)?;
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
 }
@@ -212,7 +223,7 @@ fn run_shard(
     arguments.model()?;
     let named = std::slice::from_ref(output);
     let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-    let options = arguments.options(settings.seed);
+    let options = arguments.options(&scene, settings.seed)?;
     part::check(arguments, &options, output)?;
     warn(style, &mut scene.warnings);
     let hash = bake::combined(&files::hashes(&scene, &options, arguments.preset));
@@ -251,13 +262,14 @@ fn bake(
     let state_file = OutputFile::check(&state).map_err(CliError::input)?;
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(state_file, STATE_INTERVAL);
 
-    let mut atlas = Atlas::new(&scene, options)?;
+    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    let left_out = inside::left_out(&scene, &world, options, style)?;
+    let mut atlas = Atlas::without(&scene, &left_out, options)?;
     files.check_pages(atlas.pages.len(), options, &scene.files)?;
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
     memory::require(&format!("a bake of {texels} texels"), bytes, "use a lower --density or a smaller --size")?;
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
     let baked = bake::bake(&scene, &world, atlas, options, &checkpoint, &progress);

@@ -166,6 +166,42 @@ fn closed_bodies_cover_the_texels_below_them_whatever_their_material_says() {
     });
 }
 
+/// A shed around the room: a larger box whose fronts look outwards.
+fn level_in_a_shed() -> Value {
+    let mut level = level();
+    let shed = json!({"name": "shed", "mesh": 1, "scale": [5, 4, 5], "translation": [-0.5, -0.5, -0.5]});
+    level["nodes"].as_array_mut().unwrap().push(shed);
+    level
+}
+
+#[test]
+fn what_is_outside_is_left_out() {
+    in_folder(|program| {
+        program.put("level.gltf", level_in_a_shed().to_string());
+        let bake = |out: &str, options: &str| {
+            let line = format!("bake level.gltf -o {out}.gltf {SMALL} {options}").replace("none", "json");
+            let outcome = program.run_line(&line);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            outcome.stderr
+        };
+        assert!(!bake("all", "").contains("outside:"));
+        for (out, option) in [("auto", "--skip-outside"), ("place", "--skip-outside=2,1.5,3.5")] {
+            let told = bake(out, option);
+            assert!(told.contains("outside: 12 triangles"), "{option}: {told}");
+        }
+        // All triangles are still there, and those that are left out lie on a point.
+        let triangles = |out: &str| {
+            let (scene, _) = halfdome::scene::open(&program.folder.join(format!("{out}.gltf"))).unwrap();
+            let shed = scene.meshes.iter().find(|mesh| mesh.name == "shed").unwrap();
+            let is_point = shed.lightmap_texcoords.iter().all(|uv| *uv == shed.lightmap_texcoords[0]);
+            (shed.triangles.len(), is_point)
+        };
+        assert_eq!([triangles("all"), triangles("auto"), triangles("place")], [(12, false), (12, true), (12, true)]);
+        let checked = program.run_line("bake level.gltf --check-uv --skip-outside --size 64");
+        assert_eq!(checked.code, Some(0), "{}{}", checked.stdout, checked.stderr);
+    });
+}
+
 #[test]
 fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
     in_folder(|program| {
@@ -271,6 +307,9 @@ fn wrong_input_is_named() {
             ("bake level.gltf -o out.gltf --size 8", "16"),
             ("bake level.gltf -o out.gltf --mode ao --directional hl2", "--mode ao cannot be directional"),
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
+            ("bake level.gltf -o out.gltf --skip-outside=camera", "the scene has no camera"),
+            ("bake level.gltf -o out.gltf --skip-outside=1,2", "expected a place as X,Y,Z, `camera`, or `auto`"),
+            ("bake level.gltf -o out.gltf --skip-outside=0.9,0.5,0.9", "0.9,0.5,0.9 is in no room"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),
         ] {

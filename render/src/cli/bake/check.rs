@@ -5,20 +5,27 @@ use std::path::{Path, PathBuf};
 
 use super::super::error::{CliError, EXIT_DONE};
 use super::super::inputs;
+use super::super::messages::Style;
 use super::super::print::print;
+use super::inside::left_out;
 use crate::bake::atlas::{Atlas, Layout, mesh_name};
 use crate::bake::check::{Check, Lost};
 use crate::bake::{BakeOptions, charts_picture};
 use crate::output::{OutputFile, encode_png};
 use crate::scene::{Scene, count};
+use crate::world::{LookFrom, World};
 
 /// Pairs of charts that are listed.
 const MOST_LISTED: usize = 10;
 
 /// Checks, prints what was found, and writes the picture; the exit code says whether light can be baked.
-pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>) -> Result<u8, CliError> {
+pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>, style: Style) -> Result<u8, CliError> {
     let atlas = match Atlas::of_model(scene, options)? {
         Some(atlas) => atlas,
+        None if options.skip_outside.is_some() => {
+            let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+            Atlas::without(scene, &left_out(scene, &world, options, style)?, options)?
+        }
         None => Atlas::new(scene, options)?,
     };
     let found = atlas.check(scene, options);

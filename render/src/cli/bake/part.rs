@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::inside::left_out;
 use super::{BYTES, BakeArguments, STATE_INTERVAL, invalid, memory, print_text, warn};
 use crate::bake::atlas::Atlas;
 use crate::bake::{self, BakeOptions, Checkpoint, Mode, STATE_EXTENSION};
@@ -52,7 +53,9 @@ pub(super) fn run(
         return Err(invalid(problem, "give each shard a file of its own"));
     }
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(file, STATE_INTERVAL);
-    let mut atlas = Atlas::new(scene, options)?;
+    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    let left_out = left_out(scene, &world, options, style)?;
+    let mut atlas = Atlas::without(scene, &left_out, options)?;
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     memory::require(
@@ -60,7 +63,6 @@ pub(super) fn run(
         texels * BYTES,
         "use a lower --density or a smaller --size",
     )?;
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
     interrupt::catch()?;
     let progress = Progress::of_texels(style, bake::shard_work(scene, &atlas, shard));
     let is_whole = bake::bake_shard(scene, &world, &atlas, options, &checkpoint, shard, &progress);

@@ -1,0 +1,62 @@
+//! `halfdome bake --skip-outside`: where inside is, and what cannot be seen from there.
+
+use glam::Vec3;
+
+use super::super::error::{CliError, invalid};
+use super::super::messages::{Style, print_text};
+use crate::bake::{BakeOptions, LeftOut};
+use crate::scene::value;
+use crate::scene::{Scene, count};
+use crate::world::World;
+
+/// A place inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Inside {
+    /// Wherever it is.
+    Anywhere,
+    /// The eye of the scene's camera.
+    Camera,
+    /// This one.
+    At(Vec3),
+}
+
+impl Inside {
+    /// Reads an argument.
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Anywhere),
+            "camera" => Ok(Self::Camera),
+            _ => value::argument(value::point)(text)
+                .map(Self::At)
+                .map_err(|_| "expected a place as X,Y,Z, `camera`, or `auto`".to_owned()),
+        }
+    }
+
+    /// The places that all of them name; `None` if there are none.
+    ///
+    /// # Errors
+    /// If the scene has no camera.
+    pub(super) fn places(all: &[Self], scene: &Scene) -> Result<Option<Vec<Vec3>>, CliError> {
+        let place = |inside: &Self| match (inside, &scene.camera) {
+            (Self::Anywhere, _) => None,
+            (Self::At(place), _) => Some(Ok(*place)),
+            (Self::Camera, Some(camera)) => Some(Ok(camera.eye)),
+            (Self::Camera, None) => Some(Err(invalid(
+                "the scene has no camera, from which --skip-outside=camera would look".to_owned(),
+                "name a place in a room: --skip-outside=X,Y,Z",
+            ))),
+        };
+        let places: Result<Vec<Vec3>, CliError> = all.iter().filter_map(place).collect();
+        Ok(if all.is_empty() { None } else { Some(places?) })
+    }
+}
+
+/// Finds what is left out, and says how much it is.
+pub(super) fn left_out(scene: &Scene, world: &World, options: &BakeOptions, style: Style) -> Result<LeftOut, CliError> {
+    let Some(places) = &options.skip_outside else { return Ok(LeftOut::default()) };
+    let left_out = LeftOut::outside(scene, world, places)?;
+    let (triangles, part) = left_out.extent(scene);
+    let triangles = count(triangles, "triangle", "triangles");
+    print_text(style, &format!("outside: {triangles}, {:.1}% of the surfaces' area, get no light", 100.0 * part));
+    Ok(left_out)
+}
