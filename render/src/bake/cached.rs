@@ -43,8 +43,8 @@ impl Baker<'_> {
         let source = GatherSource::paths(&rough);
         let (frozen, rays) =
             self.fill(texels, (rough, self.options.seed ^ SALT), (source, aim.of_means()), &records)?;
-        let indirect: Vec<Option<Vec3>> =
-            texels.par_iter().map(|texel| frozen.irradiance(&self.surface(texel))).collect();
+        let indirect = |texel: &Texel| frozen.irradiance(self.world, &self.surface(texel));
+        let indirect: Vec<Option<Vec3>> = texels.par_iter().map(indirect).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
         let map = TexelIrradiance::new(self.surfaces, texels, all.collect());
         self.watch.covered(0);
@@ -81,7 +81,7 @@ impl Baker<'_> {
             .par_iter()
             .map(|texel| {
                 let surface = self.surface(texel);
-                let irradiance = frozen.irradiance(&surface)?;
+                let irradiance = frozen.irradiance(self.world, &surface)?;
                 let (mut sums, mut weights) = ([DVec3::ZERO; 4], 0.0);
                 if !moments.is_empty() {
                     frozen.cache.weigh(surface.position, surface.smooth_normal, |record, weight| {

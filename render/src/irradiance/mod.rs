@@ -175,7 +175,7 @@ fn look_up(
     watch: &dyn Watch,
 ) -> (Irradiance, f64) {
     let indirect: Vec<Option<Vec3>> =
-        sensors.par_iter().map(|sensor| frozen.irradiance(&sensor.surface(world))).collect();
+        sensors.par_iter().map(|sensor| frozen.irradiance(world, &sensor.surface(world))).collect();
     let lost: Vec<usize> = own.iter().copied().filter(|&i| indirect[i].is_none()).collect();
     let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None, error: None };

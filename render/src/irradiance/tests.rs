@@ -88,3 +88,27 @@ fn sensors_end_when_the_watcher_says_so() {
         assert_eq!(found.cache.unwrap().0.records(), []);
     }
 }
+
+/// The lamp of the Cornell box hangs just below its ceiling: between them it is dark, and no record of the ceiling around knows.
+#[test]
+fn what_is_hidden_from_all_records_has_paths() {
+    let world = World::new(cornell_box()).unwrap();
+    let sensors: Vec<Sensor> = (0..32 * 32)
+        .map(|i| [i % 32, i / 32].map(|k| 0.03 + k as f32 * 0.0155))
+        .map(|[x, z]| Sensor { position: vec3(x, 0.5488, z), normal: Vec3::NEG_Y })
+        .collect();
+    let above_lamp = |it: &Sensor| (0.216..0.34).contains(&it.position.x) && (0.23..0.329).contains(&it.position.z);
+    let request = Request { spp: 256, seed: 1, part: Part::Total };
+    let cache = Cache::new(CachedOptions { rays: 512, ..CachedOptions::default() }, world.surroundings_hash());
+    let found = by_cache(&world, &sensors, cache, &request, &Impatience::new(u64::MAX));
+    let all = mean(&found.values).element_sum();
+    let hidden: Vec<f64> = sensors
+        .iter()
+        .zip(&found.values)
+        .filter(|(sensor, _)| above_lamp(sensor))
+        .map(|(_, value)| value.as_dvec3().element_sum() / all)
+        .collect();
+    assert!(hidden.len() > 30 && hidden.iter().all(|&part| part < 0.02), "{hidden:?}");
+    let misses = found.cache.unwrap().1.misses as usize;
+    assert!(misses < 2 * hidden.len(), "{misses} sensors of {} without a record", sensors.len());
+}

@@ -11,6 +11,7 @@ use halfdome_kernel::sampling::Stream;
 use rayon::prelude::*;
 
 use super::GatherSource;
+use super::clearance::clearance;
 use super::level::Uncached;
 use crate::cache::Cache;
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
@@ -56,6 +57,8 @@ pub(crate) enum MeanLight {
 #[derive(Debug)]
 pub(crate) struct HeldOut<'w> {
     surfaces: Vec<Surface<'w>>,
+    /// How close what stands around each is.
+    clearances: Vec<f32>,
     /// Irradiance at each, twice.
     gathered: Vec<[Vec3; 2]>,
     /// Rays of each of these gathers.
@@ -95,7 +98,9 @@ impl<'w> HeldOut<'w> {
             (first + (place * (end - first) as f32) as usize).min(end - 1)
         });
         let surfaces: Vec<Surface> = chosen.map(surface).collect();
-        let mut found = Self { gathered: Vec::new(), surfaces, rays: FIRST_RAYS, light: 0.0, accuracy, traced: 0 };
+        let clearances = surfaces.iter().map(|surface| clearance(world, surface)).collect();
+        let gathered = Vec::new();
+        let mut found = Self { gathered, surfaces, clearances, rays: FIRST_RAYS, light: 0.0, accuracy, traced: 0 };
         if light != MeanLight::Direct {
             found.gather(world, options, seed, watch)?;
         }
@@ -152,13 +157,15 @@ impl<'w> HeldOut<'w> {
 
     /// The mean squared error of a cache's irradiance over points and channels, in W²/m⁴; 0 if noise alone makes it less.
     pub(crate) fn squared_error(&self, cache: &Cache) -> f64 {
-        let square = |(surface, pair): (&Surface, &[Vec3; 2])| {
-            // Where there is no record a path is traced, or a gather made.
-            let found = cache.interpolate_tilted(surface.position, surface.normals())?.irradiance;
+        let square = |((surface, &clearance), pair): ((&Surface, &f32), &[Vec3; 2])| {
+            // Where there is no record, or it is not sure, a path is traced or a gather made.
+            let found = cache.interpolate_tilted(surface.position, surface.normals());
+            let found = found.filter(|found| !cache.is_doubtful(found, clearance))?.irradiance;
             let [a, b] = pair.map(|gathered| (found - gathered).as_dvec3());
             Some((a * b).element_sum() / 3.0)
         };
-        let squares: Vec<f64> = self.surfaces.iter().zip(&self.gathered).filter_map(square).collect();
+        let squares: Vec<f64> =
+            self.surfaces.iter().zip(&self.clearances).zip(&self.gathered).filter_map(square).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).max(0.0)
     }
 

@@ -9,6 +9,7 @@
 //! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
 //! back on a path, which is as right and only noisier. How often that happens is counted.
 
+mod clearance;
 mod held_out;
 mod irradiance_map;
 mod level;
@@ -27,6 +28,7 @@ use crate::cache::{Cache, Interpolated};
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
+use clearance::clearance;
 pub(crate) use held_out::{HeldOut, MeanLight};
 pub(crate) use irradiance_map::IrradianceMap;
 pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
@@ -63,13 +65,15 @@ impl FrozenCache {
         Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
     }
 
-    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
-    pub(crate) fn irradiance(&self, surface: &Surface) -> Option<Vec3> {
-        self.count(self.cache.interpolate_tilted(surface.position, surface.normals()))
+    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid, where the point is
+    /// hidden from all of them, or where they disagree too much for the accuracy that is asked for.
+    pub(crate) fn irradiance(&self, world: &World, surface: &Surface) -> Option<Vec3> {
+        let found = self.cache.interpolate_tilted(surface.position, surface.normals());
+        self.count(found.filter(|found| !self.cache.is_doubtful(found, clearance(world, surface))))
     }
 
-    /// The same for pictures, and for means over many points: where a surface turns within a few pixels, records with other
-    /// normals do.
+    /// The same for pictures, and for means over many points: of what is hidden these see little, and where a surface turns
+    /// within a few pixels, records with other normals do.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
         self.count(match self.cache.options().accuracy {
             Some(_) => self.cache.interpolate_tilted(surface.position, surface.normals()),

@@ -106,7 +106,7 @@ fn few_points_have_no_record() {
             .filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
             .filter(|surface| surface.diffuse != Vec3::ZERO)
             .collect();
-        let missing = points.iter().filter(|surface| frozen.irradiance(surface).is_none()).count();
+        let missing = points.iter().filter(|surface| frozen.irradiance(&world, surface).is_none()).count();
         println!("error {error}: {missing} of {} points", points.len());
         assert!(points.len() > 1 << 14 && missing * 25 < points.len(), "{missing} of {}", points.len());
     }
@@ -229,7 +229,7 @@ fn records_are_of_the_surface_below_a_normal_map() {
     let surface = world.surface(0, 0.3, 0.3);
     let cosine = surface.shading_normal.z;
     assert!((0.6..0.8).contains(&cosine), "the map tilts by 45°");
-    let found = frozen.irradiance(&surface).unwrap().y;
+    let found = frozen.irradiance(&world, &surface).unwrap().y;
     let expected = std::f32::consts::PI * 0.5 * (1.0 + cosine);
     assert!((found / expected - 1.0).abs() < 0.01, "{found}, not {expected}");
 }

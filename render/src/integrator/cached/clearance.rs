@@ -1,0 +1,27 @@
+//! How close what stands around a point is on all sides. Where that is far closer than the records around say, none of them sees
+//! what the point sees: it lies behind something, as a ceiling behind a lamp that hangs a finger's breadth below it. A gather sends
+//! few rays so low that they would find such a gap from outside.
+
+use std::f32::consts::FRAC_1_SQRT_2;
+
+use glam::Vec3;
+use halfdome_kernel::Ray;
+
+use crate::world::{Hit, Surface, World};
+
+/// Directions halfway up, on four sides.
+const DIRECTIONS: [Vec3; 4] = [
+    Vec3::new(0.5, 0.5, FRAC_1_SQRT_2),
+    Vec3::new(-0.5, 0.5, FRAC_1_SQRT_2),
+    Vec3::new(-0.5, -0.5, FRAC_1_SQRT_2),
+    Vec3::new(0.5, -0.5, FRAC_1_SQRT_2),
+];
+
+/// The distance to the farthest of what a ray to each side hits; infinite if any hits nothing.
+pub(super) fn clearance(world: &World, surface: &Surface) -> f32 {
+    let (frame, origin) = (surface.frame(), surface.origin_towards(surface.normal));
+    let rays = DIRECTIONS.map(|direction| Ray::new(origin, frame.to_world(direction)));
+    let mut hits = [Hit::MISS; DIRECTIONS.len()];
+    world.intersect_many(&rays, &mut hits);
+    hits.iter().map(|hit| if hit.is_hit() { hit.t } else { f32::INFINITY }).fold(0.0, f32::max)
+}
