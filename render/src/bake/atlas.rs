@@ -6,7 +6,7 @@
 
 use glam::{DVec2, Vec2};
 
-use super::outside::LeftOut;
+use super::left_out::LeftOut;
 use crate::scene::Scene;
 
 /// Stands for no chart.

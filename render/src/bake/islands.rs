@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::atlas::{Chart, NO_CHART, Page, Part};
-use super::outside::LeftOut;
+use super::left_out::LeftOut;
 use super::raster::Polygon;
 use crate::scene::Scene;
 

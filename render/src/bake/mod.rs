@@ -26,6 +26,7 @@ pub mod gltf;
 mod hashes;
 mod islands;
 mod layout;
+mod left_out;
 pub mod manifest;
 mod moments;
 mod noise;
@@ -67,8 +68,8 @@ use warnings::warnings;
 pub use checkpoint::{Checkpoint, STATE_EXTENSION};
 pub use dilate::TexelSource;
 pub use hashes::{combined, hashes};
+pub use left_out::LeftOut;
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
-pub use outside::LeftOut;
 pub use picture::charts_picture;
 
 /// Light for every page of an atlas.

@@ -15,6 +15,7 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use rayon::prelude::*;
 
 use super::edges::SharedEdge;
+use super::left_out::LeftOut;
 use crate::scene::Scene;
 use crate::settings::Invalid;
 use crate::world::{Bodies, Hit, Side, World};
@@ -42,13 +43,6 @@ const MOST_PANES: usize = 16;
 /// Points on a piece that no ray has hit, and the nearest places from which each is looked at.
 const POINTS: u32 = 32;
 const NEAREST: usize = 32;
-
-/// Triangles that get no light of their own.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LeftOut {
-    /// For each mesh and triangle; none for all meshes if nothing is left out.
-    meshes: Vec<Vec<bool>>,
-}
 
 /// What is around a place.
 struct Place {
@@ -83,17 +77,7 @@ impl LeftOut {
         }
         let is_left_out = |prim: u32| !piece_is_seen[pieces[prim as usize] as usize];
         let of_mesh = |ends: &[u32]| (ends[0]..ends[1]).map(is_left_out).collect();
-        Ok(Self { meshes: search.first_prims.windows(2).map(of_mesh).collect() })
-    }
-
-    /// Whether a triangle of a mesh is left out.
-    pub fn has(&self, mesh: usize, face: usize) -> bool {
-        self.meshes.get(mesh).is_some_and(|faces| faces[face])
-    }
-
-    /// The triangles of a mesh, if any is left out anywhere.
-    pub(super) fn of_mesh(&self, mesh: usize) -> Option<&[bool]> {
-        self.meshes.get(mesh).map(Vec::as_slice)
+        Ok(Self::new(search.first_prims.windows(2).map(of_mesh).collect()))
     }
 
     /// The number of triangles, and their part of the area of all surfaces that could get light.

@@ -11,8 +11,8 @@ use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing};
 
 use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::edges::SharedEdge;
+use super::left_out::LeftOut;
 use super::options::BakeOptions;
-use super::outside::LeftOut;
 use crate::scene::Scene;
 use crate::settings::Invalid;
 

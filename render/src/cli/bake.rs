@@ -143,8 +143,8 @@ pub(super) struct BakeArguments {
 
 impl BakeArguments {
     /// What the bake of a scene depends on, with the seed of the scene file if none is given.
-    fn options(&self, scene: &Scene, seed: u64) -> Result<BakeOptions, CliError> {
-        Ok(BakeOptions {
+    fn options(&self, scene: &Scene, seed: u64) -> BakeOptions {
+        BakeOptions {
             mode: self.mode,
             directional: self.directional,
             sampling: self.sampling,
@@ -156,10 +156,10 @@ impl BakeArguments {
             brute: self.brute,
             cache: self.cache.options(),
             ao_distance: self.ao_distance,
-            skip_outside: Inside::places(&self.skip_outside, scene)?,
+            skip_outside: Inside::places(&self.skip_outside, scene),
             denoise: self.denoise,
             seed,
-        })
+        }
     }
 
     /// The model's file; `None` for the built-in scene.
@@ -186,12 +186,15 @@ impl BakeArguments {
 pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     // Each copy has texels of its own.
-    let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
+    let mut overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
+    if arguments.skip_outside.contains(&Inside::Camera) {
+        (overrides.eye, overrides.target, overrides.up) = (None, None, None);
+    }
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
         let named = picture.as_slice();
         let (scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-        let options = arguments.options(&scene, settings.seed)?;
+        let options = arguments.options(&scene, settings.seed);
         return pool.install(|| check::run(&scene, &options, picture.as_deref(), style));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
@@ -208,7 +211,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
     let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, &named, style))?;
-    let options = arguments.options(&scene, settings.seed)?;
+    let options = arguments.options(&scene, settings.seed);
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
 }
@@ -223,7 +226,7 @@ fn run_shard(
     arguments.model()?;
     let named = std::slice::from_ref(output);
     let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-    let options = arguments.options(&scene, settings.seed)?;
+    let options = arguments.options(&scene, settings.seed);
     part::check(arguments, &options, output)?;
     warn(style, &mut scene.warnings);
     let hash = bake::combined(&files::hashes(&scene, &options, arguments.preset));

@@ -64,13 +64,13 @@ struct Shares {
 impl Layered {
     /// A direction in the coat's frame.
     #[inline]
-    fn to_coat(&self, w: Vec3) -> Vec3 {
+    fn about_coat(&self, w: Vec3) -> Vec3 {
         self.coat_frame.as_ref().map_or(w, |frame| frame.to_local(w))
     }
 
     /// A direction of the coat's frame in that of the surface.
     #[inline]
-    fn from_coat(&self, w: Vec3) -> Vec3 {
+    fn about_surface(&self, w: Vec3) -> Vec3 {
         self.coat_frame.as_ref().map_or(w, |frame| frame.to_world(w))
     }
 
@@ -151,7 +151,7 @@ impl Lobes for Layered {
 
     fn parts(&self, wo: Vec3, wi: Vec3) -> Parts {
         let mut base = self.base.parts(wo, wi);
-        let [coat_o, coat_i] = [wo, wi].map(|w| self.to_coat(w));
+        let [coat_o, coat_i] = [wo, wi].map(|w| self.about_coat(w));
         let [cos_o, cos_i] = [coat_o, coat_i].map(|w| w.z.abs());
         if wi.z <= 0.0 && !self.is_sheet {
             // Through glass, whose layers are on one side.
@@ -206,12 +206,12 @@ impl Lobes for Layered {
         if !self.is_outside {
             let mut choice = self.base.choose(wo, u)?;
             if let Some(weight) = choice.delta.as_mut().filter(|_| choice.wi.z < 0.0) {
-                let cos = self.to_coat(choice.wi).z.abs();
+                let cos = self.about_coat(choice.wi).z.abs();
                 *weight *= self.below.at(cos) * self.absorbed(cos);
             }
             return Some(choice);
         }
-        let coat_o = self.to_coat(wo);
+        let coat_o = self.about_coat(wo);
         let cos_o = coat_o.z.abs();
         let Shares { fuzz, coat, lost, .. } = self.shares(cos_o);
         if choose(&mut u.x, fuzz) {
@@ -222,11 +222,11 @@ impl Lobes for Layered {
         if choose(&mut u.x, coat / rest) {
             if self.coat.is_delta() {
                 let weight = self.coat_fresnel.at(cos_o).0 * (self.under_fuzz.at(cos_o) / coat);
-                let wi = self.from_coat(reflect(coat_o, Vec3::Z));
+                let wi = self.about_surface(reflect(coat_o, Vec3::Z));
                 return (wi.z > 0.0).then(|| Choice::delta(wi, weight, Event::REFLECTION));
             }
             let coat_i = reflect(coat_o, self.coat.sample_reflection(coat_o, u));
-            let wi = self.from_coat(coat_i);
+            let wi = self.about_surface(coat_i);
             return (coat_i.z > 0.0 && wi.z > 0.0).then(|| Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
         }
         let rest = rest - coat;
@@ -235,7 +235,7 @@ impl Lobes for Layered {
         }
         let mut choice = self.base.choose(wo, u)?;
         if let Some(weight) = choice.delta.as_mut() {
-            let cos_i = self.to_coat(choice.wi).z.abs();
+            let cos_i = self.about_coat(choice.wi).z.abs();
             let (below, absorbed) = if choice.wi.z > 0.0 || self.is_sheet {
                 (self.below.at(cos_o).min(self.below.at(cos_i)), self.absorbed(cos_o) * self.absorbed(cos_i))
             } else {
@@ -252,7 +252,7 @@ impl Lobes for Layered {
         if !self.is_outside {
             return base;
         }
-        let cos_o = self.to_coat(wo).z.abs();
+        let cos_o = self.about_coat(wo).z.abs();
         let coat = (self.under_fuzz.at(cos_o) - self.below.at(cos_o)).max(0.0);
         let fuzz = self.fuzz.as_ref().map_or(0.0, |fuzz| fuzz.albedo.at(wo.z));
         let absorbed = self.absorbed(cos_o);
@@ -264,7 +264,7 @@ impl Lobes for Layered {
         if !self.is_outside {
             return base;
         }
-        let cos_o = self.to_coat(wo).z.abs();
+        let cos_o = self.about_coat(wo).z.abs();
         let absorbed = self.absorbed(cos_o);
         base * absorbed * absorbed * self.below.at(cos_o)
     }

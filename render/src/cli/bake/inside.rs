@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::error::{CliError, invalid};
+use super::super::error::CliError;
 use super::super::messages::{Style, print_text};
 use crate::bake::{BakeOptions, LeftOut};
 use crate::scene::value;
@@ -14,7 +14,7 @@ use crate::world::World;
 pub(super) enum Inside {
     /// Wherever it is.
     Anywhere,
-    /// The eye of the scene's camera.
+    /// The eye of the scene's camera, or of the one that stands for it.
     Camera,
     /// This one.
     At(Vec3),
@@ -33,21 +33,13 @@ impl Inside {
     }
 
     /// The places that all of them name; `None` if there are none.
-    ///
-    /// # Errors
-    /// If the scene has no camera.
-    pub(super) fn places(all: &[Self], scene: &Scene) -> Result<Option<Vec<Vec3>>, CliError> {
-        let place = |inside: &Self| match (inside, &scene.camera) {
-            (Self::Anywhere, _) => None,
-            (Self::At(place), _) => Some(Ok(*place)),
-            (Self::Camera, Some(camera)) => Some(Ok(camera.eye)),
-            (Self::Camera, None) => Some(Err(invalid(
-                "the scene has no camera, from which --skip-outside=camera would look".to_owned(),
-                "name a place in a room: --skip-outside=X,Y,Z",
-            ))),
+    pub(super) fn places(all: &[Self], scene: &Scene) -> Option<Vec<Vec3>> {
+        let place = |inside: &Self| match inside {
+            Self::Anywhere => None,
+            Self::At(place) => Some(*place),
+            Self::Camera => scene.camera.map(|camera| camera.eye),
         };
-        let places: Result<Vec<Vec3>, CliError> = all.iter().filter_map(place).collect();
-        Ok(if all.is_empty() { None } else { Some(places?) })
+        (!all.is_empty()).then(|| all.iter().filter_map(place).collect())
     }
 }
 
