@@ -1,10 +1,11 @@
 //! Surfaces that nobody sees who stays inside, as the outer walls of a house: they need no texels of their own.
 //!
 //! Places inside are found step by step. A place is inside if at most a fifth of all rays from there reach nothing, glass
-//! passed, and at most half end on backs of bodies. At the foot of an outer wall it is a quarter. It begins with places that the
+//! passed (at the foot of an outer wall it is a quarter), and at most half end on backs of bodies. It begins with places that the
 //! caller knows, which may be open, or with places in front of surfaces that are not narrow beside the widest; from each the
-//! next are sought along its rays, until they lie as close as a third of the way to what stands around. What rays from all places hit is seen. Of what they did not hit, the pieces are asked once more, by rays to
-//! points on them. A surface without creases is left out as a whole, or not at all.
+//! next are sought along its rays, until they lie as close as a third of the way to what stands around. What rays from all
+//! places hit is seen. Of what they did not hit, the pieces are asked once more, by rays to points on them. A surface without
+//! creases is left out as a whole, or not at all.
 
 use std::ops::Range;
 

@@ -74,6 +74,30 @@ impl Layered {
         self.coat_frame.as_ref().map_or(w, |frame| frame.to_world(w))
     }
 
+    /// The coat's `f |cos θ|` and its density, from a direction in its own frame to one above the surface. What a tilted coat
+    /// reflects to below the surface is mirrored to above it, as [`Shading`](super::Shading) does: so no light is lost.
+    #[inline]
+    fn coat_lobe(&self, from: Vec3, to: Vec3) -> (Vec3, f32) {
+        let mut sum = (Vec3::ZERO, 0.0);
+        let mirrored = self.coat_frame.is_some().then(|| Vec3::new(to.x, to.y, -to.z));
+        for to in std::iter::once(to).chain(mirrored).map(|to| self.about_coat(to)) {
+            if from.z > 0.0 && to.z > 0.0 {
+                let (h, cos) = half(from, to);
+                let lobe = self.coat.d(h) * self.coat.g2(from, to) / (4.0 * from.z);
+                sum.0 += self.coat_fresnel.at(cos).0 * lobe;
+                sum.1 += self.coat.reflection_density(from, h);
+            }
+        }
+        sum
+    }
+
+    /// Where a direction leads that the coat reflects to, in its own frame.
+    #[inline]
+    fn off_coat(&self, w: Vec3) -> Vec3 {
+        let w = self.about_surface(w);
+        Vec3::new(w.x, w.y, w.z.abs())
+    }
+
     #[inline]
     fn shares(&self, cos: f32) -> Shares {
         let under_fuzz = self.under_fuzz.at(cos);
@@ -191,13 +215,12 @@ impl Lobes for Layered {
             parts.density += o.fuzz * density;
             parts.reverse_density += i.fuzz * reverse_density;
         }
-        if self.coat_weight > 0.0 && !self.coat.is_delta() && coat_o.z > 0.0 && coat_i.z > 0.0 {
-            let (h, cos) = half(coat_o, coat_i);
+        if self.coat_weight > 0.0 && !self.coat.is_delta() {
             let under = self.under_fuzz.at(cos_o).min(self.under_fuzz.at(cos_i));
-            let lobe = self.coat.d(h) * self.coat.g2(coat_o, coat_i) / (4.0 * coat_o.z);
-            parts.glossy += self.coat_fresnel.at(cos).0 * (under * lobe);
-            parts.density += o.coat * self.coat.reflection_density(coat_o, h);
-            parts.reverse_density += i.coat * self.coat.reflection_density(coat_i, h);
+            let (f_cos, density) = self.coat_lobe(coat_o, wi);
+            parts.glossy += f_cos * under;
+            parts.density += o.coat * density;
+            parts.reverse_density += i.coat * self.coat_lobe(coat_i, wo).1;
         }
         parts
     }
@@ -222,12 +245,12 @@ impl Lobes for Layered {
         if choose(&mut u.x, coat / rest) {
             if self.coat.is_delta() {
                 let weight = self.coat_fresnel.at(cos_o).0 * (self.under_fuzz.at(cos_o) / coat);
-                let wi = self.about_surface(reflect(coat_o, Vec3::Z));
-                return (wi.z > 0.0).then(|| Choice::delta(wi, weight, Event::REFLECTION));
+                let wi = self.off_coat(reflect(coat_o, Vec3::Z));
+                return Some(Choice::delta(wi, weight, Event::REFLECTION));
             }
             let coat_i = reflect(coat_o, self.coat.sample_reflection(coat_o, u));
-            let wi = self.about_surface(coat_i);
-            return (coat_i.z > 0.0 && wi.z > 0.0).then(|| Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
+            let wi = self.off_coat(coat_i);
+            return (coat_i.z > 0.0).then(|| Choice::new(wi, Event::GLOSSY | Event::REFLECTION));
         }
         let rest = rest - coat;
         if choose(&mut u.x, lost / rest) {

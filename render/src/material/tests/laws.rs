@@ -121,11 +121,13 @@ fn a_tilted_coat_mirrors_about_its_own_normal() {
     let closure = Closure::new(&inputs, false);
     for cos in COSINES {
         let wo = direction(cos, 2.0);
+        // Where the coat reflects to below the surface, it is mirrored to above it.
         let mirrored = 2.0 * wo.dot(coat_normal) * coat_normal - wo;
+        let mirrored = mirrored.with_z(mirrored.z.abs());
         let deltas: Vec<_> =
             points(256).filter_map(|u| closure.sample(wo, u)).filter(|it| it.density.is_infinite()).collect();
         assert!(deltas.iter().all(|sample| sample.wi.distance(mirrored) < 1e-5), "{cos}: {mirrored} {deltas:?}");
-        assert!(!deltas.is_empty() || mirrored.z < 0.0, "{cos}");
+        assert!(!deltas.is_empty(), "{cos}");
     }
     // Upright, it is the closure without a normal of its own, to the bit.
     let upright = Closure::new(&Inputs { coat_roughness: 0.4, coat_normal: Vec3::Z, ..inputs }, false);
