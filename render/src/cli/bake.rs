@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
+use glam::Vec3;
 
 use super::args::{CommonArguments, names, shard};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
 use super::light::LightArguments;
 use super::messages::{Style, print_text, print_warning, warn};
-use super::prepare::{CORNELL, prepare, thread_pool};
+use super::prepare::{CORNELL, prepare_with_eye, thread_pool};
 use super::progress::Progress;
 use super::{interrupt, memory};
 use crate::bake::atlas::Atlas;
@@ -142,9 +143,9 @@ pub(super) struct BakeArguments {
 }
 
 impl BakeArguments {
-    /// What the bake of a scene depends on, with the seed of the scene file if none is given.
-    fn options(&self, scene: &Scene, seed: u64) -> BakeOptions {
-        BakeOptions {
+    /// What the bake depends on; `eye` is where the file's camera stands, `seed` that of the scene file.
+    fn options(&self, eye: Option<Vec3>, seed: u64) -> Result<BakeOptions, CliError> {
+        Ok(BakeOptions {
             mode: self.mode,
             directional: self.directional,
             sampling: self.sampling,
@@ -156,10 +157,10 @@ impl BakeArguments {
             brute: self.brute,
             cache: self.cache.options(),
             ao_distance: self.ao_distance,
-            skip_outside: Inside::places(&self.skip_outside, scene),
+            skip_outside: Inside::places(&self.skip_outside, eye)?,
             denoise: self.denoise,
             seed,
-        }
+        })
     }
 
     /// The model's file; `None` for the built-in scene.
@@ -186,15 +187,12 @@ impl BakeArguments {
 pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     // Each copy has texels of its own.
-    let mut overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
-    if arguments.skip_outside.contains(&Inside::Camera) {
-        (overrides.eye, overrides.target, overrides.up) = (None, None, None);
-    }
+    let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
         let named = picture.as_slice();
-        let (scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-        let options = arguments.options(&scene, settings.seed);
+        let (scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, named, style))?;
+        let options = arguments.options(eye, settings.seed)?;
         return pool.install(|| check::run(&scene, &options, picture.as_deref(), style));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
@@ -210,8 +208,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
-    let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, &named, style))?;
-    let options = arguments.options(&scene, settings.seed);
+    let (mut scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, &named, style))?;
+    let options = arguments.options(eye, settings.seed)?;
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
 }
@@ -225,8 +223,8 @@ fn run_shard(
 ) -> Result<u8, CliError> {
     arguments.model()?;
     let named = std::slice::from_ref(output);
-    let (mut scene, settings) = pool.install(|| prepare(&arguments.scene, overrides, named, style))?;
-    let options = arguments.options(&scene, settings.seed);
+    let (mut scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, named, style))?;
+    let options = arguments.options(eye, settings.seed)?;
     part::check(arguments, &options, output)?;
     warn(style, &mut scene.warnings);
     let hash = bake::combined(&files::hashes(&scene, &options, arguments.preset));

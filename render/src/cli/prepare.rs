@@ -3,6 +3,8 @@
 use std::io::{ErrorKind, IsTerminal};
 use std::path::Path;
 
+use glam::Vec3;
+
 use super::args::CommonArguments;
 use super::error::CliError;
 use super::inputs;
@@ -33,11 +35,31 @@ pub(super) fn prepare_from<P: AsRef<Path>>(
     outputs: &[P],
     style: Style,
 ) -> Result<(Scene, Settings, Overrides), CliError> {
+    prepare_all(name, arguments, outputs, style).map(|(scene, settings, from_file, _)| (scene, settings, from_file))
+}
+
+/// The same as [`prepare`], and where the file's own camera stands, if it has one.
+pub(super) fn prepare_with_eye<P: AsRef<Path>>(
+    name: &Path,
+    arguments: Overrides,
+    outputs: &[P],
+    style: Style,
+) -> Result<(Scene, Settings, Option<Vec3>), CliError> {
+    prepare_all(name, arguments, outputs, style).map(|(scene, settings, _, eye)| (scene, settings, eye))
+}
+
+fn prepare_all<P: AsRef<Path>>(
+    name: &Path,
+    arguments: Overrides,
+    outputs: &[P],
+    style: Style,
+) -> Result<(Scene, Settings, Overrides, Option<Vec3>), CliError> {
     let (mut scene, from_file) = open(name, &arguments, style)?;
+    let eye = from_file.eye.or(scene.camera.map(|camera| camera.eye));
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     inputs::refuse(outputs, &scene.files)?;
-    Ok((scene, settings, from_file))
+    Ok((scene, settings, from_file, eye))
 }
 
 /// The world of the scene called `name`, to find light where it is said, with its settings, and the threads to work

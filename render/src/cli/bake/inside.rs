@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::error::CliError;
+use super::super::error::{CliError, invalid};
 use super::super::messages::{Style, print_text};
 use crate::bake::{BakeOptions, LeftOut};
 use crate::scene::value;
@@ -14,7 +14,7 @@ use crate::world::World;
 pub(super) enum Inside {
     /// Wherever it is.
     Anywhere,
-    /// The eye of the scene's camera, or of the one that stands for it.
+    /// Where the file's camera stands.
     Camera,
     /// This one.
     At(Vec3),
@@ -32,14 +32,22 @@ impl Inside {
         }
     }
 
-    /// The places that all of them name; `None` if there are none.
-    pub(super) fn places(all: &[Self], scene: &Scene) -> Option<Vec<Vec3>> {
+    /// The places that all of them name; `None` if there are none. `eye` is where the file's camera stands.
+    ///
+    /// # Errors
+    /// If the file has no camera.
+    pub(super) fn places(all: &[Self], eye: Option<Vec3>) -> Result<Option<Vec<Vec3>>, CliError> {
+        let without = || {
+            let problem = "the file has no camera, from which --skip-outside=camera would look".to_owned();
+            invalid(problem, "name a place in a room: --skip-outside=X,Y,Z")
+        };
         let place = |inside: &Self| match inside {
             Self::Anywhere => None,
-            Self::At(place) => Some(*place),
-            Self::Camera => scene.camera.map(|camera| camera.eye),
+            Self::At(place) => Some(Ok(*place)),
+            Self::Camera => Some(eye.ok_or_else(without)),
         };
-        (!all.is_empty()).then(|| all.iter().filter_map(place).collect())
+        let places = all.iter().filter_map(place).collect::<Result<Vec<Vec3>, CliError>>()?;
+        Ok((!all.is_empty()).then_some(places))
     }
 }
 
