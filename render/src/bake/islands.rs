@@ -72,14 +72,19 @@ fn connect(scene: &Scene, part: &Part, has_area: &[bool]) -> Vec<usize> {
     sides.sort_unstable();
     let mut parents: Vec<usize> = (0..part.triangles.len()).collect();
     for pair in sides.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        let [a, b] = [pair[0].1, pair[1].1].map(|triangle| root(&mut parents, triangle));
-        parents[a.max(b)] = a.min(b);
+        join(&mut parents, [pair[0].1, pair[1].1]);
     }
     (0..parents.len()).map(|triangle| root(&mut parents, triangle)).collect()
 }
 
+/// Connects two triangles.
+pub(crate) fn join(parents: &mut [usize], triangles: [usize; 2]) {
+    let [a, b] = triangles.map(|triangle| root(parents, triangle));
+    parents[a.max(b)] = a.min(b);
+}
+
 /// The least triangle that one is connected with; the way there becomes shorter.
-fn root(parents: &mut [usize], mut triangle: usize) -> usize {
+pub(crate) fn root(parents: &mut [usize], mut triangle: usize) -> usize {
     while parents[triangle] != triangle {
         parents[triangle] = parents[parents[triangle]];
         triangle = parents[triangle];

@@ -24,6 +24,7 @@ mod filter;
 mod footprint;
 pub mod gltf;
 mod hashes;
+mod inside;
 mod islands;
 mod layout;
 mod left_out;

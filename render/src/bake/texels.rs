@@ -63,7 +63,7 @@ struct Piece {
 pub(crate) struct Surfaces<'a> {
     scene: &'a Scene,
     atlas: &'a Atlas,
-    /// For each mesh the number of its first triangle among all of the scene.
+    /// See [`first_prims`].
     first_prims: Vec<u32>,
     /// For each triangle of the scene its part, and its number there; none for those that are in no part.
     faces: Vec<Option<(u32, u32)>>,
@@ -78,15 +78,20 @@ pub(crate) struct Place {
     pub(crate) chart: u32,
 }
 
+/// For each mesh the number of its first triangle among all of the scene, and behind them the number of all.
+pub(crate) fn first_prims(scene: &Scene) -> Vec<u32> {
+    let counts = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u32);
+    let ends = counts.scan(0, |sum, count| {
+        *sum += count;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(ends).collect()
+}
+
 impl<'a> Surfaces<'a> {
     pub(crate) fn new(scene: &'a Scene, atlas: &'a Atlas) -> Self {
-        let first_prims = scene.meshes.iter().scan(0, |next, mesh| {
-            let first = *next;
-            *next += mesh.triangles.len() as u32;
-            Some(first)
-        });
-        let first_prims: Vec<u32> = first_prims.collect();
-        let mut faces = vec![None; scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum()];
+        let first_prims = first_prims(scene);
+        let mut faces = vec![None; first_prims[scene.meshes.len()] as usize];
         for (number, part) in (0..).zip(&atlas.parts) {
             for (triangle, face) in (0..).zip(&part.faces) {
                 faces[(first_prims[part.mesh] + face) as usize] = Some((number, triangle));

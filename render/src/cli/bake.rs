@@ -16,7 +16,7 @@ use super::args::{CommonArguments, names, shard};
 use super::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
 use super::light::LightArguments;
 use super::messages::{Style, print_text, print_warning, warn};
-use super::prepare::{CORNELL, prepare_with_eye, thread_pool};
+use super::prepare::{CORNELL, Prepared, prepare_from, thread_pool};
 use super::progress::Progress;
 use super::{interrupt, memory};
 use crate::bake::atlas::Atlas;
@@ -191,7 +191,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
         let named = picture.as_slice();
-        let (scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, named, style))?;
+        let Prepared { scene, settings, eye, .. } =
+            pool.install(|| prepare_from(&arguments.scene, overrides, named, style))?;
         let options = arguments.options(eye, settings.seed)?;
         return pool.install(|| check::run(&scene, &options, picture.as_deref(), style));
     }
@@ -208,7 +209,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
     let named = files.named();
-    let (mut scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, &named, style))?;
+    let Prepared { mut scene, settings, eye, .. } =
+        pool.install(|| prepare_from(&arguments.scene, overrides, &named, style))?;
     let options = arguments.options(eye, settings.seed)?;
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))
@@ -223,7 +225,8 @@ fn run_shard(
 ) -> Result<u8, CliError> {
     arguments.model()?;
     let named = std::slice::from_ref(output);
-    let (mut scene, settings, eye) = pool.install(|| prepare_with_eye(&arguments.scene, overrides, named, style))?;
+    let Prepared { mut scene, settings, eye, .. } =
+        pool.install(|| prepare_from(&arguments.scene, overrides, named, style))?;
     let options = arguments.options(eye, settings.seed)?;
     part::check(arguments, &options, output)?;
     warn(style, &mut scene.warnings);

@@ -14,6 +14,17 @@ use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
 use crate::world::{LookFrom, World};
 
+/// What a name stands for, with options.
+pub(super) struct Prepared {
+    pub(super) scene: Scene,
+    pub(super) settings: Settings,
+    /// The options of the scene file.
+    #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "the viewer alone asks"))]
+    pub(super) from_file: Overrides,
+    /// Where the file's own camera stands, if it has one.
+    pub(super) eye: Option<Vec3>,
+}
+
 /// The built-in scene's name in place of a path.
 pub(super) const CORNELL: &str = "cornell";
 
@@ -25,41 +36,22 @@ pub(super) fn prepare<P: AsRef<Path>>(
     outputs: &[P],
     style: Style,
 ) -> Result<(Scene, Settings), CliError> {
-    prepare_from(name, arguments, outputs, style).map(|(scene, settings, _)| (scene, settings))
+    prepare_from(name, arguments, outputs, style).map(|Prepared { scene, settings, .. }| (scene, settings))
 }
 
-/// The same, and the options of the scene file.
+/// The same, and more of what the file says.
 pub(super) fn prepare_from<P: AsRef<Path>>(
     name: &Path,
     arguments: Overrides,
     outputs: &[P],
     style: Style,
-) -> Result<(Scene, Settings, Overrides), CliError> {
-    prepare_all(name, arguments, outputs, style).map(|(scene, settings, from_file, _)| (scene, settings, from_file))
-}
-
-/// The same as [`prepare`], and where the file's own camera stands, if it has one.
-pub(super) fn prepare_with_eye<P: AsRef<Path>>(
-    name: &Path,
-    arguments: Overrides,
-    outputs: &[P],
-    style: Style,
-) -> Result<(Scene, Settings, Option<Vec3>), CliError> {
-    prepare_all(name, arguments, outputs, style).map(|(scene, settings, _, eye)| (scene, settings, eye))
-}
-
-fn prepare_all<P: AsRef<Path>>(
-    name: &Path,
-    arguments: Overrides,
-    outputs: &[P],
-    style: Style,
-) -> Result<(Scene, Settings, Overrides, Option<Vec3>), CliError> {
+) -> Result<Prepared, CliError> {
     let (mut scene, from_file) = open(name, &arguments, style)?;
     let eye = from_file.eye.or(scene.camera.map(|camera| camera.eye));
     let settings = arguments.or(from_file.clone()).apply(&mut scene);
     let settings = settings.map_err(|conflict| CliError::input(conflict.naming(name, &from_file)))?;
     inputs::refuse(outputs, &scene.files)?;
-    Ok((scene, settings, from_file, eye))
+    Ok(Prepared { scene, settings, from_file, eye })
 }
 
 /// The world of the scene called `name`, to find light where it is said, with its settings, and the threads to work

@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<u8, CliError> {
 
     use super::memory;
     use super::messages::print_warning;
-    use super::prepare::{CORNELL, prepare_from, thread_pool};
+    use super::prepare::{CORNELL, Prepared, prepare_from, thread_pool};
     use crate::executor::RayonExecutor;
     use crate::settings::Settings;
     use crate::view::{CameraFile, Session, Start, optics_keys};
@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<u8, CliError> {
     let style = common.progress.style(std::io::stderr().is_terminal());
     let pool = thread_pool(common)?;
     let read = || prepare_from::<PathBuf>(path, overrides.clone(), &[], style);
-    let (scene, settings, from_file) = pool.install(read)?;
+    let Prepared { scene, settings, from_file, .. } = pool.install(read)?;
     let with_aovs = Settings { aov: true, halves: true, ..settings.clone() };
     memory::check(&with_aovs)?;
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
