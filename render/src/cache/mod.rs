@@ -90,9 +90,7 @@ const ACCURATE_LEAST: f32 = 0.25;
 /// counts less and less where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
 
-/// How far records may disagree about a point, over the error that was asked for, before it is gathered itself.
-const DOUBTFUL: f32 = 3.0;
-/// The part of the distance that records have from what stands around them below which a point is hidden from them.
+/// A point is hidden from records if all around it is closer than this part of their own mean distance from what they see.
 const HIDDEN: f32 = 0.125;
 
 /// How the records around a point are read.
@@ -111,10 +109,6 @@ pub struct Interpolated {
     pub irradiance: Vec3,
     /// Records whose extrapolation had a negative channel, which counted as 0.
     pub negative: u32,
-    /// How far records disagree: the standard deviation of what each says, as a mean over the channels.
-    pub spread: f32,
-    /// The mean of the records' distances from what stands around them.
-    pub distance: f32,
 }
 
 impl Cache {
@@ -291,12 +285,17 @@ impl Cache {
         strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), position, normals))
     }
 
-    /// Whether a point had better be gathered itself: on all sides of it something is closer than this, and far closer than
-    /// it would be by the records; or, where an accuracy is asked for, records disagree too much.
-    pub(crate) fn is_doubtful(&self, found: &Interpolated, clearance: f32) -> bool {
-        let allowed = self.options.accuracy.zip(self.estimate).map(|(accuracy, estimate)| accuracy * estimate.light);
-        let is_hidden = clearance < HIDDEN * found.distance;
-        is_hidden || allowed.is_some_and(|allowed| found.spread > DOUBTFUL * allowed)
+    /// Whether a point is hidden from the records around: something is closer than `clearance` on all sides of it, and far
+    /// closer than to them.
+    pub(crate) fn is_hidden(&self, position: Vec3, normal: Vec3, clearance: f32) -> bool {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        if clearance < f32::INFINITY {
+            self.weigh(position, normal, |record, weight| {
+                sum += weight * self.records[record].mean_distance;
+                weights += weight;
+            });
+        }
+        clearance * weights < HIDDEN * sum
     }
 
     /// How the options ask for records to be read.
@@ -323,7 +322,6 @@ impl Cache {
         let rotation = gradients != Gradients::Off;
         let translation = gradients == Gradients::Both;
         let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
-        let (mut squares, mut distances) = (0.0, 0.0);
         self.tree.query(position, |i| {
             let record = &self.records[i];
             let weight = weighting.weight(record, position, normal);
@@ -339,18 +337,11 @@ impl Cache {
                     false => record.tilt(irradiance, normal, tilted, rotation),
                 };
                 negative += u32::from(irradiance.min_element() < 0.0);
-                let irradiance = irradiance.max(Vec3::ZERO);
-                sum += weight * irradiance;
-                squares += weight * irradiance.element_sum() * irradiance.element_sum();
-                distances += weight * record.mean_distance;
+                sum += weight * irradiance.max(Vec3::ZERO);
                 weights += weight;
             }
         });
-        (weights > 0.0).then(|| {
-            let irradiance = sum / weights;
-            let variance = squares / weights - irradiance.element_sum() * irradiance.element_sum();
-            Interpolated { irradiance, negative, spread: variance.max(0.0).sqrt() / 3.0, distance: distances / weights }
-        })
+        (weights > 0.0).then(|| Interpolated { irradiance: sum / weights, negative })
     }
 }
 

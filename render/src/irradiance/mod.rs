@@ -175,9 +175,10 @@ fn look_up(
     watch: &dyn Watch,
 ) -> (Irradiance, f64) {
     let indirect: Vec<Option<Vec3>> =
-        sensors.par_iter().map(|sensor| frozen.irradiance(world, &sensor.surface(world))).collect();
-    let lost: Vec<usize> = own.iter().copied().filter(|&i| indirect[i].is_none()).collect();
-    let values = indirect.into_iter().map(Option::unwrap_or_default).collect();
+        own.par_iter().map(|&i| frozen.irradiance(world, &sensors[i].surface(world))).collect();
+    let mut values = vec![Vec3::ZERO; sensors.len()];
+    own.iter().zip(&indirect).for_each(|(&i, indirect)| values[i] = indirect.unwrap_or_default());
+    let lost: Vec<usize> = own.iter().zip(&indirect).filter(|(_, it)| it.is_none()).map(|(&i, _)| i).collect();
     let mut found = Irradiance { values, finished: true, rays: 0, cache: None, error: None };
     let mut variance = 0.0;
     if request.part == Part::Total {

@@ -10,9 +10,9 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::Stream;
 use rayon::prelude::*;
 
-use super::GatherSource;
 use super::clearance::clearance;
 use super::level::Uncached;
+use super::{GatherSource, visible};
 use crate::cache::Cache;
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
 use crate::settings::CachedOptions;
@@ -158,9 +158,8 @@ impl<'w> HeldOut<'w> {
     /// The mean squared error of a cache's irradiance over points and channels, in W²/m⁴; 0 if noise alone makes it less.
     pub(crate) fn squared_error(&self, cache: &Cache) -> f64 {
         let square = |((surface, &clearance), pair): ((&Surface, &f32), &[Vec3; 2])| {
-            // Where there is no record, or it is not sure, a path is traced or a gather made.
-            let found = cache.interpolate_tilted(surface.position, surface.normals());
-            let found = found.filter(|found| !cache.is_doubtful(found, clearance))?.irradiance;
+            // Where there is no record, or none that sees what the point sees, a path is traced or a gather made.
+            let found = visible(cache, surface, clearance)?.irradiance;
             let [a, b] = pair.map(|gathered| (found - gathered).as_dvec3());
             Some((a * b).element_sum() / 3.0)
         };

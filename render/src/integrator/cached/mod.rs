@@ -65,11 +65,10 @@ impl FrozenCache {
         Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
     }
 
-    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid, where the point is
-    /// hidden from all of them, or where they disagree too much for the accuracy that is asked for.
+    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid, or the point is
+    /// hidden from all of them.
     pub(crate) fn irradiance(&self, world: &World, surface: &Surface) -> Option<Vec3> {
-        let found = self.cache.interpolate_tilted(surface.position, surface.normals());
-        self.count(found.filter(|found| !self.cache.is_doubtful(found, clearance(world, surface))))
+        self.count(visible(&self.cache, surface, clearance(world, surface)))
     }
 
     /// The same for pictures, and for means over many points: of what is hidden these see little, and where a surface turns
@@ -101,6 +100,12 @@ impl FrozenCache {
             negative: self.negative.load(Ordering::Relaxed),
         }
     }
+}
+
+/// What records say of a surface's point with this clearance, unless it is hidden from them.
+fn visible(cache: &Cache, surface: &Surface, clearance: f32) -> Option<Interpolated> {
+    let is_hidden = cache.is_hidden(surface.position, surface.smooth_normal, clearance);
+    cache.interpolate_tilted(surface.position, surface.normals()).filter(|_| !is_hidden)
 }
 
 /// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth`
