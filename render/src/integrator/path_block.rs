@@ -183,6 +183,7 @@ impl PathBlock {
             emission: Vec3::ZERO,
             offset: self.triangles.offset[i],
             prim_id: 0,
+            instance: 0,
             tangent: Vec3::ZERO,
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],

@@ -146,8 +146,7 @@ impl Fnv {
     fn material(&mut self, material: &Material) {
         let Material { name: _, inputs, maps, uses_vertex_colors, base_color_tints_transmission: tints, .. } = material;
         let Material { tangent_rotation, anisotropy, normal_map, bump_map, opacity, unlit, dispersion, .. } = material;
-        let Material { coat_normal, .. } = material;
-        let Material { emission, emission_map, emits_both_sides, .. } = material;
+        let Material { emission, emission_map, emits_both_sides, coat_normal, .. } = material;
         Input::ALL.iter().for_each(|input| self.vector(input.get(inputs)));
         self.vector(inputs.absorption);
         [inputs.thin_walled, *uses_vertex_colors, *tints, *unlit].into_iter().for_each(|flag| self.word(flag.into()));
@@ -173,6 +172,7 @@ impl Fnv {
             CoatNormal::OfBase => {}
             CoatNormal::OfVertices => self.word(1),
             CoatNormal::Map(NormalMap { texture, scale }) => {
+                self.word(2);
                 self.map(Some(texture));
                 self.floats(&scale.to_array());
             }
@@ -278,6 +278,10 @@ mod tests {
         rough.materials[0].inputs.specular_roughness = 0.9;
         let mut bumpy = scene.clone();
         bumpy.materials[0].normal_map = Some(NormalMap { texture: TextureMap::default(), scale: Vec2::ONE });
+        let mut smooth_coat = scene.clone();
+        smooth_coat.materials[0].coat_normal = CoatNormal::OfVertices;
+        let mut bumpy_coat = scene.clone();
+        bumpy_coat.materials[0].coat_normal = CoatNormal::Map(bumpy.materials[0].normal_map.clone().unwrap());
         let mut faint = scene.clone();
         faint.materials[0].opacity.value = 0.5;
         let mut holes = scene.clone();
@@ -289,7 +293,8 @@ mod tests {
         let mut turned = scene.clone();
         turned.camera.as_mut().unwrap().vfov += 1.0;
         let all = [&scene, &moved, &darker, &lit, &mirror, &holes, &textured, &other, &turned, &rough, &bumpy, &faint];
-        let hashes = all.map(|scene| scene.hash());
+        let all = all.into_iter().chain([&smooth_coat, &bumpy_coat]).collect::<Vec<_>>();
+        let hashes: Vec<u64> = all.iter().map(|scene| scene.hash()).collect();
         assert!((0..all.len()).all(|i| (0..i).all(|j| hashes[i] != hashes[j])), "{hashes:?}");
         assert_eq!(scene.surroundings_hash(), turned.surroundings_hash());
     }

@@ -93,6 +93,13 @@ struct MapFile {
     height: f32,
 }
 
+impl MapFile {
+    fn normal_map(&self, texture: TextureMap) -> NormalMap {
+        let scale = self.strength * Vec2::new(1.0, if self.green_is_down { -1.0 } else { 1.0 });
+        NormalMap { texture, scale }
+    }
+}
+
 /// Keys besides the inputs and their maps.
 const KEYS: [&str; 17] = [
     "light_group",
@@ -369,14 +376,8 @@ impl Material {
                 let map = Some((texture, map.channel.unwrap_or(Channel::A)));
                 self.opacity = Opacity { map, ..self.opacity.clone() };
             }
-            Target::Normal | Target::CoatNormal => {
-                let scale = map.strength * Vec2::new(1.0, if map.green_is_down { -1.0 } else { 1.0 });
-                let map = NormalMap { texture, scale };
-                match target {
-                    Target::Normal => self.normal_map = Some(map),
-                    _ => self.coat_normal = CoatNormal::Map(map),
-                }
-            }
+            Target::Normal => self.normal_map = Some(map.normal_map(texture)),
+            Target::CoatNormal => self.coat_normal = CoatNormal::Map(map.normal_map(texture)),
             Target::Bump => self.bump_map = Some(BumpMap { texture, channel, height: map.height }),
         }
         Ok(())

@@ -3,7 +3,9 @@
 use glam::{Vec3, Vec4};
 
 use super::World;
+use super::names::SKY;
 use crate::light::Light;
+use crate::settings::MatteKind;
 
 /// The golden ratio's fractional part: hues in steps of it lie as far apart as they can, however many there are.
 const HUE_STEP: f32 = 0.618_034;
@@ -18,23 +20,17 @@ impl World {
         }
     }
 
-    /// The names of all lights, with their colours: the sky, punctual lights, meshes that emit. Without a name of its own a
+    /// The names of all lights, with the colours, in linear sRGB, by which the integrator `heat-lights` tells them apart: the sky, punctual lights, meshes that emit. Without a name of its own a
     /// light has its number.
-    pub(crate) fn light_colors(&self) -> Vec<(String, Vec3)> {
-        let sky = (self.lights.sky.mean() != Vec3::ZERO).then(|| ("sky".to_owned(), color(0)));
-        let named = |kind: &str, number: usize, name: &str| match name {
-            "" => format!("{kind} {number}"),
-            name => name.to_owned(),
-        };
-        let labels = self.light_labels.iter().enumerate();
-        let punctual = labels.map(|(number, label)| (named("light", number, &label.name), color(1 + number)));
-        let emits = |number: &usize| {
-            let mesh = &self.meshes[*number];
-            !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO
-        };
-        let emissive = (0..self.meshes.len()).filter(emits);
-        let emissive =
-            emissive.map(|number| (named("object", number, &self.meshes[number].name), self.mesh_light_color(number)));
+    pub fn light_colors(&self) -> Vec<(String, Vec3)> {
+        let sky = (self.lights.sky.mean() != Vec3::ZERO).then(|| (SKY.to_owned(), color(0)));
+        let punctual = self.light_labels.iter().enumerate().map(|(number, label)| {
+            let name = if label.name.is_empty() { format!("light {number}") } else { label.name.clone() };
+            (name, color(1 + number))
+        });
+        let objects = self.names(MatteKind::Object).zip(&self.meshes).enumerate();
+        let emissive = objects.filter(|(_, (_, mesh))| self.emits(mesh));
+        let emissive = emissive.map(|(number, (name, _))| (name, self.mesh_light_color(number)));
         sky.into_iter().chain(punctual).chain(emissive).collect()
     }
 

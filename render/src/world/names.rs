@@ -38,7 +38,7 @@ impl World {
 
 /// What lights are called that have no name, and the sky.
 const REST: &str = "rest";
-const SKY: &str = "sky";
+pub(super) const SKY: &str = "sky";
 
 impl World {
     /// The number of the mesh that a triangle belongs to.
@@ -77,10 +77,14 @@ impl World {
         [SKY; 2].map(str::to_owned)
     }
 
+    /// Whether a mesh has surfaces that emit.
+    pub(super) fn emits(&self, mesh: &Mesh) -> bool {
+        !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO
+    }
+
     /// The names of the groups of all lights, sorted.
     pub(crate) fn light_groups(&self) -> BTreeSet<String> {
-        let emits = |mesh: &Mesh| !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO;
-        let emitters = self.emitter_labels().zip(&self.meshes).filter(|(_, mesh)| emits(mesh));
+        let emitters = self.emitter_labels().zip(&self.meshes).filter(|(_, mesh)| self.emits(mesh));
         let sky = (self.lights.sky.mean() != Vec3::ZERO).then(Self::sky_labels);
         let labels = emitters.map(|((_, labels), _)| labels).chain(self.punctual_labels()).chain(sky);
         labels.map(|[group, _]| group).collect()

@@ -41,6 +41,8 @@ pub(crate) struct Surface<'w> {
     /// How far from the triangle's plane rays start.
     pub offset: f32,
     pub prim_id: u32,
+    /// As [`Hit::instance`].
+    pub instance: u32,
     /// Weights of the second and the third corner.
     pub barycentric: [f32; 2],
     /// When, as [`Hit::time`].
@@ -79,6 +81,7 @@ impl World {
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
             prim_id: Hit::NO_PRIM,
+            instance: 0,
             barycentric: [0.0; 2],
             time: MIDDLE,
             is_back: false,
@@ -123,6 +126,7 @@ impl World {
             emission: record.emission,
             offset: face.offset,
             prim_id,
+            instance: hit.instance,
             barycentric: [u, v],
             time: hit.time,
             is_back: false,

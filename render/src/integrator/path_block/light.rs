@@ -79,6 +79,7 @@ impl LightSamples {
             emission: emitters.emission.get(i),
             offset: emitters.offset[i],
             prim_id: 0,
+            instance: 0,
             tangent: Vec3::ZERO,
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],

@@ -129,7 +129,7 @@ fn a_tilted_coat_mirrors_about_its_own_normal() {
         assert!(deltas.iter().all(|sample| sample.wi.distance(mirrored) < 1e-5), "{cos}: {mirrored} {deltas:?}");
         assert!(!deltas.is_empty(), "{cos}");
     }
-    // Upright, it is the closure without a normal of its own, to the bit.
+    // Hardly tilted, it is nearly the closure without a normal of its own.
     let upright = Closure::new(&Inputs { coat_roughness: 0.4, coat_normal: Vec3::Z, ..inputs }, false);
     let turned = Closure::new(
         &Inputs { coat_roughness: 0.4, coat_normal: Vec3::new(1e-4, 0.0, 1.0).normalize(), ..inputs },

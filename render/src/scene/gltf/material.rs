@@ -262,12 +262,14 @@ impl Reader<'_> {
         self.vary(Input::CoatWeight, weight.as_ref(), Channel::R);
         let roughness = self.texture("clearcoatRoughnessTexture", it.clearcoat_roughness_texture.as_ref(), Linear)?;
         self.vary(Input::CoatRoughness, roughness.as_ref(), Channel::G);
-        let map = self.normal_map("clearcoatNormalTexture", it.clearcoat_normal_texture.as_ref())?;
-        self.material.coat_normal = match map {
-            map if map == self.material.normal_map => CoatNormal::OfBase,
-            Some(map) => CoatNormal::Map(map),
-            None => CoatNormal::OfVertices,
-        };
+        if it.clearcoat_factor > 0.0 {
+            let map = self.normal_map("clearcoatNormalTexture", it.clearcoat_normal_texture.as_ref())?;
+            self.material.coat_normal = match map {
+                map if map == self.material.normal_map => CoatNormal::OfBase,
+                Some(map) => CoatNormal::Map(map),
+                None => CoatNormal::OfVertices,
+            };
+        }
         Ok(())
     }
 
@@ -319,6 +321,7 @@ impl Reader<'_> {
         material.inputs = Inputs { base_color: Vec3::ZERO, ..Inputs::default() };
         material.base_color_tints_transmission = false;
         (material.maps, material.normal_map, material.anisotropy) = (Vec::new(), None, None);
+        material.coat_normal = CoatNormal::OfBase;
     }
 
     /// A texture in the slot called `slot`.

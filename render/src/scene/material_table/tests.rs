@@ -103,6 +103,16 @@ fn a_material_printed_and_read_is_the_same() {
     let read = applied(&oak.to_toml(&[])).unwrap().materials.remove(0);
     assert_eq!((read.inputs, read.emission), (inputs, emission));
     assert!((read.tangent_rotation - 0.5).abs() < 1e-6);
+    // A coat is smooth over bumps where the file says so, and has a map of its own.
+    let map = NormalMap { texture: TextureMap::default(), scale: Vec2::ONE };
+    let smooth = Material { normal_map: Some(map), coat_normal: CoatNormal::OfVertices, ..oak };
+    let text = smooth.to_toml(&[crate::scene::Texture::new(1, 1, vec![[1; 4]])]);
+    assert_eq!(applied(&text).unwrap().materials[0].coat_normal, CoatNormal::OfVertices, "{text}");
+    let coated =
+        applied("[[material]]\nname = \"oak\"\ngeometry_coat_normal_map = { file = \"a.png\", strength = 0.5 }\n")
+            .unwrap();
+    assert_eq!(coated.materials[0].coat_normal.map().unwrap().scale, Vec2::splat(0.5));
+    assert_eq!(coated.materials[0].normal_map, None);
     let odd = Material { name: "a \"b\"\\\n".to_owned(), ..Material::default() };
     assert!(odd.to_toml(&[]).contains(r#"name = "a \"b\"\\\u000A""#), "{}", odd.to_toml(&[]));
 }
