@@ -29,7 +29,10 @@ impl VertexStep for ChosenLight<'_> {
     fn step(&mut self, _: Path, vertex: &PathVertex, _: &mut ShadowQueue, color: &mut Vec3) -> Option<(Path, Ray)> {
         let PathVertex { ray, hit, numbers } = vertex;
         if hit.is_hit() {
-            let receiver = self.world.surface_at(hit).facing(ray.direction).receiver();
+            let mut surface = self.world.surface_at(hit).facing(ray.direction);
+            // Leaves and panes receive light from behind.
+            self.world.scattering(&mut surface);
+            let receiver = surface.receiver();
             let weights = self.world.lights.weigh(&receiver, SKY);
             if let Some(light) = self.world.lights.choose(&receiver, &weights, numbers.light().0) {
                 *color = self.world.light_color(light.index);

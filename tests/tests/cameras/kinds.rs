@@ -179,7 +179,7 @@ fn every_integrator_takes_every_kind() {
             let picture = render(&scene, &Settings { integrator, spp, ..settings(width, height) });
             pixels(&picture).iter().sum::<DVec3>() / f64::from(width * height)
         };
-        for name in ["direct", "montecarlo", "ao", "heat", "normals", "albedo", "flat"] {
+        for name in ["direct", "montecarlo", "ao", "heat", "heat-lights", "normals", "albedo", "flat"] {
             assert!(mean(name, 1).is_finite() && mean(name, 1) != DVec3::ZERO, "{projection:?} {name}");
         }
         let (path, cached) = (mean("path", 64), mean("cached", 64));
