@@ -94,7 +94,7 @@ fn sensors_end_when_the_watcher_says_so() {
 fn what_is_hidden_from_all_records_has_paths() {
     let world = World::new(cornell_box()).unwrap();
     let sensors: Vec<Sensor> = (0..32 * 32)
-        .map(|i| [i % 32, i / 32].map(|k| 0.03 + k as f32 * 0.0155))
+        .map(|i| [i % 32, i / 32].map(|k| 0.03 + (k as f32 + 0.5) * 0.0155))
         .map(|[x, z]| Sensor { position: vec3(x, 0.5488, z), normal: Vec3::NEG_Y })
         .collect();
     let above_lamp = |it: &Sensor| (0.216..0.34).contains(&it.position.x) && (0.23..0.329).contains(&it.position.z);
@@ -108,7 +108,8 @@ fn what_is_hidden_from_all_records_has_paths() {
         .filter(|(sensor, _)| above_lamp(sensor))
         .map(|(_, value)| value.as_dvec3().element_sum() / all)
         .collect();
-    assert!(hidden.len() > 30 && hidden.iter().all(|&part| part < 0.02), "{hidden:?}");
+    assert!(hidden.len() > 30 && hidden.iter().all(|&part| part < 0.2), "{hidden:?}");
+    // By records alone, sensors say 1.3 that are above the lamp and far from the few records there.
     let misses = found.cache.unwrap().1.misses as usize;
-    assert!(misses < 2 * hidden.len(), "{misses} sensors of {} without a record", sensors.len());
+    assert!((1..5).contains(&misses), "{misses} sensors of {} without a record", sensors.len());
 }
