@@ -20,7 +20,7 @@ use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, vec3};
 use super::*;
 use crate::bvh::{MovingBvh, Node};
 use crate::traverse::reference as trees;
-use crate::traverse::tests::{Random, isas, rays_at, soup};
+use crate::traverse::tests::{Random, fewer, isas, rays_at, soup};
 use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Triangle};
 
 fn bvh(triangles: &[Triangle]) -> Bvh {
@@ -234,7 +234,7 @@ fn random_scenes() {
         let inner = [scene(stock.items(&mut random, 5, shapes, &[&innermost])), scene(vec![])];
         let inner = inner.each_ref().map(Scene::view);
         let outer = scene(stock.items(&mut random, count, shapes, &[&inner[0], &inner[1], &innermost]));
-        let rays = rays(&mut random, &outer.view(), 500);
+        let rays = rays(&mut random, &outer.view(), fewer(500));
         let hits = check(&outer.view(), &rays);
         assert!(hits > rays.len() / 40, "{count} items: {hits} hits");
     }

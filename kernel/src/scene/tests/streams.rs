@@ -8,8 +8,8 @@ use crate::bvh::{BoxTree, Child, Serial};
 fn check_heap(items: Vec<Item>, seed: u32) {
     let mut random = Random(seed.into());
     let scene = scene(items);
-    let rays = rays(&mut random, &scene.view(), 100);
-    assert!(check(&scene.view(), &rays) > 10);
+    let rays = rays(&mut random, &scene.view(), fewer(100));
+    assert!(check(&scene.view(), &rays) > fewer(10));
 }
 
 #[test]
