@@ -176,7 +176,7 @@ pub enum InvalidScene {
         /// The index of the item with which they become too many.
         item: usize,
     },
-    /// An item is a shape of the caller's, or points or curves, which cannot be written as bytes.
+    /// An item is a shape of the caller's, which cannot be written as bytes.
     NotSaved {
         /// The item's index in its scene.
         item: usize,
@@ -229,10 +229,7 @@ impl fmt::Display for InvalidScene {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
             }
             Self::NotSaved { item, depth } => {
-                write!(
-                    f,
-                    "item {item} is a shape of the program's, or points or curves, which cannot be written as bytes"
-                )?;
+                write!(f, "item {item} is a shape of the program's, which cannot be written as bytes")?;
                 match depth {
                     0 => Ok(()),
                     1 => write!(f, "; it is in a scene in the scene"),

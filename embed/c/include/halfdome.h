@@ -72,6 +72,26 @@
 #define HD_BLOB_ALIGNMENT 64
 
 /**
+ * Spheres of four numbers: centre and radius.
+ */
+#define HD_SPHERES 0
+
+/**
+ * Flat discs of seven numbers: centre, radius, and a normal of any length but 0.
+ */
+#define HD_DISCS 1
+
+/**
+ * Spheres swept along segments, of eight numbers: centre and radius at both ends.
+ */
+#define HD_LINEAR_CURVES 2
+
+/**
+ * Spheres swept along Bézier curves, of sixteen numbers: four control points with a radius each.
+ */
+#define HD_CUBIC_CURVES 3
+
+/**
  * A filter's verdict: the hit does not count, and the ray goes on.
  */
 #define HD_REJECT 0
@@ -143,6 +163,11 @@ typedef int32_t hd_status;
  * A tree of triangles that move. Scenes alone have it, as their rays have a time.
  */
 typedef struct hd_moving_tree hd_moving_tree;
+
+/**
+ * A tree of points or curves. Scenes alone have it.
+ */
+typedef struct hd_round_tree hd_round_tree;
 
 /**
  * A scene, ready to be traced as it was at its last commit.
@@ -294,7 +319,38 @@ typedef struct hd_hit {
 } hd_hit;
 
 /**
- * Something in a scene: either a tree, a scene or a tree that moves, of which there may be many instances.
+ * What a hit with a point or a curve says of the surface.
+ */
+typedef struct hd_round_surface {
+    /**
+     * The point, which is nearer to the surface than origin + t * direction.
+     */
+    float point[3];
+    /**
+     * How far off the point along the normal, or against it, a ray has to start that leaves the surface.
+     */
+    float offset;
+    /**
+     * Unit normal of the side that the ray has met.
+     */
+    float normal[3];
+    /**
+     * 1 if that is the outside, or of a disc the side that it faces, else 0.
+     */
+    uint32_t is_front;
+    /**
+     * Unit normal for shading: without the edges that cubic curves have.
+     */
+    float shading_normal[3];
+    /**
+     * 0
+     */
+    uint32_t reserved;
+} hd_round_surface;
+
+/**
+ * Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be many
+ * instances.
  */
 typedef struct hd_item {
     /**
@@ -331,6 +387,10 @@ typedef struct hd_item {
      * The tree of triangles that move, or NULL.
      */
     const struct hd_moving_tree *moving;
+    /**
+     * The tree of points or curves, or NULL.
+     */
+    const struct hd_round_tree *round;
 } hd_item;
 
 /**
@@ -542,6 +602,34 @@ hd_status hd_moving_tree_build(const struct hd_mesh *keys,
 void hd_moving_tree_free(struct hd_moving_tree *tree);
 
 /**
+ * Builds a tree of count points or curves of a kind, of which the numbers lie one after the other, and are copied. options may
+ * be NULL. Those that no ray can hit are left out: of no radius, too far away, or with a NaN. Put it in a scene as hd_item's
+ * round. A hit's prim_id is the place in the array; u is where along a curve it is, 0 to 1, or a disc's distance from the
+ * centre in radii; v is 0.
+ */
+hd_status hd_round_tree_build(uint32_t kind,
+                              const float *numbers,
+                              size_t count,
+                              const struct hd_build_options *options,
+                              struct hd_round_tree **tree);
+
+/**
+ * What a ray meets of a single point or curve, whose numbers these are: of the nearest hit of a scene those with its prim_id. In
+ * a scene both are in the item's own space.
+ *
+ * HD_ERROR_VALUE if the ray does not hit it.
+ */
+hd_status hd_round_surface_at(uint32_t kind,
+                              const float *numbers,
+                              const struct hd_ray *ray,
+                              struct hd_round_surface *surface);
+
+/**
+ * Frees a tree. Scenes that it is in keep it. NULL is allowed.
+ */
+void hd_round_tree_free(struct hd_round_tree *tree);
+
+/**
  * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
  * in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
  * items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
@@ -600,6 +688,14 @@ hd_status hd_scene_save(const struct hd_scene *scene,
                         uint8_t *bytes,
                         size_t capacity,
                         size_t *size);
+
+/**
+ * Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
+ * stays as it is until the scene, and every scene that it is in, is freed. Items and handles are those of hd_scene_load.
+ */
+hd_status hd_scene_open(const uint8_t *bytes,
+                        size_t size,
+                        struct hd_scene **scene);
 
 /**
  * Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to trace.

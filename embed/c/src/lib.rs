@@ -22,6 +22,8 @@ pub mod blob;
 
 pub mod moving;
 
+pub mod round;
+
 pub mod scene;
 
 pub mod scene_blob;

@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
-use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay};
+use halfdome_kernel::scene::{Item, Object, Scene, SceneHit, SceneRay};
 
 use crate::border::{Versioned, check, elements, handle, make, room, stride, versioned};
 use crate::moving::hd_moving_tree;
+use crate::round::hd_round_tree;
 use crate::status::hd_status::*;
 use crate::status::{Failure, guard, hd_status};
 use crate::trace::{Filter, Traceable, any, closest, hd_hit, hd_ray};
@@ -18,7 +19,8 @@ use crate::tree::{build_options, hd_build_options, hd_tree};
 /// A scene, ready to be traced as it was at its last commit.
 pub struct hd_scene(pub(crate) Arc<Scene<'static>>);
 
-/// Something in a scene: either a tree, a scene or a tree that moves, of which there may be many instances.
+/// Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be many
+/// instances.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct hd_item {
@@ -40,6 +42,8 @@ pub struct hd_item {
     pub reserved: u32,
     /// The tree of triangles that move, or NULL.
     pub moving: *const hd_moving_tree,
+    /// The tree of points or curves, or NULL.
+    pub round: *const hd_round_tree,
 }
 
 // SAFETY: struct_size comes first; numbers and pointers may have any bits, and zeros say that there is nothing new.
@@ -162,16 +166,19 @@ pub unsafe extern "C" fn hd_scene_build(
 /// If `item` is not null, an item lies there whose pointers are null or to as much as it says.
 pub(crate) unsafe fn item(name: &str, item: *const hd_item) -> Result<Item<'static>, Failure> {
     // SAFETY: the caller's promise.
-    let (item, tree, scene, moving) = unsafe {
+    let (item, objects) = unsafe {
         let item = versioned(name, item)?;
-        (item, item.tree.as_ref(), item.scene.as_ref(), item.moving.as_ref())
+        let tree = item.tree.as_ref().map(hd_tree::object);
+        let scene = item.scene.as_ref().map(|hd_scene(scene)| Object::from(scene.clone()));
+        let moving = item.moving.as_ref().map(|hd_moving_tree(tree)| Object::from(tree.clone()));
+        let round = item.round.as_ref().map(|hd_round_tree(tree)| Object::from(tree.clone()));
+        (item, [tree, scene, moving, round])
     };
-    let object = match (tree, scene, moving) {
-        (Some(tree), None, None) => tree.object(),
-        (None, Some(hd_scene(scene)), None) => scene.clone().into(),
-        (None, None, Some(hd_moving_tree(tree))) => tree.clone().into(),
-        (None, None, None) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
-        _ => return Err(Failure::new(HD_ERROR_VALUE, "it has more than one of a tree, a scene and a tree that moves")),
+    let mut objects = objects.into_iter().flatten();
+    let object = match (objects.next(), objects.next()) {
+        (Some(object), None) => object,
+        (None, _) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
+        _ => return Err(Failure::new(HD_ERROR_VALUE, "it has more than one of tree, scene, moving and round")),
     };
     let floats = item.transform_count.saturating_mul(12);
     // SAFETY: the caller's promise.

@@ -1,4 +1,4 @@
-//! Scenes as bytes: saved and loaded.
+//! Scenes as bytes: saved, opened where they lie, and loaded.
 
 use std::sync::Arc;
 
@@ -22,6 +22,21 @@ pub unsafe extern "C" fn hd_scene_save(
         let blob = handle("scene", scene)?.0.to_bytes()?;
         // SAFETY: the caller's promise.
         unsafe { write_blob(&blob, bytes, capacity, size) }
+    })
+}
+
+/// Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
+/// stays as it is until the scene, and every scene that it is in, is freed. Items and handles are those of hd_scene_load.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hd_scene_open(bytes: *const u8, size: usize, scene: *mut *mut hd_scene) -> hd_status {
+    guard(|| {
+        let open = || {
+            // SAFETY: the caller's promise, which is for as long as the scene lives.
+            let blob: &'static [u8] = unsafe { elements("bytes", bytes, size) }?;
+            Ok(hd_scene(Arc::new(Scene::over_bytes(blob)?)))
+        };
+        // SAFETY: the caller's promise.
+        unsafe { make("scene", scene, open) }
     })
 }
 

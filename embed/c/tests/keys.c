@@ -140,6 +140,19 @@ static void scenes_as_bytes(void) {
     hd_scene_free(scene);
     OK(hd_scene_load(blob + 1, size, &loaded));
     check_scene(loaded);
+    /* Where it lies, if that is where trees can be traced. */
+    unsigned char *memory = (unsigned char *)malloc(size + HD_BLOB_ALIGNMENT);
+    unsigned char *aligned = memory + (HD_BLOB_ALIGNMENT - (size_t)memory % HD_BLOB_ALIGNMENT);
+    hd_scene *opened = NULL;
+    memcpy(aligned, blob + 1, size);
+    OK(hd_scene_open(aligned, size, &opened));
+    check_scene(opened);
+    hd_scene_free(opened);
+    FAILS(HD_ERROR_NULL, "bytes is NULL", hd_scene_open(NULL, size, &opened));
+    CHECK(hd_scene_open(aligned, size - 1, &opened) == HD_ERROR_BLOB && opened == NULL);
+    memmove(aligned - 1, aligned, size);
+    FAILS(HD_ERROR_ALIGNMENT, "64", hd_scene_open(aligned - 1, size, &opened));
+    free(memory);
     /* Its items have handles. */
     const hd_handle floor = {1, 0};
     hd_commit commit;

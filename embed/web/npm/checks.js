@@ -42,6 +42,20 @@ export function checkMesh(positions, indices) {
   }
 }
 
+/** How many numbers each point or curve has. */
+const ROUND_FLOATS = { spheres: 4, discs: 7, linear: 8, cubic: 16 };
+
+/** The number of a kind of points or curves. */
+export function checkRound(kind, numbers) {
+  const kinds = Object.keys(ROUND_FLOATS);
+  if (!kinds.includes(kind)) {
+    throw new RangeError(`kind is ${JSON.stringify(kind)}, and should be one of ${kinds.join(", ")}`);
+  }
+  checkType("numbers", numbers, Float32Array);
+  checkNumbers("numbers", numbers, ROUND_FLOATS[kind], "primitive");
+  return kinds.indexOf(kind);
+}
+
 /** The number of rays. */
 export function checkRays(rays) {
   checkType("rays", rays, Float32Array);

@@ -10,6 +10,7 @@ import {
   checkPoints,
   checkRadius,
   checkRays,
+  checkRound,
   checkTime,
   checkTimes,
   checkType,
@@ -165,6 +166,19 @@ export class Engine {
         exports.add_key();
       }
       const mesh = exports.add_moving_mesh(quality);
+      if (mesh < 0) {
+        throw noMemory();
+      }
+      return mesh;
+    });
+  }
+
+  addRound(kind, numbers, options) {
+    const number = checkRound(kind, numbers);
+    const quality = qualityNumber(options);
+    return this.attempt((exports) => {
+      write(exports, exports.positions(numbers.length), numbers);
+      const mesh = exports.add_round(number, quality);
       if (mesh < 0) {
         throw noMemory();
       }

@@ -135,11 +135,12 @@ export function build(
 /** 16 numbers, column by column, the last row 0, 0, 0, 1: as `matrixWorld.elements` of three.js. */
 export type Matrix = ArrayLike<number>;
 
-/** Triangles that a scene has once, however many instances show them. */
+/** Triangles, points or curves that a scene has once, however many instances show them. */
 export interface Mesh {
+  /** How many of them rays can hit. */
   readonly triangles: number;
   readonly bytes: number;
-  /** As of a tree; rays see it from the next commit on, in all instances. Not of a mesh with keys. */
+  /** As of a tree; rays see it from the next commit on, in all instances. Not of a mesh with keys, nor of points or curves. */
   refit(positions: Float32Array, indices?: Uint32Array | Uint16Array | null): number;
 }
 
@@ -175,6 +176,13 @@ export interface Scene {
   addMesh(positions: Float32Array, indices?: Uint32Array | Uint16Array | null, options?: MeshOptions): Mesh;
   /** A mesh that changes its shape: positions at times evenly spaced from 0 to 1, between which vertices move in lines. */
   addMovingMesh(keys: Float32Array[], indices?: Uint32Array | Uint16Array | null, options?: MeshOptions): Mesh;
+  /**
+   * Points or curves, of so many numbers each: spheres (4: centre, radius), discs (7: centre, radius, normal of any length but 0),
+   * spheres swept along segments ("linear", 8: centre and radius of both ends) or along Bézier curves ("cubic", 16: four control
+   * points with a radius each). Those without a radius are left out. In hits `triangle` is the number of the primitive, `u` where
+   * along a curve it is, 0 to 1, or a disc's distance from the centre in radii, and `v` 0.
+   */
+  addRound(kind: "spheres" | "discs" | "linear" | "cubic", numbers: Float32Array, options?: MeshOptions): Mesh;
   /**
    * Adds an instance: where its own coordinates say, and for all rays to see, unless told otherwise. `transforms` in place of
    * `transform`: see setTransforms.

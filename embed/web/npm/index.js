@@ -84,7 +84,11 @@ class Scene {
   }
 
   addMovingMesh(keys, indices = null, options = {}) {
-    return new Mesh(this.#engine, this.#engine.addMovingMesh(keys, indices, options), true);
+    return new Mesh(this.#engine, this.#engine.addMovingMesh(keys, indices, options), "has keys");
+  }
+
+  addRound(kind, numbers, options = {}) {
+    return new Mesh(this.#engine, this.#engine.addRound(kind, numbers, options), "is of points or curves");
   }
 
   insert(mesh, { transform = IDENTITY, transforms = [transform], mask = ALL } = {}) {
@@ -136,12 +140,13 @@ class Scene {
 class Mesh {
   #engine;
   #number;
-  #hasKeys;
+  /** Why it cannot be refitted; null if it can. */
+  #fixed;
 
-  constructor(engine, number, hasKeys = false) {
+  constructor(engine, number, fixed = null) {
     this.#engine = engine;
     this.#number = number;
-    this.#hasKeys = hasKeys;
+    this.#fixed = fixed;
   }
 
   get triangles() {
@@ -153,8 +158,8 @@ class Mesh {
   }
 
   refit(positions, indices = null) {
-    if (this.#hasKeys) {
-      throw new TypeError("this mesh has keys, and takes no others: addMovingMesh makes a new one");
+    if (this.#fixed !== null) {
+      throw new TypeError(`this mesh ${this.#fixed}, and takes no positions: add a new one`);
     }
     return this.#engine.refit(this.#number, positions, indices);
   }
@@ -168,7 +173,7 @@ class Mesh {
 function meshNumber(mesh, engine) {
   const number = Mesh.numberIn(mesh, engine);
   if (number === null) {
-    throw new TypeError("mesh should be one that addMesh of this scene gave");
+    throw new TypeError("mesh should be one that addMesh, addMovingMesh or addRound of this scene gave");
   }
   return number;
 }

@@ -140,7 +140,7 @@ test("wrong arguments have errors that say what would be right, and leave the sc
   scene.commit();
   const flat = moved(0);
   flat[0] = 1e-6;
-  const inMesh = "mesh should be one that addMesh of this scene gave";
+  const inMesh = "mesh should be one that addMesh, addMovingMesh or addRound of this scene gave";
   for (const [call, type, message] of [
     [() => scene.addMesh([1, 2, 3]), TypeError, "positions is an Array, and should be a Float32Array"],
     [() => scene.addMesh(layers(1), null, { quality: "best" }), RangeError, 'quality is "best", and should be one of fast, medium, high'],
@@ -235,10 +235,45 @@ test("what moves while the shutter is open is where rays have their time", async
       [() => slides.setTransforms([moved(0), new Array(15).fill(0).concat(1)]), RangeError, null],
       [() => scene.addMovingMesh([]), TypeError, "keys should be an array of one Float32Array of positions or more"],
       [() => scene.addMovingMesh([layers(1), layers(2)]), RangeError, "the keys have 9 and 18 numbers, and should have as many"],
-      [() => sinks.refit(layers(1)), TypeError, "this mesh has keys, and takes no others: addMovingMesh makes a new one"],
+      [() => sinks.refit(layers(1)), TypeError, "this mesh has keys, and takes no positions: add a new one"],
     ]) {
       assert.throws(call, message === null ? type : refuses(type, message));
     }
     assert.deepEqual(at([3], 0.7), [[0, 2]]);
+  }
+});
+
+test("points and curves are in scenes like meshes", async () => {
+  for (const simd of [false, true]) {
+    const scene = await createScene({ simd });
+    // Of radius 1, without a radius, of radius 2.
+    const spheres = scene.addRound("spheres", new Float32Array([0, 0, 0, 1, 5, 0, 0, 0, 10, 0, 0, 2]));
+    const disc = scene.addRound("discs", new Float32Array([20, 0, 1, 2, 0, 0, 3]), { quality: "fast" });
+    const line = scene.addRound("linear", new Float32Array([30, 0, 0, 1, 30, 4, 0, 1]));
+    const curve = scene.addRound("cubic", new Float32Array([0, 1, 2, 3].flatMap((y) => [40, y, 0, 1])));
+    assert.deepEqual([spheres, disc, line, curve].map((mesh) => mesh.triangles), [2, 1, 1, 1]);
+    assert.ok(spheres.bytes > 0);
+    scene.insert(spheres);
+    scene.insert(disc, { transform: moved(0, 0, 3) });
+    scene.insert(line);
+    scene.insert(curve);
+    scene.commit();
+    const down = (x, y) => [x, y, 8, 0, 0, 0, -1, Infinity];
+    const rays = new Float32Array([down(0, 0), down(5, 0), down(10, 0), down(20, 1), down(30, 1), down(40, 1.5)].flat());
+    const { t, u, triangle, instance } = scene.closest(rays);
+    assert.deepEqual([...instance], [0, -1, 0, 1, 2, 3]);
+    assert.deepEqual([...triangle], [0, -1, 2, 0, 0, 0]);
+    assert.deepEqual([...t.subarray(0, 5)], [7, Infinity, 6, 4, 7]);
+    assert.deepEqual([...u.subarray(0, 5)], [0, 0, 0, 0.5, 0.25]);
+    assert.ok(Math.abs(t[5] - 7) < 0.005 && Math.abs(u[5] - 0.5) < 0.01);
+    for (const [call, type, message] of [
+      [() => scene.addRound("sphere", new Float32Array(4)), RangeError, 'kind is "sphere", and should be one of spheres, discs, linear, cubic'],
+      [() => scene.addRound("spheres", [0, 0, 0, 1]), TypeError, "numbers is an Array, and should be a Float32Array"],
+      [() => scene.addRound("discs", new Float32Array(8)), RangeError, "numbers has 8 numbers, which are not a multiple of 7"],
+      [() => scene.addRound("spheres", new Float32Array([0, NaN, 0, 1])), RangeError, "numbers[1], of primitive 0, is NaN"],
+      [() => spheres.refit(layers(1)), TypeError, "this mesh is of points or curves, and takes no positions: add a new one"],
+    ]) {
+      assert.throws(call, refuses(type, message));
+    }
   }
 });

@@ -138,6 +138,17 @@ impl RoundBvh {
         Ok((Self { nodes, blocks: P::keep(blocks), bounds }, report))
     }
 
+    /// A copy of a tree.
+    pub(crate) fn copy_of(tree: &RoundView) -> Self {
+        let blocks = match tree.blocks() {
+            RoundBlocks::Spheres(blocks) => Blocks::Spheres(blocks.to_vec()),
+            RoundBlocks::Discs(blocks) => Blocks::Discs(blocks.to_vec()),
+            RoundBlocks::LinearCurves(blocks) => Blocks::LinearCurves(blocks.to_vec()),
+            RoundBlocks::CubicCurves(blocks) => Blocks::CubicCurves(blocks.to_vec()),
+        };
+        Self { nodes: tree.nodes().to_vec(), blocks, bounds: tree.bounds() }
+    }
+
     /// Borrows the tree for tracing.
     pub fn view(&self) -> RoundView<'_> {
         let blocks = match &self.blocks {

@@ -27,7 +27,12 @@ impl<'a> RoundView<'a> {
         with_blocks!(blocks, slice => {
             validate::validate_nodes(nodes, slice.len(), |first, end| leaf_bounds(&slice[first..end], first as u32))
         })?;
-        Ok(Self::with_bounds(nodes, blocks, nodes.first().map_or(Aabb::EMPTY, Node::bounds)))
+        Ok(Self::trusted(nodes, blocks))
+    }
+
+    /// Borrows a tree that is known to be valid.
+    pub(crate) fn trusted(nodes: &'a [Node], blocks: RoundBlocks<'a>) -> Self {
+        Self::with_bounds(nodes, blocks, nodes.first().map_or(Aabb::EMPTY, Node::bounds))
     }
 
     /// Borrows a tree that is known to be valid, and the box around it.

@@ -1,4 +1,4 @@
-//! Scenes as bytes: items, where they are, the trees of their meshes and the scenes in them, in one blob that is traced where
+//! Scenes as bytes: items, where they are, the trees of their meshes, points and curves, and the scenes in them, in one blob that is traced where
 //! it lies or loaded.
 //!
 //! A blob is a header of 64 bytes and then, without gaps, as many of each as the header says:
@@ -8,8 +8,9 @@
 //! | 256 | nodes of meshes, key by key where these move |
 //! | 320 | their blocks of triangles |
 //! | 256 | nodes of the scenes' own trees, key by key |
+//! | 32 | parts of the blocks of points and curves: 5 for one of spheres, 8 of discs, 9 of linear and 17 of cubic curves |
 //! | 64 | transforms: four columns of three numbers and a zero |
-//! | 20 | meshes: which nodes and blocks, and how many keys; 0 keys of one that cannot move |
+//! | 24 | meshes: which nodes and blocks, or parts of blocks; how many keys, 0 of one that cannot move; what of: 0 triangles, 1 spheres, 2 discs, 3 linear curves, 4 cubic curves |
 //! | 32 | scenes: which items, parts, numbers in leaves and nodes; the last scene is the outermost |
 //! | 20 | items: what kind (0 nothing, 1 a mesh, 2 a scene), which, mask, which transforms |
 //! | 8 | parts ([`Part`]) |
@@ -23,8 +24,9 @@
 //! | 8 | 4 | the number 0x01020304: in which order bytes are |
 //! | 12 | 4 | version |
 //! | 16 | 36 | how many of each of the above, in that order |
-//! | 52 | 4 | children a node |
-//! | 56 | 4 | how the scene's tree was built: 0 fast, 1 medium, 2 high |
+//! | 52 | 2 | children a node |
+//! | 54 | 2 | how the scene's tree was built: 0 fast, 1 medium, 2 high |
+//! | 56 | 4 | how many parts of blocks of points and curves |
 //! | 60 | 4 | CRC-32 of all bytes but these four, as in [`bvh::blob`](crate::bvh::blob) |
 //!
 //! What holds of a tree's blob holds of these: other orders of bytes and versions are refused, and a blob that is accepted is
@@ -60,15 +62,17 @@ use core::ops::Range;
 use bytemuck::AnyBitPattern;
 use glam::Affine3A;
 
-use layout::{Header, ItemRecord, MESH, MeshRecord, NOTHING, QUALITIES, SCENE, SceneRecord};
+use layout::{
+    BlockPart, Header, ItemRecord, MESH, MeshRecord, NOTHING, QUALITIES, SCENE, SceneRecord, TRIANGLES, round_blocks,
+};
 
 use super::{Item, Object, Part, SceneView};
 use crate::bvh::blob_header::{BlobHeader, HEADER};
-use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, TriangleBlock, WIDTH};
+use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, RoundBlocks, RoundView, TriangleBlock, WIDTH};
 use crate::error::{Error, InvalidScene};
 
 /// The version of the blobs of scenes that this crate writes, and the only one that it reads.
-pub const SCENE_BLOB_VERSION: u32 = 1;
+pub const SCENE_BLOB_VERSION: u32 = 2;
 
 /// A scene as bytes, checked.
 ///
@@ -100,6 +104,7 @@ pub struct SceneBlob<'a> {
     nodes: &'a [Node],
     blocks: &'a [TriangleBlock],
     scene_nodes: &'a [Node],
+    block_parts: &'a [BlockPart],
     transforms: &'a [Affine3A],
     meshes: &'a [MeshRecord],
     scenes: &'a [SceneRecord],
@@ -107,7 +112,7 @@ pub struct SceneBlob<'a> {
     parts: &'a [Part],
     numbers: &'a [u32],
     #[cfg(any(feature = "alloc", test))]
-    quality: u32,
+    quality: u16,
 }
 
 impl<'a> SceneView<'a> {
@@ -137,7 +142,7 @@ impl<'a> SceneBlob<'a> {
             return Err(Error::Misaligned { alignment: BLOB_ALIGNMENT });
         }
         header.check_sum(bytes)?;
-        if header.width != WIDTH as u32 {
+        if usize::from(header.width) != WIDTH {
             return Err(Error::BadHeader { field: "number of children a node" });
         }
         if header.quality >= QUALITIES {
@@ -150,6 +155,7 @@ impl<'a> SceneBlob<'a> {
         let nodes = section(&mut rest, header.nodes)?;
         let blocks = section(&mut rest, header.blocks)?;
         let scene_nodes = section(&mut rest, header.scene_nodes)?;
+        let block_parts = section(&mut rest, header.block_parts)?;
         // Of a transform whose zeros are others, nothing is known.
         let words: &[[u32; 16]] = bytemuck::cast_slice(&rest[..header.transforms as usize * size_of::<Affine3A>()]);
         let transforms = section(&mut rest, header.transforms)?;
@@ -157,6 +163,7 @@ impl<'a> SceneBlob<'a> {
             nodes,
             blocks,
             scene_nodes,
+            block_parts,
             transforms,
             meshes: section(&mut rest, header.meshes)?,
             scenes: section(&mut rest, header.scenes)?,
@@ -176,15 +183,16 @@ impl<'a> SceneBlob<'a> {
 
     /// Checks that records follow each other, that no scene is in itself, and all trees of meshes.
     fn check(&self) -> Result<(), Error> {
-        let (mut node, mut block) = (0, 0);
+        let (mut node, mut block, mut block_part) = (0, 0, 0);
         for (index, record) in self.meshes.iter().enumerate() {
             let bad = InvalidScene::BadRecord { record: "mesh", index };
             follow(&mut node, record.first_node, record.nodes, bad)?;
-            follow(&mut block, record.first_block, record.blocks, bad)?;
-            let (nodes, blocks) = self.mesh_parts(record).ok_or(bad)?;
-            match record.keys {
-                0 => BvhView::new(nodes, blocks).map(|_| ())?,
-                keys => MovingView::new(nodes, blocks, keys as usize).map(|_| ())?,
+            let end = if record.kind == TRIANGLES { &mut block } else { &mut block_part };
+            follow(end, record.first_block, record.blocks, bad)?;
+            match self.mesh_parts(record).ok_or(bad)? {
+                Parts::Still(nodes, blocks) => BvhView::new(nodes, blocks).map(|_| ())?,
+                Parts::Moving(nodes, blocks, keys) => MovingView::new(nodes, blocks, keys).map(|_| ())?,
+                Parts::Round(nodes, blocks) => RoundView::new(nodes, blocks).map(|_| ())?,
             }
         }
         let (mut item, mut part, mut number, mut scene_node) = (0, 0, 0, 0);
@@ -214,6 +222,7 @@ impl<'a> SceneBlob<'a> {
             (node, self.nodes.len()),
             (block, self.blocks.len()),
             (scene_node, self.scene_nodes.len()),
+            (block_part, self.block_parts.len()),
             (transform, self.transforms.len()),
             (item, self.items.len()),
             (part, self.parts.len()),
@@ -294,18 +303,33 @@ impl<'a> SceneBlob<'a> {
 
     /// A mesh, which was checked.
     fn mesh(&self, index: u32) -> Object<'a> {
-        let record = self.meshes.get(index as usize);
-        match record.and_then(|record| Some((record.keys, self.mesh_parts(record)?))) {
-            Some((0, (nodes, blocks))) => Object::Mesh(BvhView::trusted(nodes, blocks)),
-            Some((keys, (nodes, blocks))) => Object::Moving(MovingView::trusted(nodes, blocks, keys as usize)),
+        match self.meshes.get(index as usize).and_then(|record| self.mesh_parts(record)) {
+            Some(Parts::Still(nodes, blocks)) => Object::Mesh(BvhView::trusted(nodes, blocks)),
+            Some(Parts::Moving(nodes, blocks, keys)) => Object::Moving(MovingView::trusted(nodes, blocks, keys)),
+            Some(Parts::Round(nodes, blocks)) => Object::Round(RoundView::trusted(nodes, blocks)),
             None => Object::Nothing,
         }
     }
 
-    fn mesh_parts(&self, record: &MeshRecord) -> Option<(&'a [Node], &'a [TriangleBlock])> {
+    /// What a mesh consists of; `None` if its record is about what is not there.
+    fn mesh_parts(&self, record: &MeshRecord) -> Option<Parts<'a>> {
         let nodes = self.nodes.get(range(record.first_node, record.nodes))?;
-        Some((nodes, self.blocks.get(range(record.first_block, record.blocks))?))
+        let blocks = range(record.first_block, record.blocks);
+        match (record.kind, record.keys) {
+            (TRIANGLES, 0) => Some(Parts::Still(nodes, self.blocks.get(blocks)?)),
+            (TRIANGLES, keys) => Some(Parts::Moving(nodes, self.blocks.get(blocks)?, keys as usize)),
+            (kind, 0) => Some(Parts::Round(nodes, round_blocks(kind, self.block_parts.get(blocks)?)?)),
+            _ => None,
+        }
     }
+}
+
+/// What a mesh consists of.
+enum Parts<'a> {
+    Still(&'a [Node], &'a [TriangleBlock]),
+    /// With the number of its keys.
+    Moving(&'a [Node], &'a [TriangleBlock], usize),
+    Round(&'a [Node], RoundBlocks<'a>),
 }
 
 /// The next elements of the rest.

@@ -4,10 +4,12 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, Vec3};
-use halfdome_kernel::bvh::MovingBvh;
+use halfdome_kernel::bvh::{MovingBvh, RoundBuild};
 use halfdome_kernel::mesh::Mesh;
 use halfdome_kernel::scene::{Handle, Scene};
-use halfdome_kernel::{BuildOptions, Item, Quality, SceneHit, SceneRay, Triangle};
+use halfdome_kernel::{
+    BuildOptions, CubicCurve, Disc, Item, LinearCurve, Quality, RoundBvh, SceneHit, SceneRay, Sphere, Triangle,
+};
 
 use crate::answer::Answer;
 use crate::tree::Tree;
@@ -73,6 +75,32 @@ pub extern "C" fn add_moving_mesh(quality: usize) -> i32 {
         Some(state.add(Tree::Moving(Arc::new(bvh))))
     })
     .unwrap_or(-1)
+}
+
+/// Builds a tree over points or curves of the kind with this number (0 spheres, 1 discs, 2 linear curves, 3 cubic curves), whose
+/// numbers are the positions, which it forgets. The number of what it adds, or -1 if it refuses them.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn add_round(kind: usize, quality: usize) -> i32 {
+    STATE
+        .with_borrow_mut(|state| {
+            let numbers = std::mem::take(&mut state.positions);
+            let options = BuildOptions::from(*Quality::ALL.get(quality)?);
+            let tree = match kind {
+                0 => round::<Sphere>(&numbers, &options),
+                1 => round::<Disc>(&numbers, &options),
+                2 => round::<LinearCurve>(&numbers, &options),
+                3 => round::<CubicCurve>(&numbers, &options),
+                _ => None,
+            };
+            Some(state.add(tree?))
+        })
+        .unwrap_or(-1)
+}
+
+fn round<P: RoundBuild>(numbers: &[f32], options: &BuildOptions) -> Option<Tree> {
+    let primitives: &[P] = bytemuck::try_cast_slice(numbers).ok()?;
+    let (bvh, report) = RoundBvh::build(primitives, options).ok()?;
+    Some(Tree::Round(Arc::new(bvh), report.kept))
 }
 
 /// Adds an item where the matrices take a mesh: its number, or -1 if there is no such mesh or a matrix is refused.

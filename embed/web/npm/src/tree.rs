@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use halfdome_kernel::{Bvh, Hit};
 #[cfg(feature = "scene")]
-use halfdome_kernel::{bvh::MovingBvh, scene::Object};
+use halfdome_kernel::{RoundBvh, bvh::MovingBvh, scene::Object};
 
 /// The tree over a mesh, which a scene shares.
 pub(crate) enum Tree {
@@ -12,6 +12,9 @@ pub(crate) enum Tree {
     /// Of a mesh that changes its shape between keys; only scenes have rays with a time.
     #[cfg(feature = "scene")]
     Moving(Arc<MovingBvh>),
+    /// Of points or curves, and how many of them can be hit.
+    #[cfg(feature = "scene")]
+    Round(Arc<RoundBvh>, usize),
 }
 
 impl Tree {
@@ -19,7 +22,7 @@ impl Tree {
         match self {
             Self::Still(bvh) => Some(bvh),
             #[cfg(feature = "scene")]
-            Self::Moving(_) => None,
+            Self::Moving(_) | Self::Round(..) => None,
         }
     }
 
@@ -27,7 +30,7 @@ impl Tree {
         match self {
             Self::Still(bvh) => Some(bvh),
             #[cfg(feature = "scene")]
-            Self::Moving(_) => None,
+            Self::Moving(_) | Self::Round(..) => None,
         }
     }
 
@@ -37,15 +40,18 @@ impl Tree {
         match self {
             Self::Still(bvh) => bvh.clone().into(),
             Self::Moving(bvh) => bvh.clone().into(),
+            Self::Round(bvh, _) => bvh.clone().into(),
         }
     }
 
-    /// How many triangles it has that can be hit.
+    /// How many triangles, points or curves it has that can be hit.
     pub(crate) fn triangles(&self) -> usize {
         let blocks = match self {
             Self::Still(bvh) => bvh.view().blocks(),
             #[cfg(feature = "scene")]
             Self::Moving(bvh) => bvh.view().blocks(0),
+            #[cfg(feature = "scene")]
+            Self::Round(_, count) => return *count,
         };
         blocks.iter().flat_map(|block| block.prim_id).filter(|&prim_id| prim_id != Hit::NO_PRIM).count()
     }
@@ -55,6 +61,8 @@ impl Tree {
             Self::Still(bvh) => bvh.statistics().bytes,
             #[cfg(feature = "scene")]
             Self::Moving(bvh) => bvh.bytes(),
+            #[cfg(feature = "scene")]
+            Self::Round(bvh, _) => bvh.bytes(),
         }
     }
 }

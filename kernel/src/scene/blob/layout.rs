@@ -5,7 +5,7 @@ use glam::Affine3A;
 
 use super::SCENE_BLOB_VERSION;
 use crate::bvh::blob_header::{BlobHeader, HEADER};
-use crate::bvh::{BLOB_ALIGNMENT, Node, TriangleBlock};
+use crate::bvh::{BLOB_ALIGNMENT, Node, RoundBlocks, TriangleBlock};
 use crate::error::Error;
 use crate::scene::Part;
 
@@ -24,15 +24,16 @@ pub(super) struct Header {
     pub(super) items: u32,
     pub(super) parts: u32,
     pub(super) numbers: u32,
-    pub(super) width: u32,
-    pub(super) quality: u32,
+    pub(super) width: u16,
+    pub(super) quality: u16,
+    pub(super) block_parts: u32,
     pub(super) checksum: u32,
 }
 
 const _: () = assert!(size_of::<Header>() == HEADER && size_of::<Affine3A>() == 64);
 
 /// The qualities that a header may name.
-pub(super) const QUALITIES: u32 = 3;
+pub(super) const QUALITIES: u16 = 3;
 
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -42,6 +43,37 @@ pub(super) struct MeshRecord {
     pub(super) first_block: u32,
     pub(super) blocks: u32,
     pub(super) keys: u32,
+    pub(super) kind: u32,
+}
+
+/// The `kind` of a mesh of triangles.
+pub(super) const TRIANGLES: u32 = 0;
+
+/// What every block of points or curves is a multiple of.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(super) struct BlockPart([u32; 8]);
+
+/// The blocks that these parts are; `None` if there is no such kind, or no whole number of blocks.
+pub(super) fn round_blocks(kind: u32, parts: &[BlockPart]) -> Option<RoundBlocks<'_>> {
+    match kind {
+        1 => bytemuck::try_cast_slice(parts).ok().map(RoundBlocks::Spheres),
+        2 => bytemuck::try_cast_slice(parts).ok().map(RoundBlocks::Discs),
+        3 => bytemuck::try_cast_slice(parts).ok().map(RoundBlocks::LinearCurves),
+        4 => bytemuck::try_cast_slice(parts).ok().map(RoundBlocks::CubicCurves),
+        _ => None,
+    }
+}
+
+/// The kind of blocks, and their parts.
+#[cfg(any(feature = "alloc", test))]
+pub(super) fn block_parts(blocks: RoundBlocks<'_>) -> (u32, &[BlockPart]) {
+    match blocks {
+        RoundBlocks::Spheres(blocks) => (1, bytemuck::cast_slice(blocks)),
+        RoundBlocks::Discs(blocks) => (2, bytemuck::cast_slice(blocks)),
+        RoundBlocks::LinearCurves(blocks) => (3, bytemuck::cast_slice(blocks)),
+        RoundBlocks::CubicCurves(blocks) => (4, bytemuck::cast_slice(blocks)),
+    }
 }
 
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -93,6 +125,7 @@ impl BlobHeader for Header {
             (self.nodes, size_of::<Node>()),
             (self.blocks, size_of::<TriangleBlock>()),
             (self.scene_nodes, size_of::<Node>()),
+            (self.block_parts, size_of::<BlockPart>()),
             (self.transforms, size_of::<Affine3A>()),
             (self.meshes, size_of::<MeshRecord>()),
             (self.scenes, size_of::<SceneRecord>()),

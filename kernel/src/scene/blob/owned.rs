@@ -6,9 +6,10 @@ use alloc::vec::Vec;
 
 use bytemuck::bytes_of;
 
+use super::layout::block_parts;
 use super::*;
 use crate::bvh::blob_header::{BYTE_ORDER, checksum};
-use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, Serial};
+use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, RoundBvh, Serial};
 use crate::error::InvalidTree;
 use crate::scene::Scene;
 use crate::scene::object::Target;
@@ -20,7 +21,7 @@ impl Scene<'_> {
     /// What several items have is there once.
     ///
     /// # Errors
-    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, or points or curves, and [`InvalidTree::TooLarge`].
+    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
     pub fn to_bytes(&self) -> Result<Blob, Error> {
         self.view().to_bytes(&self.options())
     }
@@ -42,20 +43,32 @@ impl Scene<'static> {
                 &copy[..bytes.len()]
             }
         };
-        SceneBlob::open(aligned)?.load()
+        SceneBlob::open(aligned)?.scene(|object| match object {
+            Object::Mesh(tree) => Arc::new(Bvh::copy_of(&tree)).into(),
+            Object::Moving(tree) => Arc::new(MovingBvh::copy_of(&tree)).into(),
+            Object::Round(tree) => Arc::new(RoundBvh::copy_of(&tree)).into(),
+            _ => Object::Nothing,
+        })
     }
 }
 
-impl SceneBlob<'_> {
-    fn load(&self) -> Result<Scene<'static>, Error> {
-        let options = Quality::ALL.get(self.quality as usize).copied().unwrap_or_default().into();
-        let copy = |index: u32| match self.mesh(index) {
-            Object::Mesh(tree) => Object::from(Arc::new(Bvh::copy_of(&tree))),
-            Object::Moving(tree) => Object::from(Arc::new(MovingBvh::copy_of(&tree))),
-            _ => Object::Nothing,
-        };
-        let meshes: Vec<Object<'static>> = (0..self.meshes.len() as u32).map(copy).collect();
-        let mut scenes: Vec<Arc<Scene<'static>>> = Vec::with_capacity(self.scenes.len());
+impl<'a> Scene<'a> {
+    /// The scene in a blob, as by [`from_bytes`](Self::from_bytes), whose meshes, points and curves stay where they lie: only its
+    /// items and the trees over them take memory. The blob begins at a multiple of [`BLOB_ALIGNMENT`] bytes.
+    ///
+    /// # Errors
+    /// Those of [`SceneView::from_bytes`]; scenes may lie in others.
+    pub fn over_bytes(bytes: &'a [u8]) -> Result<Self, Error> {
+        SceneBlob::open(bytes)?.scene(|object| object)
+    }
+}
+
+impl<'a> SceneBlob<'a> {
+    /// A scene of what `own` makes of the meshes.
+    fn scene<'b>(&self, own: impl Fn(Object<'a>) -> Object<'b>) -> Result<Scene<'b>, Error> {
+        let options = Quality::ALL.get(usize::from(self.quality)).copied().unwrap_or_default().into();
+        let meshes: Vec<Object<'b>> = (0..self.meshes.len() as u32).map(|index| own(self.mesh(index))).collect();
+        let mut scenes: Vec<Arc<Scene<'b>>> = Vec::with_capacity(self.scenes.len());
         for record in self.scenes {
             let object = |item: &ItemRecord| match item.kind {
                 MESH => meshes.get(item.object as usize).cloned(),
@@ -106,6 +119,7 @@ struct Writer {
     nodes: Vec<Node>,
     blocks: Vec<TriangleBlock>,
     scene_nodes: Vec<Node>,
+    block_parts: Vec<BlockPart>,
     transforms: Vec<[f32; 16]>,
     meshes: Vec<MeshRecord>,
     scenes: Vec<SceneRecord>,
@@ -135,8 +149,9 @@ impl Writer {
                     let blocks: Vec<&[TriangleBlock]> = keys.map(|key| tree.blocks(key)).collect();
                     (MESH, self.mesh(&nodes, &blocks, number(tree.keys())?)?)
                 }
+                Target::Round(tree) => (MESH, self.round(&tree)?),
                 Target::Scene(inner) => (SCENE, self.scene(&inner, depth + 1)?),
-                _ => return Err(InvalidScene::NotSaved { item: index, depth }.into()),
+                Target::Shape(_) => return Err(InvalidScene::NotSaved { item: index, depth }.into()),
             });
         }
         let keys = items.iter().map(Item::keys).max().unwrap_or(1);
@@ -178,9 +193,28 @@ impl Writer {
         let (first_node, first_block) = (number(self.nodes.len())?, number(self.blocks.len())?);
         nodes.iter().for_each(|nodes| self.nodes.extend_from_slice(nodes));
         blocks.iter().for_each(|blocks| self.blocks.extend_from_slice(blocks));
-        let index = number(self.meshes.len())?;
         let (nodes, blocks) = (number(self.nodes.len())? - first_node, number(self.blocks.len())? - first_block);
-        self.meshes.push(MeshRecord { first_node, nodes, first_block, blocks, keys });
+        self.know(place, MeshRecord { first_node, nodes, first_block, blocks, keys, kind: TRIANGLES })
+    }
+
+    /// The same of points or curves.
+    fn round(&mut self, tree: &RoundView) -> Result<u32, Error> {
+        let place = (tree.nodes().as_ptr().addr(), tree.nodes().len(), 0);
+        if let Some(&known) = self.known_meshes.get(&place) {
+            return Ok(known);
+        }
+        let (first_node, first_block) = (number(self.nodes.len())?, number(self.block_parts.len())?);
+        let (kind, parts) = block_parts(tree.blocks());
+        self.nodes.extend_from_slice(tree.nodes());
+        self.block_parts.extend_from_slice(parts);
+        let (nodes, blocks) = (number(tree.nodes().len())?, number(parts.len())?);
+        self.know(place, MeshRecord { first_node, nodes, first_block, blocks, keys: 0, kind })
+    }
+
+    /// Adds what lies there as a mesh: its number.
+    fn know(&mut self, place: Place, record: MeshRecord) -> Result<u32, Error> {
+        let index = number(self.meshes.len())?;
+        self.meshes.push(record);
         self.known_meshes.insert(place, index);
         Ok(index)
     }
@@ -218,16 +252,18 @@ impl Writer {
             items: number(self.items.len())?,
             parts: number(self.parts.len())?,
             numbers: number(self.numbers.len())?,
-            width: WIDTH as u32,
-            quality: quality as u32,
+            width: WIDTH as u16,
+            quality: quality as u16,
+            block_parts: number(self.block_parts.len())?,
             checksum: 0,
         };
         let mut blob = Blob::zeroed(header.blob_len() as usize);
-        let sections: [&[u8]; 10] = [
+        let sections: [&[u8]; 11] = [
             bytes_of(&header),
             bytemuck::cast_slice(&self.nodes),
             bytemuck::cast_slice(&self.blocks),
             bytemuck::cast_slice(&self.scene_nodes),
+            bytemuck::cast_slice(&self.block_parts),
             bytemuck::cast_slice(&self.transforms),
             bytemuck::cast_slice(&self.meshes),
             bytemuck::cast_slice(&self.scenes),

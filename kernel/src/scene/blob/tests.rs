@@ -12,7 +12,7 @@ use crate::bvh::{Blob, Child, MovingBvh};
 use crate::error::InvalidTree;
 use crate::scene::{Scene, Spheres};
 use crate::traverse::tests::{Random, soup};
-use crate::{BuildOptions, Bvh, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle};
+use crate::{BuildOptions, Bvh, CubicCurve, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle};
 
 fn bvh(count: usize, seed: u64) -> Arc<Bvh> {
     Arc::new(Bvh::build(&soup(&mut Random(seed), count, 0.5), &BuildOptions::default()).unwrap().0)
@@ -40,13 +40,18 @@ fn inner() -> Scene<'static> {
     Scene::build(items, &Quality::Fast.into()).unwrap().0
 }
 
-/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, and a scene three times.
+/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, a scene three times, points and curves.
 fn town() -> Scene<'static> {
     let mut random = Random(3);
     let from = soup(&mut random, 9, 0.5);
     let to: Vec<Triangle> = from.iter().map(|corners| corners.map(|corner| corner * 1.5 + Vec3::Z)).collect();
     let deforms = Arc::new(MovingBvh::build(&[&from, &to], &BuildOptions::default()).unwrap().0);
     let inner = Arc::new(inner());
+    let mut sphere = || Sphere::new(random.vector(), 0.3);
+    let spheres: Vec<Sphere> = (0..20).map(|_| sphere()).collect();
+    let curves: Vec<CubicCurve> = (0..3).map(|_| CubicCurve { controls: [(); 4].map(|()| sphere()) }).collect();
+    let spheres = Arc::new(RoundBvh::build(&spheres, &BuildOptions::default()).unwrap().0);
+    let curves = Arc::new(RoundBvh::build(&curves, &BuildOptions::default()).unwrap().0);
     let items = vec![
         Item::new(inner.clone()).placed(&at(10)).unwrap(),
         Item::nothing(),
@@ -54,6 +59,8 @@ fn town() -> Scene<'static> {
         Item::new(inner.clone()),
         Item::new(deforms).placed(&at(3)).unwrap(),
         Item::new(inner).placed(&Affine3A::from_scale(vec3(1.0, 0.0, 1.0))).unwrap(),
+        Item::new(spheres).placed(&at(12)).unwrap(),
+        Item::new(curves).placed(&at(13)).unwrap(),
     ];
     Scene::build(items, &Quality::Medium.into()).unwrap().0
 }
@@ -90,7 +97,7 @@ fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Result<T, Er
 
 fn error(bytes: &[u8]) -> Error {
     let (borrowed, owned) = (in_place(bytes, |_| ()).err(), Scene::from_bytes(bytes).err());
-    assert_eq!(borrowed, owned);
+    assert_eq!((&borrowed, Scene::over_bytes(bytes).err()), (&owned, owned));
     borrowed.expect("it is wrong")
 }
 
@@ -107,19 +114,20 @@ fn sign(mut blob: Blob) -> Blob {
 }
 
 /// Where each section begins, in their order.
-fn sections(blob: &Blob) -> [usize; 9] {
+fn sections(blob: &Blob) -> [usize; 10] {
     let header: Header = bytemuck::pod_read_unaligned(&blob[..HEADER]);
     let sizes = [
         header.nodes as usize * 256,
         header.blocks as usize * 320,
         header.scene_nodes as usize * 256,
+        header.block_parts as usize * 32,
         header.transforms as usize * 64,
-        header.meshes as usize * 20,
+        header.meshes as usize * 24,
         header.scenes as usize * 32,
         header.items as usize * 20,
         header.parts as usize * 8,
     ];
-    let mut at = [HEADER; 9];
+    let mut at = [HEADER; 10];
     for (i, size) in sizes.into_iter().enumerate() {
         at[i + 1] = at[i] + size;
     }
@@ -133,6 +141,8 @@ fn scenes_come_back_as_they_were() {
         let blob = scene.to_bytes().unwrap();
         let loaded = Scene::from_bytes(&blob).unwrap();
         assert_eq!(loaded.to_bytes().unwrap(), blob);
+        let over = Scene::over_bytes(&blob).unwrap();
+        assert_eq!(over.to_bytes().unwrap(), blob);
         let mut found = 0;
         let check = |other: &SceneView| {
             assert_eq!((other.bounds(), other.levels()), (scene.view().bounds(), scene.view().levels()));
@@ -152,6 +162,7 @@ fn scenes_come_back_as_they_were() {
         assert!(found > 20 || scene.handles().next().is_none() || cfg!(miri), "{found}");
         for ray in &rays {
             assert_eq!(bits(loaded.view().intersect(ray)), bits(scene.view().intersect(ray)));
+            assert_eq!(bits(over.view().intersect(ray)), bits(scene.view().intersect(ray)));
         }
     }
 }
@@ -201,9 +212,6 @@ fn shapes_of_the_callers_are_named() {
     let mesh = bvh(2, 1);
     let inside = build(vec![Item::new(mesh.clone()), Item::new(mesh.clone()), Item::new(&shapes)]);
     assert_eq!(inside.to_bytes().err(), Some(InvalidScene::NotSaved { item: 2, depth: 0 }.into()));
-    let (points, _) = RoundBvh::build(&[Sphere::new(Vec3::ZERO, 1.0)], &BuildOptions::default()).unwrap();
-    let round = build(vec![Item::new(points.view())]);
-    assert_eq!(round.to_bytes().err(), Some(InvalidScene::NotSaved { item: 0, depth: 0 }.into()));
     let view = inside.view();
     let outside = build(vec![Item::new(mesh), Item::new(&view)]);
     let error = outside.to_bytes().unwrap_err();
@@ -211,8 +219,7 @@ fn shapes_of_the_callers_are_named() {
     let said = alloc::format!("{error}");
     assert_eq!(
         said,
-        "item 2 is a shape of the program's, or points or curves, which cannot be written as bytes; it is in a scene in the \
-         scene"
+        "item 2 is a shape of the program's, which cannot be written as bytes; it is in a scene in the scene"
     );
 }
 
@@ -232,14 +239,14 @@ fn too_little_memory_is_told() {
     let blob = SceneBlob::open(&blob).unwrap();
     let error = blob.view(2, &mut items, &[]).err();
     assert_eq!(error, Some(InvalidScene::TooFew { what: "scenes", needed: 3, given: 2 }.into()));
-    assert_eq!((blob.item_count(1), blob.item_count(2)), (Some(6), None));
+    assert_eq!((blob.item_count(1), blob.item_count(2)), (Some(8), None));
 }
 
 #[test]
 fn every_flipped_bit_is_noticed() {
     let mut blob = town().to_bytes().unwrap();
     // In the trees, whose bytes are but summed up, some bits will do; all in the header and in the records.
-    let records = sections(&blob)[3];
+    let records = sections(&blob)[4];
     let step = |byte: usize| {
         if cfg!(miri) {
             997
@@ -257,7 +264,7 @@ fn every_flipped_bit_is_noticed() {
                 (0..8, Error::NotAScene)
                 | (8..12, Error::BadHeader { field: "byte order" })
                 | (12..16, Error::OtherVersion { .. })
-                | (16..52, Error::Truncated { .. } | Error::TrailingBytes { .. } | Error::Damaged { .. })
+                | (16..52 | 56..60, Error::Truncated { .. } | Error::TrailingBytes { .. } | Error::Damaged { .. })
                 | (52.., Error::Damaged { .. }) => {}
                 (_, error) => panic!("bit {bit} of byte {byte}: {error:?}"),
             }
@@ -310,6 +317,7 @@ fn where_it_cannot_be_traced_it_can_be_loaded() {
         bytes.copy_from_slice(&blob);
         let error = (offset != 0).then_some(Error::Misaligned { alignment: 64 });
         assert_eq!(SceneBlob::open(bytes).err(), error);
+        assert_eq!(Scene::over_bytes(bytes).err(), error);
         assert_eq!(Scene::from_bytes(bytes).unwrap().to_bytes().unwrap(), blob);
     }
 }
@@ -318,7 +326,7 @@ fn where_it_cannot_be_traced_it_can_be_loaded() {
 #[test]
 fn forged_blobs_are_refused() {
     let original = town().to_bytes().unwrap();
-    let [nodes, _, scene_nodes, transforms, meshes, scenes, items, parts, numbers] = sections(&original);
+    let [nodes, _, scene_nodes, rounds, transforms, meshes, scenes, items, parts, numbers] = sections(&original);
     let forge = |changes: &[(usize, u32)]| {
         let mut blob = original.clone();
         changes.iter().for_each(|&(offset, value)| put(&mut blob, offset, value));
@@ -326,32 +334,38 @@ fn forged_blobs_are_refused() {
     };
     let header = |field| Error::BadHeader { field };
     let record = |record, index| Error::from(InvalidScene::BadRecord { record, index });
-    assert_eq!(forge(&[(52, 4)]), header("number of children a node"));
-    assert_eq!(forge(&[(56, 3)]), header("quality"));
+    assert_eq!(forge(&[(52, 4 | 1 << 16)]), header("number of children a node"));
+    assert_eq!(forge(&[(52, 8 | 3 << 16)]), header("quality"));
     assert_eq!(forge(&[(numbers, 99)]), InvalidTree::BadItem { place: 0 }.into());
 
-    // The inner scene is the first: its items are 0 to 2, those of the town 3 to 8, of which 3, 6 and 8 are that scene.
+    // The inner scene is the first: its items are 0 to 2, those of the town 3 to 10, of which 3, 6 and 8 are that scene.
     let item = |index: usize, field: usize| items + 20 * index + 4 * field;
     let scene = |index: usize, field: usize| scenes + 32 * index + 4 * field;
     // In itself, in one after it, of no mesh, of no kind, nothing that is something.
     assert_eq!(forge(&[(item(0, 0), SCENE), (item(0, 1), 0)]), record("item", 0));
     assert_eq!(forge(&[(item(3, 1), 1)]), record("item", 3));
     assert_eq!(forge(&[(item(3, 1), 7)]), record("item", 3));
-    assert_eq!(forge(&[(item(5, 1), 3)]), record("item", 5));
+    assert_eq!(forge(&[(item(5, 1), 5)]), record("item", 5));
     assert_eq!(forge(&[(item(5, 0), 3)]), record("item", 5));
     assert_eq!(forge(&[(item(4, 1), 1)]), record("item", 4));
     // Transforms of another item; fewer than there are.
     assert_eq!(forge(&[(item(2, 3), 0)]), record("item", 2));
-    assert_eq!(forge(&[(item(8, 4), 0)]), header("table of counts"));
+    assert_eq!(forge(&[(item(10, 4), 0)]), header("table of counts"));
     for field in [0, 2, 4, 6] {
         assert_eq!(forge(&[(scene(1, field), 1)]), record("scene", 1));
     }
     assert_eq!(forge(&[(scene(1, 1), u32::MAX)]), record("scene", 1));
     assert_eq!(forge(&[(scene(1, 3), 0)]), header("table of counts"));
-    assert_eq!(forge(&[(meshes + 20, 9)]), record("mesh", 1));
+    assert_eq!(forge(&[(meshes + 24, 9)]), record("mesh", 1));
     assert_eq!(forge(&[(meshes + 4, u32::MAX)]), record("mesh", 0));
     // More keys than a tree has, and a number of keys that does not divide it.
     assert_eq!(forge(&[(meshes + 16, 7)]), InvalidTree::BadKeys { keys: 7 }.into());
+    // Of no kind; spheres that are no whole number of curves, or that move; one whose radius is less than zero.
+    assert_eq!(forge(&[(meshes + 20, 9)]), record("mesh", 0));
+    assert_eq!(forge(&[(meshes + 24 * 3 + 20, 4)]), record("mesh", 3));
+    assert_eq!(forge(&[(meshes + 24 * 3 + 16, 1)]), record("mesh", 3));
+    let radius = rounds + 3 * 32;
+    assert_eq!(forge(&[(radius, (-1f32).to_bits())]), InvalidTree::BadPrimitive { block: 0, lane: 0 }.into());
 
     // Trees: a plane that is no number, a child that is the root itself; of a mesh, and of the town.
     for (nodes, of_boxes) in [(nodes, false), (scene_nodes, true)] {

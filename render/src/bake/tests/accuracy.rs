@@ -32,7 +32,7 @@ fn a_cache_tells_what_gathers_do() {
     let mut texels = surfaces.texels();
     let (is_free, _) = uncover(&world, &surfaces, &mut texels);
     let free = texels.iter().zip(is_free).filter(|(_, is_free)| *is_free);
-    let some: Vec<Texel> = free.map(|(texel, _)| *texel).step_by(texels.len() / 400).collect();
+    let some: Vec<Texel> = free.map(|(texel, _)| *texel).step_by(texels.len() / 200).collect();
     let gathered = |seed: u64| -> Vec<f32> {
         let irradiance = |(key, texel): (usize, &Texel)| {
             let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);

@@ -1,4 +1,4 @@
-//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR and TGA, told apart by their first bytes, TGA by its name.
+//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR, KTX2 and TGA, told apart by their first bytes, TGA by its name.
 //!
 //! Deviations: numbers of an EXR or HDR picture that are not finite become 0; an EXR's layers beyond the first one with colours
 //! are not read. A JPEG's or PNG's colour profile does not count: colours are sRGB.
@@ -8,37 +8,27 @@ use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
+use super::error::{MAX_BYTES, MAX_SIDE, TextureError};
 use super::{Texels, Texture};
-
-/// The most pixels across or down; a picture with more is refused before memory is asked for.
-const MAX_SIDE: u32 = 1 << 16;
-
-/// The most bytes that one picture may take while it is decoded.
-const MAX_BYTES: u64 = 4 << 30;
-
-/// Why a picture is not read: what is wrong and what would be right, as in an error of a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct TextureError {
-    pub(crate) problem: String,
-    pub(crate) remedy: &'static str,
-    /// Whether the file is of a kind that is not read at all, instead of damaged.
-    pub(crate) is_unknown_kind: bool,
-}
 
 /// The picture in `bytes`. `name` is the file's, where it has one.
 pub(crate) fn decode(bytes: &[u8], name: Option<&Path>) -> Result<Texture, TextureError> {
+    #[cfg(feature = "ktx2")]
+    if bytes.starts_with(super::ktx2::MAGIC) {
+        return super::ktx2::decode(bytes);
+    }
     let format = format_of(bytes, name)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
-        return Err(wrong(format!("it has {width} x {height} pixels"), "give it one pixel at least"));
+        return Err(TextureError::empty(width, height));
     }
     if width > MAX_SIDE || height > MAX_SIDE || decoder.total_bytes() > MAX_BYTES {
         let gigabytes = decoder.total_bytes() as f64 / f64::from(1 << 30);
         let problem = format!("its {width} x {height} pixels take {gigabytes:.1} GiB");
-        return Err(wrong(problem, "make it smaller: 65536 pixels across and 4 GiB at most"));
+        return Err(TextureError::wrong(problem, "make it smaller: 65536 pixels across and 4 GiB at most"));
     }
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_BYTES);
@@ -55,25 +45,21 @@ fn format_of(bytes: &[u8], name: Option<&Path>) -> Result<ImageFormat, TextureEr
     }
     const KNOWN: [ImageFormat; 5] =
         [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP, ImageFormat::OpenExr, ImageFormat::Hdr];
-    const REMEDY: &str = "save it as PNG, JPEG, WebP, EXR, HDR or TGA";
+    const REMEDY: &str = "save it as PNG, JPEG, WebP, EXR, HDR, KTX2 or TGA";
     let kind = image::guess_format(bytes);
     let unknown = |what: String| TextureError { problem: what, remedy: REMEDY, is_unknown_kind: true };
     match kind {
         Ok(format) if KNOWN.contains(&format) => Ok(format),
         Ok(format) => Err(unknown(format!("it is {format:?}, which is not read"))),
-        Err(_) if bytes.is_empty() => Err(wrong("it is empty".to_owned(), "export it again")),
+        Err(_) if bytes.is_empty() => Err(TextureError::wrong("it is empty".to_owned(), "export it again")),
         Err(_) => Err(unknown("it is of a kind that is not read".to_owned())),
     }
 }
 
-fn wrong(problem: String, remedy: &'static str) -> TextureError {
-    TextureError { problem, remedy, is_unknown_kind: false }
-}
-
 fn damaged(error: ImageError) -> TextureError {
     match error {
-        ImageError::Limits(_) => wrong(format!("it needs too much memory: {error}"), "make it smaller"),
-        error => wrong(format!("it is damaged: {error}"), "export it again"),
+        ImageError::Limits(_) => TextureError::wrong(format!("it needs too much memory: {error}"), "make it smaller"),
+        error => TextureError::wrong(format!("it is damaged: {error}"), "export it again"),
     }
 }
 

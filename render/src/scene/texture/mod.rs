@@ -8,6 +8,9 @@
 //! the samples of a pixel take their mean.
 
 mod decode;
+mod error;
+#[cfg(feature = "ktx2")]
+mod ktx2;
 mod map;
 mod store;
 

@@ -62,9 +62,12 @@ fn study<'a>(runner: &Runner<'a>, world: &'a World, paths: u32, seed: u64) -> Re
 /// The curves of a scene, and their figure.
 fn curves(runner: &Runner, name: &'static str, title: &str, scene: Scene) -> Result<(Curves, Figure), Interrupted> {
     let world = world(scene);
-    let study = study(runner, &world, runner.share(8192).max(2048), runner.seed())?;
-    let errors: &[f32] = if runner.share(8) == 8 { &[0.8, 0.57, 0.4, 0.28, 0.2] } else { &[0.57, 0.28] };
-    let plan = Plan { paths: &[16, 64, 256, 1024], errors, rays: 2048 };
+    let study = study(runner, &world, runner.share(8192).max(1024), runner.seed())?;
+    let (paths, errors): (&[u32], &[f32]) = match runner.share(8) {
+        8 => (&[16, 64, 256, 1024], &[0.8, 0.57, 0.4, 0.28, 0.2]),
+        _ => (&[64, 256], &[0.57, 0.28]),
+    };
+    let plan = Plan { paths, errors, rays: 2048 };
     let curves =
         Curves::measure(&study, &plan, |_, _, _| (!runner.watch().stop()).then_some(0.0)).ok_or(Interrupted)?;
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());

@@ -178,6 +178,24 @@ fn an_image_of_an_extension_goes_before_the_texture_s_own() {
     assert_eq!((scene.textures.len(), scene.textures[0].size()), (1, (2, 1)));
 }
 
+#[cfg(feature = "ktx2")]
+#[test]
+fn basis_universal_goes_before_the_texture_s_own_image_and_may_be_damaged() {
+    const FILE: &[u8] = include_bytes!("../../texture/ktx2/etc1s.ktx2");
+    let document = |file: &[u8]| {
+        let mut document = textured(base(json!({"index": 0})));
+        document["images"].as_array_mut().unwrap().push(json!({"uri": uri("image/ktx2", file)}));
+        document["textures"] = json!([{"source": 0, "extensions": {"KHR_texture_basisu": {"source": 1}}}]);
+        document["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+        document
+    };
+    let scene = parse(document(FILE)).unwrap();
+    assert_eq!((scene.textures.len(), scene.textures[0].size(), scene.textures[0].channels()), (1, (18, 10), 4));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let told = problem(document(&FILE[..FILE.len() / 2]));
+    assert!(told.starts_with("image 1: it is damaged: "), "{told}");
+}
+
 #[test]
 fn a_coat_has_its_own_normals_unless_its_map_is_that_of_the_base() {
     let read = |base: Option<Value>, coat: Option<Value>| {

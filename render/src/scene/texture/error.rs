@@ -1,0 +1,28 @@
+//! Why a picture is not read, and how large one may be.
+
+/// The most pixels across or down; a picture with more is refused before memory is asked for.
+pub(super) const MAX_SIDE: u32 = 1 << 16;
+
+/// The most bytes that one picture may take while it is decoded.
+pub(super) const MAX_BYTES: u64 = 4 << 30;
+
+/// What is wrong and what would be right, as in an error of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct TextureError {
+    pub(crate) problem: String,
+    pub(crate) remedy: &'static str,
+    /// Whether the file is of a kind that is not read at all, instead of damaged.
+    pub(crate) is_unknown_kind: bool,
+}
+
+impl TextureError {
+    /// Of a kind that is read.
+    pub(super) fn wrong(problem: String, remedy: &'static str) -> Self {
+        Self { problem, remedy, is_unknown_kind: false }
+    }
+
+    /// Of a picture without pixels.
+    pub(super) fn empty(width: u32, height: u32) -> Self {
+        Self::wrong(format!("it has {width} x {height} pixels"), "give it one pixel at least")
+    }
+}
