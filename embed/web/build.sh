@@ -27,7 +27,7 @@ build() {
     local features="--enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals"
     # shellcheck disable=SC2086
     wasm-opt -O2 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
-    # Scenes need twice as much code: who wants trees alone does not load it.
+    # Scenes need three times as much code: who wants trees alone does not load it.
     RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown --target-dir "$target" \
         -p halfdome-npm --features scene
     # shellcheck disable=SC2086
