@@ -614,8 +614,8 @@ hd_status hd_round_tree_build(uint32_t kind,
                               struct hd_round_tree **tree);
 
 /**
- * What a ray meets of a single point or curve, whose numbers these are: of the nearest hit of a scene those with its prim_id. In
- * a scene both are in the item's own space.
+ * What a ray meets of a single point or curve, which has these numbers: after a hit, those of its prim_id. The ray is in the
+ * item's own space, as the numbers are.
  *
  * HD_ERROR_VALUE if the ray does not hit it.
  */

@@ -11,9 +11,7 @@ static hd_tree *triangle_tree(void) {
 }
 
 static hd_item item_of(const hd_tree *tree, const hd_scene *scene) {
-    hd_item item;
-    memset(&item, 0, sizeof item);
-    item.struct_size = sizeof item;
+    hd_item item = empty_item();
     item.tree = tree;
     item.scene = scene;
     return item;

@@ -50,6 +50,14 @@ static inline hd_ray ray_of(float x, float y, float z, float dx, float dy, float
     return ray;
 }
 
+/* An item of nothing yet. */
+static inline hd_item empty_item(void) {
+    hd_item item;
+    memset(&item, 0, sizeof item);
+    item.struct_size = sizeof item;
+    return item;
+}
+
 /* A tree of COLUMNS by COLUMNS squares of size 1 in z = 0, two triangles each. */
 #define COLUMNS 20
 #define SQUARES (COLUMNS * COLUMNS)

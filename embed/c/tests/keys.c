@@ -14,9 +14,7 @@ static hd_moving_tree *falling(void) {
 }
 
 static hd_item item_with(const hd_moving_tree *moving, const hd_tree *tree, const hd_scene *scene) {
-    hd_item item;
-    memset(&item, 0, sizeof item);
-    item.struct_size = sizeof item;
+    hd_item item = empty_item();
     item.moving = moving;
     item.tree = tree;
     item.scene = scene;

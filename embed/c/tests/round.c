@@ -8,9 +8,7 @@ static hd_round_tree *round_tree(uint32_t kind, const float *numbers, size_t cou
 }
 
 static hd_item item_of(const hd_round_tree *round, const float *transform) {
-    hd_item item;
-    memset(&item, 0, sizeof item);
-    item.struct_size = sizeof item;
+    hd_item item = empty_item();
     item.round = round;
     item.transforms = transform;
     item.transform_count = transform != NULL;

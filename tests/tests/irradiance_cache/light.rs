@@ -56,7 +56,7 @@ fn a_furnace_has_its_exact_irradiance() {
     for layout in GatherLayout::ALL {
         for (bounces, series) in [(None, 1.0), (Some(1), 0.5), (Some(2), 0.75), (Some(4), 0.9375)] {
             // Without a number of reflections, paths end by chance, and more runs are needed.
-            let (seeds, limit) = if bounces.is_none() { (24, 0.005) } else { (10, 0.0015) };
+            let (seeds, limit) = if bounces.is_none() { (72, 0.003) } else { (20, 0.001) };
             let means: Vec<DVec3> = (0..seeds)
                 .map(|seed| {
                     let options = CachedOptions { rays: 3072, bounces, layout, error: 0.5, ..CachedOptions::default() };

@@ -194,7 +194,7 @@ impl Writer {
         nodes.iter().for_each(|nodes| self.nodes.extend_from_slice(nodes));
         blocks.iter().for_each(|blocks| self.blocks.extend_from_slice(blocks));
         let (nodes, blocks) = (number(self.nodes.len())? - first_node, number(self.blocks.len())? - first_block);
-        self.know(place, MeshRecord { first_node, nodes, first_block, blocks, keys, kind: TRIANGLES })
+        self.add_mesh(place, MeshRecord { first_node, nodes, first_block, blocks, keys, kind: TRIANGLES })
     }
 
     /// The same of points or curves.
@@ -208,11 +208,11 @@ impl Writer {
         self.nodes.extend_from_slice(tree.nodes());
         self.block_parts.extend_from_slice(parts);
         let (nodes, blocks) = (number(tree.nodes().len())?, number(parts.len())?);
-        self.know(place, MeshRecord { first_node, nodes, first_block, blocks, keys: 0, kind })
+        self.add_mesh(place, MeshRecord { first_node, nodes, first_block, blocks, keys: 0, kind })
     }
 
-    /// Adds what lies there as a mesh: its number.
-    fn know(&mut self, place: Place, record: MeshRecord) -> Result<u32, Error> {
+    /// Adds a mesh, which lies there: its number.
+    fn add_mesh(&mut self, place: Place, record: MeshRecord) -> Result<u32, Error> {
         let index = number(self.meshes.len())?;
         self.meshes.push(record);
         self.known_meshes.insert(place, index);

@@ -10,6 +10,7 @@ use super::*;
 use crate::bvh::blob_header::checksum;
 use crate::bvh::{Blob, Child, MovingBvh};
 use crate::error::InvalidTree;
+use crate::scene::object::Target;
 use crate::scene::{Scene, Spheres};
 use crate::traverse::tests::{Random, soup};
 use crate::{BuildOptions, Bvh, CubicCurve, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle};
@@ -164,6 +165,26 @@ fn scenes_come_back_as_they_were() {
             assert_eq!(bits(loaded.view().intersect(ray)), bits(scene.view().intersect(ray)));
             assert_eq!(bits(over.view().intersect(ray)), bits(scene.view().intersect(ray)));
         }
+    }
+}
+
+/// No mesh is copied, however many items have it.
+#[test]
+fn meshes_stay_where_the_blob_is() {
+    let (spheres, _) = RoundBvh::build(&[Sphere::new(Vec3::ZERO, 1.0)], &BuildOptions::default()).unwrap();
+    let items =
+        vec![Item::new(bvh(20, 2)), Item::new(spheres.view()), Item::new(spheres.view()).placed(&at(4)).unwrap()];
+    let blob = build(items).to_bytes().unwrap();
+    let header: Header = bytemuck::pod_read_unaligned(&blob[..HEADER]);
+    assert_eq!((header.meshes, header.block_parts), (2, 5));
+    let over = Scene::over_bytes(&blob).unwrap();
+    for item in over.view().items() {
+        let nodes = match item.object.target() {
+            Target::Mesh(tree) => tree.nodes(),
+            Target::Round(tree) => tree.nodes(),
+            _ => panic!("another kind"),
+        };
+        assert!(blob.as_ptr_range().contains(&nodes.as_ptr().cast()));
     }
 }
 

@@ -8,28 +8,26 @@ use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::error::{MAX_BYTES, MAX_SIDE, TextureError};
+use super::error::{MAX_BYTES, TextureError};
 use super::{Texels, Texture};
+
+/// What all KTX2 files begin with.
+const KTX2: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 
 /// The picture in `bytes`. `name` is the file's, where it has one.
 pub(crate) fn decode(bytes: &[u8], name: Option<&Path>) -> Result<Texture, TextureError> {
-    #[cfg(feature = "ktx2")]
-    if bytes.starts_with(super::ktx2::MAGIC) {
+    if bytes.starts_with(KTX2) {
+        #[cfg(feature = "ktx2")]
         return super::ktx2::decode(bytes);
+        #[cfg(not(feature = "ktx2"))]
+        return Err(unknown("it is KTX2, which this program was built without".to_owned()));
     }
     let format = format_of(bytes, name)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err(TextureError::empty(width, height));
-    }
-    if width > MAX_SIDE || height > MAX_SIDE || decoder.total_bytes() > MAX_BYTES {
-        let gigabytes = decoder.total_bytes() as f64 / f64::from(1 << 30);
-        let problem = format!("its {width} x {height} pixels take {gigabytes:.1} GiB");
-        return Err(TextureError::wrong(problem, "make it smaller: 65536 pixels across and 4 GiB at most"));
-    }
+    TextureError::check_size(width, height, decoder.total_bytes())?;
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_BYTES);
     decoder.set_limits(limits).map_err(damaged)?;
@@ -45,15 +43,20 @@ fn format_of(bytes: &[u8], name: Option<&Path>) -> Result<ImageFormat, TextureEr
     }
     const KNOWN: [ImageFormat; 5] =
         [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP, ImageFormat::OpenExr, ImageFormat::Hdr];
-    const REMEDY: &str = "save it as PNG, JPEG, WebP, EXR, HDR, KTX2 or TGA";
-    let kind = image::guess_format(bytes);
-    let unknown = |what: String| TextureError { problem: what, remedy: REMEDY, is_unknown_kind: true };
-    match kind {
+    match image::guess_format(bytes) {
         Ok(format) if KNOWN.contains(&format) => Ok(format),
         Ok(format) => Err(unknown(format!("it is {format:?}, which is not read"))),
         Err(_) if bytes.is_empty() => Err(TextureError::wrong("it is empty".to_owned(), "export it again")),
         Err(_) => Err(unknown("it is of a kind that is not read".to_owned())),
     }
+}
+
+fn unknown(problem: String) -> TextureError {
+    const REMEDY: &str = match cfg!(feature = "ktx2") {
+        true => "save it as PNG, JPEG, WebP, EXR, HDR, KTX2 or TGA",
+        false => "save it as PNG, JPEG, WebP, EXR, HDR or TGA",
+    };
+    TextureError { problem, remedy: REMEDY, is_unknown_kind: true }
 }
 
 fn damaged(error: ImageError) -> TextureError {
@@ -66,9 +69,6 @@ fn damaged(error: ImageError) -> TextureError {
 /// The texels as the file has them.
 fn store(image: DynamicImage, channels: usize) -> Texture {
     let (width, height) = (image.width(), image.height());
-    let finite = |numbers: Vec<f32>| {
-        Texels::F32(numbers.into_iter().map(|number| if number.is_finite() { number } else { 0.0 }).collect())
-    };
     let (channels, texels) = match image.color() {
         ColorType::L8 => (1, Texels::U8(image.into_luma8().into_raw())),
         ColorType::La8 => (2, Texels::U8(image.into_luma_alpha8().into_raw())),
@@ -78,9 +78,9 @@ fn store(image: DynamicImage, channels: usize) -> Texture {
         ColorType::La16 => (2, Texels::U16(image.into_luma_alpha16().into_raw())),
         ColorType::Rgb16 => (3, Texels::U16(image.into_rgb16().into_raw())),
         ColorType::Rgba16 => (4, Texels::U16(image.into_rgba16().into_raw())),
-        ColorType::Rgb32F => (3, finite(image.into_rgb32f().into_raw())),
-        _ if channels == 3 => (3, finite(image.into_rgb32f().into_raw())),
-        _ => (4, finite(image.into_rgba32f().into_raw())),
+        ColorType::Rgb32F => (3, Texels::finite(image.into_rgb32f().into_raw())),
+        _ if channels == 3 => (3, Texels::finite(image.into_rgb32f().into_raw())),
+        _ => (4, Texels::finite(image.into_rgba32f().into_raw())),
     };
     Texture::from_texels(width, height, channels, texels)
 }

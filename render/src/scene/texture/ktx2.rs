@@ -7,16 +7,17 @@
 use basisu::{DecodeFlags, Error, SourceFormat, TargetFormat, Transcoder};
 use half::f16;
 
-use super::error::{MAX_BYTES, MAX_SIDE, TextureError};
+use super::error::TextureError;
 use super::{Texels, Texture};
-
-/// What all KTX2 files begin with.
-pub(super) const MAGIC: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 
 /// Where the header has `vkFormat`, the size of the picture, and the size of its first level when Zstandard has unpacked it.
 const FORMAT: usize = 12;
 const SIZE: [usize; 2] = [20, 24];
 const UNPACKED: usize = 96;
+
+/// `vkFormat` of ETC1S and UASTC (`VK_FORMAT_UNDEFINED`), and of UASTC HDR (`VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK`).
+const UNDEFINED: u32 = 0;
+const HDR: u32 = 1_000_066_000;
 
 /// Bytes of a block, which has 4 x 4 texels or more.
 const BLOCK_BYTES: u64 = 16;
@@ -26,17 +27,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Texture, TextureError> {
     let damaged = || TextureError::wrong("it is damaged: its header is cut short".to_owned(), "export it again");
     let [width, height] = SIZE.map(|at| word(bytes, at));
     let (width, height) = (width.ok_or_else(damaged)?, height.ok_or_else(damaged)?);
-    if width == 0 || height == 0 {
-        return Err(TextureError::empty(width, height));
-    }
-    if width > MAX_SIDE || height > MAX_SIDE || u64::from(width) * u64::from(height) * 4 > MAX_BYTES {
-        let problem = format!("it has {width} x {height} pixels");
-        return Err(TextureError::wrong(problem, "make it smaller: 65536 pixels across and 4 GiB at most"));
-    }
-    // `VK_FORMAT_UNDEFINED`, or the one of UASTC HDR.
-    if !matches!(word(bytes, FORMAT), Some(0 | 1_000_066_000)) {
-        return Err(unknown("it is a KTX2 file without Basis Universal".to_owned()));
-    }
+    let texel_bytes = match word(bytes, FORMAT) {
+        Some(UNDEFINED) => 4,
+        Some(HDR) => 12,
+        _ => return Err(unknown("it is a KTX2 file without Basis Universal".to_owned())),
+    };
+    TextureError::check_size(width, height, u64::from(width) * u64::from(height) * texel_bytes)?;
     // The crate believes this number, and asks for as much memory.
     let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
     let unpacked = bytes.get(UNPACKED..UNPACKED + 8).and_then(|it| it.try_into().ok()).map(u64::from_le_bytes);
@@ -55,16 +51,15 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Texture, TextureError> {
     let (channels, texels) = match file.source_format() {
         SourceFormat::UastcHdr4x4 => {
             let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&decoded(TargetFormat::RgbHalf)?);
-            let numbers = halves.into_iter().map(|bits| f16::from_bits(bits).to_f32());
-            (3, Texels::F32(numbers.map(|number| if number.is_finite() { number } else { 0.0 }).collect()))
+            (3, Texels::finite(halves.into_iter().map(|bits| f16::from_bits(bits).to_f32())))
         }
         SourceFormat::Etc1s | SourceFormat::UastcLdr => {
-            let mut texels = decoded(TargetFormat::Rgba32)?;
-            if file.has_alpha() {
-                (4, Texels::U8(texels))
-            } else {
-                texels = texels.chunks_exact(4).flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
-                (3, Texels::U8(texels))
+            let texels = decoded(TargetFormat::Rgba32)?;
+            match file.has_alpha() {
+                true => (4, Texels::U8(texels)),
+                false => {
+                    (3, Texels::U8(texels.chunks_exact(4).flat_map(|texel| [texel[0], texel[1], texel[2]]).collect()))
+                }
             }
         }
         other => return Err(unknown(format!("it is a KTX2 file with {other:?}, which is not read"))),
@@ -84,7 +79,7 @@ fn because(error: Error) -> TextureError {
     match error {
         Error::VideoRequiresState => TextureError::wrong("it is a video".to_owned(), "save one picture of it"),
         Error::Truncated => TextureError::wrong("it is damaged: it is cut short".to_owned(), "export it again"),
-        error => TextureError::wrong(format!("it is damaged: {error:?}"), "export it again"),
+        _ => TextureError::wrong("it is damaged: it is not what its header says".to_owned(), "export it again"),
     }
 }
 
@@ -97,7 +92,7 @@ mod tests {
     const ZSTD: &[u8] = include_bytes!("ktx2/zstd.ktx2");
     const ETC1S: &[u8] = include_bytes!("ktx2/etc1s.ktx2");
     const OPAQUE: &[u8] = include_bytes!("ktx2/opaque.ktx2");
-    const HDR: &[u8] = include_bytes!("ktx2/hdr.ktx2");
+    const FLOATS: &[u8] = include_bytes!("ktx2/hdr.ktx2");
 
     /// Of a texel in a picture of 18 x 10.
     fn color(index: usize) -> [usize; 4] {
@@ -122,7 +117,7 @@ mod tests {
         // Its colours have 5 bits.
         check(ETC1S, 4, 4);
         check(OPAQUE, 3, 4);
-        let texture = decode(HDR).unwrap();
+        let texture = decode(FLOATS).unwrap();
         assert_eq!((texture.size(), texture.channels(), texture.bits()), ((6, 6), 3, 32));
         assert!(
             texture
@@ -134,8 +129,8 @@ mod tests {
 
     #[test]
     fn damage_is_an_error_and_asks_for_no_memory() {
-        for file in [UASTC, ZSTD, ETC1S, HDR] {
-            for end in MAGIC.len()..file.len() {
+        for file in [UASTC, ZSTD, ETC1S, FLOATS] {
+            for end in 12..file.len() {
                 // The smaller levels come first.
                 assert!(decode(&file[..end]).is_err(), "{end}");
             }
@@ -159,7 +154,7 @@ mod tests {
             decode(&changed).unwrap_err()
         };
         assert_eq!(problem(SIZE[0], 0).problem, "it has 0 x 10 pixels");
-        assert_eq!(problem(SIZE[1], 70_000).problem, "it has 18 x 70000 pixels");
+        assert_eq!(problem(SIZE[1], 70_000).problem, "its 18 x 70000 pixels take 0.0 GiB");
         // BC7.
         let other = problem(FORMAT, 145);
         assert!(other.is_unknown_kind && other.problem.contains("without Basis Universal"), "{other:?}");

@@ -45,6 +45,13 @@ pub(crate) enum Texels {
     F32(Vec<f32>),
 }
 
+impl Texels {
+    /// Floats, with 0 for what is not finite.
+    fn finite(numbers: impl IntoIterator<Item = f32>) -> Self {
+        Self::F32(numbers.into_iter().map(|number| if number.is_finite() { number } else { 0.0 }).collect())
+    }
+}
+
 impl Texture {
     /// A picture of these texels, red, green, blue and alpha of 8 bits, row by row from the top.
     ///
