@@ -3,6 +3,7 @@
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::mem::discriminant;
 
 use glam::{Quat, Vec3, vec3};
 
@@ -13,7 +14,9 @@ use crate::error::InvalidTree;
 use crate::scene::object::Target;
 use crate::scene::{Scene, Spheres};
 use crate::traverse::tests::{Random, soup};
-use crate::{BuildOptions, Bvh, CubicCurve, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle};
+use crate::{
+    BuildOptions, Bvh, CubicCurve, Disc, LinearCurve, Quality, Ray, RoundBvh, SceneHit, SceneRay, Sphere, Triangle,
+};
 
 fn bvh(count: usize, seed: u64) -> Arc<Bvh> {
     Arc::new(Bvh::build(&soup(&mut Random(seed), count, 0.5), &BuildOptions::default()).unwrap().0)
@@ -168,21 +171,33 @@ fn scenes_come_back_as_they_were() {
     }
 }
 
-/// No mesh is copied, however many items have it.
+/// Meshes, points and curves are of the kind that they were, in the blob once, and not copied out of it.
 #[test]
-fn meshes_stay_where_the_blob_is() {
-    let (spheres, _) = RoundBvh::build(&[Sphere::new(Vec3::ZERO, 1.0)], &BuildOptions::default()).unwrap();
-    let items =
-        vec![Item::new(bvh(20, 2)), Item::new(spheres.view()), Item::new(spheres.view()).placed(&at(4)).unwrap()];
+fn what_items_have_stays_where_the_blob_is() {
+    let center = Sphere::new(Vec3::ZERO, 1.0);
+    let round = [
+        RoundBvh::build(&[center], &BuildOptions::default()),
+        RoundBvh::build(&[Disc { center: Vec3::ZERO, radius: 1.0, normal: Vec3::Z }], &BuildOptions::default()),
+        RoundBvh::build(&[LinearCurve { ends: [center; 2] }], &BuildOptions::default()),
+        RoundBvh::build(&[CubicCurve { controls: [center; 4] }], &BuildOptions::default()),
+    ]
+    .map(|built| built.unwrap().0);
+    let mut items = vec![Item::new(bvh(20, 2))];
+    items
+        .extend(round.iter().flat_map(|tree| [Item::new(tree.view()), Item::new(tree.view()).placed(&at(4)).unwrap()]));
     let blob = build(items).to_bytes().unwrap();
     let header: Header = bytemuck::pod_read_unaligned(&blob[..HEADER]);
-    assert_eq!((header.meshes, header.block_parts), (2, 5));
+    assert_eq!((header.meshes, header.block_parts), (5, 5 + 8 + 9 + 17));
     let over = Scene::over_bytes(&blob).unwrap();
-    for item in over.view().items() {
+    for (index, item) in over.view().items().iter().enumerate() {
         let nodes = match item.object.target() {
-            Target::Mesh(tree) => tree.nodes(),
-            Target::Round(tree) => tree.nodes(),
-            _ => panic!("another kind"),
+            Target::Mesh(tree) if index == 0 => tree.nodes(),
+            Target::Round(tree) => {
+                let blocks = round[(index - 1) / 2].view().blocks();
+                assert_eq!(discriminant(&tree.blocks()), discriminant(&blocks), "item {index}");
+                tree.nodes()
+            }
+            _ => panic!("item {index} has become another"),
         };
         assert!(blob.as_ptr_range().contains(&nodes.as_ptr().cast()));
     }
