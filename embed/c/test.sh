@@ -2,13 +2,16 @@
 # The C interface, from C: every program in tests/ and examples/ is compiled as C99 and as C++, linked with the static and
 # with the shared library, run, and run again under valgrind. `cargo test` checks that the header is current.
 #
+# Arguments go on to `cargo build`: with `-p halfdome` the kernel has the renderer's features, and one that was built for that
+# is not compiled anew.
+#
 # On Debian and Ubuntu it installs what is missing (as root, or by sudo): compilers and valgrind.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 ../../.ci/install gcc "gcc libc6-dev" g++ g++ valgrind valgrind
 
-cargo build --release -p halfdome-c
+cargo build --release -p halfdome-c "$@"
 target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/release
 out=$(mktemp -d)
 trap 'rm -r "$out"' EXIT

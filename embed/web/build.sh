@@ -27,9 +27,10 @@ build() {
     local features="--enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals"
     # shellcheck disable=SC2086
     wasm-opt -O2 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome$suffix.wasm"
-    # Scenes need three times as much code: who wants trees alone does not load it.
-    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown --target-dir "$target" \
-        -p halfdome-npm --features scene
+    # Scenes need three times as much code: who wants trees alone does not load it. With the same crates, so that the kernel has
+    # the same features and is not compiled anew.
+    RUSTFLAGS="$flags" cargo build --profile web --target wasm32-unknown-unknown --target-dir "$target" "${crates[@]}" \
+        --features halfdome-npm/scene
     # shellcheck disable=SC2086
     wasm-opt -O2 $features $optimizer "$built/halfdome_npm.wasm" -o "npm/halfdome-scene$suffix.wasm"
     [ "$what" = all ] || return 0

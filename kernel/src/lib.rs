@@ -131,6 +131,8 @@
 extern crate alloc;
 
 pub mod bvh;
+#[cfg(test)]
+mod checksums;
 pub mod columns;
 mod error;
 pub mod geometry;

@@ -69,7 +69,8 @@ impl Function for FromNormal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::statistics::{Checksum, isas};
+    use crate::checksums::Checksum;
+    use crate::sampling::statistics::isas;
     use crate::sampling::warp::{UniformSphere, Warp};
     use crate::sampling::{Pattern, Sampler};
 

@@ -72,7 +72,8 @@ impl Stream {
     /// The four numbers of set `set`, each uniform on the multiples of 2⁻²⁴ in [0, 1).
     #[inline(always)]
     pub fn uniform4(&self, set: u32) -> [f32; 4] {
-        self.bits4(set).map(unit_float)
+        let [x, y, z, w] = self.bits4(set);
+        [unit_float(x), unit_float(y), unit_float(z), unit_float(w)]
     }
 
     /// The first two numbers of set `set`.
@@ -86,8 +87,9 @@ impl Stream {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::checksums::Checksum;
     use crate::sampling::ONE_MINUS_EPSILON;
-    use crate::sampling::statistics::{Checksum, chi_squared};
+    use crate::sampling::statistics::chi_squared;
 
     const PI_WORDS: [u32; 6] = [0x243F_6A88, 0x85A3_08D3, 0x1319_8A2E, 0x0370_7344, 0xA409_3822, 0x299F_31D0];
 

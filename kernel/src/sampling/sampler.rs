@@ -91,7 +91,8 @@ impl Sampler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::statistics::{Checksum, chi_squared};
+    use crate::checksums::Checksum;
+    use crate::sampling::statistics::chi_squared;
 
     const PATTERNS: [Pattern; 3] = [Pattern::Random, Pattern::Sobol, Pattern::R2];
 

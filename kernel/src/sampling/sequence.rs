@@ -101,7 +101,7 @@ pub fn nested_uniform_scramble(x: u32, seed: u32) -> u32 {
 pub fn r2(index: u32, rotation: [u32; 2]) -> [u32; 2] {
     // 1/g and 1/g² in units of 2⁻³², so that the arithmetic of words is the one modulo 1.
     const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414];
-    [0, 1].map(|i| index.wrapping_mul(STEP[i]).wrapping_add(rotation[i]))
+    [index.wrapping_mul(STEP[0]).wrapping_add(rotation[0]), index.wrapping_mul(STEP[1]).wrapping_add(rotation[1])]
 }
 
 #[cfg(test)]

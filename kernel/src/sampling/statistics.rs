@@ -54,25 +54,6 @@ pub(super) fn integrate([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], f: impl Fn(f64, 
     sum * width * height
 }
 
-/// The 64-bit FNV-1a hash of the bits of floats, for comparing platforms.
-pub(super) struct Checksum(u64);
-
-impl Checksum {
-    pub(super) fn new() -> Self {
-        Self(0xCBF2_9CE4_8422_2325)
-    }
-
-    pub(super) fn add(&mut self, values: impl IntoIterator<Item = f32>) {
-        for byte in values.into_iter().flat_map(|x| x.to_bits().to_le_bytes()) {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
-        }
-    }
-
-    pub(super) fn value(&self) -> u64 {
-        self.0
-    }
-}
-
 #[test]
 fn chi_squared_tells_fair_from_biased() {
     // χ² = 2·(2²/50) + 2·(6²/50) = 1.6 with 3 degrees of freedom: p = .659, z = -.41.

@@ -202,7 +202,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::sampling::statistics::Checksum;
+    use crate::checksums::Checksum;
     use crate::sampling::{ONE_MINUS_EPSILON, Stream};
 
     fn jittered(strata: &Strata) -> Vec<Vec3> {

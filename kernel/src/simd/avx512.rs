@@ -66,7 +66,8 @@ impl Simd for Avx512 {
             let z = _mm512_mask_blend_ps(zero, _mm512_mask_blend_ps(one, a, b), c);
             let order = _mm512_setr_epi32(0, 3, 6, 9, 12, 15, 2, 5, 8, 11, 14, 1, 4, 7, 10, 13);
             // An index counts by its lowest four bits.
-            let [next, last] = [1, 2].map(|step| _mm512_add_epi32(order, _mm512_set1_epi32(step)));
+            let next = _mm512_add_epi32(order, _mm512_set1_epi32(1));
+            let last = _mm512_add_epi32(order, _mm512_set1_epi32(2));
             [
                 F32x16(_mm512_permutexvar_ps(order, x)),
                 F32x16(_mm512_permutexvar_ps(next, y)),

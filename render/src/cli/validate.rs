@@ -34,7 +34,7 @@ pub(super) struct ValidateArguments {
     #[arg(long, conflicts_with_all = ["plots", "json", "quick"])]
     list: bool,
 
-    /// Run with fewer samples, in seconds
+    /// Run with fewer samples, in a quarter of the time
     #[arg(long)]
     quick: bool,
 

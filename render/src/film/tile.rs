@@ -230,7 +230,8 @@ impl Tile {
 
     /// The linear radiance of the pixel of this number; black without samples.
     pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
-        self.pixels[pixel].mean().map(|mean| mean as f32)
+        let [red, green, blue] = self.pixels[pixel].mean();
+        [red as f32, green as f32, blue as f32]
     }
 
     /// The part of a pixel that sees anything, 1 without samples.
@@ -280,7 +281,8 @@ impl Pixel {
 
     /// Its radiance.
     pub(super) fn mean(&self) -> [f64; 3] {
-        self.radiance.map(|sum| self.mean_of(sum))
+        let [red, green, blue] = self.radiance;
+        [self.mean_of(red), self.mean_of(green), self.mean_of(blue)]
     }
 
     /// A sum over the weights; zero without samples.

@@ -57,10 +57,20 @@ impl Column {
 
     /// The function of each node's cosine.
     pub(super) fn from_fn(mut f: impl FnMut(f32) -> f32) -> Self {
-        Self(array::from_fn(|k| {
+        Self::by_node(|k| {
             let root = k as f32 / LAST;
             f(root * root)
-        }))
+        })
+    }
+
+    /// The function of each node's number. A loop, as `array::from_fn` and `map` are not always inlined.
+    #[inline(always)]
+    fn by_node(mut f: impl FnMut(usize) -> f32) -> Self {
+        let mut column = Self::ZERO;
+        for (k, value) in column.0.iter_mut().enumerate() {
+            *value = f(k);
+        }
+        column
     }
 
     /// Its value at a cosine, 0 to 1.
@@ -85,13 +95,13 @@ impl Column {
     /// Another function of the same values.
     #[inline]
     pub(super) fn map(&self, mut f: impl FnMut(f32) -> f32) -> Self {
-        Self(array::from_fn(|k| f(self.0[k])))
+        Self::by_node(|k| f(self.0[k]))
     }
 
     /// A function of two columns' values.
     #[inline]
     pub(super) fn zip(&self, other: &Self, mut f: impl FnMut(f32, f32) -> f32) -> Self {
-        Self(array::from_fn(|k| f(self.0[k], other.0[k])))
+        Self::by_node(|k| f(self.0[k], other.0[k]))
     }
 
     #[inline]
@@ -173,7 +183,7 @@ impl<const N: usize> Blend<N> {
 
     /// All of it.
     pub(super) fn column(&self) -> Column {
-        Column(array::from_fn(|k| self.sum(|it| it.column.0[k])))
+        Column::by_node(|k| self.sum(|it| it.column.0[k]))
     }
 }
 
@@ -238,11 +248,11 @@ fn dimmed(roughness: f32) -> Blend<2> {
 /// What wide light loses likewise, under a cover whose `t` grows with the cosine: `∫ max(0, t(μ) - t(ν)) 2ν dν`.
 fn dimmed_wide(transmittance: &Column) -> Column {
     let (mut weight, mut moment) = (0.0, 0.0);
-    Column(array::from_fn(|k| {
+    Column::by_node(|k| {
         weight += WEIGHTS[k];
         moment += WEIGHTS[k] * transmittance.0[k];
         (transmittance.0[k] * weight - moment).max(0.0)
-    }))
+    })
 }
 
 /// What a lobe of this roughness loses under a cover that leaves `transmittance`: [`dimmed`] in proportion to what wide
@@ -344,7 +354,9 @@ fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f3
     }
     let (mut sum, mut points) = (0.0, 0.0);
     for point in 0..POINTS {
-        let [x, y] = r2(point, [1 << 31; 2]).map(|word| (word >> 8) as f32 * (1.0 / 16_777_216.0));
+        let [x, y] = r2(point, [1 << 31; 2]);
+        let unit = |word: u32| (word >> 8) as f32 * (1.0 / 16_777_216.0);
+        let (x, y) = (unit(x), unit(y));
         let h = ggx.sample_normal(wo, Vec2::new(0.5 * x, 1.0 - y * y));
         sum += y * weight(wo, h, wo.dot(h).clamp(0.0, 1.0));
         points += y;

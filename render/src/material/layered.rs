@@ -175,8 +175,8 @@ impl Lobes for Layered {
 
     fn parts(&self, wo: Vec3, wi: Vec3) -> Parts {
         let mut base = self.base.parts(wo, wi);
-        let [coat_o, coat_i] = [wo, wi].map(|w| self.about_coat(w));
-        let [cos_o, cos_i] = [coat_o, coat_i].map(|w| w.z.abs());
+        let (coat_o, coat_i) = (self.about_coat(wo), self.about_coat(wi));
+        let (cos_o, cos_i) = (coat_o.z.abs(), coat_i.z.abs());
         if wi.z <= 0.0 && !self.is_sheet {
             // Through glass, whose layers are on one side.
             let outside = if self.is_outside { cos_o } else { cos_i };

@@ -56,8 +56,8 @@ impl Sheen {
         let roughness = roughness.max(LEAST_ROUGHNESS);
         let x = roughness * (ROUGHNESSES - 1) as f32;
         let r = (x as usize).min(ROUGHNESSES - 2);
-        let [fitted, albedo] = array::from_fn(|k| ROWS[r][k].lerp(&ROWS[r + 1][k], x - r as f32));
-        Self { roughness, fitted, albedo }
+        let column = |k: usize| ROWS[r][k].lerp(&ROWS[r + 1][k], x - r as f32);
+        Self { roughness, fitted: column(0), albedo: column(1) }
     }
 
     #[inline]
@@ -104,7 +104,9 @@ impl Sheen {
         let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
         let mut sum = 0.0;
         for point in 0..POINTS {
-            let [x, y] = r2(point, [1 << 31; 2]).map(|word| (word >> 8) as f32 * (1.0 / 16_777_216.0));
+            let [x, y] = r2(point, [1 << 31; 2]);
+            let unit = |word: u32| (word >> 8) as f32 * (1.0 / 16_777_216.0);
+            let (x, y) = (unit(x), unit(y));
             let wi = self.sample(wo, Vec2::new(x, y));
             let (f, density, _) = self.eval(wo, wi);
             sum += f * wi.z / density;

@@ -57,8 +57,9 @@ impl<'a> MeshPoint<'a> {
     }
 
     #[inline]
-    fn corners<T: Copy>(&self, values: &[T]) -> [T; 3] {
-        self.mesh.triangles[self.triangle].map(|index| values[index as usize])
+    pub(crate) fn corners<T: Copy>(&self, values: &[T]) -> [T; 3] {
+        let [a, b, c] = self.mesh.triangles[self.triangle];
+        [values[a as usize], values[b as usize], values[c as usize]]
     }
 
     /// Texture coordinates of a set, if the mesh has it.

@@ -80,7 +80,8 @@ impl Motion {
         let moment = self.moment(time);
         let (from, to) = Self::around(&self.corners, moment);
         let (from, to) = (&from[index as usize], &to[index as usize]);
-        Some([0, 1, 2].map(|corner| moment.vector(from[corner], to[corner])))
+        let corner = |k: usize| moment.vector(from[k], to[k]);
+        Some([corner(0), corner(1), corner(2)])
     }
 
     /// The linear part and the translation of an instance at a time, if it moves.
@@ -92,7 +93,8 @@ impl Motion {
             [it.matrix3.x_axis.into(), it.matrix3.y_axis.into(), it.matrix3.z_axis.into(), it.translation.into()]
         };
         let (from, to): ([Vec3; 4], [Vec3; 4]) = (columns(from), columns(to));
-        Some([0, 1, 2, 3].map(|column| moment.vector(from[column], to[column])))
+        let column = |k: usize| moment.vector(from[k], to[k]);
+        Some([column(0), column(1), column(2), column(3)])
     }
 
     /// The time at which the shutter lets through what `u` in [0, 1) means.

@@ -156,8 +156,7 @@ impl World {
         let interpolated = if point.mesh.normals.is_empty() {
             normal
         } else {
-            let own = point.mesh.triangles[point.triangle].map(|corner| point.mesh.normals[corner as usize]);
-            let own = interpolate(own, weights);
+            let own = interpolate(point.corners(&point.mesh.normals), weights);
             point.turn.map_or(own, |turn| turn.normal(own))
         };
         let frame = material.frame_at(&point, interpolated);
@@ -192,8 +191,9 @@ impl World {
         if mesh.texcoords.is_empty() {
             return Vec2::new(hit.u, hit.v);
         }
-        let corners = mesh.triangles[self.index_in_mesh(hit.prim_id)].map(|corner| mesh.texcoords[corner as usize]);
-        corners[0] * (1.0 - hit.u - hit.v) + corners[1] * hit.u + corners[2] * hit.v
+        let [a, b, c] = mesh.triangles[self.index_in_mesh(hit.prim_id)];
+        let at = |corner: u32| mesh.texcoords[corner as usize];
+        at(a) * (1.0 - hit.u - hit.v) + at(b) * hit.u + at(c) * hit.v
     }
 }
 

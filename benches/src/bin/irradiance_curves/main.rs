@@ -17,6 +17,7 @@ use glam::Vec3;
 use halfdome::driver::Watch;
 use halfdome::irradiance::{Part, Request, by_paths};
 use halfdome::scene::{Scene, cornell_box, open};
+use halfdome::settings::Metric;
 use halfdome::validate::{Cost, Curves, Places, Plan, Study, Walls, furnished_room};
 use halfdome::world::World;
 use nix::sys::resource::{UsageWho, getrusage};
@@ -95,8 +96,12 @@ fn curves(name: &str, title: &str, scene: Scene, options: &Options, pool: &Threa
     let reference = format!("reference: {:.1}%", 100.0 * study.reference_error());
     println!("{title}: indirect light of 256 x 256 pixels, {} rays a record; {reference}", options.record_rays);
     println!("{:26}{:>8}{:>9}{:>9}{:>9}{:>8}{:>8}", "", "setting", "records", "Mrays", "seconds", "error", "of 99%");
-    let plan =
-        Plan { paths: &[16, 64, 256, 1024, 4096], errors: &[0.8, 0.57, 0.4, 0.28, 0.2], rays: options.record_rays };
+    let plan = Plan {
+        paths: &[16, 64, 256, 1024, 4096],
+        errors: &[0.8, 0.57, 0.4, 0.28, 0.2],
+        rays: options.record_rays,
+        metrics: &Metric::ALL,
+    };
     let measured = pool.install(|| {
         let mut before = seconds(UsageWho::RUSAGE_SELF);
         Curves::measure(&study, &plan, |kinds, setting, runs| {

@@ -1,7 +1,8 @@
 //! Tables hold the weights that they were built from, and are drawn from in proportion.
 
 use super::*;
-use crate::sampling::statistics::{Checksum, chi_squared, isas};
+use crate::checksums::Checksum;
+use crate::sampling::statistics::{chi_squared, isas};
 use crate::sampling::{ONE_MINUS_EPSILON, Stream, unit_double};
 
 fn table(weights: &[f32]) -> AliasTable<Vec<AliasEntry>> {

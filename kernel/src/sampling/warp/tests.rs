@@ -5,7 +5,8 @@ use core::f64::consts::TAU;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::*;
-use crate::sampling::statistics::{Checksum, chi_squared, integrate, isas};
+use crate::checksums::Checksum;
+use crate::sampling::statistics::{chi_squared, integrate, isas};
 use crate::sampling::{ONE_MINUS_EPSILON, Pattern, Sampler, Strata, Stream};
 
 /// A parametrisation of a domain by the unit square in double precision, made independently of the warps.

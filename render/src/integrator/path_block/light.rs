@@ -273,8 +273,8 @@ impl ShadowRays {
     /// Weighs the light of ray `i` for bounces with another density than the closure's.
     pub(super) fn reweigh(&mut self, i: usize, lights: LightSampling, density: impl Fn(f32) -> f32) {
         let (per_density, before) = (self.per_density[i], self.scattered.density[i]);
-        let [before, after] = [before, density(before)].map(|density| lights.light_weight(per_density, density));
-        self.waiting.light.set(i, self.waiting.light.get(i) * (after / before));
+        let weight = |density: f32| lights.light_weight(per_density, density);
+        self.waiting.light.set(i, self.waiting.light.get(i) * (weight(density(before)) / weight(before)));
     }
 
     /// Scales all light down to at most this radiance in any channel.

@@ -65,9 +65,10 @@ impl Clusters {
         let inv_squared = squared.max(0.25 * radius * radius).recip();
         let inv_distance = inv_squared.sqrt();
         let towards = way * inv_distance;
-        let [xx, yy, zz, xy, yz, zx] = [0, 1, 2, 3, 4, 5].map(|k: usize| self.tensor[k][i]);
+        let [xx, yy, zz, xy, yz, zx] = &self.tensor;
         let Vec3 { x, y, z } = towards;
-        let even = xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + yz * y * z + zx * z * x);
+        let squares = xx[i] * x * x + yy[i] * y * y + zz[i] * z * z;
+        let even = squares + 2.0 * (xy[i] * x * y + yz[i] * y * z + zx[i] * z * x);
         let intensity = (self.mean[i] - at(&self.vector, i).dot(towards) + even).max(LEAST * self.mean[i]);
         let above = height(receiver.normal.dot(way), radius);
         let below = height(-receiver.normal.dot(way), radius) * receiver.behind;

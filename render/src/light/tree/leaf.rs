@@ -208,7 +208,8 @@ pub(crate) fn triangle(
     // How far before the triangle the receiver is.
     let before = -normal.dot(middle);
     let before = if both_sides > 0.0 { before.abs() } else { before };
-    let [per_a, per_b, per_c, per_middle] = [a, b, c, middle].map(|way| way.length_squared().sqrt().recip());
+    let per_length = |way: Vec3| way.length_squared().sqrt().recip();
+    let (per_a, per_b, per_c, per_middle) = (per_length(a), per_length(b), per_length(c), per_length(middle));
     // Van Oosterom and Strackee's tangent of half the solid angle; six times the volume of the tetrahedron is its
     // height times twice the area, as no product of far corners is that exact.
     let volume = (2.0 * area * per_a * per_b) * (before * per_c);

@@ -128,12 +128,10 @@ impl Texture {
         let corner = (place - 0.5).floor();
         let part = place - 0.5 - corner;
         let IVec2 { x, y } = corner.as_ivec2();
-        let columns = [x, x.saturating_add(1)].map(|x| map.wrap[0].within(x, self.width));
-        let rows = [y, y.saturating_add(1)].map(|y| map.wrap[1].within(y, self.height) * self.width as usize);
-        let [a, b, c, d] = self.fetch_all(
-            map.space,
-            [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]],
-        );
+        let column = |x: i32| map.wrap[0].within(x, self.width);
+        let row = |y: i32| map.wrap[1].within(y, self.height) * self.width as usize;
+        let (left, right, upper, lower) = (column(x), column(x.saturating_add(1)), row(y), row(y.saturating_add(1)));
+        let [a, b, c, d] = self.fetch_all(map.space, [upper + left, upper + right, lower + left, lower + right]);
         let color = a.lerp(b, part.x).lerp(c.lerp(d, part.x), part.y);
         // What is far out has no part of a texel, nor has what is not a number.
         if color.is_finite() { color } else { self.texel(map, corner) }

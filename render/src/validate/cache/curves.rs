@@ -39,6 +39,8 @@ pub struct Plan<'a> {
     pub errors: &'a [f32],
     /// Rays of a record.
     pub rays: u32,
+    /// Metrics whose caches are measured; of others there are no curves.
+    pub metrics: &'a [Metric],
 }
 
 /// What errors are drawn against.
@@ -72,7 +74,7 @@ impl Curves {
             let seconds = each(&[], spp as f32, &[run])?;
             curves.paths.push(Run { seconds, ..run });
         }
-        for metric in Metric::ALL {
+        for &metric in plan.metrics {
             let (numbers, kinds): (Vec<usize>, Vec<Kind>) =
                 KINDS.into_iter().enumerate().filter(|(_, kind)| kind.metric == metric).unzip();
             let readings: Vec<Reading> = kinds.iter().map(|kind| kind.reading).collect();
@@ -105,7 +107,8 @@ impl Curves {
         let of = |run: &Run| if cost == Cost::Rays { run.rays } else { run.seconds };
         let point = |run: &Run| Point { x: of(run), y: run.error.of_all, error: 0.0 };
         let series = |label, runs: &[Run]| Series::measured(label, runs.iter().map(point).collect());
-        let caches = KINDS.iter().zip(&self.caches).map(|(kind, runs)| series(kind.label, runs));
+        let measured = KINDS.iter().zip(&self.caches).filter(|(_, runs)| !runs.is_empty());
+        let caches = measured.map(|(kind, runs)| series(kind.label, runs));
         Figure {
             name,
             title: title.to_owned(),

@@ -1,8 +1,8 @@
 //! Triangles and rays, made of integers, sums, products, quotients and square roots: the same ones everywhere.
 
+use crate::sampling::Stream;
+use crate::{Ray, Triangle};
 use glam::{Vec3, vec3};
-use halfdome_kernel::sampling::Stream;
-use halfdome_kernel::{Ray, Triangle};
 
 /// Triangles, and rays at them.
 pub(crate) struct Scene {

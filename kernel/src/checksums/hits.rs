@@ -1,11 +1,11 @@
 //! Hits by every way to trace, with every instruction set, through the tree of each quality.
 
-use halfdome_kernel::traverse::reference::intersect_all;
-use halfdome_kernel::traverse::{PacketWidth, Width};
-use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket};
-
-use crate::scenes::Scene;
-use crate::{Checksum, compare, isas};
+use super::scenes::Scene;
+use super::{Checksum, compare};
+use crate::traverse::reference::intersect_all;
+use crate::traverse::tests::isas;
+use crate::traverse::{PacketWidth, Width};
+use crate::{Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket};
 
 #[test]
 fn hits_are_those_that_are_kept() {

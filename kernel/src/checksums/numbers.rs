@@ -1,18 +1,18 @@
 //! Numbers of the samplers, what warps and frames make of them, and what gathers sum up, with every instruction set.
 
-use glam::{Vec2, Vec3};
-use halfdome_kernel::irradiance::{Hemicube, Layout, Stratified};
-use halfdome_kernel::sampling::warp::{
+use super::scenes::Scene;
+use super::{Checksum, compare};
+use crate::irradiance::{Hemicube, Layout, Stratified};
+use crate::sampling::warp::{
     ConcentricDisc, ConcentricHemisphere, Cone, CosineHemisphere, MalleyHemisphere, PolarDisc, PowerCosineHemisphere,
     Triangle, UniformHemisphere, UniformSphere, Warp,
 };
-use halfdome_kernel::sampling::{
+use crate::sampling::{
     Address, AliasEntry, AliasTable, Frame, Pattern, Strata, Stream, fill2, fill4, sin_cos_turns, unit_double,
 };
-use halfdome_kernel::{Isa, offset_origin, triangle_normal};
-
-use crate::scenes::Scene;
-use crate::{Checksum, compare, isas};
+use crate::traverse::tests::isas;
+use crate::{Isa, offset_origin, triangle_normal};
+use glam::{Vec2, Vec3};
 
 #[test]
 fn numbers_are_those_that_are_kept() {

@@ -1,27 +1,48 @@
 //! What the kernel gives, in checksums that are kept in the repository: hits, trees and numbers are equal bit for bit on
 //! every instruction set of this machine, and on every target that runs this (`tests/targets.sh`).
 //!
-//! After a change that is meant, `HALFDOME_CHECKSUMS=write cargo test -p halfdome-kernel --test checksums` writes them
+//! After a change that is meant, `HALFDOME_CHECKSUMS=write cargo test -p halfdome-kernel --lib checksums` writes them
 //! anew; what became different is to be read in the diff.
 
 mod hits;
 mod numbers;
 mod scenes;
 
-use halfdome_kernel::{Isa, Level};
-
 /// The 64-bit FNV-1a hash of the bytes of little-endian words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Checksum(u64);
 
 impl Checksum {
-    pub(crate) fn of(words: impl IntoIterator<Item = u32>) -> Self {
-        let bytes = words.into_iter().flat_map(u32::to_le_bytes);
-        Self(bytes.fold(0xCBF2_9CE4_8422_2325, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)))
+    /// Of no words.
+    pub(crate) fn new() -> Self {
+        Self(0xCBF2_9CE4_8422_2325)
     }
 
-    pub(crate) fn of_floats(floats: impl IntoIterator<Item = f32>) -> Self {
+    /// Goes on with these words.
+    fn add_words(&mut self, words: impl IntoIterator<Item = u32>) {
+        for byte in words.into_iter().flat_map(u32::to_le_bytes) {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    }
+
+    /// Goes on with the bits of these floats.
+    pub(crate) fn add(&mut self, floats: impl IntoIterator<Item = f32>) {
+        self.add_words(floats.into_iter().map(f32::to_bits));
+    }
+
+    fn of(words: impl IntoIterator<Item = u32>) -> Self {
+        let mut sum = Self::new();
+        sum.add_words(words);
+        sum
+    }
+
+    fn of_floats(floats: impl IntoIterator<Item = f32>) -> Self {
         Self::of(floats.into_iter().map(f32::to_bits))
+    }
+
+    /// The hash.
+    pub(crate) fn value(&self) -> u64 {
+        self.0
     }
 }
 
@@ -29,11 +50,6 @@ impl std::fmt::Display for Checksum {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:016x}", self.0)
     }
-}
-
-/// Every level that this machine has.
-pub(crate) fn isas() -> impl Iterator<Item = Isa> {
-    Level::ALL.into_iter().filter_map(Isa::new)
 }
 
 /// Compares lines with those that are kept in `tests/checksums/{name}.txt`, or writes them there.
