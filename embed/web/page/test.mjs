@@ -1,7 +1,7 @@
 // Runs under `node --test`: the page in a browser, beside what the program on this machine renders.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, beforeEach, test } from "node:test";
@@ -93,11 +93,15 @@ async function drop(files) {
   await finished();
 }
 
+// `build.sh simd` leaves it out.
+const hasPlain = existsSync(fileURLToPath(new URL("../dist/page.wasm", import.meta.url)));
+const ways = hasPlain ? ["workers=3", "workers=1&simd=no"] : ["workers=3", "workers=1"];
+
 for (const mode of ["path", "ao", "cached"]) {
-  test(`${mode}: the picture is the program's, with SIMD and without`, async () => {
-    for (const more of ["workers=3", "workers=1&simd=no"]) {
+  test(`${mode}: the picture is the program's, with SIMD${hasPlain ? " and without" : ""}`, async () => {
+    for (const more of ways) {
       await visit(`mode=${mode}&size=100&spp=5&${more}`);
-      assert.match(await page.textContent("#workers"), more.includes("no") ? /^1, without/ : /^3, with SIMD/);
+      assert.match(await page.textContent("#workers"), more.includes("no") ? /^1, without/ : /^[13], with SIMD/);
       assertEqual(await picture(), await native("cornell", 100, 5, "--integrator", mode), `${mode}, ${more}`);
     }
     assert.match(await page.textContent("#rate"), /^\d+\.\d\d million$/);
