@@ -1,6 +1,7 @@
 //! The world: a scene made ready for tracing.
 
 mod bodies;
+mod closures;
 mod hit;
 mod inputs;
 mod instances;
@@ -31,6 +32,7 @@ use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, Texture};
 pub(crate) use bodies::Bodies;
+use closures::ClosureCell;
 pub(crate) use hit::{Hit, MIDDLE};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
@@ -53,6 +55,7 @@ pub struct World {
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     has_closures: bool,
+    closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
     /// The number of the former, and of those of them that do not move, which come first.
@@ -214,6 +217,7 @@ impl World {
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
+            closures: materials.iter().map(|_| ClosureCell::new()).collect(),
             meshes,
             materials,
             textures,

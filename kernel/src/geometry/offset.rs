@@ -68,7 +68,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::intersect_triangle;
-    use crate::traverse::tests::{Random, sphere};
+    use crate::traverse::tests::{Random, fewer, sphere};
     use crate::{Bvh, Hit, Quality, Ray};
 
     /// Weights of a point of a triangle; of some on an edge.
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn a_ray_that_leaves_a_triangle_does_not_hit_it() {
         let mut random = Random(7);
-        for i in 0..2_000_000 {
+        for i in 0..fewer(2_000_000) {
             let triangle = triangle(&mut random, i);
             let normal = triangle_normal(&triangle);
             if normal == Vec3::ZERO {
@@ -181,7 +181,7 @@ mod tests {
                 Ray::new(offset_origin(&triangles[hit.prim_id as usize], normal, hit.u, hit.v, direction), direction)
             };
             let mut inside = Ray::new(center, Vec3::X);
-            for bounce in 0..30_000 {
+            for bounce in 0..fewer(30_000) {
                 let hit = bvh.view().intersect(&inside).unwrap_or_else(|| panic!("{bounce}: {inside:?} escapes"));
                 // Far away the vertices are rounded so much that the sphere has dents.
                 if center == Vec3::ZERO {

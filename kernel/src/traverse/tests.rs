@@ -307,7 +307,7 @@ fn corners_on_a_line_can_be_hit_once_they_are_rounded() {
 #[test]
 fn copies_of_one_triangle_give_the_first() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-    let triangles: Vec<_> = core::iter::repeat_n(triangle, 100_000).collect();
+    let triangles: Vec<_> = core::iter::repeat_n(triangle, fewer(100_000)).collect();
     for quality in Quality::ALL {
         let (bvh, _) = Bvh::build(&triangles, &quality.into()).unwrap();
         let hit = bvh.view().intersect(&Ray::new(vec3(0.25, 0.25, -2.0), Vec3::Z)).unwrap();
@@ -353,16 +353,16 @@ fn rays_of_raw_bits() {
     let triangles = soup(&mut random, 40, 1.0);
     let raw = |random: &mut Random| vec3(random.raw(), random.raw(), random.raw());
     let mut rays = Vec::new();
-    for _ in 0..4000 {
+    for _ in 0..fewer(4000) {
         let ray =
             Ray { origin: raw(&mut random), t_min: random.raw(), direction: raw(&mut random), t_max: random.raw() };
         rays.push(ray);
         rays.push(Ray { origin: random.vector(), t_min: -1e30, t_max: 1e30, ..ray });
         rays.push(Ray { direction: random.vector(), t_min: f32::NEG_INFINITY, t_max: f32::INFINITY, ..ray });
     }
-    assert!(check(&triangles, &rays) > 100);
+    assert!(check(&triangles, &rays) > fewer(100));
     // Triangles too.
-    for _ in 0..200 {
+    for _ in 0..fewer(200) {
         let triangles: Vec<_> = (0..12).map(|_| [(); 3].map(|()| raw(&mut random))).collect();
         let rays: Vec<_> = (0..20)
             .map(|i| {

@@ -35,11 +35,11 @@ pub(crate) struct Scattering<B> {
 }
 
 impl<B: Bsdf> Scattering<B> {
-    /// Of a surface whose normals face `wo`, with the closure that is made when one knows whether `wo` is inside.
+    /// Of a surface whose normals face `wo`, and its closure on this side.
     #[inline]
-    pub(crate) fn with(surface: &Surface, closure: impl FnOnce(bool) -> B) -> Self {
+    pub(crate) fn new(surface: &Surface, closure: B) -> Self {
         let Surface { normal, shading_normal, tangent, wo, .. } = *surface;
-        Self { closure: closure(surface.is_back), shading: Shading::new(normal, shading_normal, tangent, wo), wo }
+        Self { closure, shading: Shading::new(normal, shading_normal, tangent, wo), wo }
     }
 
     /// The closure, in the shading frame.
@@ -102,10 +102,9 @@ impl World {
         let kind = self.kind(surface.prim_id);
         if kind == Kind::Matte {
             let inputs = Inputs { base_color: surface.diffuse, ..Inputs::default() };
-            return Scattering::with(surface, |is_inside| Closure::of_kind(kind, &inputs, is_inside));
+            return Scattering::new(surface, Closure::of_kind(kind, &inputs, surface.is_back));
         }
-        let inputs = self.inputs(surface);
-        let scattering = Scattering::with(surface, |is_inside| Closure::of_kind(kind, &inputs, is_inside));
+        let scattering = Scattering::new(surface, self.closure::<Closure>(surface));
         surface.transmits = scattering.transmits();
         surface.diffuse = scattering.diffuse_albedo();
         scattering
@@ -116,7 +115,7 @@ impl Surface<'_> {
     /// The closure of a white diffuse surface here: what it reflects is what it receives, by π.
     pub(crate) fn white(&self) -> Scattering<Matte> {
         let inputs = Inputs { base_color: Vec3::ONE, ..Inputs::default() };
-        Scattering::with(self, |is_inside| Matte::new(&inputs, is_inside))
+        Scattering::new(self, Matte::new(&inputs, self.is_back))
     }
 }
 

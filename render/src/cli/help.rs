@@ -116,7 +116,7 @@ Probes depend only on scene, options and seed. An interrupted run writes nothing
 /// Of `halfdome validate`.
 pub(super) const VALIDATE_EXAMPLES: &str = "\
 Examples:
-  halfdome validate                     all experiments, about 5 minutes
+  halfdome validate                     all experiments, about 7 minutes on two cores
   halfdome validate furnace lights-sky  a family, and a single experiment
   halfdome validate --plots figures     with figures (SVG) and data (CSV)
   halfdome validate --quick --json      one line of JSON per experiment";

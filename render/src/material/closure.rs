@@ -50,6 +50,71 @@ impl Closure {
     }
 }
 
+/// Closures that are made before it is known where they are needed.
+pub(crate) trait Prepared: Bsdf + Copy {
+    /// For inputs of a kind or a lesser one; of a type of one kind, for that.
+    fn of_kind(kind: Kind, inputs: &Inputs, is_inside: bool) -> Self;
+
+    /// A closure that was made as one of this type's kind.
+    fn of(closure: &Closure) -> &Self;
+
+    /// The same with another base colour than that of the inputs from which it was made; of [`Kind::Glossy`] alone.
+    #[inline]
+    fn with_base_color(&self, _inputs: &Inputs, _color: Vec3) -> Self {
+        unreachable!("the base colour alone varies of glossy closures");
+    }
+}
+
+impl Prepared for Closure {
+    #[inline]
+    fn of_kind(kind: Kind, inputs: &Inputs, is_inside: bool) -> Self {
+        Self::of_kind(kind, inputs, is_inside)
+    }
+
+    #[inline]
+    fn of(closure: &Closure) -> &Self {
+        closure
+    }
+
+    #[inline]
+    fn with_base_color(&self, inputs: &Inputs, color: Vec3) -> Self {
+        Self::Glossy(Glossy::of(self).with_base_color(inputs, color))
+    }
+}
+
+macro_rules! prepared {
+    ($kind:ident $(, $with_base_color:item)?) => {
+        impl Prepared for $kind {
+            #[inline]
+            fn of_kind(_: Kind, inputs: &Inputs, is_inside: bool) -> Self {
+                Bsdf::new(inputs, is_inside)
+            }
+
+            #[inline]
+            fn of(closure: &Closure) -> &Self {
+                match closure {
+                    Closure::$kind(closure) => closure,
+                    _ => unreachable!("paths are sorted by the kinds of their closures"),
+                }
+            }
+
+            $($with_base_color)?
+        }
+    };
+}
+
+prepared!(Transmissive);
+prepared!(Layered);
+prepared!(
+    Glossy,
+    #[inline]
+    fn with_base_color(&self, inputs: &Inputs, color: Vec3) -> Self {
+        let mut closure = *self;
+        closure.set_base_color(inputs, color);
+        closure
+    }
+);
+
 impl Bsdf for Closure {
     #[inline]
     fn new(inputs: &Inputs, is_inside: bool) -> Self {

@@ -14,6 +14,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
+use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
@@ -57,44 +58,46 @@ impl Glossy {
     pub fn with_metalness(inputs: &Inputs, metalness: f32) -> Self {
         let ggx = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy);
         let roughness = ggx.mean_roughness();
-        let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
         let dielectric = Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color);
         // A mirror loses nothing, whatever the table has for the least roughness.
         let full = if ggx.is_delta() { Blend::constant(1.0) } else { energy::full(roughness) };
         let reflects = inputs.specular_weight > 0.0 && metalness < 1.0;
         let fresnel =
             if reflects { energy::reflection(roughness, inputs.specular_ior, false) } else { Blend::constant(0.0) };
-        let through = inputs.diffuse_transmission_weight;
-        let color = inputs.base_color * (1.0 - through);
-        let transmitted = inputs.diffuse_transmission_color * through;
-        let diffuse_energy = mean(color + transmitted);
-        let lost_mean = (1.0 - full.mean()).max(0.0);
-        let multiple = if metalness > 0.0 { metal.multiple(lost_mean) * metalness } else { Vec3::ZERO };
         let mut glossy = Self {
-            reflection: Reflection {
-                ggx,
-                metalness,
-                metal,
-                dielectric,
-                diffuse: Eon::new(color, inputs.base_diffuse_roughness),
-                diffuse_scale: 0.0,
-                multiple: multiple / lost_mean.max(1e-6),
-            },
+            reflection: Reflection { ggx, metalness, dielectric, ..Reflection::zeroed() },
             film: Film::of(inputs),
             full,
             fresnel,
-            transmitted,
+            transmitted: inputs.diffuse_transmission_color * inputs.diffuse_transmission_weight,
             below_mean: 1.0 - dielectric.greatest_albedo(full.mean(), fresnel.mean()),
-            diffuse_energy: (1.0 - metalness) * diffuse_energy,
-            through: mean(transmitted) / diffuse_energy.max(f32::MIN_POSITIVE),
-            lost_mean,
-            multiple_energy: mean(multiple),
+            diffuse_energy: 0.0,
+            through: 0.0,
+            lost_mean: (1.0 - full.mean()).max(0.0),
+            multiple_energy: 0.0,
         };
         if glossy.film.is_some() {
             glossy.below_mean = glossy.below().mean();
         }
         glossy.reflection.diffuse_scale = (1.0 - metalness) / glossy.below_mean.max(f32::MIN_POSITIVE);
+        glossy.set_base_color(inputs, inputs.base_color);
         glossy
+    }
+
+    /// Makes it one of another base colour than the inputs', from which it is otherwise made.
+    #[inline]
+    pub(super) fn set_base_color(&mut self, inputs: &Inputs, base_color: Vec3) {
+        let metalness = self.reflection.metalness;
+        let metal = Metal::new(base_color, inputs.metal_edge_color);
+        let color = base_color * (1.0 - inputs.diffuse_transmission_weight);
+        let diffuse_energy = mean(color + self.transmitted);
+        let multiple = if metalness > 0.0 { metal.multiple(self.lost_mean) * metalness } else { Vec3::ZERO };
+        self.reflection.metal = metal;
+        self.reflection.diffuse = Eon::new(color, inputs.base_diffuse_roughness);
+        self.reflection.multiple = multiple / self.lost_mean.max(1e-6);
+        self.diffuse_energy = (1.0 - metalness) * diffuse_energy;
+        self.through = mean(self.transmitted) / diffuse_energy.max(f32::MIN_POSITIVE);
+        self.multiple_energy = mean(multiple);
     }
 
     /// What needs no table.
@@ -171,7 +174,12 @@ impl Glossy {
     /// What tables say of a direction with this cosine.
     #[inline]
     pub(crate) fn side(&self, cos: f32) -> Side {
-        let (below, lost) = self.left_at(cos);
+        self.side_by(cos, self.left_at(cos))
+    }
+
+    /// With [`left_at`](Self::left_at) this cosine.
+    #[inline]
+    fn side_by(&self, cos: f32, (below, lost): (f32, f32)) -> Side {
         let metalness = self.reflection.metalness;
         let mut glossy = (1.0 - metalness) * (1.0 - below);
         let mut wide = self.diffuse_energy * below;
@@ -180,6 +188,33 @@ impl Glossy {
             wide += self.multiple_energy * lost;
         }
         Side { below, lost, glossy: glossy / (glossy + wide).max(f32::MIN_POSITIVE) }
+    }
+
+    /// The [`albedo`](super::Bsdf::albedo) and the [`side`](Self::side) of a direction.
+    #[inline]
+    pub(crate) fn seen_from(&self, wo: Vec3) -> (Vec3, Side) {
+        let node = Node::new(wo.z);
+        let (full, fresnel) = (self.full.at(node), self.fresnel.at(node));
+        let below = self.below_at(wo.z, full, fresnel);
+        (self.albedo_by(wo, node, (full, fresnel), below), self.side_by(wo.z, (below, (1.0 - full).max(0.0))))
+    }
+
+    /// The albedo, with those of the microfacets at this node, and `t(μ)`.
+    #[inline]
+    fn albedo_by(&self, wo: Vec3, node: Node, (full, fresnel): (f32, f32), below: f32) -> Vec3 {
+        let Reflection { metal, dielectric, metalness, .. } = self.reflection;
+        let mut albedo = self.diffuse_from(wo, below) + self.reflection.multiple * ((1.0 - full) * self.lost_mean);
+        if self.film.is_some() {
+            return albedo + full * self.reflectance(typical_cos(wo.z, self.reflection.ggx.alpha.x));
+        }
+        if metalness > 0.0 {
+            let (schlick, dip) = energy::metal_at(self.reflection.ggx.mean_roughness(), node);
+            albedo += metalness * metal.albedo(full, schlick, dip);
+        }
+        if metalness < 1.0 {
+            albedo += (1.0 - metalness) * dielectric.albedo(full, fresnel);
+        }
+        albedo
     }
 }
 
@@ -234,23 +269,7 @@ impl Lobes for Glossy {
     }
 
     fn albedo(&self, wo: Vec3) -> Vec3 {
-        let Reflection { metal, dielectric, metalness, .. } = self.reflection;
-        let node = Node::new(wo.z);
-        let full = self.full.at(node);
-        let fresnel = self.fresnel.at(node);
-        let mut albedo = self.diffuse_from(wo, self.below_at(wo.z, full, fresnel))
-            + self.reflection.multiple * ((1.0 - full) * self.lost_mean);
-        if self.film.is_some() {
-            return albedo + full * self.reflectance(typical_cos(wo.z, self.reflection.ggx.alpha.x));
-        }
-        if metalness > 0.0 {
-            let (schlick, dip) = energy::metal_at(self.reflection.ggx.mean_roughness(), node);
-            albedo += metalness * metal.albedo(full, schlick, dip);
-        }
-        if metalness < 1.0 {
-            albedo += (1.0 - metalness) * dielectric.albedo(full, fresnel);
-        }
-        albedo
+        self.seen_from(wo).0
     }
 
     #[inline]

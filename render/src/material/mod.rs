@@ -58,6 +58,7 @@ mod sheen;
 mod transmissive;
 
 pub use closure::Closure;
+pub(crate) use closure::Prepared;
 pub use glossy::Glossy;
 pub use layered::Layered;
 pub use matte::Matte;

@@ -50,13 +50,6 @@ impl Surface<'_> {
         let normal = bent_normal(self.normal, normal * side, self.wo);
         Shading::new(self.normal, self.shading_normal, self.tangent, self.wo).frame().to_local(normal).normalize()
     }
-
-    /// What is left of light after a way of this length to this surface, as far as it runs inside (Beer-Lambert).
-    #[inline]
-    pub(crate) fn transmittance(&self, inputs: &Inputs, distance: f32) -> Vec3 {
-        let is_inside = self.is_back && !inputs.thin_walled && inputs.absorption != Vec3::ZERO;
-        if is_inside { (-distance * inputs.absorption).exp() } else { Vec3::ONE }
-    }
 }
 
 #[cfg(test)]

@@ -41,9 +41,9 @@ fn each_kind_alone() {
         let moving = [Affine3A::IDENTITY, Affine3A::from_translation(Vec3::X)];
         let items = vec![Item::new(tree.view()), Item::new(tree.view()).moving(&moving).unwrap().with_mask(1)];
         let scene = scene(items);
-        let rays = rays(&mut random, &scene.view(), 600);
+        let rays = rays(&mut random, &scene.view(), fewer(600));
         let hits = check(&scene.view(), &rays);
-        assert!(hits > 40, "{hits}");
+        assert!(hits > fewer(40), "{hits}");
     }
 }
 

@@ -8,7 +8,7 @@ use halfdome_kernel::Isa;
 use super::columns::{Column, Integers, Vectors};
 use super::{LANES, PathBlock};
 use crate::bsdf::{Bounce, Scattering};
-use crate::material::Bsdf;
+use crate::material::Prepared;
 use crate::scene::Material;
 use crate::world::{Surface, World};
 
@@ -132,9 +132,13 @@ impl<B> Closures<B> {
     pub(super) fn iter(&self) -> std::slice::Iter<'_, Scattering<B>> {
         self.0.iter()
     }
+
+    pub(super) fn push(&mut self, scattering: Scattering<B>) {
+        self.0.push(scattering);
+    }
 }
 
-impl<B: Bsdf> BlockClosures for Closures<B> {
+impl<B: Prepared> BlockClosures for Closures<B> {
     const IN_LANES: bool = false;
 
     fn clear(&mut self) {
@@ -143,12 +147,11 @@ impl<B: Bsdf> BlockClosures for Closures<B> {
 
     #[inline]
     fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3) {
-        let inputs = world.inputs(surface);
-        let scattering = Scattering::with(surface, |is_inside| B::new(&inputs, is_inside));
+        let scattering = Scattering::new(surface, world.closure::<B>(surface));
         surface.transmits = scattering.transmits();
         let albedo = scattering.albedo();
         self.0.push(scattering);
-        (albedo, surface.transmittance(&inputs, distance))
+        (albedo, surface.transmittance(distance))
     }
 
     #[inline]

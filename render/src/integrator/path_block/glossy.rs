@@ -55,13 +55,13 @@ impl Sides {
 }
 
 impl GlossyRow {
-    fn new(scattering: &Scattering<Glossy>) -> Self {
+    /// With `wo` in the shading frame, and what tables say of it.
+    fn new(scattering: &Scattering<Glossy>, (wo, side): (Vec3, Side)) -> Self {
         let (closure, shading) = (scattering.closure(), scattering.shading());
         let Frame { tangent, bitangent, normal } = *shading.frame();
-        let wo = shading.frame().to_local(scattering.wo());
         Self {
             reflection: *closure.reflection(),
-            side: closure.side(wo.z),
+            side,
             wo,
             axes: [tangent, bitangent, normal],
             geometric: shading.geometric(),
@@ -121,9 +121,12 @@ impl BlockClosures for GlossyLanes {
 
     #[inline]
     fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3) {
-        let arrived = self.closures.arrive(world, surface, distance);
-        self.rows.extend(self.closures.iter().last().map(GlossyRow::new));
-        arrived
+        let scattering = Scattering::new(surface, world.closure::<Glossy>(surface));
+        let wo = scattering.shading().frame().to_local(scattering.wo());
+        let (albedo, side) = scattering.closure().seen_from(wo);
+        self.rows.push(GlossyRow::new(&scattering, (wo, side)));
+        self.closures.push(scattering);
+        (albedo, surface.transmittance(distance))
     }
 
     fn arrived(&mut self, isa: Isa) {

@@ -100,6 +100,11 @@ impl Material {
         self.inputs_by(|map| textures[map.texture].mean_in(map.space), Vec3::ONE)
     }
 
+    /// The inputs where no map varies them and vertices have no colours.
+    pub(crate) fn even_inputs(&self) -> Inputs {
+        self.inputs_by(|_| Vec4::ONE, Vec3::ONE)
+    }
+
     /// The greatest values that inputs can take, whatever the texels: what decides on a closure's kind.
     pub fn greatest_inputs(&self) -> Inputs {
         let mut inputs = self.inputs;
