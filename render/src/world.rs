@@ -55,6 +55,7 @@ pub struct World {
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     has_closures: bool,
+    /// Of each material.
     closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,

@@ -52,33 +52,34 @@ impl Closure {
 
 /// Closures that are made before it is known where they are needed.
 pub(crate) trait Prepared: Bsdf + Copy {
-    /// For inputs of a kind or a lesser one; of a type of one kind, for that.
-    fn of_kind(kind: Kind, inputs: &Inputs, is_inside: bool) -> Self;
-
     /// A closure that was made as one of this type's kind.
     fn of(closure: &Closure) -> &Self;
 
-    /// The same with another base colour than that of the inputs from which it was made; of [`Kind::Glossy`] alone.
+    /// One of the same kind for other inputs.
+    fn with_inputs(&self, inputs: &Inputs, is_inside: bool) -> Self;
+
+    /// The same for inputs that differ in the base colour alone from those that it was made from.
     #[inline]
-    fn with_base_color(&self, _inputs: &Inputs, _color: Vec3) -> Self {
-        unreachable!("the base colour alone varies of glossy closures");
+    fn with_base_color(&self, inputs: &Inputs, is_inside: bool) -> Self {
+        self.with_inputs(inputs, is_inside)
     }
 }
 
 impl Prepared for Closure {
-    #[inline]
-    fn of_kind(kind: Kind, inputs: &Inputs, is_inside: bool) -> Self {
-        Self::of_kind(kind, inputs, is_inside)
-    }
-
     #[inline]
     fn of(closure: &Closure) -> &Self {
         closure
     }
 
     #[inline]
-    fn with_base_color(&self, inputs: &Inputs, color: Vec3) -> Self {
-        Self::Glossy(Glossy::of(self).with_base_color(inputs, color))
+    fn with_inputs(&self, inputs: &Inputs, is_inside: bool) -> Self {
+        let kind = match self {
+            Self::Matte(_) => Kind::Matte,
+            Self::Glossy(_) => Kind::Glossy,
+            Self::Transmissive(_) => Kind::Transmissive,
+            Self::Layered(_) => Kind::Layered,
+        };
+        Self::of_kind(kind, inputs, is_inside)
     }
 }
 
@@ -86,16 +87,16 @@ macro_rules! prepared {
     ($kind:ident $(, $with_base_color:item)?) => {
         impl Prepared for $kind {
             #[inline]
-            fn of_kind(_: Kind, inputs: &Inputs, is_inside: bool) -> Self {
-                Bsdf::new(inputs, is_inside)
-            }
-
-            #[inline]
             fn of(closure: &Closure) -> &Self {
                 match closure {
                     Closure::$kind(closure) => closure,
                     _ => unreachable!("paths are sorted by the kinds of their closures"),
                 }
+            }
+
+            #[inline]
+            fn with_inputs(&self, inputs: &Inputs, is_inside: bool) -> Self {
+                Bsdf::new(inputs, is_inside)
             }
 
             $($with_base_color)?
@@ -108,9 +109,9 @@ prepared!(Layered);
 prepared!(
     Glossy,
     #[inline]
-    fn with_base_color(&self, inputs: &Inputs, color: Vec3) -> Self {
+    fn with_base_color(&self, inputs: &Inputs, _is_inside: bool) -> Self {
         let mut closure = *self;
-        closure.set_base_color(inputs, color);
+        closure.set_base_color(inputs);
         closure
     }
 );

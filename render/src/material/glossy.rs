@@ -80,16 +80,16 @@ impl Glossy {
             glossy.below_mean = glossy.below().mean();
         }
         glossy.reflection.diffuse_scale = (1.0 - metalness) / glossy.below_mean.max(f32::MIN_POSITIVE);
-        glossy.set_base_color(inputs, inputs.base_color);
+        glossy.set_base_color(inputs);
         glossy
     }
 
-    /// Makes it one of another base colour than the inputs', from which it is otherwise made.
+    /// Sets all that depends on the inputs' base colour; it is otherwise made from these inputs.
     #[inline]
-    pub(super) fn set_base_color(&mut self, inputs: &Inputs, base_color: Vec3) {
+    pub(super) fn set_base_color(&mut self, inputs: &Inputs) {
         let metalness = self.reflection.metalness;
-        let metal = Metal::new(base_color, inputs.metal_edge_color);
-        let color = base_color * (1.0 - inputs.diffuse_transmission_weight);
+        let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
+        let color = inputs.base_color * (1.0 - inputs.diffuse_transmission_weight);
         let diffuse_energy = mean(color + self.transmitted);
         let multiple = if metalness > 0.0 { metal.multiple(self.lost_mean) * metalness } else { Vec3::ZERO };
         self.reflection.metal = metal;

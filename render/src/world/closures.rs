@@ -1,12 +1,12 @@
-//! Closures of surfaces. Of a material without maps they differ by side alone, and are made once; of a glossy one whose base colour
-//! alone has a map, all that does not depend on colour is.
+//! Closures of surfaces. Of a material without maps they differ by side alone, and are made once; where the base colour alone varies,
+//! what does not depend on it is.
 
 use std::sync::OnceLock;
 
 use glam::Vec3;
 
 use super::{Surface, World};
-use crate::material::{Closure, Inputs, Kind, Prepared};
+use crate::material::{Closure, Inputs, Prepared};
 use crate::scene::{CoatNormal, Input, Material};
 
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
@@ -16,8 +16,7 @@ pub(super) type ClosureCell = OnceLock<MaterialClosures>;
 #[derive(Debug)]
 pub(super) struct MaterialClosures {
     varies: Varies,
-    /// The inputs without maps, and their closures from outside and from inside.
-    inputs: Inputs,
+    /// From outside and from inside, without maps.
     sides: [Closure; 2],
 }
 
@@ -31,28 +30,24 @@ enum Varies {
 
 impl MaterialClosures {
     fn new(material: &Material) -> Self {
-        let inputs = material.even_inputs();
-        let kind = material.kind();
-        Self {
-            varies: Varies::of(material),
-            sides: [false, true].map(|is_inside| Closure::of_kind(kind, &inputs, is_inside)),
-            inputs,
-        }
+        let (kind, inputs) = (material.kind(), material.even_inputs());
+        let sides = [false, true].map(|is_inside| Closure::of_kind(kind, &inputs, is_inside));
+        Self { varies: Varies::of(material), sides }
     }
 }
 
 impl Varies {
     fn of(material: &Material) -> Self {
-        let mut targets = material.maps.iter().flat_map(|map| &map.targets);
+        let is_mapped =
+            |is: fn(Input) -> bool| material.maps.iter().flat_map(|map| &map.targets).any(|target| is(target.input));
         let is_anisotropy_mapped = material.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.map.is_some());
-        if is_anisotropy_mapped || material.coat_normal != CoatNormal::OfBase {
-            return Self::More;
-        }
-        let is_color_alone = targets.all(|target| target.input == Input::BaseColor);
-        match material.uses_vertex_colors || !material.maps.is_empty() {
-            false => Self::Nothing,
-            true if is_color_alone && material.kind() == Kind::Glossy => Self::BaseColor,
-            true => Self::More,
+        let has_coat_normal = material.coat_normal != CoatNormal::OfBase;
+        if is_anisotropy_mapped || has_coat_normal || is_mapped(|input| input != Input::BaseColor) {
+            Self::More
+        } else if material.uses_vertex_colors || is_mapped(|input| input == Input::BaseColor) {
+            Self::BaseColor
+        } else {
+            Self::Nothing
         }
     }
 }
@@ -66,8 +61,8 @@ impl World {
         let prepared = B::of(&of_material.sides[usize::from(surface.is_back)]);
         match of_material.varies {
             Varies::Nothing => *prepared,
-            Varies::BaseColor => prepared.with_base_color(&of_material.inputs, self.inputs(surface).base_color),
-            Varies::More => B::of_kind(self.kinds[material], &self.inputs(surface), surface.is_back),
+            Varies::BaseColor => prepared.with_base_color(&self.inputs(surface), surface.is_back),
+            Varies::More => prepared.with_inputs(&self.inputs(surface), surface.is_back),
         }
     }
 }
@@ -157,13 +152,14 @@ mod tests {
     }
 
     #[test]
-    fn glossy_closures_take_another_base_color() {
+    fn closures_take_another_base_color() {
         for material in even() {
-            let varies = if material.kind() == Kind::Glossy { Varies::BaseColor } else { Varies::More };
-            is_as_made_there(&mapped(&material, Input::BaseColor, Channel::Rgb), varies);
-            is_as_made_there(&Material { uses_vertex_colors: true, ..material.clone() }, varies);
-            let both = mapped(&material, Input::BaseColor, Channel::Rgb);
-            is_as_made_there(&Material { uses_vertex_colors: true, ..both }, varies);
+            let picture = mapped(&material, Input::BaseColor, Channel::Rgb);
+            is_as_made_there(&picture, Varies::BaseColor);
+            is_as_made_there(&Material { uses_vertex_colors: true, ..material }, Varies::BaseColor);
+            let tinted = Material { base_color_tints_transmission: true, ..picture.clone() };
+            is_as_made_there(&tinted, Varies::BaseColor);
+            is_as_made_there(&Material { uses_vertex_colors: true, ..picture }, Varies::BaseColor);
         }
     }
 
