@@ -81,6 +81,14 @@ impl Prepared for Closure {
         };
         Self::of_kind(kind, inputs, is_inside)
     }
+
+    #[inline]
+    fn with_base_color(&self, inputs: &Inputs, is_inside: bool) -> Self {
+        match self {
+            Self::Glossy(glossy) => Self::Glossy(glossy.with_base_color(inputs, is_inside)),
+            _ => self.with_inputs(inputs, is_inside),
+        }
+    }
 }
 
 macro_rules! prepared {
