@@ -44,19 +44,13 @@ impl Cache {
     ) -> Option<()> {
         // A record that does not even cover its own place would be asked for again and again.
         let mut picked = vec![false; places.len()];
-        // Places that were found covered are asked again by the last pass alone, as radii may have been clamped since.
-        let mut settled = vec![false; places.len()];
         for (number, pass) in passes.iter().enumerate() {
             let last = number + 1 == passes.len();
             let count = pass.places.min(places.len());
             loop {
-                if last {
-                    settled.fill(false);
-                }
-                settled[..count].par_iter_mut().zip(places).for_each(|(settled, place)| {
-                    *settled = *settled || self.covers(place.position, place.normal);
-                });
-                let open: Vec<usize> = (0..count).filter(|&i| !settled[i] && !picked[i]).collect();
+                // All of them, as radii may have been clamped since the last time.
+                let is_open = |&i: &usize| !picked[i] && !self.covers(places[i].position, places[i].normal);
+                let open: Vec<usize> = (0..count).into_par_iter().filter(is_open).collect();
                 let picks = pick(places, &open, pass.separation);
                 if picks.is_empty() {
                     break;

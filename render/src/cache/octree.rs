@@ -1,10 +1,10 @@
 //! Finds the spheres that a point is in.
 //!
-//! A sphere lies in all the cells that its box meets, at the depth where half a cell would be less wide than the sphere.
-//! So a query walks down one path and looks at the spheres of the cells on it; nothing is locked, as a tree is built at
-//! once and never changed. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to eight.)
+//! A sphere lies in all the cells that its box meets, at the depth where half a cell would be less wide than its radius.
+//! So a query walks down one path and looks at the spheres of the cells on it, four at a time; nothing is locked, as a tree is
+//! built at once and never changed. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to eight.)
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Spheres in a tree of cubes.
 #[derive(Clone, Debug, Default)]
@@ -12,7 +12,7 @@ pub(crate) struct Octree {
     /// The root first. Empty without spheres.
     nodes: Vec<Node>,
     /// The spheres of one cell after those of another.
-    entries: Vec<Entry>,
+    blocks: Vec<Block>,
     center: Vec3,
     /// Half the width of the root.
     half: f32,
@@ -23,12 +23,22 @@ pub(crate) struct Octree {
 struct Node {
     /// Indices of the cells in its octants; 0, which is the root, for none.
     children: [u32; 8],
-    /// Its spheres are these entries.
+    /// Its spheres are in these blocks.
     first: u32,
     end: u32,
 }
 
-/// A sphere.
+/// Four spheres of one cell, or fewer: the rest are nowhere.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    squared_radius: Vec4,
+    indices: [u32; 4],
+}
+
+/// A sphere, as the tree is built of it.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     center: Vec3,
@@ -51,7 +61,7 @@ impl Octree {
         let center = lower.midpoint(upper);
         // Wide enough for every point of a sphere that is not itself wider than the box of all centres.
         let half = (upper - lower).max_element().max(f32::MIN_POSITIVE);
-        let mut tree = Self { nodes: Vec::new(), entries: Vec::new(), center, half };
+        let mut tree = Self { nodes: Vec::new(), blocks: Vec::new(), center, half };
         tree.build(entries, center, half, 0);
         tree
     }
@@ -59,11 +69,13 @@ impl Octree {
     /// Builds the cell about `center` and all below it; gives its number.
     fn build(&mut self, entries: Vec<Entry>, center: Vec3, half: f32, depth: u32) -> u32 {
         let number = self.nodes.len() as u32;
+        // What is not at the root ends inside of its cube.
+        let least = if depth == 0 { 0.5 * half } else { half };
         let (below, here): (Vec<_>, Vec<_>) =
-            entries.into_iter().partition(|entry| 2.0 * entry.radius < half && depth < MAX_DEPTH);
-        let first = self.entries.len() as u32;
-        self.entries.extend(here);
-        self.nodes.push(Node { children: [0; 8], first, end: self.entries.len() as u32 });
+            entries.into_iter().partition(|entry| entry.radius < least && depth < MAX_DEPTH);
+        let first = self.blocks.len() as u32;
+        self.blocks.extend(here.chunks(4).map(Block::new));
+        self.nodes.push(Node { children: [0; 8], first, end: self.blocks.len() as u32 });
         if below.is_empty() {
             return number;
         }
@@ -91,9 +103,11 @@ impl Octree {
         let Some(mut node) = self.nodes.first() else { return };
         let outside = (point - center).abs().max_element() > half;
         loop {
-            for entry in &self.entries[node.first as usize..node.end as usize] {
-                if entry.center.distance_squared(point) < entry.radius * entry.radius {
-                    visit(entry.index as usize);
+            for block in &self.blocks[node.first as usize..node.end as usize] {
+                let mut inside = block.inside(point);
+                while inside != 0 {
+                    visit(block.indices[inside.trailing_zeros() as usize] as usize);
+                    inside &= inside - 1;
                 }
             }
             let octant = octant_of(center, point);
@@ -108,6 +122,28 @@ impl Octree {
             center = octant_center(center, half, octant);
             half *= 0.5;
         }
+    }
+}
+
+impl Block {
+    /// Of at most four spheres.
+    fn new(entries: &[Entry]) -> Self {
+        let of =
+            |value: fn(&Entry) -> f32| Vec4::from_array(std::array::from_fn(|i| entries.get(i).map_or(0.0, value)));
+        Self {
+            x: of(|entry| entry.center.x),
+            y: of(|entry| entry.center.y),
+            z: of(|entry| entry.center.z),
+            squared_radius: of(|entry| entry.radius * entry.radius),
+            indices: std::array::from_fn(|i| entries.get(i).map_or(0, |entry| entry.index)),
+        }
+    }
+
+    /// A bit for each sphere that a point is inside of.
+    #[inline]
+    fn inside(&self, point: Vec3) -> u32 {
+        let [x, y, z] = [self.x - point.x, self.y - point.y, self.z - point.z];
+        (x * x + y * y + z * z).cmplt(self.squared_radius).bitmask()
     }
 }
 

@@ -5,30 +5,33 @@ use glam::Vec3;
 pub use crate::estimator::SECTORS;
 
 /// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
+///
+/// Lookups read many records to use few: what says where one is valid is in one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
 pub struct Record {
-    /// The address of the record's random numbers, and its place in the order of a file.
-    pub key: u64,
     /// Where it is.
     pub position: Vec3,
     /// The unit normal, on the side that is lit.
     pub normal: Vec3,
-    /// Irradiance in W/m², linear sRGB.
-    pub irradiance: Vec3,
-    /// The standard error of the irradiance by the noise of the gather, of the channel where it is greatest.
-    pub standard_error: f32,
-    /// For each channel the gradient by which irradiance changes with the normal.
-    pub rotational: [Vec3; 3],
-    /// For each channel the gradient by which irradiance changes with the position.
-    pub translational: [Vec3; 3],
-    /// Harmonic mean of the distances of what it sees; less where something hangs low nearby.
-    pub mean_distance: f32,
-    /// The least of those distances, and of the occluders.
-    pub min_distance: f32,
-    /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
-    pub radii: [f32; 2],
     /// Unit tangent along which it reaches the least far.
     pub axis: Vec3,
+    /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
+    pub radii: [f32; 2],
+    /// The least distance of what it sees, and of the occluders.
+    pub min_distance: f32,
+    /// Harmonic mean of the distances of what it sees; less where something hangs low nearby.
+    pub mean_distance: f32,
+    /// Irradiance in W/m², linear sRGB.
+    pub irradiance: Vec3,
+    /// For each channel the gradient by which irradiance changes with the position.
+    pub translational: [Vec3; 3],
+    /// The standard error of the irradiance by the noise of the gather, of the channel where it is greatest.
+    pub standard_error: f32,
+    /// The address of the record's random numbers, and its place in the order of a file.
+    pub key: u64,
+    /// For each channel the gradient by which irradiance changes with the normal.
+    pub rotational: [Vec3; 3],
     /// For each sector of azimuth, from the first tangent of the frame about the normal, the distance along the surface
     /// of the nearest occluder; infinite if there is none.
     pub occluders: [f32; SECTORS],

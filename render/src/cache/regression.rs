@@ -75,7 +75,11 @@ impl Polynomial {
         let [slope_x, slope_y] = self.slope;
         let [xx, xy, yy] = self.curvature;
         let turn = record.normal.cross(normal);
-        let turned = Vec3::from_array(record.rotational.map(|gradient| gradient.dot(turn)));
+        // Walls are flat, and then the gradient need not be read.
+        let turned = match turn == Vec3::ZERO {
+            true => Vec3::ZERO,
+            false => Vec3::from_array(record.rotational.map(|gradient| gradient.dot(turn))),
+        };
         let flat = self.irradiance + x * (slope_x + 0.5 * x * xx + y * xy) + y * (slope_y + 0.5 * y * yy);
         let alone = record.extrapolate(position, record.normal, false, true);
         let [least, most] = self.range;
