@@ -26,6 +26,10 @@ const DARKEST: f64 = 1e-4;
 const NOISE: f64 = 4.0;
 /// So are all up to this: a cache's noise is as smooth as light itself.
 const LEAST_STEP: f64 = 0.05;
+/// None above this is: what a chart's noise says is wrong where light changes within a few texels, or where there is none.
+const MOST_STEP: f64 = 0.25;
+/// Second differences that a chart must have to know its noise.
+const FEWEST: usize = 16;
 /// Points along a cut for each texel.
 const POINTS: f64 = 4.0;
 /// Ends of sides within this many texels are the same.
@@ -136,7 +140,7 @@ impl Seams {
         };
         for cut in cuts {
             let of_both = cut.sides.map(|side| noise[side.chart as usize].powi(2)).iter().sum::<f64>().sqrt();
-            let most = if cut.is_smooth { f64::INFINITY } else { (NOISE * of_both).max(LEAST_STEP) };
+            let most = if cut.is_smooth { f64::INFINITY } else { (NOISE * of_both).clamp(LEAST_STEP, MOST_STEP) };
             for (places, &sampling) in cut.places(0.5).flat_map(|places| samplings.iter().map(move |by| (places, by))) {
                 let side = |i: usize| {
                     let CutSide { page, chart, .. } = cut.sides[i];
@@ -272,13 +276,14 @@ impl Seams {
     }
 }
 
-/// The relative noise of each chart.
+/// The relative noise of each chart; 0 where too little is known of it.
 fn noise(atlas: &Atlas, page_texels: &[PageTexels], brightness: &[Vec<f32>]) -> Vec<f64> {
     let mut differences = vec![Vec::new(); atlas.charts.len()];
     for (grid, brightness) in page_texels.iter().zip(brightness) {
         View { grid, brightness }.differences(&mut differences);
     }
-    differences.iter_mut().map(|differences| sigma(differences).into()).collect()
+    let noise = |differences: &mut Vec<f32>| if differences.len() < FEWEST { 0.0 } else { sigma(differences).into() };
+    differences.iter_mut().map(noise).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -88,3 +88,28 @@ fn pieces_of_different_sizes_have_no_steps() {
         assert!(step < 0.005 && pairs > 300, "{sampling:?}: {step} at {pairs} pairs");
     }
 }
+
+/// A lit floor and a wall on it that lies in something: of its light rounding alone is left, whose steps are all there is.
+#[test]
+fn a_dark_face_takes_no_light_from_the_one_beside_it() {
+    let mut corner = Mesh { name: "corner".to_owned(), ..Mesh::default() };
+    corner.positions = vec![Vec3::ZERO, Vec3::X, vec3(1.0, 0.0, 1.0), Vec3::Z, Vec3::Y, vec3(1.0, 1.0, 0.0)];
+    corner.triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 5], [0, 5, 4]];
+    let scene = scene(vec![corner], vec![glowing(0.0, 0.5)]);
+    let atlas = Atlas::new(&scene, &quick()).unwrap();
+    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap();
+    let (lit, covered, _) = free_texels(&world, &Surfaces::new(&scene, &atlas));
+    let mut page_texels = page_texels(&atlas, &lit, &covered);
+    page_texels.iter_mut().for_each(|grid| grid.add_gutters(quick().padding()));
+    let cuts = cuts(&atlas, 1, &shared_edges(&scene));
+    let floor = page_texels[0].owners[lit.iter().find(|texel| texel.point.prim_id < 2).unwrap().index as usize];
+    let seams = |light: [f32; 2], dark: [f32; 2]| {
+        let of = |(i, owner): (usize, &u32)| if *owner == floor { light[i % 2] } else { dark[i % 2] };
+        let brightness: Vec<f32> = page_texels[0].owners.iter().enumerate().map(of).collect();
+        Seams::new(&atlas, &cuts, &page_texels, &[brightness], Sampling::Bilinear).len()
+    };
+    assert_eq!(seams([1.0, 1.0], [0.0, 1e-9]), 0);
+    assert!(seams([1.0, 1.0], [1.02, 1.02]) > 50, "steps that nobody sees are taken away");
+    assert_eq!(seams([1.0, 1.0], [0.7, 0.7]), 0, "what differs by more is light");
+    assert!(seams([0.96, 1.04], [1.11, 1.19]) > 50, "as far as noise is no reason");
+}
