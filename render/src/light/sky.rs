@@ -1,6 +1,6 @@
 //! The sky as a light.
 //!
-//! A constant sky is sampled by the cosine, a picture by its brightness (see [`Peaks`]).
+//! A constant sky is sampled by the cosine, a picture, whose [texels](texels) are interpolated, by its brightness (see [`Peaks`]).
 //!
 //! Whoever sends rays that follow the cosine anyway finds the sky by these, and a picture's sun by chance, or not at all.
 //! So what light samples are to find of it depends on who else looks (see [`SkyPart`]): MIS compensation (Karlík et al.
@@ -8,14 +8,16 @@
 //! are brighter than a few times the rest, which is sampled as a lamp is.
 
 mod peaks;
+mod texels;
 
-use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Frame, ONE_MINUS_EPSILON};
 
 use self::peaks::Peaks;
+use self::texels::Around;
 use super::brightness;
 use super::distant::Patches;
 use super::{Receiver, luminance_weight};
@@ -109,15 +111,17 @@ impl SkyLight {
     /// Radiance from this unit vector.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         match &self.picture {
-            Some(picture) => picture.texels[texel(picture, direction).2],
+            Some(picture) => Around::new(picture, direction).mean(|texel| texel),
             None => self.constant,
         }
     }
 
     /// Radiance from this unit vector without the sun.
     pub(crate) fn ambient(&self, direction: Vec3) -> Vec3 {
-        let radiance = self.radiance(direction);
-        self.part(SkyPart::Sun).map_or(radiance, |(sun, _)| sun.split(radiance).0)
+        match (self.part(SkyPart::Sun), &self.picture) {
+            (Some((sun, _)), Some(picture)) => Around::new(picture, direction).mean(|texel| sun.split(texel).0),
+            _ => self.radiance(direction),
+        }
     }
 
     /// Mean radiance of all directions.
@@ -148,17 +152,15 @@ impl SkyLight {
 
     /// A direction in which to look for light from this part; with [`SkyPart::Sun`] nothing else counts.
     pub(crate) fn sample(&self, receiver: &Receiver, part: SkyPart, u: Vec2) -> SkySample {
-        let direction = match (self.part(part), &self.picture) {
-            (Some((peaks, _)), Some(picture)) => peaks.sample(picture, u),
-            _ => cosine(receiver, u),
+        let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
+            let direction = cosine(receiver, u);
+            let density = self.density(receiver, part, direction);
+            return SkySample { direction, radiance: self.radiance(direction), density };
         };
-        let radiance = self.radiance(direction);
-        let density = self.density(receiver, part, direction);
-        let radiance = match self.part(part) {
-            Some((sun, _)) if part == SkyPart::Sun => sun.split(radiance).1,
-            _ => radiance,
-        };
-        SkySample { direction, radiance, density }
+        let direction = peaks.sample(picture, u);
+        let around = Around::new(picture, direction);
+        let radiance = around.mean(|texel| if part == SkyPart::Sun { peaks.split(texel).1 } else { texel });
+        SkySample { direction, radiance, density: peaks.density(&around) }
     }
 
     /// The density per solid angle with which [`sample`](Self::sample) gives this unit vector.
@@ -166,9 +168,9 @@ impl SkyLight {
         if !self.has(part) {
             return 0.0;
         }
-        match self.part(part) {
-            Some((peaks, _)) => peaks.density(self.radiance(direction)),
-            None => {
+        match (self.part(part), &self.picture) {
+            (Some((peaks, _)), Some(picture)) => peaks.density(&Around::new(picture, direction)),
+            _ => {
                 let cosine = receiver.normal.dot(direction);
                 let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };
                 all * FRAC_1_PI
@@ -194,28 +196,6 @@ fn clipped_mean(picture: &SkyPicture, limit: f64) -> f64 {
         texels.iter().map(|texel| brightness(*texel).min(limit)).sum::<f64>() * picture.solid_angle(row)
     };
     rows.map(row).sum::<f64>() / (4.0 * std::f64::consts::PI)
-}
-
-/// Column, row and number of the texel in a direction.
-fn texel(picture: &SkyPicture, direction: Vec3) -> (usize, usize, usize) {
-    let [width, height] = [picture.width, picture.height];
-    let phi = direction.x.atan2(-direction.z) + picture.rotation;
-    let across = (phi / TAU + 0.5).rem_euclid(1.0);
-    // More exact near the poles than the arc cosine.
-    let down = Vec2::new(direction.x, direction.z).length().atan2(direction.y) / PI;
-    let place = |part: f32, size: u32| ((part * size as f32) as usize).min(size as usize - 1);
-    let (column, row) = (place(across, width), place(down, height));
-    (column, row, row * width as usize + column)
-}
-
-/// The direction of a place in a texel, `across` and `down` it in [0, 1): even by solid angle.
-fn direction_in(picture: &SkyPicture, (column, row): (usize, usize), (across, down): (f32, f32)) -> Vec3 {
-    // Even in the cosine.
-    let border = |row: usize| (PI * row as f32 / picture.height as f32).cos();
-    let cosine = border(row) + (border(row + 1) - border(row)) * down.min(ONE_MINUS_EPSILON);
-    let phi = TAU * ((column as f32 + across) / picture.width as f32 - 0.5) - picture.rotation;
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    Vec3::new(sine * phi.sin(), cosine, -sine * phi.cos())
 }
 
 #[cfg(test)]

@@ -99,10 +99,18 @@ impl SkyPicture {
         Self { rotation: self.rotation + degrees.to_radians(), ..self }
     }
 
-    /// The solid angle of a texel in this row.
+    /// The solid angle that a texel in this row stands for, as light between texels is interpolated.
     pub(crate) fn solid_angle(&self, row: u32) -> f64 {
+        self.row_solid_angles(row).iter().sum()
+    }
+
+    /// How much of it is in the rows above, of the texel and below: a tent has three quarters of its weight in its own row.
+    /// What is beyond a pole is folded back.
+    pub(crate) fn row_solid_angles(&self, row: u32) -> [f64; 3] {
         let border = |row: u32| (PI * f64::from(row) / f64::from(self.height)).cos();
-        2.0 * PI / f64::from(self.width) * (border(row) - border(row + 1))
+        let texel = |row: u32| 2.0 * PI / f64::from(self.width) * (border(row) - border(row + 1));
+        let [above, below] = [row.saturating_sub(1), (row + 1).min(self.height - 1)];
+        [texel(above) / 8.0, texel(row) * 0.75, texel(below) / 8.0]
     }
 
     /// Mean radiance of all directions.
@@ -181,8 +189,9 @@ mod tests {
         let mut texels = vec![Vec3::ZERO; 8];
         texels[..2].fill(Vec3::ONE);
         let picture = SkyPicture { width: 2, height: 4, texels, rotation: 0.0 };
-        // The cap of 45 degrees is (1 - cos 45°) / 2 of the sphere.
-        assert!((picture.mean().x - (1.0 - 0.5_f32.sqrt()) / 2.0).abs() < 1e-6);
+        // The cap of 45 degrees is (1 - cos 45°) / 2 of the sphere, and the row below has the rest of its half.
+        let [cap, below] = [(1.0 - 0.5_f32.sqrt()) / 2.0, 0.5_f32.sqrt() / 2.0];
+        assert!((picture.mean().x - (0.875 * cap + 0.125 * below)).abs() < 1e-6);
         let sphere: f64 = (0..4).map(|row| 2.0 * picture.solid_angle(row)).sum();
         assert!((sphere - 4.0 * PI).abs() < 1e-12);
     }

@@ -1,12 +1,12 @@
 //! The parts of a picture of the sky that are brighter than a limit, as what directions are sampled by.
 //!
 //! A row is chosen by the excess of all of it, then a texel of the row, each by inverting the sums of those before it, so
-//! that numbers which are spread evenly make directions that are; and a direction in the texel evenly by solid angle. So
-//! the density of a direction is its texel's excess over all of it, exactly.
+//! that numbers which are spread evenly make directions that are; and a direction in the tent about the texel by which it is
+//! interpolated. So the density of a direction is the interpolated excess there over all of it, exactly.
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::direction_in;
+use super::texels::{Around, direction_to, place_in_tent};
 use crate::light::brightness;
 use crate::light::distant::Patches;
 use crate::scene::SkyPicture;
@@ -76,12 +76,13 @@ impl Peaks {
         let before = if index == 0 { 0.0 } else { parts[index - 1] };
         let across = (u.x - before) / (parts[index] - before);
         let down = (place - self.sums[row]) / (self.sums[row + 1] - self.sums[row]);
-        direction_in(picture, (self.columns[start + index] as usize, row), (across, down as f32))
+        let u = Vec2::new(across, down as f32);
+        direction_to(picture, place_in_tent(picture, (self.columns[start + index], row as u32), u))
     }
 
-    /// The density per solid angle of directions to a texel of this radiance.
-    pub(super) fn density(&self, radiance: Vec3) -> f32 {
-        (self.excess(radiance) / self.total()) as f32
+    /// The density per solid angle of the direction to what is between these texels.
+    pub(super) fn density(&self, around: &Around) -> f32 {
+        (around.mean_number(|texel| self.excess(texel)) / self.total()) as f32
     }
 
     /// What is within the limit, and what is beyond.
@@ -114,7 +115,7 @@ impl Peaks {
         let count = (PATCHES[0] * PATCHES[1]) as usize;
         let mut fluxes = vec![(0.0, DVec3::ZERO); count];
         let direction = |row: u32, column: u32, across: f32, down: f32| {
-            direction_in(picture, (column as usize, row as usize), (across, down))
+            direction_to(picture, Vec2::new(column as f32 + across, row as f32 + down))
         };
         self.each(picture, |row, column, texel| {
             let flux = self.excess(texel) * picture.solid_angle(row);
@@ -126,7 +127,8 @@ impl Peaks {
         let mut radii = vec![0.0_f32; count];
         self.each(picture, |row, column, _| {
             let patch = patch_of(row, column);
-            for (across, down) in [0.0, 0.5, 1.0].into_iter().flat_map(|x| [0.0, 0.5, 1.0].map(|y| (x, y))) {
+            // Its tent ends in the middles of its neighbours.
+            for (across, down) in [-0.5, 0.5, 1.5].into_iter().flat_map(|x| [-0.5, 0.5, 1.5].map(|y| (x, y))) {
                 radii[patch] = radii[patch].max(direction(row, column, across, down).distance(means[patch]));
             }
         });

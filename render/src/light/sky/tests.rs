@@ -3,6 +3,7 @@ use std::f64::consts::PI as PI64;
 use glam::DVec3;
 use halfdome_kernel::sampling::Stream;
 
+use super::texels::{direction_to, place};
 use super::*;
 use crate::light::luminance;
 
@@ -39,7 +40,64 @@ fn mean_sun(sky: &SkyLight) -> Vec3 {
 
 /// The middle of a texel.
 fn middle(picture: &SkyPicture, column: usize, row: usize) -> Vec3 {
-    direction_in(picture, (column, row), (0.5, 0.5))
+    direction_to(picture, Vec2::new(column as f32 + 0.5, row as f32 + 0.5))
+}
+
+/// The texel that a direction is in, by its column and row.
+fn texel(picture: &SkyPicture, direction: Vec3) -> (usize, usize) {
+    let place = place(picture, direction);
+    (place.x as usize % picture.width as usize, (place.y as usize).min(picture.height as usize - 1))
+}
+
+/// Directions that are spread evenly over a texel, each with the solid angle around it.
+fn within(picture: &SkyPicture, column: usize, row: usize) -> impl Iterator<Item = (Vec3, f64)> {
+    const SIDE: usize = 8;
+    // Of a tent, this part is in the texel's own row.
+    let solid_angle = picture.row_solid_angles(row as u32)[1] / 0.75 / (SIDE * SIDE) as f64;
+    let at = |base: usize, i: usize| base as f32 + (i as f32 + 0.5) / SIDE as f32;
+    (0..SIDE * SIDE)
+        .map(move |i| (direction_to(picture, Vec2::new(at(column, i % SIDE), at(row, i / SIDE))), solid_angle))
+}
+
+#[test]
+fn places_and_directions_belong_together() {
+    for (width, height) in [(12, 6), (2048, 1024), (3, 1), (1, 2)] {
+        let picture =
+            SkyPicture { rotation: 2.0, ..SkyPicture::new(width, height, vec![Vec3::ONE; (width * height) as usize]) };
+        for i in 0..1000 {
+            let u = Stream::new(3, i, 0).uniform2(0);
+            let there = Vec2::new(u.x * width as f32, u.y * height as f32);
+            let direction = direction_to(&picture, there);
+            assert!(direction.is_normalized());
+            let step = (place(&picture, direction) - there).abs();
+            let around = step.x.min(width as f32 - step.x);
+            // As floats have so many digits; near the poles a column is narrow.
+            let sine = Vec2::new(direction.x, direction.z).length();
+            assert!(around * sine < 1e-6 * width as f32 + 1e-5, "{there}: {step}");
+            assert!(step.y < 2e-6 * height as f32 + 2e-3, "{there}: {step}");
+        }
+    }
+}
+
+#[test]
+fn pictures_are_interpolated_around_and_over_the_poles() {
+    let picture = SkyPicture { rotation: 0.0, ..picture() };
+    let at = |x: f32, y: f32| Around::new(&picture, direction_to(&picture, Vec2::new(x, y))).mean(|texel| texel);
+    let texel = |column: usize, row: usize| picture.texels[row * 12 + column];
+    let near = |found: Vec3, expected: Vec3| {
+        assert!(
+            (found - expected).abs().max_element() < 1e-3 * (1.0 + expected.max_element()),
+            "{found}, not {expected}"
+        );
+    };
+    near(at(5.5, 2.5), texel(5, 2));
+    near(at(6.0, 2.5), 0.5 * (texel(5, 2) + texel(6, 2)));
+    near(at(5.75, 3.0), 0.5 * (0.75 * (texel(5, 2) + texel(5, 3)) + 0.25 * (texel(6, 2) + texel(6, 3))));
+    near(at(0.0, 4.5), 0.5 * (texel(11, 4) + texel(0, 4)));
+    near(at(11.75, 4.5), 0.75 * texel(11, 4) + 0.25 * texel(0, 4));
+    // Above the middle of the first row, and below that of the last.
+    near(at(3.5, 0.2), texel(3, 0));
+    near(at(3.5, 5.9), texel(3, 5));
 }
 
 #[test]
@@ -63,56 +121,60 @@ fn the_mean_of_samples_is_the_pictures_integral() {
 #[test]
 fn directions_are_as_dense_as_the_density_says() {
     let mut texels: Vec<_> = picture().texels.iter().map(|texel| texel.min(Vec3::splat(0.5))).collect();
-    texels[60..].fill(Vec3::splat(0.01));
+    texels[..12].fill(Vec3::splat(0.01));
+    texels[12..48].fill(Vec3::ZERO);
     let picture = SkyPicture { texels, ..picture() };
     let sky = sky(picture.clone());
-    for (part, expected_dark) in [(SkyPart::All, 12), (SkyPart::Bright, 24)] {
+    // A texel is dark if all around it is.
+    for (part, expected_dark) in [(SkyPart::All, 12), (SkyPart::Bright, 36)] {
         let count = 200_000;
         let mut counts = [0_u32; 72];
         for sample in samples(&sky, part, count) {
-            counts[texel(&picture, sample.direction).2] += 1;
+            let (column, row) = texel(&picture, sample.direction);
+            counts[row * 12 + column] += 1;
         }
         let (mut total, mut dark) = (0.0, 0);
         for (number, found) in counts.into_iter().enumerate() {
             let (column, row) = (number % 12, number / 12);
-            let middle = middle(&picture, column, row);
-            assert_eq!(texel(&picture, middle), (column, row, number));
-            let density = sky.density(&receiver(Vec3::Y), part, middle);
-            let share = f64::from(density) * picture.solid_angle(row as u32);
+            assert_eq!(texel(&picture, middle(&picture, column, row)), (column, row));
+            let density = |direction| f64::from(sky.density(&receiver(Vec3::Y), part, direction));
+            let share: f64 = within(&picture, column, row).map(|(direction, angle)| density(direction) * angle).sum();
             total += share;
             dark += usize::from(share == 0.0);
             let (expected, deviation) = (share * f64::from(count), (share * f64::from(count)).sqrt());
-            assert!((f64::from(found) - expected).abs() <= 5.0 * deviation + 2.0, "{number}: {found}, not {expected}");
+            // Means of a few places stand for the texel.
+            let most = 5.0 * deviation + 0.01 * expected + 2.0;
+            assert!((f64::from(found) - expected).abs() <= most, "{number}: {found}, not {expected}");
         }
-        assert!((total - 1.0).abs() < 1e-5, "the density integrates to {total}");
+        assert!((total - 1.0).abs() < 1e-3, "the density integrates to {total}");
         assert_eq!(dark, expected_dark, "texels are not sampled");
     }
 }
 
 #[test]
 fn weights_are_irradiances_and_vanish_only_below_the_horizon() {
-    let picture = picture();
+    // With twice as many texels, as an estimate of few is a coarse one.
+    let coarse = picture();
+    let texels = (0..288).map(|i| coarse.texels[i / 24 / 2 * 12 + i % 24 / 2]).collect();
+    let picture = SkyPicture { width: 24, height: 12, texels, ..coarse };
     let sky = sky(picture.clone());
-    for i in 0..300 {
+    for i in 0..100 {
         let normal = halfdome_kernel::sampling::warp::UniformSphere;
         let normal = halfdome_kernel::sampling::warp::Warp::map(&normal, Stream::new(1, i, 0).uniform2(0));
         let receiver = receiver(normal);
         for part in [SkyPart::All, SkyPart::Bright, SkyPart::Sun] {
             let (mut expected, mut power) = (0.0, 0.0);
             for (number, color) in picture.texels.iter().enumerate() {
-                let (column, row) = (number % 12, number / 12);
+                let (column, row) = (number % 24, number / 24);
                 // Texels are large: their means, by many places in each.
-                for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
-                    let place = ((x as f32 + 0.5) / 8.0, (y as f32 + 0.5) / 8.0);
-                    let direction = direction_in(&picture, (column, row), place);
-                    let density = sky.density(&receiver, part, middle(&picture, column, row));
-                    let flux = picture.solid_angle(row as u32) / 64.0 * f64::from(density);
+                for (direction, angle) in within(&picture, column, row) {
+                    let flux = angle * f64::from(sky.density(&receiver, part, direction));
                     expected += flux * f64::from(receiver.normal.dot(direction).max(0.0));
                     power += flux;
                 }
                 assert!(color.min_element() >= 0.0);
             }
-            assert!((power - 1.0).abs() < 1e-3, "{power}");
+            assert!((power - 1.0).abs() < 2e-3, "{power}");
             let total = sky.part(part).unwrap().0.total();
             let found = f64::from(sky.weight(&receiver, part)) / total;
             assert!((found - expected).abs() < 0.1, "{part:?}, {normal}: {found}, not {expected}");
@@ -156,21 +218,22 @@ fn a_sky_is_its_sun_and_the_rest() {
     for row in 0..16 {
         for column in 0..32 {
             let dim = sky.ambient(middle(&whole, column, row));
-            assert!(dim.max_element() < 40.0 && (dim == Vec3::ONE || column == 20 || column == 5), "{dim}");
+            let is_sun = column == 20 || column == 5;
+            assert!(dim.max_element() < 40.0 && ((dim - 1.0).abs().max_element() < 1e-3 || is_sun), "{dim}");
             sum += dim.as_dvec3() * whole.solid_angle(row as u32);
             weight += whole.solid_angle(row as u32);
         }
     }
     assert!((weight / (4.0 * PI64) - 1.0).abs() < 1e-12);
     let mean = (sum / weight).as_vec3() + mean_sun(&sky);
-    assert!((mean / sky.mean() - 1.0).abs().max_element() < 1e-5, "{mean}, not {}", sky.mean());
+    assert!((mean / sky.mean() - 1.0).abs().max_element() < 1e-4, "{mean}, not {}", sky.mean());
 }
 
 #[test]
 fn samples_of_the_sun_have_its_mean_and_lead_to_suns() {
     let sky = sky(suns([Vec3::splat(2000.0), Vec3::splat(1000.0)]));
     for sample in samples(&sky, SkyPart::Sun, 1000) {
-        assert!(sample.direction.is_normalized() && sky.radiance(sample.direction).x >= 1000.0);
+        assert!(sample.direction.is_normalized() && sky.radiance(sample.direction).x > 1.0);
         let (estimate, expected) = (sample.radiance / sample.density, 4.0 * PI * mean_sun(&sky));
         assert!((estimate / expected - 1.0).abs().max_element() < 1e-4, "{estimate}, not {expected}");
     }
