@@ -55,7 +55,7 @@ pub(super) struct Anisotropy {
 pub(super) struct Clearcoat {
     pub(super) clearcoat_factor: f32,
     pub(super) clearcoat_texture: Option<Info>,
-    pub(super) clearcoat_roughness_factor: f32,
+    pub(super) clearcoat_roughness_factor: Option<f32>,
     pub(super) clearcoat_roughness_texture: Option<Info>,
     pub(super) clearcoat_normal_texture: Option<NormalTexture>,
 }

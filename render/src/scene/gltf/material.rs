@@ -236,8 +236,12 @@ impl Reader<'_> {
         for channel in 0..3 {
             color[channel] = self.in_range("attenuationColor", it.attenuation_color[channel], 0.0, 1.0)?;
         }
-        // What lets nothing through is as good as black after the distance.
-        self.material.inputs.absorption = -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance;
+        self.material.inputs.absorption = match self.document.is_from_blender() {
+            // It writes the colour and the density of its absorption, which is `(1 - colour) × density`.
+            true => (Vec3::ONE - color) / distance,
+            // What lets nothing through is as good as black after the distance.
+            false => -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance,
+        };
         Ok(())
     }
 
@@ -256,7 +260,10 @@ impl Reader<'_> {
 
     fn clearcoat(&mut self, it: &extensions::Clearcoat) -> Result<(), SceneError> {
         self.number(Input::CoatWeight, "clearcoatFactor", it.clearcoat_factor)?;
-        self.number(Input::CoatRoughness, "clearcoatRoughnessFactor", it.clearcoat_roughness_factor)?;
+        // Blender leaves out what is its own default.
+        let is_default = self.document.is_from_blender() && it.clearcoat_roughness_texture.is_none();
+        let roughness = it.clearcoat_roughness_factor.unwrap_or(if is_default { BLENDER_COAT_ROUGHNESS } else { 0.0 });
+        self.number(Input::CoatRoughness, "clearcoatRoughnessFactor", roughness)?;
         self.material.inputs.coat_ior = 1.5;
         let weight = self.texture("clearcoatTexture", it.clearcoat_texture.as_ref(), Linear)?;
         self.vary(Input::CoatWeight, weight.as_ref(), Channel::R);
@@ -376,3 +383,5 @@ impl Reader<'_> {
 
 /// Reflectance at normal incidence of a refractive index of 1.5.
 const DIELECTRIC_F0: f32 = 0.04;
+/// The default of Blender's coat roughness.
+const BLENDER_COAT_ROUGHNESS: f32 = 0.03;

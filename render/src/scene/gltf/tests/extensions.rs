@@ -54,6 +54,29 @@ fn glass_is_a_wall_or_has_a_volume() {
     assert!(!parse(document).unwrap().materials[0].inputs.thin_walled, "Blender has no thin walls");
 }
 
+/// It writes its own colour and density of absorption, and leaves out its own default.
+#[test]
+fn blender_means_something_else_by_volumes_and_coats() {
+    let by = |generator: &str, extensions: Value| {
+        let mut document = with("/asset/generator", json!(generator));
+        document["materials"] = json!([{"extensions": extensions}]);
+        parse(document).unwrap().materials[0].inputs
+    };
+    let [blender, other] = ["Khronos glTF Blender I/O v5.0.21", "another"];
+    let volume = json!({"thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [1, 0.75, 0]});
+    let volume = json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume});
+    assert_eq!(by(blender, volume.clone()).absorption, Vec3::new(0.0, 0.5, 2.0));
+    assert!((by(other, volume).absorption.y + 2.0 * 0.75_f32.ln()).abs() < 1e-6);
+    let coat = |roughness: Value| {
+        let mut it = json!({"clearcoatFactor": 1});
+        it.as_object_mut().unwrap().extend(roughness.as_object().unwrap().clone());
+        [blender, other].map(|by_whom| by(by_whom, json!({"KHR_materials_clearcoat": it})).coat_roughness)
+    };
+    assert_eq!(coat(json!({})), [0.03, 0.0]);
+    assert_eq!(coat(json!({"clearcoatRoughnessFactor": 0})), [0.0, 0.0]);
+    assert_eq!(coat(json!({"clearcoatRoughnessFactor": 0.5})), [0.5, 0.5]);
+}
+
 #[test]
 fn specular_glossiness_is_converted() {
     let base = json!({"diffuseFactor": [0.5, 0.25, 0, 1], "specularFactor": [0.4, 0.2, 0], "glossinessFactor": 0.75});
