@@ -9,6 +9,7 @@ mod light_colors;
 mod light_shares;
 mod light_visibility;
 mod lit_triangles;
+mod media;
 mod motion;
 mod moved;
 mod names;
@@ -36,6 +37,8 @@ use closures::ClosureCell;
 pub(crate) use hit::{Hit, MIDDLE};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
+pub(crate) use media::Boundary;
+use media::Solids;
 pub(crate) use motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
@@ -55,6 +58,8 @@ pub struct World {
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     has_closures: bool,
+    /// What solids absorb.
+    solids: Solids,
     /// Of each material.
     closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
@@ -216,6 +221,7 @@ impl World {
         let emitter_records = lights.lights().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
+        let solids = Solids::new(&materials);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),
@@ -225,6 +231,7 @@ impl World {
             has_holes,
             kinds,
             has_closures,
+            solids,
             triangle_records,
             placed: corners.len(),
             still,

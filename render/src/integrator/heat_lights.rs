@@ -27,7 +27,7 @@ impl VertexStep for ChosenLight<'_> {
 
     #[inline(always)]
     fn step(&mut self, _: Path, vertex: &PathVertex, _: &mut ShadowQueue, color: &mut Vec3) -> Option<(Path, Ray)> {
-        let PathVertex { ray, hit, numbers } = vertex;
+        let PathVertex { ray, hit, numbers, .. } = vertex;
         if hit.is_hit() {
             let mut surface = self.world.surface_at(hit).facing(ray.direction);
             // Leaves and panes receive light from behind.

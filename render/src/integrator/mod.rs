@@ -11,6 +11,7 @@ mod flat;
 mod heat;
 mod heat_lights;
 mod light_paths;
+mod media;
 mod montecarlo;
 mod path;
 mod path_block;

@@ -14,6 +14,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, unit_double};
 
 use super::emission::{emission, sky};
+use super::media::Media;
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
@@ -52,6 +53,8 @@ struct Node {
     number: u32,
     /// Bounces that are left for the surface that it hits.
     bounces: u32,
+    /// The solids that it is in, if any absorbs.
+    media: Media,
 }
 
 /// Writes the radiance along each camera ray; gives the number of further rays.
@@ -70,8 +73,8 @@ pub(super) fn radiance(
     for first in (0..batch.rays.len()).step_by(together) {
         parents.clear();
         for index in first..batch.rays.len().min(first + together) {
-            let node =
-                Node { path: Path::from_camera(index as u32, batch.density), number: 0, bounces: options.bounces };
+            let path = Path::from_camera(index as u32, batch.density);
+            let node = Node { path, number: 0, bounces: options.bounces, media: Media::default() };
             parents.push(node, batch.rays[index]);
             parents.hits.push(batch.hits[index]);
         }
@@ -79,7 +82,20 @@ pub(super) fn radiance(
             children.clear();
             for ((node, ray), hit) in parents.nodes.iter().zip(&parents.rays).zip(&parents.hits) {
                 let index = node.path.index as usize;
-                gather.branch(node, ray, hit, &batch.samplers[index], children, &mut radiance[index]);
+                let (sampler, radiance) = (&batch.samplers[index], &mut radiance[index]);
+                if !world.has_absorption() || !hit.is_hit() {
+                    gather.branch(node, ray, hit, sampler, children, radiance);
+                    continue;
+                }
+                let (boundary, mut node) = (world.boundary(ray, hit), *node);
+                let (rays, shadow_rays) = (children.nodes.len(), children.shadow_queue.len());
+                node.path.throughput *= node.media.transmittance_to(world, &boundary, hit.t);
+                gather.branch(&node, ray, hit, sampler, children, radiance);
+                let towards = |direction: Vec3| node.media.towards(world, &boundary, direction);
+                children.shadow_queue.dim(shadow_rays, |ray| towards(ray.direction).transmittance_along(world, ray));
+                for (child, ray) in children.nodes[rays..].iter_mut().zip(&children.rays[rays..]) {
+                    child.media = towards(ray.direction);
+                }
             }
             traced += children.shadow_queue.resolve(world, batch.times, radiance);
             if children.nodes.is_empty() {

@@ -15,6 +15,7 @@
 //! computed in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission,
 //! textures, glass, layers, the sky and delta lights are done one by one.
 
+mod absorb;
 mod aim;
 mod record;
 mod train;
@@ -243,6 +244,9 @@ impl Advance<'_, '_> {
     #[inline(always)]
     fn arrive<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock) {
         block.arrive(self.world, &self.wave.paths, &self.wave.rays);
+        if self.is_absorbed() {
+            self.absorb_on_the_way(block);
+        }
         closures.clear();
         for i in 0..block.len {
             if !C::IN_LANES || block.is_general(i) {
@@ -260,8 +264,8 @@ impl Advance<'_, '_> {
         let surface = world.surface_at(hit);
         let mut facing = surface.facing(ray.direction);
         // Directions of paths are unit vectors.
-        let (albedo, transmittance) = closures.arrive(world, &mut facing, hit.t);
-        block.set(i, &facing, albedo, transmittance);
+        let albedo = closures.arrive(world, &mut facing);
+        block.set(i, &facing, albedo);
         let mut found = Vec3::ZERO;
         if !path.is_aimed() {
             let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
@@ -359,6 +363,9 @@ impl Advance<'_, '_> {
         if let Some(guide) = &self.guide {
             guide.reweigh_lights(block, self.options.lights, shadows);
         }
+        if self.is_absorbed() {
+            self.absorb_light_samples(block, shadows);
+        }
         if let Some(most) = self.clamp_at_surface() {
             shadows.clamp(most);
         }
@@ -386,6 +393,10 @@ impl Advance<'_, '_> {
         let density = self.bounce_density(i, sample.direction, density);
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
+            let mut radiance = radiance;
+            if self.is_absorbed() {
+                radiance *= self.left_of_light(block, i, &sample.shadow);
+            }
             let (light_number, light) = (light.index, block.throughput(i) * radiance);
             let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
             if self.recorder.is_some() {
@@ -428,6 +439,9 @@ impl Advance<'_, '_> {
         }
         if self.trainer.is_some() {
             self.learn_bounces(closures, block, bounces);
+        }
+        if self.is_absorbed() {
+            self.keep_media(block, bounces);
         }
         let (rays, paths) = self.wave.next_places(self.kept, LANES);
         self.kept += bounces.keep(world.isa(), block.len, rays, paths);

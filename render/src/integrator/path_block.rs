@@ -25,7 +25,7 @@ use halfdome_kernel::sampling::Address;
 use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
-use crate::world::{Hit, Surface, World, interpolate};
+use crate::world::{Boundary, Hit, Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
@@ -142,8 +142,8 @@ impl PathBlock {
         self.is_general[i] != 0
     }
 
-    /// Lets path `i` stand at a surface that scatters this part of all light, and has lost some on the way there.
-    pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3, transmittance: Vec3) {
+    /// Lets path `i` stand at a surface that scatters this part of all light.
+    pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3) {
         self.position.set(i, surface.position);
         self.triangles.offset[i] = surface.offset;
         self.normal.set(i, surface.normal);
@@ -151,13 +151,23 @@ impl PathBlock {
         self.materials.diffuse.set(i, surface.diffuse);
         self.reflectance.set(i, albedo);
         self.transmits[i] = surface.transmits.into();
-        self.paths.throughput.set(i, self.paths.throughput.get(i) * transmittance);
+    }
+
+    /// The boundary that path `i` has arrived at.
+    pub(super) fn boundary(&self, i: usize) -> Boundary {
+        let is_back = self.triangles.normal.get(i).dot(self.rays.direction.get(i)) > 0.0;
+        Boundary { material: self.triangles.material[i], normal: self.normal.get(i), is_back }
+    }
+
+    /// Leaves this part of the light that path `i` finds.
+    pub(super) fn dim(&mut self, i: usize, part: Vec3) {
+        self.paths.throughput.set(i, self.paths.throughput.get(i) * part);
     }
 
     /// Lets path `i` stand at a lit triangle, and keep this part of what it finds from there on.
     pub(super) fn set_lit(&mut self, i: usize, kept: f32) {
         self.target[i] = Path::UNAIMED;
-        self.paths.throughput.set(i, self.paths.throughput.get(i) * kept);
+        self.dim(i, Vec3::splat(kept));
     }
 
     /// Whether the surface of path `i` aims at lit triangles: all but those do.

@@ -44,6 +44,13 @@ impl ShadowQueue {
         self.len += shadows.keep(isa, count, &mut self.shadows[self.len..], &mut self.pending[self.len..]);
     }
 
+    /// Dims the light of those that wait from this number on.
+    pub(super) fn dim(&mut self, first: usize, transmittance: impl Fn(&Ray) -> Vec3) {
+        for (ray, pending) in self.shadows[first..self.len].iter().zip(&mut self.pending[first..self.len]) {
+            pending.light *= transmittance(ray);
+        }
+    }
+
     /// Makes room for `count` more. What was there is not cleared, for it is written over.
     #[inline(always)]
     fn make_room(&mut self, count: usize) {

@@ -7,6 +7,7 @@ use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Ray, Task};
 
 use super::RayBatch;
+use super::media::Media;
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
@@ -58,7 +59,7 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
 
     fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
         wave.draw(self.world, batch, depth);
-        self.world.isa().run(Advance { wave, step: &mut self.step, radiance });
+        self.world.isa().run(Advance { world: self.world, wave, step: &mut self.step, radiance });
     }
 }
 
@@ -66,6 +67,8 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
 pub(super) struct PathVertex<'a> {
     pub ray: &'a Ray,
     pub hit: &'a Hit,
+    /// What solids have left of light on the way there; the path's throughput knows.
+    pub transmittance: Vec3,
     pub numbers: Numbers,
 }
 
@@ -87,6 +90,10 @@ pub(crate) struct Wavefront {
     pub(super) hits: Vec<Hit>,
     /// Of the paths, if anything moves.
     times: Vec<f32>,
+    /// The solids that the paths are in, if any absorbs.
+    pub(super) media: Vec<Media>,
+    /// Of those that go on.
+    pub(super) next_media: Vec<Media>,
     /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
     pub(super) order: Vec<u32>,
     /// The paths that go on, while the others are still needed, and their rays.
@@ -148,7 +155,7 @@ impl Wavefront {
         radiance: &mut [Vec3],
     ) -> u64 {
         radiance.fill(Vec3::ZERO);
-        self.start(batch);
+        self.start(world, batch);
         let mut traced = 0;
         for depth in 1..=step.max_depth() {
             step.advance(self, batch, depth, radiance);
@@ -169,7 +176,7 @@ impl Wavefront {
     }
 
     /// Starts a path with each camera ray, in the memory of the paths before.
-    fn start(&mut self, batch: &RayBatch) {
+    fn start(&mut self, world: &World, batch: &RayBatch) {
         self.paths.clear();
         self.paths.extend((0..batch.rays.len() as u32).map(|index| Path::from_camera(index, batch.density)));
         self.rays.clear();
@@ -178,6 +185,11 @@ impl Wavefront {
         self.hits.extend_from_slice(batch.hits);
         self.addresses.clear();
         self.addresses.extend(batch.samplers.iter().map(Sampler::address));
+        self.media.clear();
+        self.next_media.clear();
+        if world.has_absorption() {
+            self.media.resize(batch.rays.len(), Media::default());
+        }
     }
 
     /// Draws the numbers that all paths use at hit number `depth`.
@@ -199,13 +211,26 @@ impl Wavefront {
 
     /// Lets all paths take a step.
     #[inline(always)]
-    fn advance(&mut self, step: &mut impl VertexStep, radiance: &mut [Vec3]) {
+    fn advance(&mut self, world: &World, step: &mut impl VertexStep, radiance: &mut [Vec3]) {
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let numbers =
                 Numbers { u_light: self.u_light[i], u_direction: self.u_direction[i], cosine: self.cosine[i] };
-            let (path, vertex) = (self.paths[i], PathVertex { ray: &self.rays[i], hit: &self.hits[i], numbers });
+            let (mut path, ray, hit) = (self.paths[i], &self.rays[i], &self.hits[i]);
+            let waiting = self.shadow_queue.len();
+            let inside = self.media.get(i).filter(|_| hit.is_hit()).map(|media| (*media, world.boundary(ray, hit)));
+            let transmittance =
+                inside.map_or(Vec3::ONE, |(media, boundary)| media.transmittance_to(world, &boundary, hit.t));
+            path.throughput *= transmittance;
+            let vertex = PathVertex { ray, hit, transmittance, numbers };
             let next = step.step(path, &vertex, &mut self.shadow_queue, &mut radiance[path.index as usize]);
+            if let Some((media, boundary)) = inside {
+                let towards = |direction: Vec3| media.towards(world, &boundary, direction);
+                self.shadow_queue.dim(waiting, |ray| towards(ray.direction).transmittance_along(world, ray));
+                if let Some((_, ray)) = &next {
+                    self.media[kept] = towards(ray.direction);
+                }
+            }
             if let Some((path, ray)) = next {
                 (self.paths[kept], self.rays[kept]) = (path, ray);
                 kept += 1;
@@ -278,6 +303,8 @@ impl Wavefront {
     pub(super) fn keep_next(&mut self, count: usize) {
         std::mem::swap(&mut self.rays, &mut self.next_rays);
         std::mem::swap(&mut self.paths, &mut self.next_paths);
+        std::mem::swap(&mut self.media, &mut self.next_media);
+        self.next_media.clear();
         // Those that were aimed may be more than there were paths.
         self.hits.resize(count.max(self.hits.len()), Hit::MISS);
         self.keep(count);
@@ -288,6 +315,7 @@ impl Wavefront {
         self.paths.truncate(count);
         self.rays.truncate(count);
         self.hits.truncate(count);
+        self.media.truncate(count);
     }
 
     /// The numbers of the paths' camera rays.
@@ -299,6 +327,7 @@ impl Wavefront {
 /// All paths' step, as a task: compiled for each instruction set, as there is no batch that it
 /// could be.
 struct Advance<'a, S> {
+    world: &'a World,
     wave: &'a mut Wavefront,
     step: &'a mut S,
     radiance: &'a mut [Vec3],
@@ -309,6 +338,6 @@ impl<S: VertexStep> Task for Advance<'_, S> {
 
     #[inline(always)]
     fn run(self) {
-        self.wave.advance(self.step, self.radiance);
+        self.wave.advance(self.world, self.step, self.radiance);
     }
 }

@@ -3,10 +3,8 @@
 
 use std::sync::OnceLock;
 
-use glam::Vec3;
-
 use super::{Surface, World};
-use crate::material::{Closure, Inputs, Prepared};
+use crate::material::{Closure, Prepared};
 use crate::scene::{CoatNormal, Input, Material};
 
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
@@ -67,23 +65,12 @@ impl World {
     }
 }
 
-impl Surface<'_> {
-    /// What is left of light after a way of this length to this surface, as far as it runs inside (Beer-Lambert).
-    #[inline]
-    pub(crate) fn transmittance(&self, distance: f32) -> Vec3 {
-        // No map varies these.
-        let Inputs { thin_walled, absorption, .. } = self.material.inputs;
-        let is_inside = self.is_back && !thin_walled && absorption != Vec3::ZERO;
-        if is_inside { (-distance * absorption).exp() } else { Vec3::ONE }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec4, vec3};
+    use glam::{Vec2, Vec3, Vec4, vec3};
 
     use super::*;
-    use crate::material::Kind;
+    use crate::material::{Inputs, Kind};
     use crate::scene::{CameraPose, Channel, ColorSpace, Mesh, Scene, Texture, TextureMap};
 
     /// A square that has a texture, vertex colours and this material.

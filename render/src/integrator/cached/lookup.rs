@@ -95,7 +95,7 @@ impl VertexStep for Lookup<'_> {
         let mut throughput = path.throughput;
         if is_scattered {
             *radiance += throughput * self.scattered_emission(&path, &surface, ray, hit);
-            throughput = self.misses.indirect[index as usize];
+            throughput = self.misses.indirect[index as usize] * vertex.transmittance;
             if throughput == Vec3::ZERO {
                 return None;
             }

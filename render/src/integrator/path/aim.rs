@@ -52,6 +52,7 @@ impl Advance<'_, '_> {
                 (rays[0], paths[0]) = (aimed.ray, path);
                 self.kept += 1;
                 self.learn_aimed(block, i);
+                self.keep_media_of_aimed(block, i, aimed.ray.direction);
                 if self.recorder.is_some() {
                     self.record_onwards(closures, block, i, (aimed.ray.direction, false, 3));
                 }

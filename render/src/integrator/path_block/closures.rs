@@ -43,8 +43,8 @@ pub(in crate::integrator) trait BlockClosures {
     fn clear(&mut self);
 
     /// Takes the closure of the next path's surface, whose normals face the viewer, and tells the surface what it must know
-    /// of it. Gives the part of all light that is scattered, and what is left of light after the way to the surface.
-    fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3);
+    /// of it. Gives the part of all light that is scattered.
+    fn arrive(&mut self, world: &World, surface: &mut Surface) -> Vec3;
 
     /// Is told that the closures of all paths are taken.
     fn arrived(&mut self, _isa: Isa) {}
@@ -95,8 +95,8 @@ impl BlockClosures for Lambert {
     fn clear(&mut self) {}
 
     #[inline(always)]
-    fn arrive(&mut self, _: &World, surface: &mut Surface, _: f32) -> (Vec3, Vec3) {
-        (surface.diffuse, Vec3::ONE)
+    fn arrive(&mut self, _: &World, surface: &mut Surface) -> Vec3 {
+        surface.diffuse
     }
 
     #[inline(always)]
@@ -146,12 +146,12 @@ impl<B: Prepared> BlockClosures for Closures<B> {
     }
 
     #[inline]
-    fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3) {
+    fn arrive(&mut self, world: &World, surface: &mut Surface) -> Vec3 {
         let scattering = Scattering::new(surface, world.closure::<B>(surface));
         surface.transmits = scattering.transmits();
         let albedo = scattering.albedo();
         self.0.push(scattering);
-        (albedo, surface.transmittance(distance))
+        albedo
     }
 
     #[inline]

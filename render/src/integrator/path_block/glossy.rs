@@ -120,14 +120,14 @@ impl BlockClosures for GlossyLanes {
     }
 
     #[inline]
-    fn arrive(&mut self, world: &World, surface: &mut Surface, distance: f32) -> (Vec3, Vec3) {
+    fn arrive(&mut self, world: &World, surface: &mut Surface) -> Vec3 {
         // Light from behind is not for this kind: what the surface says of it stays.
         let scattering = Scattering::new(surface, world.closure::<Glossy>(surface));
         let wo = scattering.shading().frame().to_local(scattering.wo());
         let (albedo, side) = scattering.closure().seen_from(wo);
         self.rows.push(GlossyRow::new(&scattering, (wo, side)));
         self.closures.push(scattering);
-        (albedo, surface.transmittance(distance))
+        albedo
     }
 
     fn arrived(&mut self, isa: Isa) {

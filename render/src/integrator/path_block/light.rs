@@ -265,6 +265,17 @@ impl ShadowRays {
         self.rays.direction.get(i)
     }
 
+    /// Ray `i`.
+    pub(in crate::integrator) fn ray(&self, i: usize) -> Ray {
+        let Rays { origin, t_min, direction, t_max } = &self.rays;
+        Ray { t_min: t_min[i], t_max: t_max[i], ..Ray::new(origin.get(i), direction.get(i)) }
+    }
+
+    /// Leaves this part of the light of ray `i`.
+    pub(in crate::integrator) fn dim(&mut self, i: usize, part: Vec3) {
+        self.waiting.light.set(i, self.waiting.light.get(i) * part);
+    }
+
     /// The light of ray `i`.
     pub(in crate::integrator) fn light(&self, i: usize) -> Vec3 {
         self.waiting.light.get(i)

@@ -87,16 +87,14 @@ fn glossy_lanes_equal_closures_one_by_one_on_every_instruction_set() {
         let mut directions = Vectors::zeroed();
         // A block of others before, of which nothing may be left.
         for i in (0..PATHS).rev() {
-            lanes.arrive(&world, &mut surface(&world, i), 1.0);
+            lanes.arrive(&world, &mut surface(&world, i));
         }
         lanes.arrived(isa);
         lanes.clear();
         for i in 0..PATHS {
             let stream = Stream::new(4, i as u32, 0);
-            let arrived = [
-                lanes.arrive(&world, &mut surface(&world, i), 1.0),
-                closures.arrive(&world, &mut surface(&world, i), 1.0),
-            ];
+            let arrived =
+                [lanes.arrive(&world, &mut surface(&world, i)), closures.arrive(&world, &mut surface(&world, i))];
             assert_eq!(arrived[0], arrived[1]);
             block.u_direction[i] = stream.uniform2(0);
             block.cosine[i] = CosineHemisphere.map(block.u_direction[i]);
