@@ -196,17 +196,23 @@ fn under_a_constant_sky_a_plane_has_its_reflectance_times_the_sky() {
 }
 
 /// A picture of a constant sky is sampled otherwise than the sky itself, and lights alike; so does one in which all
-/// light comes from a cap of 45 degrees about the zenith, whose irradiance is `π L sin² 45°`.
+/// light comes from a cap of 45 degrees about the zenith, whose irradiance would be `π L sin² 45°` if its border were sharp.
 #[test]
 fn a_picture_lights_as_its_sky_does() {
     let radiance = Vec3::new(0.5, 1.0, 3.0);
     let cap: Vec<Vec3> = (0..32 * 16).map(|texel| if texel < 32 * 4 { 2.0 * radiance } else { Vec3::ZERO }).collect();
-    let reflected = vec![(REFLECTANCE * radiance).as_dvec3(); (SIZE.0 * SIZE.1) as usize];
-    for (picture, constant) in [
-        (SkyPicture::new(4, 2, vec![radiance; 8]), Vec3::ZERO),
-        (SkyPicture::new(3, 5, vec![0.75 * radiance; 15]).turned(40.0), 0.25 * radiance),
-        (SkyPicture::new(32, 16, cap), Vec3::ZERO),
+    // Between the middles of the rows beside it light falls from 1 to a half and to 0, evenly by solid angle.
+    let border = |row: f64| (PI * row / 16.0).cos();
+    let middles = [3.0, 4.0].map(|row| 0.5 * (border(row) + border(row + 1.0)));
+    let product = |[c, d]: [f64; 2], [v, w]: [f64; 2]| (c - d) * (2.0 * (c * v + d * w) + c * w + d * v) / 6.0;
+    let whole = 0.5 * (1.0 - middles[0] * middles[0]);
+    let halves = product([middles[0], border(4.0)], [1.0, 0.5]) + product([border(4.0), middles[1]], [0.5, 0.0]);
+    for (picture, constant, part) in [
+        (SkyPicture::new(4, 2, vec![radiance; 8]), Vec3::ZERO, 1.0),
+        (SkyPicture::new(3, 5, vec![0.75 * radiance; 15]).turned(40.0), 0.25 * radiance, 1.0),
+        (SkyPicture::new(32, 16, cap), Vec3::ZERO, 4.0 * (whole + halves)),
     ] {
+        let reflected = vec![(REFLECTANCE * radiance).as_dvec3() * part; (SIZE.0 * SIZE.1) as usize];
         let mut scene = plane();
         scene.sky = Sky { radiance: constant, picture: Some(picture) };
         check(&scene, &reflected, 0.1);
