@@ -17,7 +17,7 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use self::peaks::Peaks;
-use self::texels::Around;
+use self::texels::SkyTexels;
 use super::brightness;
 use super::distant::Patches;
 use super::{Receiver, luminance_weight};
@@ -45,7 +45,7 @@ const LEAST_OPEN: f32 = 0.005;
 pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
-    picture: Option<SkyPicture>,
+    picture: Option<SkyTexels>,
     /// By how much each part weighs less than if nothing were in between.
     visibility: [f32; 3],
     /// Each part of a picture, with its patches.
@@ -67,16 +67,16 @@ impl SkyLight {
         let Sky { radiance: constant, picture } = sky;
         let picture = picture.map(|mut picture| {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
-            picture
+            SkyTexels::new(picture)
         });
         let mut light = Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default() };
         light.forget_visibility();
         if let Some(picture) = light.picture.take_if(|_| mean != Vec3::ZERO) {
             // A sun may be most of the mean, so that the second time counts.
-            let sun = SUN * clipped_mean(&picture, SUN * clipped_mean(&picture, f64::INFINITY));
-            let limits = [0.0, clipped_mean(&picture, f64::INFINITY), sun];
+            let mean = clipped_mean(picture.picture(), f64::INFINITY);
+            let limits = [0.0, mean, SUN * clipped_mean(picture.picture(), SUN * mean)];
             light.parts = Box::new(limits.map(|limit| {
-                let peaks = Peaks::of(&picture, limit)?;
+                let peaks = Peaks::of(picture.picture(), limit)?;
                 let patches = peaks.patches(&picture);
                 Some((peaks, patches))
             }));
@@ -111,7 +111,7 @@ impl SkyLight {
     /// Radiance from this unit vector.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         match &self.picture {
-            Some(picture) => Around::new(picture, direction).mean(|texel| texel),
+            Some(picture) => picture.around(direction).mean(|texel| texel),
             None => self.constant,
         }
     }
@@ -119,7 +119,7 @@ impl SkyLight {
     /// Radiance from this unit vector without the sun.
     pub(crate) fn ambient(&self, direction: Vec3) -> Vec3 {
         match (self.part(SkyPart::Sun), &self.picture) {
-            (Some((sun, _)), Some(picture)) => Around::new(picture, direction).mean(|texel| sun.split(texel).0),
+            (Some((sun, _)), Some(picture)) => picture.around(direction).mean(|texel| sun.split(texel).0),
             _ => self.radiance(direction),
         }
     }
@@ -158,7 +158,7 @@ impl SkyLight {
             return SkySample { direction, radiance: self.radiance(direction), density };
         };
         let direction = peaks.sample(picture, u);
-        let around = Around::new(picture, direction);
+        let around = picture.around(direction);
         let radiance = around.mean(|texel| if part == SkyPart::Sun { peaks.split(texel).1 } else { texel });
         SkySample { direction, radiance, density: peaks.density(&around) }
     }
@@ -169,7 +169,7 @@ impl SkyLight {
             return 0.0;
         }
         match (self.part(part), &self.picture) {
-            (Some((peaks, _)), Some(picture)) => peaks.density(&Around::new(picture, direction)),
+            (Some((peaks, _)), Some(picture)) => peaks.density(&picture.around(direction)),
             _ => {
                 let cosine = receiver.normal.dot(direction);
                 let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::texels::{Around, direction_to, place_in_tent};
+use super::texels::{Around, SkyTexels};
 use crate::light::brightness;
 use crate::light::distant::Patches;
 use crate::scene::SkyPicture;
@@ -65,7 +65,7 @@ impl Peaks {
     }
 
     /// A direction.
-    pub(super) fn sample(&self, picture: &SkyPicture, u: Vec2) -> Vec3 {
+    pub(super) fn sample(&self, texels: &SkyTexels, u: Vec2) -> Vec3 {
         let place = f64::from(u.y) * self.total();
         // The last row whose sum before it is no more, among those that have any.
         let row = self.sums.partition_point(|&sum| sum <= place).clamp(1, self.sums.len() - 1) - 1;
@@ -77,7 +77,7 @@ impl Peaks {
         let across = (u.x - before) / (parts[index] - before);
         let down = (place - self.sums[row]) / (self.sums[row + 1] - self.sums[row]);
         let u = Vec2::new(across, down as f32);
-        direction_to(picture, place_in_tent(picture, (self.columns[start + index], row as u32), u))
+        texels.direction_to(texels.place_in_tent((self.columns[start + index], row as u32), u))
     }
 
     /// The density per solid angle of the direction to what is between these texels.
@@ -106,7 +106,8 @@ impl Peaks {
     }
 
     /// The same in patches.
-    pub(super) fn patches(&self, picture: &SkyPicture) -> Patches {
+    pub(super) fn patches(&self, texels: &SkyTexels) -> Patches {
+        let picture = texels.picture();
         let patch_of = |row: u32, column: u32| {
             let place = |i: u32, size: u32, count: u32| u64::from(i) * u64::from(count) / u64::from(size);
             (place(row, picture.height, PATCHES[0]) * u64::from(PATCHES[1]) + place(column, picture.width, PATCHES[1]))
@@ -115,7 +116,7 @@ impl Peaks {
         let count = (PATCHES[0] * PATCHES[1]) as usize;
         let mut fluxes = vec![(0.0, DVec3::ZERO); count];
         let direction = |row: u32, column: u32, across: f32, down: f32| {
-            direction_to(picture, Vec2::new(column as f32 + across, row as f32 + down))
+            texels.direction_to(Vec2::new(column as f32 + across, row as f32 + down))
         };
         self.each(picture, |row, column, texel| {
             let flux = self.excess(texel) * picture.solid_angle(row);

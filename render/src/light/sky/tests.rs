@@ -3,7 +3,6 @@ use std::f64::consts::PI as PI64;
 use glam::DVec3;
 use halfdome_kernel::sampling::Stream;
 
-use super::texels::{direction_to, place};
 use super::*;
 use crate::light::luminance;
 
@@ -31,7 +30,7 @@ fn samples(sky: &SkyLight, part: SkyPart, count: u32) -> impl Iterator<Item = Sk
 
 /// The part of the mean that is the sun's.
 fn mean_sun(sky: &SkyLight) -> Vec3 {
-    let (mut sum, picture) = (DVec3::ZERO, sky.picture.as_ref().unwrap());
+    let (mut sum, picture) = (DVec3::ZERO, sky.picture.as_ref().unwrap().picture());
     if let Some((sun, _)) = sky.part(SkyPart::Sun) {
         sun.each(picture, |row, _, texel| sum += sun.split(texel).1.as_dvec3() * picture.solid_angle(row));
     }
@@ -40,12 +39,12 @@ fn mean_sun(sky: &SkyLight) -> Vec3 {
 
 /// The middle of a texel.
 fn middle(picture: &SkyPicture, column: usize, row: usize) -> Vec3 {
-    direction_to(picture, Vec2::new(column as f32 + 0.5, row as f32 + 0.5))
+    SkyTexels::new(picture.clone()).direction_to(Vec2::new(column as f32 + 0.5, row as f32 + 0.5))
 }
 
 /// The texel that a direction is in, by its column and row.
 fn texel(picture: &SkyPicture, direction: Vec3) -> (usize, usize) {
-    let place = place(picture, direction);
+    let place = SkyTexels::new(picture.clone()).place(direction);
     (place.x as usize % picture.width as usize, (place.y as usize).min(picture.height as usize - 1))
 }
 
@@ -54,22 +53,23 @@ fn within(picture: &SkyPicture, column: usize, row: usize) -> impl Iterator<Item
     const SIDE: usize = 8;
     // Of a tent, this part is in the texel's own row.
     let solid_angle = picture.row_solid_angles(row as u32)[1] / 0.75 / (SIDE * SIDE) as f64;
+    let texels = SkyTexels::new(picture.clone());
     let at = |base: usize, i: usize| base as f32 + (i as f32 + 0.5) / SIDE as f32;
     (0..SIDE * SIDE)
-        .map(move |i| (direction_to(picture, Vec2::new(at(column, i % SIDE), at(row, i / SIDE))), solid_angle))
+        .map(move |i| (texels.direction_to(Vec2::new(at(column, i % SIDE), at(row, i / SIDE))), solid_angle))
 }
 
 #[test]
 fn places_and_directions_belong_together() {
     for (width, height) in [(12, 6), (2048, 1024), (3, 1), (1, 2)] {
-        let picture =
-            SkyPicture { rotation: 2.0, ..SkyPicture::new(width, height, vec![Vec3::ONE; (width * height) as usize]) };
+        let white = SkyPicture::new(width, height, vec![Vec3::ONE; (width * height) as usize]);
+        let texels = SkyTexels::new(SkyPicture { rotation: 2.0, ..white });
         for i in 0..1000 {
             let u = Stream::new(3, i, 0).uniform2(0);
             let there = Vec2::new(u.x * width as f32, u.y * height as f32);
-            let direction = direction_to(&picture, there);
+            let direction = texels.direction_to(there);
             assert!(direction.is_normalized());
-            let step = (place(&picture, direction) - there).abs();
+            let step = (texels.place(direction) - there).abs();
             let around = step.x.min(width as f32 - step.x);
             // As floats have so many digits; near the poles a column is narrow.
             let sine = Vec2::new(direction.x, direction.z).length();
@@ -81,9 +81,9 @@ fn places_and_directions_belong_together() {
 
 #[test]
 fn pictures_are_interpolated_around_and_over_the_poles() {
-    let picture = SkyPicture { rotation: 0.0, ..picture() };
-    let at = |x: f32, y: f32| Around::new(&picture, direction_to(&picture, Vec2::new(x, y))).mean(|texel| texel);
-    let texel = |column: usize, row: usize| picture.texels[row * 12 + column];
+    let texels = SkyTexels::new(SkyPicture { rotation: 0.0, ..picture() });
+    let at = |x: f32, y: f32| texels.around(texels.direction_to(Vec2::new(x, y))).mean(|texel| texel);
+    let texel = |column: usize, row: usize| texels.picture().texels[row * 12 + column];
     let near = |found: Vec3, expected: Vec3| {
         assert!(
             (found - expected).abs().max_element() < 1e-3 * (1.0 + expected.max_element()),
