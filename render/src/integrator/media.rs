@@ -19,36 +19,46 @@ pub(super) struct Media {
     materials: [u32; MOST],
 }
 
-impl Media {
-    /// What is left of light on its way to a boundary.
-    pub(super) fn transmittance_to(&self, world: &World, boundary: &Boundary, distance: f32) -> Vec3 {
-        let inside = match self.materials[0] {
-            0 if boundary.is_back => boundary.material + 1,
+/// A path where it has arrived at what may be the surface of a solid.
+#[derive(Clone, Copy)]
+pub(super) struct Arrival<'w> {
+    pub(super) world: &'w World,
+    pub(super) media: Media,
+    pub(super) boundary: Boundary,
+}
+
+impl Arrival<'_> {
+    /// What is left of light on the way there.
+    pub(super) fn transmittance(&self, distance: f32) -> Vec3 {
+        let inside = match self.media.materials[0] {
+            0 if self.boundary.is_back => self.boundary.material + 1,
             material => material,
         };
-        transmittance(world, inside, distance)
+        transmittance(self.world, inside, distance)
     }
 
-    /// What is left of light along a shadow ray. One without an end leaves the solid somewhere, or nothing would block it.
-    pub(super) fn transmittance_along(&self, world: &World, ray: &Ray) -> Vec3 {
-        let distance = ray.t_max * ray.direction.length();
-        if distance < f32::INFINITY { transmittance(world, self.materials[0], distance) } else { Vec3::ONE }
+    /// What is left of light along a shadow ray from there. One without an end leaves the solid somewhere, or would be blocked.
+    pub(super) fn transmittance_of(&self, shadow_ray: &Ray) -> Vec3 {
+        let distance = shadow_ray.t_max * shadow_ray.direction.length();
+        let inside = self.onwards(shadow_ray.direction).materials[0];
+        if distance < f32::INFINITY { transmittance(self.world, inside, distance) } else { Vec3::ONE }
     }
 
-    /// What the path is in if it goes on from a boundary in this direction.
-    pub(super) fn towards(mut self, world: &World, boundary: &Boundary, direction: Vec3) -> Self {
+    /// What the path is in if it goes on in this direction.
+    pub(super) fn onwards(&self, direction: Vec3) -> Media {
+        let Self { world, mut media, boundary } = *self;
         if boundary.normal.dot(direction) >= 0.0 || world.absorption(boundary.material).is_none() {
-            return self;
+            return media;
         }
         let material = boundary.material + 1;
         if !boundary.is_back {
-            self.materials.rotate_right(1);
-            self.materials[0] = material;
-        } else if let Some(place) = self.materials.iter().position(|&other| other == material) {
-            self.materials[place..].rotate_left(1);
-            self.materials[MOST - 1] = 0;
+            media.materials.rotate_right(1);
+            media.materials[0] = material;
+        } else if let Some(place) = media.materials.iter().position(|&other| other == material) {
+            media.materials[place..].rotate_left(1);
+            media.materials[MOST - 1] = 0;
         }
-        self
+        media
     }
 }
 

@@ -14,7 +14,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, unit_double};
 
 use super::emission::{emission, sky};
-use super::media::Media;
+use super::media::{Arrival, Media};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
@@ -87,14 +87,14 @@ pub(super) fn radiance(
                     gather.branch(node, ray, hit, sampler, children, radiance);
                     continue;
                 }
-                let (boundary, mut node) = (world.boundary(ray, hit), *node);
+                let (mut node, boundary) = (*node, world.boundary(ray, hit));
+                let arrival = Arrival { world, media: node.media, boundary };
                 let (rays, shadow_rays) = (children.nodes.len(), children.shadow_queue.len());
-                node.path.throughput *= node.media.transmittance_to(world, &boundary, hit.t);
+                node.path.throughput *= arrival.transmittance(hit.t);
                 gather.branch(&node, ray, hit, sampler, children, radiance);
-                let towards = |direction: Vec3| node.media.towards(world, &boundary, direction);
-                children.shadow_queue.dim(shadow_rays, |ray| towards(ray.direction).transmittance_along(world, ray));
+                children.shadow_queue.dim(shadow_rays, |ray| arrival.transmittance_of(ray));
                 for (child, ray) in children.nodes[rays..].iter_mut().zip(&children.rays[rays..]) {
-                    child.media = towards(ray.direction);
+                    child.media = arrival.onwards(ray.direction);
                 }
             }
             traced += children.shadow_queue.resolve(world, batch.times, radiance);

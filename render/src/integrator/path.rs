@@ -395,7 +395,7 @@ impl Advance<'_, '_> {
         if radiance.cmpgt(Vec3::ZERO).any() {
             let mut radiance = radiance;
             if self.is_absorbed() {
-                radiance *= self.left_of_light(block, i, &sample.shadow);
+                radiance *= self.arrival(block, i).transmittance_of(&sample.shadow);
             }
             let (light_number, light) = (light.index, block.throughput(i) * radiance);
             let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));

@@ -7,7 +7,7 @@ use halfdome_kernel::sampling::{Address, Sampler};
 use halfdome_kernel::{Ray, Task};
 
 use super::RayBatch;
-use super::media::Media;
+use super::media::{Arrival, Media};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
@@ -218,17 +218,16 @@ impl Wavefront {
                 Numbers { u_light: self.u_light[i], u_direction: self.u_direction[i], cosine: self.cosine[i] };
             let (mut path, ray, hit) = (self.paths[i], &self.rays[i], &self.hits[i]);
             let waiting = self.shadow_queue.len();
-            let inside = self.media.get(i).filter(|_| hit.is_hit()).map(|media| (*media, world.boundary(ray, hit)));
-            let transmittance =
-                inside.map_or(Vec3::ONE, |(media, boundary)| media.transmittance_to(world, &boundary, hit.t));
+            let media = self.media.get(i).filter(|_| hit.is_hit());
+            let arrival = media.map(|media| Arrival { world, media: *media, boundary: world.boundary(ray, hit) });
+            let transmittance = arrival.map_or(Vec3::ONE, |arrival| arrival.transmittance(hit.t));
             path.throughput *= transmittance;
             let vertex = PathVertex { ray, hit, transmittance, numbers };
             let next = step.step(path, &vertex, &mut self.shadow_queue, &mut radiance[path.index as usize]);
-            if let Some((media, boundary)) = inside {
-                let towards = |direction: Vec3| media.towards(world, &boundary, direction);
-                self.shadow_queue.dim(waiting, |ray| towards(ray.direction).transmittance_along(world, ray));
+            if let Some(arrival) = arrival {
+                self.shadow_queue.dim(waiting, |ray| arrival.transmittance_of(ray));
                 if let Some((_, ray)) = &next {
-                    self.media[kept] = towards(ray.direction);
+                    self.media[kept] = arrival.onwards(ray.direction);
                 }
             }
             if let Some((path, ray)) = next {

@@ -21,12 +21,16 @@ enum Bulb {
     Triangles,
 }
 
+/// The sides of a box, which face inwards; outwards with the corners exchanged.
+fn hollow(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
+    let corners = [low.x, high.x].map(|x| [low.y, high.y].map(|y| [low.z, high.z].map(|z| Vec3::new(x, y, z))));
+    let [[[a, b], [c, d]], [[e, f], [g, h]]] = corners;
+    [[a, b, d, c], [e, g, h, f], [a, e, f, b], [c, d, h, g], [a, c, g, e], [b, f, h, d]].map(quad).concat()
+}
+
 /// A closed room of 4 by 3 by 4 metres, with a bulb in an open tube of 12 sides.
 fn room(bulb: &Bulb, shade: Material) -> Scene {
-    let at = |x: f32, y: f32, z: f32| Vec3::new(4.0 * x, 3.0 * y, 4.0 * z);
-    let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| [0.0, 1.0].map(|z| at(x, y, z))));
-    let [[[a, b], [c, d]], [[e, f], [g, h]]] = corners;
-    let walls = [[a, b, d, c], [e, g, h, f], [a, e, f, b], [c, d, h, g], [a, c, g, e], [b, f, h, d]].map(quad).concat();
+    let walls = hollow(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0));
     let rim = |i: u32, y: f32| {
         let (sin, cos) = (TAU * i as f32 / 12.0).sin_cos();
         MIDDLE + Vec3::new(0.12 * cos, y, 0.12 * sin)
@@ -86,9 +90,12 @@ fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u32) -> (Esti
 
 /// `direct` samples lights and aims at nothing.
 fn compare(bulb: &Bulb, shade: Material, quieter: f64) {
-    let scene = room(bulb, shade);
-    let (aimed, noise) = picture(&scene, LightSampling::Mis, &Stop::Depth, 32);
-    let (alone, noise_alone) = picture(&scene, LightSampling::Direct, &Stop::Depth, 128);
+    compare_in(&room(bulb, shade), quieter);
+}
+
+fn compare_in(scene: &Scene, quieter: f64) {
+    let (aimed, noise) = picture(scene, LightSampling::Mis, &Stop::Depth, 32);
+    let (alone, noise_alone) = picture(scene, LightSampling::Direct, &Stop::Depth, 128);
     let z = aimed.z(&alone, 0.0);
     assert!(z.max_element() < 4.0, "{} and {}: {z}", aimed.mean, alone.mean);
     assert!(aimed.error.max_element() < 0.02 * aimed.mean.max_element(), "{} of {}", aimed.error, aimed.mean);
@@ -127,6 +134,26 @@ fn aiming_at_a_shade_that_lets_light_through() {
         ..Inputs::default()
     };
     compare(&Bulb::Point, Material { inputs, ..Material::default() }, 1.5);
+}
+
+/// Paths that are aimed know as well as others which solids they are in.
+#[test]
+fn aiming_beside_tinted_glass() {
+    let mut scene = room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO));
+    let inputs = Inputs {
+        specular_weight: 1.0,
+        specular_roughness: 0.3,
+        transmission_weight: 1.0,
+        absorption: Vec3::new(0.5, 2.0, 4.0),
+        ..Inputs::default()
+    };
+    let outwards = hollow(Vec3::new(1.2, 0.8, 0.9), Vec3::new(1.8, 1.5, 1.5))
+        .iter()
+        .map(|&[a, b, c]| [a, c, b])
+        .collect::<Vec<_>>();
+    scene.meshes.push(mesh(&outwards, scene.materials.len()));
+    scene.materials.push(Material { inputs, ..Material::default() });
+    compare_in(&scene, 1.2);
 }
 
 /// Aimed paths and others to one point would end at different throughputs.

@@ -68,9 +68,9 @@ fn integrators() -> [Integrator; 4] {
     ]
 }
 
-fn color(scene: &Scene, integrator: Integrator) -> Vec3 {
+fn color(scene: &Scene, integrator: Integrator, spp: u32) -> Vec3 {
     let world = World::new(scene.clone()).unwrap();
-    let settings = Settings { width: 2, height: 2, spp: 4, integrator, ..Settings::default() };
+    let settings = Settings { width: 2, height: 2, spp, integrator, ..Settings::default() };
     let picture = driver::render(&world, &settings, &NeverStops).picture;
     let channel = |name: &str| picture.channel(name).unwrap().values.iter().sum::<f32>() / 4.0;
     vec3(channel("R"), channel("G"), channel("B"))
@@ -80,7 +80,7 @@ fn color(scene: &Scene, integrator: Integrator) -> Vec3 {
 fn assert_seen(meshes: Vec<Mesh>, eye: f32, expected: Vec3) {
     let scene = scene(meshes.into_iter().chain([square(-5.0, true, 3)]).collect(), eye);
     for integrator in integrators() {
-        let found = color(&scene, integrator.clone());
+        let found = color(&scene, integrator.clone(), 4);
         assert!((found - expected).abs().max_element() < 1e-4, "{integrator:?}: {found}, not {expected}");
     }
 }
@@ -119,6 +119,20 @@ fn a_camera_may_be_inside() {
     assert_seen(slab([5.0, -1.0], 0).to_vec(), 0.0, (-RED).exp());
 }
 
+/// A path goes on from a rough surface by a density, and a cache's lookups then leave a part of it to records.
+#[test]
+fn rough_surfaces_have_the_same_inside() {
+    let [front, back] = slab([0.0, -0.7], 5);
+    let mut scene = scene(vec![front, back, square(-2.0, true, 4)], 2.0);
+    let rough = Inputs { specular_roughness: 0.3, specular_ior: 1.5, ..solid(RED).inputs };
+    scene.materials.push(Material { inputs: rough, ..Material::default() });
+    let lamp = PunctualLight::Point { position: vec3(0.0, 0.0, -1.5), intensity: Vec3::ONE, radius: 0.0 };
+    scene.lights.push(lamp);
+    let [path, _, _, cached] = integrators().map(|integrator| color(&scene, integrator, 1 << 14));
+    let error = ((path - cached) / path).abs().max_element();
+    assert!(error < 0.05, "{path} by paths, {cached} by a cache");
+}
+
 #[test]
 fn light_samples_are_absorbed() {
     let [front, back] = slab([0.0, -2.0], 0);
@@ -127,7 +141,7 @@ fn light_samples_are_absorbed() {
     scene.lights.push(lamp);
     let expected = (-1.75 * RED).exp() * 0.5 / std::f32::consts::PI / (0.75 * 0.75);
     for integrator in integrators() {
-        let found = color(&scene, integrator.clone());
+        let found = color(&scene, integrator.clone(), 4);
         // Light that the surface reflects to itself is there in part.
         let error = ((found - expected) / expected).abs().max_element();
         assert!(error < 2e-3, "{integrator:?}: {found}, not {expected}");
