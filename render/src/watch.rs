@@ -21,8 +21,12 @@ pub trait Watch: Sync {
     /// `records` more were added to an irradiance cache.
     fn gathered(&self, _records: u64) {}
 
-    /// An irradiance cache that is being filled serves so many of its points.
+    /// An irradiance cache that is being filled serves so many of its points. That may be fewer than before, where records
+    /// turn out to reach less far, or where the cache is filled anew with others.
     fn covered(&self, _points: u64) {}
+
+    /// The irradiance cache of which [`covered`](Self::covered) told last is done; another follows.
+    fn filled(&self) {}
 
     /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1 for single
     /// pixels. The picture that [`render`](crate::driver::render()) gives does not depend on it.

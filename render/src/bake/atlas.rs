@@ -24,7 +24,7 @@ pub struct Atlas {
     pub charts: Vec<Chart>,
     /// Triangles without a chart, although they have an area.
     pub left_out: LeftOut,
-    /// What was wrong with the model's own coordinates, a line each.
+    /// What was wrong with the model's own coordinates, and why there are many pages; a line each.
     pub warnings: Vec<String>,
 }
 

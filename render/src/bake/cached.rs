@@ -47,7 +47,7 @@ impl Baker<'_> {
         let indirect: Vec<Option<Vec3>> = texels.par_iter().map(indirect).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
         let map = TexelIrradiance::new(self.surfaces, texels, all.collect());
-        self.watch.covered(0);
+        self.watch.filled();
         self.watch.advance(texels.len() as u64, 0);
         Some((map, frozen.usage().records, rays))
     }

@@ -8,12 +8,10 @@ use super::islands::{area, islands};
 use super::left_out::LeftOut;
 use super::options::{BakeOptions, Coordinates};
 use super::raster::Polygon;
-use super::unwrap::{Request, unwrap};
+use super::room::{LayoutWatch, MAX_TEXELS};
+use super::unwrap::{Request, Unwrapped, unwrap};
 use crate::scene::{Scene, count};
 use crate::settings::Invalid;
-
-/// The most texels of all pages together.
-const MAX_TEXELS: u64 = 1 << 28;
 
 impl Atlas {
     /// Pages for all meshes of a scene whose shared edges are known.
@@ -25,6 +23,7 @@ impl Atlas {
         edges: &[SharedEdge],
         left_out: &LeftOut,
         options: &BakeOptions,
+        watch: LayoutWatch,
     ) -> Result<Self, Invalid> {
         if let Some(density) = options.density.filter(|density| !density.is_finite() || *density <= 0.0) {
             return Err(Invalid::new(
@@ -34,7 +33,9 @@ impl Atlas {
         }
         let mut atlas = Self { left_out: left_out.clone(), ..Self::default() };
         let requests = atlas.keep(scene, options)?;
-        let (pages, parts) = unwrap(scene, edges, left_out, &requests, options, atlas.pages.len())?;
+        let Unwrapped { pages, parts, warning } =
+            unwrap(scene, edges, left_out, &requests, options, atlas.pages.len(), watch)?;
+        atlas.warnings.extend(warning);
         atlas.pages.extend(pages);
         atlas.parts.extend(parts);
         let texels: u64 = atlas.pages.iter().map(|page| page.texels() as u64).sum();

@@ -37,6 +37,7 @@ mod outside;
 mod picture;
 mod raster;
 pub mod report;
+mod room;
 mod seams;
 mod t_junctions;
 mod texel_irradiance;
@@ -72,6 +73,7 @@ pub use hashes::{combined, hashes};
 pub use left_out::LeftOut;
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
 pub use picture::charts_picture;
+pub use room::{LayoutStep, LayoutWatch};
 
 /// Light for every page of an atlas.
 #[derive(Clone, Debug)]
@@ -164,7 +166,20 @@ impl Atlas {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn without(scene: &Scene, left_out: &LeftOut, options: &BakeOptions) -> Result<Self, Invalid> {
-        Self::build(scene, &shared_edges(scene), left_out, options)
+        Self::watched(scene, left_out, options, &|_| {})
+    }
+
+    /// The same; `watch` hears how far it is, if new charts are made.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn watched(
+        scene: &Scene,
+        left_out: &LeftOut,
+        options: &BakeOptions,
+        watch: LayoutWatch,
+    ) -> Result<Self, Invalid> {
+        Self::build(scene, &shared_edges(scene), left_out, options, watch)
     }
 }
 

@@ -12,6 +12,7 @@ use crate::settings::GatherLayout;
 use crate::world::LookFrom;
 
 mod accuracy;
+mod layout;
 mod outside;
 mod seams;
 mod shadows;
@@ -183,6 +184,35 @@ impl Watch for StopsAfter {
 
     fn stop(&self) -> bool {
         self.0.load(Ordering::Relaxed) == 0
+    }
+}
+
+/// Counts caches that another follows.
+struct CountsCaches(AtomicU64);
+
+impl Watch for CountsCaches {
+    fn advance(&self, _: u64, _: u64) {}
+
+    fn stop(&self) -> bool {
+        false
+    }
+
+    fn filled(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn a_watcher_hears_that_the_rough_cache_is_done() {
+    let scene = cornell_box();
+    let world = World::new(scene.clone()).unwrap();
+    for (bounces, expected) in [(None, 1), (Some(1), 0)] {
+        let mut options = BakeOptions { size: 16, spp: 1, ..quick() };
+        (options.cache.rays, options.cache.bounces) = (64, bounces);
+        let watch = CountsCaches(AtomicU64::new(0));
+        let atlas = Atlas::new(&scene, &options).unwrap();
+        bake(&scene, &world, atlas, &options, &Checkpoint::new(1), &watch).unwrap();
+        assert_eq!(watch.0.into_inner(), expected, "{bounces:?}");
     }
 }
 

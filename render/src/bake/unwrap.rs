@@ -7,12 +7,13 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3};
-use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing};
+use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing, Progress, Stage};
 
 use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::edges::SharedEdge;
 use super::left_out::LeftOut;
 use super::options::BakeOptions;
+use super::room::{LayoutStep, LayoutWatch, least_pages, many_pages, pieces};
 use crate::scene::Scene;
 use crate::settings::Invalid;
 
@@ -30,6 +31,15 @@ const MANY_TRIANGLES: usize = 50_000;
 /// Triangles with a height of less than this part of their mesh's diagonal have no chart.
 const THINNEST: f64 = 1e-6;
 
+/// What unwrapping gives.
+#[derive(Default)]
+pub(crate) struct Unwrapped {
+    pub(crate) pages: Vec<Page>,
+    pub(crate) parts: Vec<Part>,
+    /// What the user should know of the pages.
+    pub(crate) warning: Option<String>,
+}
+
 /// Pages and parts for meshes; the pages will follow `first_page` others.
 pub(crate) fn unwrap(
     scene: &Scene,
@@ -38,9 +48,10 @@ pub(crate) fn unwrap(
     requests: &[Request],
     options: &BakeOptions,
     first_page: usize,
-) -> Result<(Vec<Page>, Vec<Part>), Invalid> {
+    watch: LayoutWatch,
+) -> Result<Unwrapped, Invalid> {
     if requests.is_empty() {
-        return Ok((Vec::new(), Vec::new()));
+        return Ok(Unwrapped::default());
     }
     let creases = creases(scene, edges);
     let geometry: Vec<_> = requests.iter().map(|request| Geometry::new(scene, *request, left_out)).collect();
@@ -56,6 +67,12 @@ pub(crate) fn unwrap(
         inputs.collect()
     };
     let triangles: usize = geometry.iter().map(|geometry| geometry.indices.len() / 3).sum();
+    let pieces = requests.iter().zip(&geometry).map(|(request, geometry)| {
+        let cuts = (!request.repack).then_some(&creases[request.mesh][..]);
+        pieces(scene, request.mesh, geometry.which_have_charts(), cuts)
+    });
+    let charts = pieces.sum();
+    watch(LayoutStep::Begin { triangles, charts, pages: least_pages(charts, options)? });
     let settings = Options {
         density: match options.density {
             None => Density::Auto { page_size: options.size },
@@ -68,7 +85,11 @@ pub(crate) fn unwrap(
     // First each mesh in one piece; where one is too large for that, chart by chart.
     let generate = |instances: &'static [f32]| {
         let inputs = inputs(instances);
-        caught(|| uvunwrap::generate(&inputs, &settings)).ok_or_else(|| {
+        let heard = |progress: Progress| {
+            tell(watch, progress);
+            true
+        };
+        caught(|| uvunwrap::generate_with_progress(&inputs, &settings, heard)).ok_or_else(|| {
             let fails = |number: &usize| caught(|| uvunwrap::generate(&inputs[*number..=*number], &settings)).is_none();
             let mesh = (0..inputs.len()).find(fails).map(|number| mesh_name(scene, requests[number].mesh));
             Invalid::new(
@@ -84,6 +105,7 @@ pub(crate) fn unwrap(
     let unwrapped = unwrapped.map_err(|error| explain(scene, requests, &error))?;
     let page = Page { width: unwrapped.width, height: unwrapped.height };
     let pages = vec![page; unwrapped.page_count as usize];
+    let warning = many_pages(pages.len(), unwrapped.chart_count as usize, options);
     // Where nothing has a chart there is no page; any will do.
     let (pages, first_page) = match (pages.is_empty(), first_page) {
         (true, 0) => (vec![page], 0),
@@ -92,7 +114,18 @@ pub(crate) fn unwrap(
     };
     let parts = requests.iter().enumerate();
     let parts = parts.flat_map(|(number, request)| split(*request, &unwrapped, number, first_page));
-    Ok((pages, parts.collect()))
+    Ok(Unwrapped { pages, parts: parts.collect(), warning })
+}
+
+/// Tells how far the crate is: finding charts counts as much as flattening them.
+fn tell(watch: LayoutWatch, Progress { stage, done, total, .. }: Progress) {
+    let part = total.map_or(0.0, |total| done as f32 / total.max(1) as f32);
+    match stage {
+        Stage::Segmenting => watch(LayoutStep::Unwrap(0.5 * part)),
+        Stage::Parameterizing => watch(LayoutStep::Unwrap(0.5 + 0.5 * part)),
+        Stage::Packing => watch(LayoutStep::Pack),
+        _ => {}
+    }
 }
 
 /// A mesh as the crate takes it.
@@ -115,21 +148,27 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    /// Whether any triangle gets a chart: the crate leaves out those that are thinner than the mesh is long by [`THINNEST`].
+    /// Whether any triangle gets a chart.
     fn has_charts(&self) -> bool {
-        let position = |index: u32| Vec3::from(self.positions[index as usize]).as_dvec3();
+        (0..self.indices.len() / 3).any(self.which_have_charts())
+    }
+
+    /// Says of a triangle whether it gets a chart: the crate leaves out those that are thinner than the mesh is long by
+    /// [`THINNEST`].
+    fn which_have_charts(&self) -> impl Fn(usize) -> bool {
+        let position = move |index: u32| Vec3::from(self.positions[index as usize]).as_dvec3();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &position in &self.positions {
             let position = Vec3::from(position).as_dvec3();
             (low, high) = (low.min(position), high.max(position));
         }
         let thinnest = THINNEST * (high - low).length();
-        let is_left_out = |face: usize| self.left_out.is_some_and(|left_out| left_out[face]);
-        self.indices.chunks_exact(3).enumerate().filter(|(face, _)| !is_left_out(*face)).any(|(_, corners)| {
-            let [a, b, c] = [corners[0], corners[1], corners[2]].map(position);
+        let is_left_out = move |face: usize| self.left_out.is_some_and(|left_out| left_out[face]);
+        move |face| {
+            let [a, b, c] = [0, 1, 2].map(|corner| position(self.indices[3 * face + corner]));
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            (b - a).cross(c - a).length() / longest > thinnest
-        })
+            !is_left_out(face) && (b - a).cross(c - a).length() / longest > thinnest
+        }
     }
 }
 

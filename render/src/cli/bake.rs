@@ -7,7 +7,7 @@ mod part;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use glam::Vec3;
@@ -268,14 +268,18 @@ fn bake(
 
     let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
     let left_out = inside::left_out(&scene, &world, options, style)?;
-    let mut atlas = Atlas::without(&scene, &left_out, options)?;
+    let begin = Instant::now();
+    let layout = Progress::of_layout(style, begin);
+    let atlas = Atlas::watched(&scene, &left_out, options, &|step| layout.layout(step));
+    drop(layout);
+    let mut atlas = atlas?;
     files.check_pages(atlas.pages.len(), options, &scene.files)?;
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     let bytes = texels * if options.has_cache() { CACHED_BYTES } else { BYTES };
     memory::require(&format!("a bake of {texels} texels"), bytes, "use a lower --density or a smaller --size")?;
     interrupt::catch()?;
-    let progress = Progress::of_texels(style, bake::work(&scene, &atlas, options));
+    let progress = texel_progress(style, bake::work(&scene, &atlas, options), begin, options);
     let baked = bake::bake(&scene, &world, atlas, options, &checkpoint, &progress);
     drop(progress);
     drop(world);
@@ -293,6 +297,18 @@ fn bake(
     checkpoint.remove().map_err(CliError::system)?;
     files.print(style, &baked, options.cache.accuracy, &written);
     Ok(EXIT_DONE)
+}
+
+/// Shows how far a bake is whose layout was begun at `begin`.
+fn texel_progress(style: Style, work: u64, begin: Instant, options: &BakeOptions) -> Progress {
+    let caches = match (options.has_cache(), options.cache.bounces) {
+        (false, _) => 0,
+        (true, None) => 2,
+        (true, Some(_)) => 1,
+    };
+    // With an accuracy caches are tried out; with a number of bounces each has one.
+    let again = options.cache.accuracy.is_some() || options.cache.bounces.is_some_and(|bounces| bounces > 1);
+    Progress::of_texels(style, work, begin, caches, again)
 }
 
 fn positive(text: &str) -> Result<f32, String> {

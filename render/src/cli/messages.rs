@@ -12,7 +12,7 @@ pub(super) enum Mode {
     /// A bar (only if stderr is a terminal) and a summary
     Bar,
     /// Lines of JSON: start, progress (at most twice a second), warning, and end or error; for large models, load
-    /// and build before start
+    /// and build before start; for bakes, progress of the stages unwrap and pack first
     Json,
     /// Only warnings and errors
     None,

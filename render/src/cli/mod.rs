@@ -21,6 +21,7 @@ mod materials;
 mod memory;
 mod merge;
 mod messages;
+mod pace;
 mod prepare;
 mod print;
 mod probes;

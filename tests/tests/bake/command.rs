@@ -249,8 +249,10 @@ fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
             let mut child = program.command(&arguments).spawn().unwrap();
             // Until it is at work.
             let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-            let at_work = lines.map_while(Result::ok).find(|line| line.contains("\"event\":\"progress\""));
-            assert!(at_work.is_some_and(|line| line.contains("\"texels\":")));
+            let at_work = lines
+                .map_while(Result::ok)
+                .find(|line| line.contains("\"event\":\"progress\"") && line.contains("\"texels\":"));
+            assert!(at_work.is_some());
             let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
             assert!(kill.unwrap().success());
             let status = child.wait().unwrap();

@@ -1,6 +1,7 @@
 //! `halfdome bake --shard`: the light that a part of the texels finds without an irradiance cache, as a state of the bake.
 
 use std::path::Path;
+use std::time::Instant;
 
 use super::inside::left_out;
 use super::{BYTES, BakeArguments, STATE_INTERVAL, invalid, memory, print_text, warn};
@@ -55,7 +56,11 @@ pub(super) fn run(
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(file, STATE_INTERVAL);
     let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
     let left_out = left_out(scene, &world, options, style)?;
-    let mut atlas = Atlas::without(scene, &left_out, options)?;
+    let begin = Instant::now();
+    let layout = Progress::of_layout(style, begin);
+    let atlas = Atlas::watched(scene, &left_out, options, &|step| layout.layout(step));
+    drop(layout);
+    let mut atlas = atlas?;
     warn(style, &mut atlas.warnings);
     let texels = atlas.pages.iter().map(|page| page.texels() as u64).sum::<u64>();
     memory::require(
@@ -64,7 +69,7 @@ pub(super) fn run(
         "use a lower --density or a smaller --size",
     )?;
     interrupt::catch()?;
-    let progress = Progress::of_texels(style, bake::shard_work(scene, &atlas, shard));
+    let progress = Progress::of_texels(style, bake::shard_work(scene, &atlas, shard), begin, 0, false);
     let is_whole = bake::bake_shard(scene, &world, &atlas, options, &checkpoint, shard, &progress);
     drop(progress);
     checkpoint.save().map_err(CliError::system)?;
