@@ -2,6 +2,7 @@
 
 mod bodies;
 mod closures;
+mod faults;
 mod hit;
 mod inputs;
 mod instances;

@@ -74,6 +74,7 @@ pub use left_out::LeftOut;
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
 pub use picture::charts_picture;
 pub use room::{LayoutStep, LayoutWatch};
+pub use warnings::model_warnings;
 
 /// Light for every page of an atlas.
 #[derive(Clone, Debug)]
@@ -258,7 +259,8 @@ pub fn bake(
         negative: usage.negative,
     };
     let maps = maps(page_texels, layers, errors, &names);
-    let warnings = warnings(world, options, &maps, &statistics);
+    let mixed: Vec<usize> = seams.mixed_meshes.into_iter().collect();
+    let warnings = warnings(world, options, &maps, &statistics, &mixed);
     Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 

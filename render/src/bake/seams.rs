@@ -7,6 +7,8 @@
 //! is the brightness there, for a step is seen relative to it. Texels that only filters need may change more than those that
 //! stand for a place.
 
+use std::collections::BTreeSet;
+
 use glam::{DVec2, DVec3, Vec3};
 
 use super::atlas::{Atlas, NO_CHART};
@@ -48,6 +50,8 @@ pub(crate) struct Seams {
     costs: Vec<f64>,
     /// Points where a filter reaches into another chart.
     pub(crate) mixed: usize,
+    /// The meshes whose charts these are.
+    pub(crate) mixed_meshes: BTreeSet<usize>,
 }
 
 /// Two samples that should be equal.
@@ -133,7 +137,13 @@ impl Seams {
             Sampling::Bicubic => &[Sampling::Bilinear, Sampling::Bicubic],
         };
         let mut numbers: Vec<Vec<u32>> = page_texels.iter().map(|grid| vec![u32::MAX; grid.owners.len()]).collect();
-        let mut seams = Self { equations: Vec::new(), unknowns: Vec::new(), costs: Vec::new(), mixed: 0 };
+        let mut seams = Self {
+            equations: Vec::new(),
+            unknowns: Vec::new(),
+            costs: Vec::new(),
+            mixed: 0,
+            mixed_meshes: BTreeSet::new(),
+        };
         let noise = noise(atlas, page_texels, brightness);
         let sample = |(page, footprint): &(usize, Footprint)| -> f64 {
             footprint.iter().map(|&(texel, weight)| weight * f64::from(brightness[*page][texel as usize])).sum()
@@ -148,7 +158,9 @@ impl Seams {
                     let is_own = footprint.iter().all(|&(texel, _)| page_texels[page].owners[texel as usize] == chart);
                     is_own.then_some((page, footprint))
                 };
-                if let (Some(a), Some(b)) = (side(0), side(1)) {
+                let sides = [side(0), side(1)];
+                let is_mixed = sides.each_ref().map(Option::is_none);
+                if let [Some(a), Some(b)] = sides {
                     let [x, y] = [sample(&a), sample(&b)];
                     if (x - y).abs() <= most * 0.5 * (x + y) {
                         seams.add(page_texels, &mut numbers, [(a, 1.0), (b, -1.0)]);
@@ -156,6 +168,8 @@ impl Seams {
                 } else if cut.is_smooth {
                     // Charts are too close: a filter mixes them, and nothing can be done.
                     seams.mixed += 1;
+                    let mesh = |i: usize| atlas.parts[atlas.charts[cut.sides[i].chart as usize].part].mesh;
+                    seams.mixed_meshes.extend((0..2).filter(|&i| is_mixed[i]).map(mesh));
                 }
             }
         }

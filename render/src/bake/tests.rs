@@ -16,6 +16,7 @@ mod layout;
 mod outside;
 mod seams;
 mod shadows;
+mod warnings;
 
 /// Never stops.
 struct NeverStops;

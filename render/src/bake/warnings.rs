@@ -1,13 +1,37 @@
-//! What the user should know of a bake's light.
+//! What the user should know of a bake's model and light.
+
+use std::path::PathBuf;
 
 use glam::Vec3;
 
 use super::{BakeOptions, Map, Mode, Statistics};
-use crate::scene::count;
+use crate::scene::{Scene, count, listed};
 use crate::world::World;
 
-/// Warnings, a line each.
-pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], statistics: &Statistics) -> Vec<String> {
+/// What is wrong with a model whose light is to be baked, a line each; `world` must be of `scene`.
+pub fn model_warnings(scene: &Scene, world: &World) -> Vec<String> {
+    let mut warnings: Vec<String> = world.dropped(scene.files.first().map(PathBuf::as_path)).into_iter().collect();
+    let names: Vec<String> = world.inside_out().into_iter().map(|mesh| world.mesh_name(mesh)).collect();
+    if !names.is_empty() {
+        let file = scene.files.first().map(|file| format!("{}: ", file.display())).unwrap_or_default();
+        warnings.push(format!(
+            "{file}{} closed and inside out, so that light is baked onto the inner sides: {}; unless these are empty rooms, \
+             turn the normals outwards (Blender: select all in Edit Mode, Shift+N)",
+            count(names.len(), "mesh is", "meshes are"),
+            listed(&names)
+        ));
+    }
+    warnings
+}
+
+/// What is wrong with the light, a line each; charts of the meshes `mixed` are too close.
+pub(super) fn warnings(
+    world: &World,
+    options: &BakeOptions,
+    maps: &[Map],
+    statistics: &Statistics,
+    mixed: &[usize],
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let texels = |number: u64| count(number as usize, "texel", "texels");
     if maps.iter().all(|map| map.layers[0].texels.iter().all(|value| *value == Vec3::ZERO)) {
@@ -24,7 +48,11 @@ pub(super) fn warnings(world: &World, options: &BakeOptions, maps: &[Map], stati
     }
     if statistics.mixed > 0 {
         let points = count(statistics.mixed as usize, "point", "points");
-        warnings.push(format!("seams may show at {points}: charts of the model's own coordinates are too close"));
+        let names: Vec<String> = mixed.iter().map(|&mesh| world.mesh_name(mesh)).collect();
+        warnings.push(format!(
+            "seams may show at {points}: charts of the model's own coordinates are too close in {}",
+            listed(&names)
+        ));
     }
     if statistics.covered * 4 > statistics.texels {
         warnings.push(format!(

@@ -267,6 +267,7 @@ fn bake(
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(state_file, STATE_INTERVAL);
 
     let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    warn(style, &mut bake::model_warnings(&scene, &world));
     let left_out = inside::left_out(&scene, &world, options, style)?;
     let begin = Instant::now();
     let layout = Progress::of_layout(style, begin);

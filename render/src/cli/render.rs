@@ -113,6 +113,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     let mut warnings = std::mem::take(&mut scene.warnings);
     let scene_name = arguments.scene.display().to_string();
     let facts = SceneFacts::of(scene_name.clone(), &scene);
+    let model = scene.files.first().cloned();
     let mut seconds = Seconds { load: recorder.lap(), ..Seconds::default() };
     let building = StageProgress::of_build(style, scene.triangle_count());
     let watch = |fraction| building.advance(fraction);
@@ -128,11 +129,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         Some(path) => Some(read_cache(Some(path), &cached_options(&settings)?, &world)?),
         None => None,
     };
-    let degenerate = world.build_report().degenerate;
-    if degenerate > 0 {
-        let dropped = count(degenerate, "triangle with two equal corners is", "triangles with two equal corners are");
-        warnings.push(format!("{dropped} dropped"));
-    }
+    warnings.extend(world.dropped(model.as_deref()));
     let far = world.instances_out_of_range();
     if far > 0 {
         let far = count(far, "instance reaches", "instances reach");

@@ -63,6 +63,20 @@ impl fmt::Display for SceneError {
     }
 }
 
+/// Names that are listed at most.
+const MOST_LISTED: usize = 5;
+
+/// "a", "a and b", "a, b and 3 more".
+pub(crate) fn listed(names: &[String]) -> String {
+    let (shown, rest) = names.split_at(names.len().min(MOST_LISTED));
+    match (shown, rest.len()) {
+        ([], _) => String::new(),
+        ([one], 0) => one.clone(),
+        ([first @ .., last], 0) => format!("{} and {last}", first.join(", ")),
+        (shown, more) => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
 /// "1 face", "2 faces".
 pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })

@@ -4,8 +4,10 @@
 //! without need, so there the geometry decides: a body is a closed mesh, each edge of which is passed as often one way as
 //! the other, wound outwards, and solid, which it is not if a light or all of another mesh is inside: then it is a room.
 //! Edges are joined where their ends are equal bit for bit. Glass is no body.
+//!
+//! A closed mesh that is wound inwards, without a light or anything else inside, is a body that is inside out.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
@@ -13,7 +15,7 @@ use halfdome_kernel::{Aabb, Ray};
 
 use super::{Hit, World};
 use crate::light::Light;
-use crate::scene::{Key, PunctualLight, key};
+use crate::scene::{Key, Material, PunctualLight, key};
 
 /// Corners of a mesh that must be inside of another, spread over it.
 const PROBES: usize = 4;
@@ -47,8 +49,47 @@ impl World {
         if !materials().any(|material| material.emits_both_sides) {
             return Bodies { is_solid: Vec::new() };
         }
-        let mut pieces = self.pieces();
-        pieces.sort_by(|a, b| a.bounds.min.x.total_cmp(&b.bounds.min.x));
+        let (pieces, lights) = (self.pieces(), self.light_positions());
+        let mut is_solid = vec![false; self.triangle_records.len()];
+        for piece in &pieces {
+            let has_back = |&prim: &u32| {
+                let material = self.material_of(prim);
+                material.emits_both_sides && !material.is_glass()
+            };
+            let is_outwards = || self.volume(piece).is_some_and(|volume| volume > 0.0);
+            if piece.triangles.iter().all(has_back) && is_outwards() && !self.is_room(piece, &pieces, &lights) {
+                piece.triangles.iter().for_each(|&prim| is_solid[prim as usize] = true);
+            }
+        }
+        Bodies { is_solid }
+    }
+
+    /// The meshes of bodies that are inside out, in the scene's order: closed pieces wound inwards that are no rooms. A
+    /// room has a light or something else inside, or glows itself; a piece within a body is the inner wall of a hollow one.
+    pub(crate) fn inside_out(&self) -> Vec<usize> {
+        let (pieces, lights) = (self.pieces(), self.light_positions());
+        let may_be = |&prim: &u32| {
+            let record = &self.triangle_records[prim as usize];
+            let material = self.material_of(prim);
+            !self.meshes[record.mesh as usize].is_added && !material.is_glass() && material.emission == Vec3::ZERO
+        };
+        let is_inside_out = |piece: &&Piece| {
+            piece.triangles.iter().all(may_be)
+                && self.volume(piece).is_some_and(|volume| volume < 0.0)
+                && !self.is_room(piece, &pieces, &lights)
+                && !self.is_in_body(piece, &pieces)
+        };
+        let prims = pieces.iter().filter(is_inside_out).flat_map(|piece| &piece.triangles);
+        let meshes: BTreeSet<usize> = prims.map(|&prim| self.mesh_number(prim)).collect();
+        meshes.into_iter().collect()
+    }
+
+    fn material_of(&self, prim: u32) -> &Material {
+        &self.materials[self.triangle_records[prim as usize].material as usize]
+    }
+
+    /// Where lights are that are somewhere.
+    fn light_positions(&self) -> Vec<Vec3> {
         let place = |light: &Light| match light {
             Light::Punctual(PunctualLight::Directional { .. }) | Light::Triangle(_) | Light::Sky => None,
             Light::Punctual(
@@ -57,21 +98,10 @@ impl World {
                 | PunctualLight::Profiled { position, .. },
             ) => Some(*position),
         };
-        let lights: Vec<Vec3> = self.lights.lights().iter().filter_map(place).collect();
-        let mut is_solid = vec![false; self.triangle_records.len()];
-        for piece in &pieces {
-            let has_back = |&prim: &u32| {
-                let material = &self.materials[self.triangle_records[prim as usize].material as usize];
-                material.emits_both_sides && !material.is_glass()
-            };
-            if piece.triangles.iter().all(has_back) && self.is_closed(piece) && !self.is_room(piece, &pieces, &lights) {
-                piece.triangles.iter().for_each(|&prim| is_solid[prim as usize] = true);
-            }
-        }
-        Bodies { is_solid }
+        self.lights.lights().iter().filter_map(place).collect()
     }
 
-    /// All triangles by what they hang together with.
+    /// All triangles by what they hang together with, in the order of the least x.
     fn pieces(&self) -> Vec<Piece> {
         let mut numbers: HashMap<Key, u32> = HashMap::new();
         let mut roots: Vec<u32> = Vec::new();
@@ -108,11 +138,13 @@ impl World {
             pieces[place].triangles.push(prim);
             pieces[place].bounds = pieces[place].bounds.union(&Aabb::around(&record.corners));
         }
+        pieces.sort_by(|a, b| a.bounds.min.x.total_cmp(&b.bounds.min.x));
         pieces
     }
 
-    /// Whether each edge is passed as often in both directions, and the triangles are wound outwards.
-    fn is_closed(&self, piece: &Piece) -> bool {
+    /// Six times the volume of a closed piece, each edge of which is passed as often in both directions; it is negative if the
+    /// triangles are wound inwards.
+    fn volume(&self, piece: &Piece) -> Option<f64> {
         let mut balance: HashMap<[Key; 2], i32> = HashMap::new();
         let origin = piece.bounds.min.as_dvec3();
         let mut volume = 0.0;
@@ -130,7 +162,7 @@ impl World {
             let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
             volume += a.dot(b.cross(c));
         }
-        volume > 0.0 && balance.values().all(|&count| count == 0)
+        balance.values().all(|&count| count == 0).then_some(volume)
     }
 
     /// Whether a light or all of another piece lies inside. The pieces are in the order of their least x.
@@ -148,14 +180,24 @@ impl World {
         lights.iter().copied().any(has) || others.any(holds)
     }
 
-    /// Whether a closed piece goes round a point, by its solid angle (van Oosterom and Strackee 1983).
+    /// Whether a piece lies inside of a closed one that is wound outwards.
+    fn is_in_body(&self, piece: &Piece, pieces: &[Piece]) -> bool {
+        let end = pieces.partition_point(|other| other.bounds.min.x < piece.bounds.min.x);
+        let corner = self.triangle_records[piece.triangles[0] as usize].corners[0];
+        pieces[..end].iter().any(|other| {
+            let is_around = contains(&other.bounds, piece.bounds.min) && contains(&other.bounds, piece.bounds.max);
+            is_around && self.volume(other).is_some_and(|volume| volume > 0.0) && self.is_inside(other, corner)
+        })
+    }
+
+    /// Whether a closed piece, wound outwards or inwards, goes round a point, by its solid angle (van Oosterom and Strackee 1983).
     fn is_inside(&self, piece: &Piece, point: Vec3) -> bool {
         let solid_angle = |&prim: &u32| {
             let corners = self.triangle_records[prim as usize].corners;
             let [a, b, c] = corners.map(|corner| (corner.as_dvec3() - point.as_dvec3()).normalize_or(DVec3::ZERO));
             2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
         };
-        piece.triangles.iter().map(solid_angle).sum::<f64>() > 2.0 * PI
+        piece.triangles.iter().map(solid_angle).sum::<f64>().abs() > 2.0 * PI
     }
 }
 

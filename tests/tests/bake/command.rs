@@ -166,6 +166,20 @@ fn closed_bodies_cover_the_texels_below_them_whatever_their_material_says() {
     });
 }
 
+#[test]
+fn crates_that_are_inside_out_are_named() {
+    in_folder(|program| {
+        let mut level = level();
+        level["meshes"][1]["primitives"][0]["indices"] = json!(2);
+        program.put("level.gltf", level.to_string());
+        let outcome = bake(program, "--mode direct");
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        let told = outcome.stderr.lines().find(|line| line.contains("inside out")).unwrap_or_default();
+        assert!(told.starts_with("warning: level.gltf: 2 meshes are closed and inside out"), "{}", outcome.stderr);
+        assert!(told.contains("\"crate one\"") && told.contains("\"crate two\"") && !told.contains("room\""), "{told}");
+    });
+}
+
 /// A shed around the room: a larger box whose fronts look outwards.
 fn level_in_a_shed() -> Value {
     let mut level = level();

@@ -62,9 +62,12 @@ fn degenerate_triangles_are_dropped_and_counted() {
     assert_eq!((&json["triangles"], &json["tree"]["degenerate_triangles"]), (&3.into(), &2.into()));
     for mode in ["json", "bar"] {
         let render = desk.run(&format!("render thin.obj --size 4x4 --spp 1 --progress {mode} -o a.exr"));
-        let expected = "2 triangles with two equal corners are dropped";
+        let expected = "thin.obj: 2 triangles with two equal corners are dropped: mesh 0";
         assert!(render.code == Some(0) && render.stderr.contains(expected), "{}", render.stderr);
     }
+    let bake = desk.run("bake thin.obj -o out.obj --size 16 --spp 1 --record-rays 64 --sky 1 --progress none");
+    let expected = "warning: thin.obj: 2 triangles with two equal corners are dropped: mesh 0";
+    assert!(bake.code == Some(0) && bake.stderr.contains(expected), "{}", bake.stderr);
 }
 
 #[test]

@@ -55,6 +55,7 @@ pub(super) fn run(
     }
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(file, STATE_INTERVAL);
     let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    warn(style, &mut bake::model_warnings(scene, &world));
     let left_out = left_out(scene, &world, options, style)?;
     let begin = Instant::now();
     let layout = Progress::of_layout(style, begin);
