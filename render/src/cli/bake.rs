@@ -18,7 +18,7 @@ use super::light::LightArguments;
 use super::messages::{Style, print_text, print_warning, warn};
 use super::prepare::{CORNELL, Prepared, prepare_from, thread_pool};
 use super::progress::Progress;
-use super::{interrupt, memory};
+use super::{inputs, interrupt, memory};
 use crate::bake::atlas::Atlas;
 use crate::bake::manifest::Manifest;
 use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode, Preset, Sampling};
@@ -68,8 +68,8 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "N", conflicts_with = "accuracy", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
-    /// Gather at every texel, without an irradiance cache
-    #[arg(long, conflicts_with = "accuracy")]
+    /// Gather at every texel, without an irradiance cache, with the rays of a record
+    #[arg(long, conflicts_with_all = ["accuracy", "cache_error", "gradients", "metric"])]
     brute: bool,
 
     /// --mode ao: hits farther away than this do not occlude [default: unlimited]
@@ -185,6 +185,10 @@ impl BakeArguments {
 
 /// Bakes a level, or checks its coordinates.
 pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
+    if arguments.ao_distance.is_some() && arguments.mode != Mode::Ao {
+        let problem = format!("--ao-distance is for --mode ao, and not for --mode {}", arguments.mode.name());
+        return Err(invalid(problem, "leave --ao-distance out, or use --mode ao"));
+    }
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
     // Each copy has texels of its own.
     let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
@@ -197,6 +201,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return pool.install(|| check::run(&scene, &options, picture.as_deref(), style));
     }
     let Some(output) = &arguments.output else { unreachable!("required without --check-uv") };
+    inputs::check_report(arguments.report.as_deref())?;
     if arguments.mode == Mode::Ao && arguments.directional != Directional::None {
         let problem = format!("--mode ao cannot be directional (--directional {})", arguments.directional.name());
         return Err(invalid(problem, "leave --directional out, or use another --mode"));

@@ -22,6 +22,20 @@ pub(super) fn refuse<P: AsRef<Path>, Q: AsRef<Path>>(outputs: &[P], inputs: &[Q]
     Ok(())
 }
 
+/// Refuses a report whose name says that it is something else than HTML.
+pub(super) fn check_report(path: Option<&Path>) -> Result<(), CliError> {
+    let is_html = |path: &&Path| {
+        path.extension().is_some_and(|it| ["html", "htm"].iter().any(|html| it.eq_ignore_ascii_case(html)))
+    };
+    match path.filter(|path| !is_html(path)) {
+        None => Ok(()),
+        Some(path) => Err(invalid(
+            format!("{}: a report is written as HTML alone", path.display()),
+            "give a name that ends in .html",
+        )),
+    }
+}
+
 /// What tells one file from another.
 struct Identity {
     path: PathBuf,
@@ -57,6 +71,17 @@ impl Identity {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn reports_are_html() {
+        for good in [None, Some("r.html"), Some("a.b/r.HTM")] {
+            assert!(check_report(good.map(Path::new)).is_ok(), "{good:?}");
+        }
+        for bad in ["r.pdf", "r", "html"] {
+            let error = check_report(Some(Path::new(bad))).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{bad}: ")) && error.contains("help: give a name"), "{error}");
+        }
+    }
 
     #[test]
     fn a_file_is_known_by_all_its_names() {

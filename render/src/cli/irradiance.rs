@@ -15,6 +15,7 @@ use super::inputs;
 use super::interrupt;
 use super::job::{Job, Outcome};
 use super::light::LightArguments;
+use super::messages::print_warning;
 use super::prepare::prepare_world;
 use super::print::print;
 use super::progress::Progress;
@@ -78,6 +79,12 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let inputs = [Some(&arguments.points), arguments.cache.as_ref()].into_iter().flatten().collect::<Vec<_>>();
     inputs::refuse(arguments.output.as_slice(), &inputs)?;
     let sensors = read_sensors(&arguments.points)?;
+    let style = arguments.common.progress.style(io::stderr().is_terminal());
+    if sensors.is_empty() {
+        let warning =
+            format!("{}: there are no sensors, so there is no irradiance to tell", arguments.points.display());
+        print_warning(style, &warning);
+    }
     let overrides = with_cache(arguments.overrides());
     let places: Vec<(Vec3, Vec3)> = sensors.iter().map(|sensor| (sensor.position, sensor.normal)).collect();
     let from = LookFrom::Sensors(&places);
@@ -96,7 +103,6 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     };
     let key = irradiance::key(world.hash(), &sensors, &request, &way);
     interrupt::catch()?;
-    let style = arguments.common.progress.style(io::stderr().is_terminal());
     let job = Job::start(
         style,
         format!("{}: {}", arguments.scene.display(), count(sensors.len(), "sensor", "sensors")),

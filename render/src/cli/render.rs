@@ -67,6 +67,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
     }
+    inputs::check_report(arguments.report.as_deref())?;
     let reports: Vec<&PathBuf> = arguments.reports().collect();
     let all: Vec<&PathBuf> = paths.iter().chain(&film_path).chain(reports.iter().copied()).collect();
     inputs::refuse(&all, arguments.cache.as_slice())?;

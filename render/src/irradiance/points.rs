@@ -40,6 +40,12 @@ impl Sensor {
         let [x, y, z, nx, ny, nz] = numbers(text, "six", "give six numbers: a position x y z and a normal nx ny nz")?;
         let position = position([x, y, z])?;
         let normal = glam::dvec3(nx, ny, nz);
+        if normal.is_nan() {
+            return Err((
+                format!("the normal {nx} {ny} {nz} is not a number in all its parts"),
+                "give three finite numbers that are not all zero".to_owned(),
+            ));
+        }
         match normal.is_finite().then(|| normal.try_normalize()).flatten() {
             Some(normal) => Ok(Self { position, normal: normal.as_vec3() }),
             None => Err((
@@ -169,7 +175,7 @@ mod tests {
             ("1 1e30 3 0 0 1", "is not in reach"),
             ("1 2 3 0 0 0", "the normal 0 0 0 has no direction"),
             ("1 2 3 0 inf 0", "the normal 0 inf 0 has no direction"),
-            ("1 2 3 0 nan 0", "has no direction"),
+            ("1 2 3 0 nan 0", "the normal 0 NaN 0 is not a number"),
         ] {
             let error = read_points(format!("# first\n0 0 0 0 0 1\n{line}\n").as_bytes()).unwrap_err().to_string();
             assert!(

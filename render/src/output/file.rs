@@ -72,7 +72,7 @@ impl OutputFile {
             use std::os::unix::fs::PermissionsExt as _;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        builder.tempfile_in(&self.folder)
+        builder.tempfile_in(&self.folder).map_err(|error| without_path(&error))
     }
 
     fn locate(path: &Path) -> Result<Self, OutputError> {
@@ -120,9 +120,29 @@ impl OutputFile {
     }
 }
 
+/// The error without the temporary file's path, which nobody has named.
+fn without_path(error: &io::Error) -> io::Error {
+    let text = error.to_string();
+    io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_name_no_temporary_file() {
+        let named =
+            io::Error::new(io::ErrorKind::NotFound, "No such file (os error 2) at path \"/proc/.halfdome-x.tmp\"");
+        let error = without_path(&named);
+        assert_eq!((error.kind(), error.to_string().as_str()), (io::ErrorKind::NotFound, "No such file (os error 2)"));
+        #[cfg(target_os = "linux")]
+        {
+            let path = Path::new("/proc/x.glb");
+            let error = OutputFile::check(path).unwrap_err().to_string();
+            assert!(error.starts_with("/proc/x.glb: cannot be written: ") && !error.contains(".tmp"), "{error}");
+        }
+    }
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();

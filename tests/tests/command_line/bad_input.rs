@@ -33,6 +33,41 @@ fn a_window_that_cannot_be_opened() {
 }
 
 #[test]
+fn options_of_a_bake_that_contradict_each_other() {
+    let desk = Desk::new();
+    let bake = "bake t.obj -o out.obj --size 16 --sky 1";
+    for mode in ["full", "direct", "indirect"] {
+        let parts = &["--ao-distance", &format!("--mode {mode}"), "help: leave --ao-distance out"];
+        desk.refuses(&format!("{bake} --mode {mode} --ao-distance 2"), 1, parts);
+    }
+    for option in ["--cache-error 0.2", "--gradients off", "--metric bounded", "--accuracy 1%"] {
+        desk.refuses(
+            &format!("{bake} --brute {option}"),
+            1,
+            &["cannot be used with", option.split(' ').next().unwrap()],
+        );
+    }
+    assert_eq!(desk.run(&format!("{bake} --spp 1 --brute --record-rays 64 --layout hemicube")).code, Some(0));
+}
+
+#[test]
+fn reports_that_are_no_html() {
+    let desk = Desk::new();
+    for line in ["bake t.obj -o out.obj --size 16 --sky 1 --report r.pdf", "render t.obj --size 4x4 --report r.pdf"] {
+        desk.refuses(line, 1, &["r.pdf: a report is written as HTML alone", "help: give a name that ends in .html"]);
+    }
+}
+
+#[test]
+fn a_file_without_sensors() {
+    let desk = Desk::new();
+    desk.program().put("none.txt", "# no sensors\n");
+    let outcome = desk.run("irradiance cornell --points none.txt --progress none");
+    let told = "warning: none.txt: there are no sensors, so there is no irradiance to tell\n";
+    assert_eq!((outcome.code, outcome.stdout.as_str(), outcome.stderr.as_str()), (Some(0), "", told));
+}
+
+#[test]
 fn empty_files() {
     for name in ["a.obj", "a.ply", "a.gltf", "a.glb"] {
         refused(name, "", &["the file is empty"]);
