@@ -48,7 +48,7 @@ mod warnings;
 
 use glam::{Vec2, Vec3};
 
-use crate::cache::Record;
+use crate::cache::{Record, missed_accuracy};
 use crate::scene::Scene;
 use crate::settings::{Invalid, Shard};
 use crate::watch::Watch;
@@ -260,7 +260,9 @@ pub fn bake(
     };
     let maps = maps(page_texels, layers, errors, &names);
     let mixed: Vec<usize> = seams.mixed_meshes.into_iter().collect();
-    let warnings = warnings(world, options, &maps, &statistics, &mixed);
+    let mut warnings = warnings(world, options, &maps, &statistics, &mixed);
+    let asked = options.cache.accuracy.zip(light.error);
+    warnings.extend(asked.and_then(|(asked, estimated)| missed_accuracy(asked, estimated)));
     Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 

@@ -79,6 +79,20 @@ impl ErrorEstimate {
     }
 }
 
+/// What to say where an error that was asked for was not reached by the estimate; both are relative to the mean. What both
+/// round to is told as reached.
+pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
+    let hundredths = |part: f32| (1e4 * part).round();
+    (hundredths(estimated) > hundredths(asked)).then(|| {
+        format!(
+            "the accuracy that was asked for is not reached: the error is {:.2}% of the mean light, estimated, and {}% was \
+             asked for; --cache-error and --record-rays in place of --accuracy ask for more and smaller records",
+            100.0 * estimated,
+            hundredths(asked) / 100.0
+        )
+    })
+}
+
 /// By how much records may disagree, as a part of irradiance, over the error that was asked for.
 const TOLERANCE: f32 = 0.2;
 /// The least part of its radius that disagreement leaves a record: an edge of light is no nearer if a radius is shorter, so

@@ -353,3 +353,13 @@ fn records_that_cannot_be_right_are_doubtful() {
     assert_eq!(cache.records().len(), 25);
     assert_eq!(cache.interpolate(vec3(0.2, 0.2, 0.0), Vec3::Z).unwrap().irradiance, Vec3::ONE);
 }
+
+#[test]
+fn an_accuracy_that_was_not_reached_is_told_with_both_numbers() {
+    let told = missed_accuracy(0.03, 0.0412).unwrap();
+    assert!(told.contains("4.12% of the mean light") && told.contains("3% was asked for"), "{told}");
+    assert!(missed_accuracy(0.001, 0.0011).unwrap().contains("0.1% was asked for"));
+    for reached in [0.0, 0.0299, 0.03, 0.030_04] {
+        assert_eq!(missed_accuracy(0.03, reached), None, "{reached}");
+    }
+}

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::messages::{Style, print_line, print_text};
+use super::messages::{Style, print_line, print_text, print_warning};
 use super::progress::per_second;
+use crate::cache::missed_accuracy;
 use crate::driver::CacheUse;
 
 /// Work that was announced.
@@ -47,6 +48,9 @@ impl Job {
     /// Says how it went.
     pub(super) fn end(self, outcome: Outcome) {
         let seconds = self.start.elapsed();
+        if let Some(warning) = outcome.accuracy.and_then(|(asked, estimated)| missed_accuracy(asked, estimated)) {
+            print_warning(self.style, &warning);
+        }
         if self.style == Style::Json {
             print_line(&outcome.event(seconds.as_secs_f64(), per_second(outcome.rays, seconds)));
         } else {

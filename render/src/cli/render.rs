@@ -18,7 +18,7 @@ use super::stage_progress::StageProgress;
 use super::summary::{End, RenderReport};
 use super::tev::Tev;
 use super::{denoiser, interrupt, memory, render_report};
-use crate::cache::Cache;
+use crate::cache::{Cache, missed_accuracy};
 use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
@@ -199,6 +199,11 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         let warning = "the picture is black although the scene has lights: emitters may face away (try --emission both), \
                        or the camera may see nothing that is lit";
         report.warn(style, warning.to_owned());
+    }
+    if let (Integrator::Cached(options), Some(estimated)) = (&settings.integrator, result.cache_error)
+        && let Some(warning) = options.accuracy.and_then(|asked| missed_accuracy(asked, estimated))
+    {
+        report.warn(style, warning);
     }
     if let Some(warning) = bad_samples(&result.film) {
         report.warn(style, warning);

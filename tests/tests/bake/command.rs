@@ -180,6 +180,19 @@ fn crates_that_are_inside_out_are_named() {
     });
 }
 
+#[test]
+fn an_accuracy_that_was_not_reached_is_told() {
+    in_folder(|program| {
+        let missed = |options: &str| {
+            let outcome = program.run_line(&format!("bake level.gltf -o out.gltf --size 16 {options} --progress none"));
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            outcome.stderr.contains("warning: the accuracy that was asked for is not reached: the error is ")
+        };
+        assert!(missed("--mode direct --accuracy 0.01%"));
+        assert!(!missed("--mode direct --accuracy 20%"));
+    });
+}
+
 /// A shed around the room: a larger box whose fronts look outwards.
 fn level_in_a_shed() -> Value {
     let mut level = level();

@@ -383,3 +383,22 @@ fn shards_of_sensors_that_do_not_belong_together_are_named() {
         assert!(!program.folder.join("merged.txt").exists());
     });
 }
+
+#[test]
+fn an_accuracy_that_was_not_reached_is_told() {
+    in_folder(|program| {
+        program.put("points.txt", "0.1 0.3 0.1 0 1 0\n0.25 0.25 0.25 0 0 1\n0.25 0.25 0.25 0 0 -1\n");
+        for line in [
+            "irradiance cornell --points points.txt --indirect",
+            "cache build cornell -o a.cache --size 4x4",
+            "render cornell -o a.exr --integrator cached --size 4x4 --spp 1",
+        ] {
+            let missed = |accuracy: &str| {
+                let outcome = program.run_line(&format!("{line} --progress none --accuracy {accuracy}"));
+                assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+                outcome.stderr.contains("warning: the accuracy that was asked for is not reached: the error is ")
+            };
+            assert!(missed("0.01%") && !missed("20%"), "{line}");
+        }
+    });
+}
