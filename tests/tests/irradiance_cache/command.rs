@@ -402,3 +402,17 @@ fn an_accuracy_that_was_not_reached_is_told() {
         }
     });
 }
+
+#[test]
+fn an_accuracy_can_be_asked_for_in_the_dark() {
+    in_folder(|program| {
+        // Inside of a block.
+        program.put("points.txt", "0.2 0.1 0.2 0 1 0\n");
+        for options in ["", "--indirect"] {
+            let line = format!("irradiance cornell --points points.txt --accuracy 1% --progress none {options}");
+            let outcome = program.run_line(&line);
+            succeed(&outcome);
+            assert_eq!(outcome.stdout, "0 0 0\n");
+        }
+    });
+}

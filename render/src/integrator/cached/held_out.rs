@@ -152,7 +152,8 @@ impl<'w> HeldOut<'w> {
         else {
             return 0.0;
         };
-        (*median / MEDIAN_SQUARE / f64::from(tolerance).powi(2)) as f32 * self.rays as f32
+        // Without any light it is 0 of 0.
+        (*median / MEDIAN_SQUARE / f64::from(tolerance).powi(2)).max(0.0) as f32 * self.rays as f32
     }
 
     /// The mean squared error of a cache's irradiance over points and channels, in W²/m⁴; 0 if noise alone makes it less.
