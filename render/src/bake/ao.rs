@@ -33,12 +33,9 @@ impl AmbientOcclusion {
         let (mut free, mut traced) = (0, 0);
         for ray in 0..self.hemisphere.rays() {
             let u = Sampler::new(Pattern::Sobol, seed, number, ray).uniform2(DIRECTION_SET);
-            let direction = frame.to_world(self.hemisphere.direction(ray, u).0);
-            // A shading normal may point a ray into the surface, where nothing is open.
-            if surface.normal.dot(direction) > 0.0 {
-                let ray = Ray::new(surface.origin_towards(surface.normal), direction);
-                self.rays.push(Ray { t_max: self.t_max, ..ray });
-            }
+            let direction = surface.above(frame.to_world(self.hemisphere.direction(ray, u).0));
+            let ray = Ray::new(surface.origin_towards(surface.normal), direction);
+            self.rays.push(Ray { t_max: self.t_max, ..ray });
             if self.rays.len() == BATCH {
                 traced += BATCH as u64;
                 free += self.trace(world);

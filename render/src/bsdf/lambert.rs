@@ -14,13 +14,19 @@ impl Surface<'_> {
     #[inline(always)]
     pub(crate) fn scatter(&self, local: Vec3) -> (Bounce, bool) {
         let sampled = self.frame().to_world(local);
-        // A shading normal may send light through the surface: it is mirrored.
         let height = self.normal.dot(sampled);
-        let direction = sampled - 2.0 * height.min(0.0) * self.normal;
+        let direction = self.above(sampled);
         let mirrored = self.shading_normal.dot(sampled) - 2.0 * height * self.normal.dot(self.shading_normal);
         let density = local.z * FRAC_1_PI + mirrored.max(0.0) * FRAC_1_PI;
         let reflects = (height != 0.0) & (self.diffuse.max_element() > 0.0);
         (Bounce { direction, weight: self.diffuse, density }, reflects)
+    }
+
+    /// The unit vector `direction`, mirrored if it leads below the surface, as a shading normal's hemisphere may: so what a
+    /// surface receives about that normal has no gap, and is what its closure reflects.
+    #[inline(always)]
+    pub(crate) fn above(&self, direction: Vec3) -> Vec3 {
+        direction - 2.0 * self.normal.dot(direction).min(0.0) * self.normal
     }
 
     /// `cos θ / π` of the unit vector `direction`, with that of the direction which is mirrored to it; 0 from behind.

@@ -8,7 +8,7 @@
 //! Lit triangles, which few cells would find, are [aimed at](super::aimed_rays) besides, and what is found there has
 //! gradients and second derivatives of its own.
 
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -154,15 +154,10 @@ impl GatherScratch {
         let parts = self.directions.chunks_exact_mut(cells).zip(self.jitter.chunks_exact(cells));
         for (point, (directions, jitter)) in points.iter().zip(parts) {
             gatherer.layout.directions(&mut |cell| jitter[cell], directions).expect("a direction for each cell");
-            let (frame, normal) = (point.surface.frame(), point.surface.normal);
-            let origin = point.surface.origin_towards(normal);
-            for &local in directions.iter() {
-                let direction = frame.to_world(local);
-                let ray = Ray::new(origin, direction);
-                // A shading normal may send rays through the surface. They hit nothing, and see no sky either.
-                let t_max = if normal.dot(direction) > 0.0 { f32::INFINITY } else { -1.0 };
-                self.rays.push(Ray { t_max, ..ray });
-            }
+            let frame = point.surface.frame();
+            let origin = point.surface.origin_towards(point.surface.normal);
+            let ray = |&local: &Vec3| Ray::new(origin, point.surface.above(frame.to_world(local)));
+            self.rays.extend(directions.iter().map(ray));
         }
         self.hits.resize(self.rays.len(), Hit::MISS);
         self.radiance.clear();
@@ -175,7 +170,7 @@ impl GatherScratch {
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
-                *radiance = if ray.t_max > 0.0 { world.lights.sky.ambient(ray.direction) } else { Vec3::ZERO };
+                *radiance = world.lights.sky.ambient(ray.direction);
             }
             self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
         }
@@ -185,8 +180,6 @@ impl GatherScratch {
     /// Aims at lit triangles, and leaves to these rays what they find better; gives the number of rays.
     fn aim(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
         let cells = gatherer.layout.cells();
-        // Rays that are expected a steradian, as those of a cosine distribution.
-        let others = |normal: Vec3, direction: Vec3| normal.dot(direction).max(0.0) * FRAC_1_PI * cells as f32;
         self.aimed.clear();
         self.aimed_from.clear();
         let rays = self.rays.chunks_exact(cells).zip(self.hits.chunks_exact(cells));
@@ -194,7 +187,8 @@ impl GatherScratch {
             points.iter().zip(rays).zip(self.radiance.chunks_exact_mut(cells)).enumerate()
         {
             let (surface, pixel) = (&point.surface, address(point.key));
-            let others = |direction| others(surface.shading_normal, direction);
+            // Rays that are expected a steradian, as those of a cosine distribution.
+            let others = |direction| surface.lambert(direction) * cells as f32;
             let from = AimedFrom::new(world, surface, cells);
             for ((ray, hit), radiance) in rays.iter().zip(hits).zip(radiance).filter(|((_, hit), _)| hit.is_hit()) {
                 *radiance *= from.kept(world, ray, hit, others(ray.direction));
@@ -212,7 +206,7 @@ impl GatherScratch {
         let (mut sum, mut squares) = (Vec3::ZERO, Vec3::ZERO);
         for lit in self.aimed.found(world, number) {
             let direction = frame.to_local(lit.direction);
-            let irradiance = lit.flux * direction.z;
+            let irradiance = lit.flux * (PI * point.surface.lambert(lit.direction));
             let source =
                 PointSource { to_point: direction * lit.distance, normal: frame.to_local(lit.normal), irradiance };
             found.0.add_source(&source);
@@ -235,7 +229,8 @@ impl GatherScratch {
         (number, first): (usize, usize),
     ) -> Gathered {
         let range = first..first + gatherer.layout.cells();
-        let (directions, hits) = (&self.directions[range.clone()], &self.hits[range.clone()]);
+        let directions = &self.directions[range.clone()];
+        let (rays, hits) = (&self.rays[range.clone()], &self.hits[range.clone()]);
         let (radiance, distance) = (&self.radiance[range.clone()], &self.distance[range]);
         let frame: Frame = point.surface.frame();
         let gather = gatherer.layout.accumulate(radiance, distance).expect("a value for each cell");
@@ -248,12 +243,14 @@ impl GatherScratch {
         }
         let (gather, hessian) = found;
         let mut occluders = OccluderSectors::OPEN;
-        for (&direction, hit) in
-            directions.iter().zip(hits).filter(|(direction, _)| OccluderSectors::is_flat(**direction))
-        {
+        for (ray, hit) in rays.iter().zip(hits) {
+            let direction = frame.to_local(ray.direction);
+            if !OccluderSectors::is_flat(direction) {
+                continue;
+            }
             occluders.mark_seen(direction);
             if hit.is_hit() {
-                let found = world.surface_at(hit).facing(frame.to_world(direction));
+                let found = world.surface_at(hit).facing(ray.direction);
                 occluders.add_hit(direction, hit.t, frame.to_local(found.normal));
             }
         }

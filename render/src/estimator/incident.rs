@@ -82,11 +82,10 @@ impl IncidentSampler {
             self.values.push(light.radiance * PI);
         }
         if world.lights.has_emitters() {
-            let direction = surface.frame().to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
-            if surface.normal.dot(direction) > 0.0 {
-                self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
-                self.scattered.push((surface.shading_normal.dot(direction) / PI, surface.receiver()));
-            }
+            let local = CosineHemisphere.map(sampler.uniform2(DIRECTION_SET));
+            let direction = surface.above(surface.frame().to_world(local));
+            self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
+            self.scattered.push((surface.lambert(direction), surface.receiver()));
         }
     }
 

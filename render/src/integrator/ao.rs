@@ -53,12 +53,9 @@ pub(super) fn radiance(
         for number in 0..hemisphere.rays() {
             let u = batch.samplers[index].uniform2(FIRST_SET.wrapping_add(number));
             let (local, weight) = hemisphere.direction(number, u);
-            let direction = frame.to_world(local);
-            // A shading normal may point a ray into the surface, where nothing is open.
-            if surface.normal.dot(direction) > 0.0 {
-                ao_rays.shares.push((index, weight / hemisphere.rays() as f32));
-                ao_rays.rays.push(Ray { t_max, ..Ray::new(surface.origin_towards(direction), direction) });
-            }
+            let direction = surface.above(frame.to_world(local));
+            ao_rays.shares.push((index, weight / hemisphere.rays() as f32));
+            ao_rays.rays.push(Ray { t_max, ..Ray::new(surface.origin_towards(direction), direction) });
             if ao_rays.rays.len() == BATCH {
                 traced += ao_rays.trace(world, options.weighting, (t_max, batch.times), radiance);
             }

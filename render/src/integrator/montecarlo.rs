@@ -211,20 +211,17 @@ impl Gather<'_> {
             let u = child.direction_numbers(sampler);
             let (direction, weight) = if is_matte {
                 let (local, weight) = self.hemisphere.direction(number, u);
-                (frame.to_world(local), weight * surface.diffuse)
+                (surface.above(frame.to_world(local)), weight * surface.diffuse)
             } else {
                 match scattering.sample(u) {
                     Some(bounce) if bounce.density < f32::INFINITY => (bounce.direction, bounce.weight),
                     _ => continue,
                 }
             };
-            // A shading normal may send light through the surface: none comes from there.
-            if !is_matte || surface.normal.dot(direction) > 0.0 {
-                let sky_density = sky_density(self.world, surface, SkyPart::All, direction);
-                // Any finite density will do, for all that light samples can find is left to them.
-                let path = Path { throughput: throughput * weight, density: 0.0, sky_density, normal, ..node.path };
-                children.push(Node { path, bounces: node.bounces - 1, ..child }, leave(surface, direction));
-            }
+            let sky_density = sky_density(self.world, surface, SkyPart::All, direction);
+            // Any finite density will do, for all that light samples can find is left to them.
+            let path = Path { throughput: throughput * weight, density: 0.0, sky_density, normal, ..node.path };
+            children.push(Node { path, bounces: node.bounces - 1, ..child }, leave(surface, direction));
         }
     }
 }

@@ -365,7 +365,7 @@ impl SensorScratch {
         let mut traced = follower.follow(&self.rays, &self.hits, &self.samplers, &mut self.values);
         let count = self.rays.len();
         let from = AimedFrom::new(world, surface, count);
-        let others = |direction: Vec3| surface.shading_normal.dot(direction).max(0.0) / PI * count as f32;
+        let others = |direction: Vec3| surface.lambert(direction) * count as f32;
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&self.values) {
             let kept = if hit.is_hit() { from.kept(world, ray, hit, others(ray.direction)) } else { 1.0 };
             *sum += (*radiance * (PI * kept)).as_dvec3();
@@ -375,7 +375,7 @@ impl SensorScratch {
         traced += self.aimed.trace(world, &mut follower);
         for lit in self.aimed.found(world, 0) {
             // The caller takes the mean.
-            *sum += (lit.flux * (count as f32 * surface.shading_normal.dot(lit.direction))).as_dvec3();
+            *sum += (lit.flux * (count as f32 * PI * surface.lambert(lit.direction))).as_dvec3();
         }
         traced
     }

@@ -125,11 +125,9 @@ impl VertexStep for Lookup<'_> {
                 Some(irradiance) => *radiance += throughput * albedo * irradiance * (1.0 / PI),
                 None if !may_split => known = Vec3::ZERO,
                 None => {
-                    let direction = surface.frame().to_world(numbers.cosine);
-                    if surface.normal.dot(direction) > 0.0 {
-                        let ray = Ray::new(surface.origin_towards(direction), direction);
-                        self.misses.push(index, throughput * albedo, ray, self.batch.samplers[index as usize]);
-                    }
+                    let direction = surface.above(surface.frame().to_world(numbers.cosine));
+                    let ray = Ray::new(surface.origin_towards(direction), direction);
+                    self.misses.push(index, throughput * albedo, ray, self.batch.samplers[index as usize]);
                 }
             }
         }
