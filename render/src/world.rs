@@ -14,6 +14,7 @@ mod media;
 mod motion;
 mod moved;
 mod names;
+mod panes;
 mod ray_counts;
 mod reflected;
 mod seen_points;
@@ -41,6 +42,7 @@ use instances::Instances;
 pub(crate) use media::Boundary;
 use media::Solids;
 pub(crate) use motion::Motion;
+use panes::Panes;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 pub use seen_points::LookFrom;
@@ -61,6 +63,8 @@ pub struct World {
     has_closures: bool,
     /// What solids absorb.
     solids: Solids,
+    /// What shadow rays pass through.
+    panes: Panes,
     /// Of each material.
     closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
@@ -223,6 +227,8 @@ impl World {
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
+        let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
+        let panes = Panes::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),
@@ -233,6 +239,7 @@ impl World {
             kinds,
             has_closures,
             solids,
+            panes,
             triangle_records,
             placed: corners.len(),
             still,

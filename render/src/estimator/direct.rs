@@ -121,7 +121,11 @@ pub(crate) fn sample_light(
         Light::Punctual(light) => {
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
-            let PunctualSample { direction, shadow, received } = sample_punctual(surface, light, u);
+            let PunctualSample { direction, mut shadow, mut received } = sample_punctual(surface, light, u);
+            if world.has_panes() {
+                let (rest, left) = world.beyond_panes(shadow, surface.time);
+                (shadow, received) = (rest, received * left);
+            }
             LightSample { shadow, direction, radiance: received / choice.probability, inv_density: 0.0 }
         }
         Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,

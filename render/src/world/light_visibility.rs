@@ -26,7 +26,7 @@ impl World {
         let directional: Vec<f32> = (0..self.lights.directional_count())
             .map(|i| {
                 let towards = self.lights.towards_directional(i);
-                self.reached(points.iter().map(|point| (point, towards)))
+                self.reached(points.iter().map(|point| (point, towards)), |ray| self.past_panes(ray))
             })
             .collect();
         let sky = [SkyPart::All, SkyPart::Bright, SkyPart::Sun].map(|part| {
@@ -34,18 +34,23 @@ impl World {
                 let u = Sampler::new(Pattern::Sobol, 0, 2, number).uniform2(0);
                 (point, self.lights.sky.sample(&point.receiver(), part, u).direction)
             });
-            self.reached(directions)
+            self.reached(directions, |ray| ray)
         });
         self.lights.set_visibility(&directional, sky, open);
     }
 
-    /// The part of the points that are lit from the direction beside each, among those whose front it is on.
-    fn reached<'a>(&self, directions: impl Iterator<Item = (&'a Surface<'a>, glam::Vec3)>) -> f32 {
+    /// The part of the points that are lit from the direction beside each, among those whose front it is on; `rest` is that of a
+    /// ray that anything may block.
+    fn reached<'a>(
+        &self,
+        directions: impl Iterator<Item = (&'a Surface<'a>, glam::Vec3)>,
+        rest: impl Fn(Ray) -> Ray,
+    ) -> f32 {
         let rays: Vec<Ray> = directions
             .filter(|(point, direction)| {
                 point.normal.dot(*direction) > 0.0 && point.shading_normal.dot(*direction) > 0.0
             })
-            .map(|(point, direction)| Ray::new(point.origin_towards(direction), direction))
+            .map(|(point, direction)| rest(Ray::new(point.origin_towards(direction), direction)))
             .collect();
         let mut occluded = vec![false; rays.len()];
         self.occluded_many(&rays, &mut occluded);

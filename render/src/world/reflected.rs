@@ -77,7 +77,9 @@ impl World {
 
     /// Whether nothing is between a surface and the point of a light that the numbers mean.
     fn is_reached(&self, side: &Surface, light: u32, u: Vec2) -> bool {
-        let end = match &self.lights.lights()[light as usize] {
+        let light = &self.lights.lights()[light as usize];
+        let is_punctual = matches!(light, Light::Punctual(_));
+        let end = match light {
             Light::Triangle(prim_id) => {
                 let point = TriangleWarp.map(u);
                 self.surface(*prim_id, point.x, point.y).end_from(side.position)
@@ -88,10 +90,11 @@ impl World {
                 | PunctualLight::Profiled { position, .. },
             ) => *position,
             Light::Punctual(PunctualLight::Directional { direction, .. }) => {
-                return !self.occluded(&Ray::new(side.origin_towards(-*direction), -*direction));
+                return !self.occluded(&self.past_panes(Ray::new(side.origin_towards(-*direction), -*direction)));
             }
             Light::Sky => return false,
         };
-        !self.occluded(&Ray::between(side.origin_towards(end - side.position), end))
+        let ray = Ray::between(side.origin_towards(end - side.position), end);
+        !self.occluded(&if is_punctual { self.past_panes(ray) } else { ray })
     }
 }

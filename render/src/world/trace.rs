@@ -31,7 +31,15 @@ impl World {
         self.pass_on(rays, times, hits);
     }
 
-    /// The same, and quicker, for rays of which neighbours run side by side, as those of the camera.
+    /// The nearest hit of one ray at a time. It passes through holes.
+    pub(super) fn intersect_at(&self, ray: &Ray, time: f32) -> Hit {
+        let mut hits = [self.tree().intersect(ray).as_ref().map_or(Hit::MISS, Hit::of)];
+        let times = [time];
+        self.pass_on(&[*ray], if self.motion.is_some() { &times } else { &[] }, &mut hits);
+        hits[0]
+    }
+
+    /// The nearest hits of many, and quicker, for rays of which neighbours run side by side, as those of the camera.
     pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
         self.ray_counters.add_side_by_side(rays.len());
