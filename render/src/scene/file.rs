@@ -118,16 +118,16 @@ pub fn open_watched(
     let moments = overrides.moment.clone().or(of_file.moment.clone());
     let sharing = overrides.instances.or(of_file.instances).unwrap_or_default();
     let point_radius = overrides.point_radius.or(of_file.point_radius);
+    let camera = overrides.model_camera.as_deref().or(of_file.model_camera.as_deref());
+    let options = LoadOptions { sharing, point_radius, camera, watch, ..LoadOptions::default() };
     let read = |options: &LoadOptions| match &file {
         Some(file) => assemble(path, file, options),
         None => load_with(path, options),
     };
-    let mut scene =
-        read(&LoadOptions { sharing, moment: moments.moment(), point_radius, watch, ..LoadOptions::default() })?;
+    let mut scene = read(&LoadOptions { moment: moments.moment(), ..options.clone() })?;
     if let Some(keys) = moments.shutter_moments().filter(|_| !scene.animations.is_empty()) {
         let ramp = moments.shutter_ramp.unwrap_or(0.0);
-        let read =
-            |moment| read(&LoadOptions { sharing, moment: Some(moment), without_pictures: true, point_radius, watch });
+        let read = |moment| read(&LoadOptions { moment: Some(moment), without_pictures: true, ..options.clone() });
         add_motion(&mut scene, keys, ramp, read)?;
     }
     Ok((scene, of_file))

@@ -127,6 +127,10 @@ fn parse(
         return Err(whole("the file is empty", "export the model again"));
     }
     format.check_content(path, text)?;
+    if let Some(name) = options.camera.filter(|_| !matches!(format, Format::Gltf | Format::Glb)) {
+        let problem = format!("a camera {name:?} is asked for, and cameras of these files have no names");
+        return Err(whole(&problem, "leave `model_camera` out, or export the model as glTF"));
+    }
     let scene = match format {
         Format::Obj => obj::read(files, path, text, options.watch),
         Format::Ply => ply::read(path, text, options.watch),

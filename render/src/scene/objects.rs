@@ -60,7 +60,7 @@ impl<'a> Objects<'a> {
     ) -> Result<Self, SceneError> {
         // The names of animations are those of the scene's own model: of an object all play.
         let moment = options.moment.as_ref().map(|moment| Moment { time: moment.time, animations: Vec::new() });
-        let options = LoadOptions { moment, ..options.clone() };
+        let options = LoadOptions { moment, camera: None, is_object: true, ..options.clone() };
         let mut loaded = BTreeMap::new();
         for ObjectTable { name, file, line } in tables {
             let model = load_with(file, &options)?;

@@ -103,6 +103,9 @@ options! {
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         light_groups: bool = value::flag, in "film";
+        /// Camera of the model to use, by its name or its number from 1 (glTF) [default: the first]
+        #[arg(value_name = "NAME", help_heading = "Camera")]
+        model_camera: String = value::text, in "camera";
         /// Material variant of the model to use (glTF's KHR_materials_variants)
         #[arg(value_name = "NAME", help_heading = "Model")]
         variant: String = value::text, in "scene";

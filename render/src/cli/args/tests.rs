@@ -35,7 +35,7 @@ fn every_override_can_be_given() {
     let arguments = "s.glb --eye -1,2,3 --target 0,-0.5,0 --up 0,0,1 --vfov 30 --camera perspective --focal-length 35 --sensor 23.6,15.6 \
                      --sensor-fit vertical --shift -.1,.2 --aperture 8 --f-number 2.8 --focus 1.5 --focus-at -1,2,3 \
                      --blades 7 --blade-rotation -10 --anamorphic 2 --mm-per-unit 10 --ortho-height 3 --ortho-width 4 \
-                     --ipd 64 --fisheye equisolid --fov 360 --near 0 --far 100 --model-clip --camera-rays a.csv --width 10 --height 20 --filter tent \
+                     --ipd 64 --fisheye equisolid --fov 360 --near 0 --far 100 --model-clip --model-camera Top --camera-rays a.csv --width 10 --height 20 --filter tent \
                      --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
                      --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 --clamp-indirect 8 --guide=false \
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
@@ -131,6 +131,7 @@ fn every_override_can_be_given() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        model_camera: Some("Top".into()),
         point_radius: Some(0.01),
         instances: Some(Sharing::Never),
         moment: MomentOverrides {

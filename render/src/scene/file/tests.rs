@@ -51,6 +51,7 @@ fn every_key_sets_its_option() {
         fps = 30
         animation = ["Walk", "Camera"]
         [camera]
+        model_camera = "Top"
         eye = [0, 1, 2.5]
         target = [0.0, -1.0, 0.0]
         up = [0, 0, 1]
@@ -164,6 +165,7 @@ fn every_key_sets_its_option() {
             sun_angle: Some(0.5),
         },
         variant: Some("oak".into()),
+        model_camera: Some("Top".into()),
         point_radius: Some(0.5),
         instances: Some(Sharing::Never),
         moment: MomentOverrides {

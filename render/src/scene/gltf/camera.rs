@@ -21,6 +21,29 @@ pub(super) struct FileCamera {
     pub(super) clip: Clip,
 }
 
+/// Which camera is meant by a name, that of its node or its own, or by a number from 1. `cameras`: both names of each.
+pub(super) fn choose<'a>(
+    document: &Document,
+    name: &str,
+    cameras: impl Iterator<Item = [&'a str; 2]> + Clone,
+) -> Result<usize, SceneError> {
+    let count = cameras.clone().count();
+    let by_name = |which: usize| cameras.clone().position(|names| names[which] == name);
+    let by_number =
+        || name.parse::<usize>().ok().filter(|number| (1..=count).contains(number)).map(|number| number - 1);
+    by_name(0).or_else(|| by_name(1)).or_else(by_number).ok_or_else(|| {
+        let names: Vec<&str> = cameras.clone().map(|names| names[0]).filter(|name| !name.is_empty()).collect();
+        let remedy = match (count, names.is_empty()) {
+            (0, _) => "it has none: leave `model_camera` out".to_owned(),
+            (_, true) => format!("give a number from 1 to {count}"),
+            (_, false) => {
+                format!("it has {}", names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
+            }
+        };
+        document.error("cameras".to_owned(), format!("the file has no camera {name:?}"), &remedy)
+    })
+}
+
 /// Degrees; an orthographic camera has none, but an option may make a perspective one of it.
 const DEFAULT_VFOV: f32 = 40.0;
 

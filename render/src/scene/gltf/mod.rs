@@ -244,7 +244,8 @@ fn read(
         }
         if let Some(index) = node.camera {
             let camera = document.object(index, "camera", &place)?;
-            cameras.push((place.clone(), camera::read(&document, camera, index.value(), placed)?));
+            let names = [&node.name, &camera.name].map(|name| name.as_deref().unwrap_or_default());
+            cameras.push((place.clone(), names, camera::read(&document, camera, index.value(), placed)?));
         }
         let lights = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
         if let Some(index) = lights.map(|lights| lights.light) {
@@ -259,11 +260,19 @@ fn read(
             scene.add_light(light, LightLabel { name, ..LightLabel::default() });
         }
     }
-    if let Some((place, camera)) = cameras.first() {
+    let chosen = match options.camera {
+        Some(name) => Some(camera::choose(&document, name, cameras.iter().map(|(_, names, _)| *names))?),
+        None => (!cameras.is_empty()).then_some(0),
+    };
+    if let Some((place, _, camera)) = chosen.map(|number| &cameras[number]) {
         (scene.camera, scene.camera_aspect) = (Some(camera.pose), camera.aspect);
         (scene.optics, scene.camera_clip) = (camera.optics.clone(), Some(camera.clip));
-        if cameras.len() > 1 {
-            warnings.push(format!("{}: of {} cameras, that of {place} is used", path.display(), cameras.len()));
+        if cameras.len() > 1 && options.camera.is_none() && !options.is_object {
+            warnings.push(format!(
+                "{}: of {} cameras, that of {place} is used; --model-camera NAME chooses another",
+                path.display(),
+                cameras.len()
+            ));
         }
     }
     if !scene.lights.is_empty() {
@@ -278,7 +287,7 @@ fn read(
         }
     }
     if document.is_from_blender() {
-        if scene.lights.is_empty() && cameras.is_empty() {
+        if scene.lights.is_empty() && cameras.is_empty() && !options.is_object {
             notes.add_unless_told(
                 "the file has neither lights nor cameras; Blender exports them with Include > Punctual Lights and Cameras",
             );

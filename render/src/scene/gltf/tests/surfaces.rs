@@ -192,7 +192,27 @@ fn cameras() {
     let CameraPose { eye, target, up, vfov } = scene.camera.unwrap();
     assert_eq!((eye, target, up), (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, 2.0), Vec3::Y));
     assert!((vfov - 60.0).abs() < 1e-4);
-    assert_eq!(scene.warnings, ["model.gltf: of 3 cameras, that of node 1 (\"shot\") is used"]);
+    assert_eq!(
+        scene.warnings,
+        ["model.gltf: of 3 cameras, that of node 1 (\"shot\") is used; --model-camera NAME chooses another"]
+    );
+    document["cameras"][2]["name"] = json!("wide");
+    let with = |camera: &str| {
+        let options = LoadOptions { camera: Some(camera), ..LoadOptions::default() };
+        parse_as(document.clone(), &triangle_bytes(), &options)
+    };
+    for (camera, expected) in [("shot", scene.camera), ("wide", None), ("1", scene.camera), ("2", None)] {
+        let found = with(camera).unwrap();
+        assert_eq!(found.camera == scene.camera, expected.is_some(), "{camera}");
+        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    }
+    assert!(matches!(with("3").unwrap().optics.projection, Projection::Orthographic { .. }));
+    for wrong in ["4", "0", "Shot"] {
+        let error = with(wrong).unwrap_err().to_string();
+        assert!(error.contains(&format!("no camera {wrong:?}")) && error.contains("it has \"shot\""), "{error}");
+    }
+    let as_object = LoadOptions { is_object: true, ..LoadOptions::default() };
+    assert!(parse_as(document.clone(), &triangle_bytes(), &as_object).unwrap().warnings.is_empty());
     assert_eq!((scene.optics, scene.camera_clip), (Optics::default(), Some(Clip { near: 1.0, far: f32::INFINITY })));
     let wide = changed(document.clone(), "/cameras/2/perspective/yfov", json!(4));
     assert_eq!(problem(wide), "camera 2: its yfov is 4 radians");
