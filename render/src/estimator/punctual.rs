@@ -6,7 +6,7 @@
 //! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
 //! with `4π L`.
 //!
-//! No bounce can hit any of these: mirrors do not show them.
+//! No bounce can hit any of these: mirrors do not show them, and shadow rays [cross panes](crate::world::World::beyond_panes).
 
 use std::f32::consts::TAU;
 
