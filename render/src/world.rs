@@ -17,6 +17,7 @@ mod names;
 mod panes;
 mod ray_counts;
 mod reflected;
+mod rounding;
 mod seen_points;
 mod shading_records;
 mod surface;
@@ -45,6 +46,7 @@ pub(crate) use motion::Motion;
 use panes::Panes;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
+pub(crate) use rounding::Rounding;
 pub use seen_points::LookFrom;
 pub(crate) use seen_points::Side;
 pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
@@ -60,6 +62,8 @@ pub struct World {
     has_holes: bool,
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
+    /// Whether meshes of each material may be round by their vertex normals.
+    can_round: Vec<bool>,
     has_closures: bool,
     /// What solids absorb.
     solids: Solids,
@@ -103,7 +107,7 @@ pub struct World {
 #[non_exhaustive]
 pub enum WorldError {
     /// The scene has no camera.
-    #[error("the scene has no camera, and no bounds to make one from\n  help: give the camera's eye and target")]
+    #[error("the scene has no camera\n  help: give the camera's eye and target")]
     NoCamera,
     /// An instance has a transform that no ray can be taken back by.
     #[error(
@@ -226,6 +230,7 @@ impl World {
         let emitter_records = lights.lights().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
+        let materials_can_round = materials.iter().map(Material::is_opaque_and_dark).collect();
         let solids = Solids::new(&materials);
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
         let panes = Panes::new(&materials, &triangle_records, &corners[..still], has_punctual);
@@ -237,6 +242,7 @@ impl World {
             textures,
             has_holes,
             kinds,
+            can_round: materials_can_round,
             has_closures,
             solids,
             panes,

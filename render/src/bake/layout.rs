@@ -31,6 +31,11 @@ impl Atlas {
                 "give a number greater than 0",
             ));
         }
+        let sizes = BakeOptions::MIN_SIZE..=BakeOptions::MAX_SIZE;
+        if !sizes.contains(&options.size) {
+            let problem = format!("pages have {} texels a side", options.size);
+            return Err(Invalid::new(problem, format!("give a size from {} to {}", sizes.start(), sizes.end())));
+        }
         let mut atlas = Self { left_out: left_out.clone(), ..Self::default() };
         let requests = atlas.keep(scene, options)?;
         let Unwrapped { pages, parts, warning } =

@@ -26,6 +26,9 @@ use crate::world::{Hit, Surface, World};
 pub(crate) struct ShadowRay {
     /// From the surface to the light.
     pub ray: Ray,
+    /// The unit vector by which the surface receives it. That of the ray is another, as its ends are moved: far from the origin by
+    /// much.
+    pub direction: Vec3,
     /// Radiance reflected, over the density of the sample and with the weight of its technique.
     pub radiance: Vec3,
 }
@@ -57,7 +60,7 @@ pub(crate) fn sample_direct(
     let light = sample_light(world, surface, (lights, part), &choice, v)?;
     let (scattered, bounce_density) = scattering.eval(light.direction);
     let radiance = scattered * light.radiance * lights.light_weight(light.inv_density, bounce_density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, radiance })
+    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
 }
 
 /// The density per solid angle with which a light sample at `receiver`, among bounces and with this part of the sky, gives

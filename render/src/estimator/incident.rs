@@ -36,6 +36,8 @@ pub(crate) trait IncidentSink {
 #[derive(Default)]
 pub(crate) struct IncidentSampler {
     shadows: Vec<Ray>,
+    /// Unit vectors to what they are sent to.
+    directions: Vec<Vec3>,
     occluded: Vec<bool>,
     values: Vec<Vec3>,
     rays: Vec<Ray>,
@@ -58,6 +60,7 @@ impl IncidentSampler {
         let mut traced = 0;
         for first in samples.clone().step_by(BATCH as usize) {
             self.shadows.clear();
+            self.directions.clear();
             self.values.clear();
             self.rays.clear();
             self.scattered.clear();
@@ -79,6 +82,7 @@ impl IncidentSampler {
             sample_direct(world, surface, &surface.white(), (LightSampling::Mis, SkyPart::Sun), numbers)
         {
             self.shadows.push(light.ray);
+            self.directions.push(light.direction);
             self.values.push(light.radiance * PI);
         }
         if world.lights.has_emitters() {
@@ -93,9 +97,9 @@ impl IncidentSampler {
     fn collect(&mut self, world: &World, share: f32, sink: &mut dyn IncidentSink) -> u64 {
         self.occluded.resize(self.shadows.len(), false);
         world.occluded_many(&self.shadows, &mut self.occluded);
-        for ((ray, value), occluded) in self.shadows.iter().zip(&self.values).zip(&self.occluded) {
+        for ((direction, value), occluded) in self.directions.iter().zip(&self.values).zip(&self.occluded) {
             if !occluded {
-                sink.add_light(ray.direction.normalize_or_zero(), share * *value);
+                sink.add_light(*direction, share * *value);
             }
         }
         self.hits.resize(self.rays.len(), Hit::MISS);

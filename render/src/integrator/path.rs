@@ -404,7 +404,7 @@ impl Advance<'_, '_> {
                 self.record_light_sample(closures, block, i, found);
             }
             self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
-            let shadow_ray = ShadowRay { ray: sample.shadow, radiance };
+            let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
             self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
         }
     }

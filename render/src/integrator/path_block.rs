@@ -25,7 +25,7 @@ use halfdome_kernel::sampling::Address;
 use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
-use crate::world::{Boundary, Hit, Surface, World, interpolate};
+use crate::world::{Boundary, Hit, Rounding, Surface, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
@@ -198,6 +198,7 @@ impl PathBlock {
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],
             time: self.time[i],
+            rounding: Rounding::FLAT,
             is_back: false,
             transmits: self.transmits[i] != 0,
             material: matte,

@@ -117,6 +117,19 @@ fn a_glowing_room_has_the_radiance_of_its_series() {
     }
 }
 
+/// Far from the origin rays start and end far from where light is received, in units of the room.
+#[test]
+fn a_glowing_room_far_away_is_as_bright() {
+    let material = Material { emission: Vec3::ONE, ..Material::matte(Vec3::ZERO) };
+    let middle = Vec3::new(20_000.0, 0.0, 20_000.0);
+    let world = World::new(with_sphere(scene(), middle, 1.0, true, material)).unwrap();
+    let points: Vec<Vec3> = (0..50).map(|i| middle + Vec3::Y * (0.01 * i as f32 - 0.25)).collect();
+    let up: Vec<f32> = at(&world, &points).iter().map(|probe| probe.light.axes[2].x / PI).collect();
+    let mean = up.iter().sum::<f32>() / up.len() as f32;
+    let most = up.iter().fold(0.0, |most: f32, it| most.max((it - 1.0).abs()));
+    assert!((mean - 1.0).abs() < 0.015 && most < 0.25, "{mean}, {most}");
+}
+
 #[test]
 fn a_directional_light_is_its_harmonics_and_casts_shadows() {
     let direction = Vec3::new(-1.0, -2.0, 2.0) / 3.0;

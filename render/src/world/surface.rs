@@ -13,7 +13,8 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{offset_distance, offset_point};
 
 use super::hit::MIDDLE;
-use super::{Hit, TriangleRecord, World};
+use super::rounding::rounded;
+use super::{Hit, Rounding, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
 
@@ -38,8 +39,10 @@ pub(crate) struct Surface<'w> {
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
-    /// How far from the triangle's plane rays start.
+    /// How far from the triangle's plane rays start, or from the point where it is [rounded](super::rounding).
     pub offset: f32,
+    /// How far the front and the back are rounded.
+    pub rounding: Rounding,
     pub prim_id: u32,
     /// As [`Hit::instance`].
     pub instance: u32,
@@ -62,6 +65,7 @@ struct Details {
     tangent: Vec3,
     diffuse: Vec3,
     emission: Vec3,
+    rounding: Rounding,
 }
 
 impl World {
@@ -80,6 +84,7 @@ impl World {
             diffuse: Vec3::ONE,
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
+            rounding: Rounding::FLAT,
             prim_id: Hit::NO_PRIM,
             instance: 0,
             barycentric: [0.0; 2],
@@ -92,7 +97,8 @@ impl World {
 
     /// The front of a triangle at barycentric coordinates, as if it were white: what it reflects is what it receives.
     pub(crate) fn receiver(&self, prim_id: u32, [u, v]: [f32; 2]) -> Surface<'_> {
-        Surface { material: &WHITE, diffuse: Vec3::ONE, ..self.surface(prim_id, u, v) }
+        let surface = self.surface(prim_id, u, v);
+        Surface { material: &WHITE, diffuse: Vec3::ONE, ..surface.facing(-surface.normal) }
     }
 
     /// The surface at a hit.
@@ -125,6 +131,7 @@ impl World {
             diffuse: record.diffuse,
             emission: record.emission,
             offset: face.offset,
+            rounding: Rounding::FLAT,
             prim_id,
             instance: hit.instance,
             barycentric: [u, v],
@@ -135,23 +142,26 @@ impl World {
         };
         if face.is_plain == 0 {
             // Field by field, or the compiler would keep every surface in memory instead of in registers.
-            let details = self.details(face.normal, hit, weights);
+            let details = self.details(face, hit, weights);
             surface.normal = details.normal;
             surface.smooth_normal = details.smooth_normal;
             surface.shading_normal = details.shading_normal;
             surface.tangent = details.tangent;
             surface.diffuse = details.diffuse;
             surface.emission = details.emission;
+            surface.rounding = details.rounding;
         }
         surface
     }
 
     /// What vertices and textures say.
     #[inline(never)]
-    fn details(&self, normal: Vec3, hit: &Hit, weights: [f32; 3]) -> Details {
+    fn details(&self, face: &TriangleRecord, hit: &Hit, weights: [f32; 3]) -> Details {
+        let normal = face.normal;
         let material = self.triangle_records[hit.prim_id as usize].material;
         let turn = self.instance_records().and_then(|_| self.turn_at(hit));
         let point = MeshPoint { turn, ..self.mesh_point(hit.prim_id, weights) };
+        let can_round = self.can_round[material as usize];
         let (record, material) = (&self.material_records[material as usize], &self.materials[material as usize]);
         let interpolated = if point.mesh.normals.is_empty() {
             normal
@@ -162,8 +172,15 @@ impl World {
         let frame = material.frame_at(&point, interpolated);
         // A model's own normals say which side is the front, whatever the winding.
         let is_turned = normal.dot(interpolated) < 0.0;
+        let normal = if is_turned { -normal } else { normal };
+        let rounding = if can_round && !point.mesh.normals.is_empty() {
+            let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
+            Rounding::new(&face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights)
+        } else {
+            Rounding::FLAT
+        };
         Details {
-            normal: if is_turned { -normal } else { normal },
+            normal,
             smooth_normal: match material.tilts_normals() {
                 true => interpolated.normalize_or(frame.normal),
                 false => frame.normal,
@@ -176,6 +193,7 @@ impl World {
                 false => record.diffuse,
             },
             emission: material.emission_at(&point),
+            rounding,
         }
     }
 
@@ -226,11 +244,18 @@ impl Surface<'_> {
     pub(crate) fn facing(self, direction: Vec3) -> Self {
         let is_behind = self.normal.dot(direction) > 0.0;
         let side = if is_behind { -1.0 } else { 1.0 };
+        let (normal, smooth_normal) = (self.normal * side, self.smooth_normal * side);
+        let (normal, offset) = match self.rounding.lift(is_behind) {
+            None => (normal, self.offset),
+            Some(lift) => rounded(normal, smooth_normal, -direction, (self.offset, lift)),
+        };
         Self {
-            normal: self.normal * side,
-            smooth_normal: self.smooth_normal * side,
+            normal,
+            smooth_normal,
             shading_normal: self.shading_normal * side,
             wo: -direction,
+            offset,
+            rounding: Rounding::FLAT,
             is_back: self.is_back != is_behind,
             ..self
         }

@@ -133,7 +133,7 @@ fn lanes_equal_paths(triangles: u32, has_instances: bool) {
                 let sample =
                     sample_direct(&world, &surface, &scattering, (lights, SkyPart::Bright), (u, block.u_light[i].y));
                 unlit += usize::from(sample.is_none());
-                if let Some(ShadowRay { ray, radiance }) = sample {
+                if let Some(ShadowRay { ray, radiance, .. }) = sample {
                     let (shadow, found) = connected.next().unwrap();
                     let light_found = Vec3::new(found[1], found[2], found[3]);
                     assert_eq!((*shadow, found[0].to_bits()), (ray, path.index), "{isa:?}, {lights:?}, {i}");

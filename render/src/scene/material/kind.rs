@@ -39,6 +39,13 @@ impl Material {
         self.kind() >= Kind::Transmissive && self.inputs.transmission_weight > 0.0
     }
 
+    /// Whether light neither goes through nor comes from it, anywhere.
+    pub(crate) fn is_opaque_and_dark(&self) -> bool {
+        let Inputs { transmission_weight, diffuse_transmission_weight, .. } = self.greatest_inputs();
+        let is_opaque = transmission_weight == 0.0 && diffuse_transmission_weight == 0.0;
+        is_opaque && self.emission == Vec3::ZERO && !self.unlit
+    }
+
     /// Whether it is the same all over a mesh, vertex normals and colours left aside.
     pub(crate) fn is_uniform(&self) -> bool {
         let has_maps = !self.maps.is_empty() || self.emission_map.is_some() || self.anisotropy.is_some();

@@ -1,0 +1,195 @@
+//! Smooth surfaces on flat triangles: where a convex mesh has vertex normals, light arrives and leaves as at the round surface that
+//! the normals mean.
+//!
+//! A light below the plane of a triangle may be above the plane of its vertex normals. The triangle's own plane would end the light
+//! there, facet by facet, and the shadow's edge on a ball be a staircase. So the side of a surface is that of its vertex normal, and
+//! rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is on or above the planes about its corners and so
+//! above the facets around (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
+//!
+//! Deviations: of `p'` its height above the triangle counts alone; triangles that are not convex, whose normals lean by more than
+//! [`STEEPEST`], that emit or let light through stay flat, for there a ray from such a point would meet what it left, or start on
+//! the wrong side.
+
+use glam::Vec3;
+use halfdome_kernel::Triangle;
+
+use crate::material::bent_normal;
+
+/// The least cosine between a triangle and its vertex normals, of 30°.
+const STEEPEST: f32 = 0.866;
+/// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
+const LEAST: f32 = 1e-4;
+
+/// How high a point of the round surface is above a triangle, on its front and on its back; less than 0 where that is not convex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rounding {
+    front: f32,
+    back: f32,
+}
+
+impl Rounding {
+    /// Of what is flat, or stays so.
+    pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
+
+    /// At the point with these weights of a triangle with unit normals at its corners, on the side of its own.
+    pub(super) fn new(corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
+        if normals.iter().any(|corner| corner.dot(normal) < STEEPEST) {
+            return Self::FLAT;
+        }
+        let (mut is_convex, mut is_concave) = (true, true);
+        for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+            let way = corners[j] - corners[i];
+            let (height, least) = (way.dot(normals[i]), LEAST * way.length());
+            is_convex &= height <= least;
+            is_concave &= height >= -least;
+        }
+        if is_convex == is_concave {
+            return Self::FLAT;
+        }
+        let point = (0..3).fold(Vec3::ZERO, |sum, i| sum + weights[i] * corners[i]);
+        let side = if is_convex { 1.0 } else { -1.0 };
+        let height = |i: usize| {
+            let normal_at_corner = side * normals[i];
+            (point - corners[i]).dot(normal_at_corner).min(0.0) * normal_at_corner.dot(side * normal)
+        };
+        let lift = (0..3).map(|i| -weights[i] * height(i)).sum::<f32>().max(0.0);
+        if is_convex { Self { front: lift, back: -1.0 } } else { Self { front: -1.0, back: lift } }
+    }
+
+    /// The height on a side, if that is round.
+    #[inline(always)]
+    pub(super) fn lift(self, is_back: bool) -> Option<f32> {
+        let lift = if is_back { self.back } else { self.front };
+        (lift >= 0.0).then_some(lift)
+    }
+}
+
+/// The normal of a round surface as `wo` sees it, and how far from the point rays start that would be `offset` away from the
+/// triangle, and now are higher by `lift`.
+#[inline]
+pub(super) fn rounded(normal: Vec3, smooth: Vec3, wo: Vec3, (offset, lift): (f32, f32)) -> (Vec3, f32) {
+    let round = bent_normal(normal, smooth, wo);
+    (round, (offset + lift) / round.dot(normal).max(0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::{FRAC_1_PI, PI};
+
+    use glam::{Affine3A, vec3};
+    use halfdome_kernel::Ray;
+
+    use super::*;
+    use crate::estimator::sample_direct;
+    use crate::light::SkyPart;
+    use crate::material::Inputs;
+    use crate::scene::{CameraPose, Instance, Material, Mesh, Object, PunctualLight, Scene};
+    use crate::settings::LightSampling;
+    use crate::world::{Hit, World};
+
+    const TO_SUN: Vec3 = Vec3::new(0.48, 0.64, 0.6);
+
+    /// A ball of few facets, whose vertices have the normals of a ball.
+    fn ball() -> Mesh {
+        let (rings, steps) = (8, 12);
+        let mut mesh = Mesh::default();
+        for ring in 0..=rings {
+            for step in 0..steps {
+                let (theta, phi) = (PI * ring as f32 / rings as f32, 2.0 * PI * step as f32 / steps as f32);
+                mesh.positions.push(vec3(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()));
+            }
+        }
+        mesh.normals.clone_from(&mesh.positions);
+        for (ring, step) in (0..rings).flat_map(|ring| (0..steps).map(move |step| (ring, step))) {
+            let corner = |ring: u32, step: u32| ring * steps + step % steps;
+            let [a, b, c, d] =
+                [corner(ring, step), corner(ring, step + 1), corner(ring + 1, step + 1), corner(ring + 1, step)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        mesh
+    }
+
+    /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if `placed` says so.
+    fn world(mesh: Mesh, material: Material, placed: Option<Affine3A>) -> World {
+        let mesh = Mesh { object: placed.map(|_| 0), ..mesh };
+        let sun = PunctualLight::Directional { direction: -TO_SUN, irradiance: Vec3::ONE, half_angle: 0.0 };
+        let mut scene = Scene {
+            meshes: vec![mesh],
+            materials: vec![material],
+            lights: vec![sun],
+            camera: Some(CameraPose { eye: Vec3::Z * 9.0, target: Vec3::ZERO, up: Vec3::Y, vfov: 30.0 }),
+            ..Scene::default()
+        };
+        if let Some(to_world) = placed {
+            scene.objects.push(Object::default());
+            scene.instances.push(Instance { object: 0, to_world });
+        }
+        World::new(scene).unwrap()
+    }
+
+    /// The light of the sun at many points that are seen from afar, and the cosine with their shading normals.
+    fn lit(world: &World) -> Vec<(f32, f32)> {
+        let points = (0..2000).map(|i| {
+            let (z, phi) = (1.0 - (i as f32 + 0.5) / 1000.0, 2.399_963 * i as f32);
+            let from = 5.0 * vec3((1.0 - z * z).sqrt() * phi.cos(), z, (1.0 - z * z).sqrt() * phi.sin());
+            let (ray, mut hits) = (Ray::between(from, Vec3::ZERO), [Hit::MISS]);
+            world.intersect_many(&[ray], &mut hits);
+            let surface = world.surface_at(&hits[0]).facing(ray.direction.normalize());
+            let numbers = (0.5, 0.5);
+            let how = (LightSampling::Direct, SkyPart::Sun);
+            let found = sample_direct(world, &surface, &surface.white(), how, numbers);
+            let free = found.filter(|light| !world.occluded(&light.ray));
+            (free.map_or(0.0, |light| light.radiance.x), surface.shading_normal.dot(TO_SUN).max(0.0))
+        });
+        points.collect()
+    }
+
+    fn matte() -> Material {
+        Material::matte(Vec3::ONE)
+    }
+
+    #[test]
+    fn light_ends_where_it_would_on_a_round_surface() {
+        let flattened = Affine3A::from_scale(vec3(1.0, 0.7, 1.2)) * Affine3A::from_rotation_x(1.0);
+        for placed in [None, Some(flattened)] {
+            for (light, cosine) in lit(&world(ball(), matte(), placed)) {
+                assert!((light - FRAC_1_PI * cosine).abs() < 1e-5, "{light} for {cosine}, {placed:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn glass_lamps_and_flat_meshes_stay_flat() {
+        let glass = Inputs { transmission_weight: 1.0, specular_weight: 1.0, ..Inputs::default() };
+        let glowing = Material { emission: Vec3::ONE, ..matte() };
+        let flat = Mesh { normals: Vec::new(), ..ball() };
+        for (mesh, material) in [(ball(), Material { inputs: glass, ..matte() }), (ball(), glowing), (flat, matte())] {
+            let world = world(mesh, material, None);
+            let surface = world.surface(40, 0.3, 0.3);
+            assert_eq!(surface.rounding, Rounding::FLAT);
+            assert_eq!(surface.facing(-surface.normal).offset, surface.offset);
+        }
+    }
+
+    #[test]
+    fn the_convex_side_is_as_high_as_planes_at_corners_say() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let leaning =
+            |lean: f32| corners.map(|corner| (Vec3::Z + lean * (2.0 * corner - Vec3::ONE).with_z(0.0)).normalize());
+        let at = |lean: f32, weights| Rounding::new(&corners, Vec3::Z, leaning(lean), weights);
+        let corner = at(0.2, [1.0, 0.0, 0.0]);
+        assert_eq!((corner.lift(false), corner.lift(true)), (Some(0.0), None));
+        // Between two corners: each plane is 0.5 of the way times the slope above, along its own normal.
+        let normal = leaning(0.2)[1];
+        let expected = 0.5 * normal.x * normal.z;
+        let half = at(0.2, [0.5, 0.5, 0.0]).lift(false).unwrap();
+        assert!((half - expected).abs() < 0.02, "{half}, not about {expected}");
+        let inside = at(-0.2, [0.5, 0.5, 0.0]);
+        assert!(inside.lift(false).is_none() && inside.lift(true).unwrap() > 0.0, "{inside:?}");
+        // All normals along the triangle's own; too steep; convex along one side and concave along another.
+        assert_eq!(at(0.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
+        assert_eq!(at(1.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
+        let saddle = [vec3(-0.2, 0.2, 1.0), vec3(0.2, 0.2, 1.0), vec3(-0.2, -0.2, 1.0)].map(Vec3::normalize);
+        assert_eq!(Rounding::new(&corners, Vec3::Z, saddle, [0.5, 0.5, 0.0]), Rounding::FLAT);
+    }
+}
