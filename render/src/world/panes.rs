@@ -61,7 +61,7 @@ impl Panes {
         let [a, b] = [self.bounds.min - margin, self.bounds.max + margin].map(|at| (at - ray.origin) / ray.direction);
         let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element().min(ray.t_max));
         // Of NaN nothing is known.
-        !(near > far)
+        near <= far || near.is_nan() || far.is_nan()
     }
 }
 
@@ -113,9 +113,9 @@ impl World {
                 (ray, left) = (inner, left * single);
                 continue;
             }
-            let other = self.glass_face(&inner, time).filter(|(other, _)| {
-                other.is_back && other.material as *const Material == surface.material as *const Material
-            });
+            let other = self
+                .glass_face(&inner, time)
+                .filter(|(other, _)| other.is_back && std::ptr::eq(other.material, surface.material));
             let Some((exit, behind)) = other else {
                 (ray, left) = (inner, left * single);
                 continue;
