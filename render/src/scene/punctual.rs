@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use super::{Profile, ProfileFrame};
 
-/// A light that no ray hits: cameras, mirrors and bounces do not see it. It shines through panes of glass. Intensities are per linear sRGB channel.
+/// A light that no ray hits: cameras, mirrors and bounces do not see it. It shines through panes of glass. Intensities are per
+/// linear sRGB channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PunctualLight {
     /// Shines alike in every direction.

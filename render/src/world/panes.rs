@@ -6,12 +6,14 @@
 //!
 //! `T = (1 - F)² a / (1 - F² a²)`,
 //!
-//! all passages summed (a thin wall has `a = 1`). A single face before the light, as of a sheet or of water above its floor, lets
-//! through `1 - F`: what crosses a plane, a parallel one receives.
+//! all passages summed (a thin wall has `a = 1`). A single face, as that of water above its floor, lets `1 - F` through. What crosses a
+//! plane, a parallel one receives; as paths carry basic radiance, that is `1/n²` of it inside, and `n²` of it outside of a solid with
+//! the light inside.
 //!
-//! Deviations: light leaves a pane where it came, not beside it; a single face does not bend light, and a rough one does not spread
-//! it; films and coats reflect nothing. Faces that are not parallel throw shadows: what they focus is found by paths to lamps that
-//! have a surface.
+//! Smooth faces alone are crossed: the closures of rough ones find lights by samples of their own.
+//!
+//! Deviations: light leaves a pane where it came, not beside it; a single face does not bend light; films and coats reflect
+//! nothing. Faces that are not parallel throw shadows: what they focus is found by paths to lamps that have a surface.
 
 use glam::Vec3;
 use halfdome_kernel::geometry::Aabb;
@@ -20,6 +22,7 @@ use halfdome_kernel::{Ray, Triangle};
 use super::{MIDDLE, Surface, TriangleRecord, World};
 use crate::material::Inputs;
 use crate::material::fresnel::Dielectric;
+use crate::material::ggx::Ggx;
 use crate::scene::Material;
 
 /// The cosine of the angle, 3°, from which on two faces are not parallel.
@@ -74,6 +77,8 @@ struct Face {
     absorption: Vec3,
     /// Cosine inside.
     cos_inside: f32,
+    /// The square of the refractive index inside.
+    ior_squared: f32,
 }
 
 impl World {
@@ -110,14 +115,14 @@ impl World {
                 if face.absorption != Vec3::ZERO {
                     return (shadow, Vec3::ONE);
                 }
-                (ray, left) = (inner, left * single);
+                (ray, left) = (inner, left * single / face.ior_squared);
                 continue;
             }
             let other = self
                 .glass_face(&inner, time)
                 .filter(|(other, _)| other.is_back && std::ptr::eq(other.material, surface.material));
             let Some((exit, behind)) = other else {
-                (ray, left) = (inner, left * single);
+                (ray, left) = (inner, left * single * face.ior_squared);
                 continue;
             };
             if surface.smooth_normal.dot(exit.smooth_normal) < PARALLEL {
@@ -134,7 +139,7 @@ impl World {
         (ray, left)
     }
 
-    /// The nearest surface along a ray, turned towards it, if that is glass.
+    /// The nearest surface along a ray, turned towards it, if that is smooth glass.
     fn glass_face(&self, ray: &Ray, time: f32) -> Option<(Surface<'_>, Face)> {
         let hit = &self.intersect_at(ray, time);
         if !hit.is_hit() || !self.panes.transmits[self.triangle_records[hit.prim_id as usize].material as usize] {
@@ -143,7 +148,7 @@ impl World {
         let surface = self.surface_at(hit).facing(ray.direction);
         let inputs = self.inputs(&surface);
         let weight = inputs.transmission_weight * (1.0 - inputs.base_metalness);
-        if weight == 0.0 {
+        if weight == 0.0 || !Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta() {
             return None;
         }
         // Outside, whichever side that is: straight on there is one angle.
@@ -157,6 +162,7 @@ impl World {
             is_thin: inputs.thin_walled,
             absorption: inputs.absorption,
             cos_inside,
+            ior_squared: ior * ior,
         };
         Some((surface, face))
     }

@@ -24,10 +24,10 @@ const ABSORPTION: Vec3 = Vec3::new(0.5, 1.0, 2.0);
 /// To the sun, 40° from the normals of panes across z.
 const TO_SUN: Vec3 = Vec3::new(0.642_787_6, 0.0, 0.766_044_4);
 
-fn glass(thin_walled: bool, absorption: Vec3) -> Material {
+fn glass(thin_walled: bool, roughness: f32, absorption: Vec3) -> Material {
     let inputs = Inputs {
         specular_weight: 1.0,
-        specular_roughness: 0.0,
+        specular_roughness: roughness,
         specular_ior: IOR,
         transmission_weight: 1.0,
         transmission_color: TINT,
@@ -46,18 +46,25 @@ fn square(z: f32, is_up: bool, slope: f32, material: usize) -> Mesh {
     Mesh { positions, triangles, material, ..Mesh::default() }
 }
 
-/// Meshes above a dark floor under the sun. Materials: 0 clear glass, 1 absorbs, 2 is a thin wall, 3 is dark.
+/// Meshes above a dark floor under the sun.
 fn world(meshes: Vec<Mesh>) -> World {
     let sun = PunctualLight::Directional { direction: -TO_SUN, irradiance: Vec3::ONE, half_angle: 0.0 };
+    lit_by(vec![sun], meshes)
+}
+
+/// Meshes above a dark floor. Materials: 0 clear glass, 1 absorbs, 2 is a thin wall, 3 is dark, 4 emits, 5 is rough glass.
+fn lit_by(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     World::new(Scene {
         meshes: meshes.into_iter().chain([square(0.0, true, 0.0, 3)]).collect(),
         materials: vec![
-            glass(false, Vec3::ZERO),
-            glass(false, ABSORPTION),
-            glass(true, Vec3::ZERO),
+            glass(false, 0.0, Vec3::ZERO),
+            glass(false, 0.0, ABSORPTION),
+            glass(true, 0.0, Vec3::ZERO),
             Material::matte(Vec3::splat(0.01)),
+            Material { emission: Vec3::ONE, ..Material::matte(Vec3::ZERO) },
+            glass(false, 0.3, Vec3::ZERO),
         ],
-        lights: vec![sun],
+        lights,
         camera: Some(CameraPose { eye: Vec3::Z * 0.5, target: Vec3::ZERO, up: Vec3::Y, vfov: 0.01 }),
         ..Scene::default()
     })
@@ -106,9 +113,10 @@ fn panes_keep_what_their_faces_reflect_and_the_glass_absorbs() {
 #[test]
 fn thin_walls_and_sheets_have_one_face() {
     let f = reflectance() as f32;
-    for is_up in [true, false] {
+    // Out of the solid below, and into the one above.
+    for (is_up, basic) in [(true, 1.0 / (IOR * IOR)), (false, IOR * IOR)] {
         assert_left(&world(vec![square(1.0, is_up, 0.0, 2)]), 0.99, TINT * ((1.0 - f) / (1.0 + f)));
-        assert_left(&world(vec![square(1.0, is_up, 0.0, 0)]), 0.99, TINT * (1.0 - f));
+        assert_left(&world(vec![square(1.0, is_up, 0.0, 0)]), 0.99, TINT * (1.0 - f) * basic);
     }
 }
 
@@ -136,6 +144,40 @@ fn lights_in_front_of_a_pane_are_not_dimmed() {
     }
 }
 
+/// The mean of a picture with so many pixels a side and samples.
+fn color(world: &World, integrator: Integrator, (side, spp): (u32, u32)) -> Vec3 {
+    let settings = Settings { width: side, height: side, spp, integrator, ..Settings::default() };
+    let picture = driver::render(world, &settings, &NeverStops).picture;
+    let channel = |name: &str| picture.channel(name).unwrap().values.iter().sum::<f32>() / (side * side) as f32;
+    vec3(channel("R"), channel("G"), channel("B"))
+}
+
+/// A lamp that bounces find is as bright through glass as a point in its place, whether shadow rays or bounces find that one.
+#[test]
+fn points_light_through_glass_as_lamps_with_a_surface_do() {
+    let (height, side) = (20.0, 6.0);
+    let mut lamp = square(height, false, 0.0, 4);
+    lamp.positions.iter_mut().for_each(|corner| *corner *= vec3(side / 18.0, side / 18.0, 1.0));
+    let intensity = Vec3::splat(side * side);
+    let point = PunctualLight::Point { position: Vec3::Z * height, intensity, radius: 0.0 };
+    let path = || Integrator::Path(PathOptions::default());
+    for glass in [
+        vec![],
+        vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 0)],
+        vec![square(1.0, true, 0.0, 0)],
+        vec![square(1.0, false, 0.0, 0)],
+        vec![square(1.0, false, 0.0, 2)],
+        vec![square(1.0, false, 0.0, 5), square(1.2, true, 0.0, 5)],
+        vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 5)],
+    ] {
+        let of_lamp =
+            color(&lit_by(Vec::new(), glass.iter().cloned().chain([lamp.clone()]).collect()), path(), (16, 512));
+        let of_point = color(&lit_by(vec![point.clone()], glass.clone()), path(), (16, 512));
+        let ratio = of_point / of_lamp;
+        assert!((ratio - 1.0).abs().max_element() < 0.15, "{ratio} with {} faces of {:?}", glass.len(), glass.first());
+    }
+}
+
 #[test]
 fn all_integrators_see_the_sun_through_a_window() {
     let world = world(vec![square(1.0, false, 0.0, 1), square(1.2, true, 0.0, 1)]);
@@ -146,10 +188,7 @@ fn all_integrators_see_the_sun_through_a_window() {
         Integrator::Direct(DirectOptions::default()),
         Integrator::Cached(CachedOptions { rays: 64, ..CachedOptions::default() }),
     ] {
-        let settings = Settings { width: 2, height: 2, spp: 4, integrator: integrator.clone(), ..Settings::default() };
-        let picture = driver::render(&world, &settings, &NeverStops).picture;
-        let channel = |name: &str| picture.channel(name).unwrap().values.iter().sum::<f32>() / 4.0;
-        let found = vec3(channel("R"), channel("G"), channel("B"));
+        let found = color(&world, integrator.clone(), (2, 4));
         assert!((found / expected - 1.0).abs().max_element() < 0.01, "{integrator:?}: {found}, not {expected}");
     }
 }
