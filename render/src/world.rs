@@ -46,6 +46,7 @@ pub(crate) use motion::Motion;
 use panes::Panes;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
+use rounding::Bulge;
 pub(crate) use rounding::Rounding;
 pub use seen_points::LookFrom;
 pub(crate) use seen_points::Side;
@@ -62,8 +63,8 @@ pub struct World {
     has_holes: bool,
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
-    /// Whether meshes of each material may be round by their vertex normals.
-    can_round: Vec<bool>,
+    /// Of each `prim_id`.
+    bulges: Vec<Bulge>,
     has_closures: bool,
     /// What solids absorb.
     solids: Solids,
@@ -190,7 +191,7 @@ impl World {
             let first = triangles.records.len() as u32;
             objects.push((triangles.add(numbers), first));
         }
-        let TriangleTable { records: mut triangle_records, first_faces, .. } = triangles;
+        let TriangleTable { records: mut triangle_records, bulges, first_faces, .. } = triangles;
         let spread = motion.as_ref().map(|motion| motion.spread_lights(&lights)).unwrap_or_default();
         let motion = motion.map(|motion| Motion::new(motion, &meshes, &moving, still as u32));
         // What moves is shaded one by one.
@@ -230,7 +231,6 @@ impl World {
         let emitter_records = lights.lights().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
-        let materials_can_round = materials.iter().map(Material::is_opaque_and_dark).collect();
         let solids = Solids::new(&materials);
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
         let panes = Panes::new(&materials, &triangle_records, &corners[..still], has_punctual);
@@ -242,7 +242,7 @@ impl World {
             textures,
             has_holes,
             kinds,
-            can_round: materials_can_round,
+            bulges,
             has_closures,
             solids,
             panes,
@@ -392,13 +392,14 @@ struct TriangleTable<'a> {
     meshes: &'a [Mesh],
     materials: &'a [Material],
     records: Vec<TriangleRecord>,
+    bulges: Vec<Bulge>,
     /// The number of each mesh's first triangle.
     first_faces: Vec<u32>,
 }
 
 impl<'a> TriangleTable<'a> {
     fn new(meshes: &'a [Mesh], materials: &'a [Material]) -> Self {
-        Self { meshes, materials, records: Vec::new(), first_faces: vec![0; meshes.len()] }
+        Self { meshes, materials, records: Vec::new(), bulges: Vec::new(), first_faces: vec![0; meshes.len()] }
     }
 
     /// Adds the meshes of these numbers, and gives the corners of their triangles.
@@ -415,6 +416,7 @@ impl<'a> TriangleTable<'a> {
             self.first_faces[number] = self.records.len() as u32;
             let own = &triangles[self.records.len() - first..][..mesh.triangles.len()];
             let is_plain = u32::from(is_plain(mesh, self.materials));
+            self.bulges.extend(Bulge::of_mesh(mesh, &self.materials[mesh.material]));
             self.records.extend(own.iter().map(|&corners| {
                 let normal = triangle_normal(&corners);
                 let offset = offset_distance(&corners, normal);

@@ -11,16 +11,62 @@
 //! the wrong side.
 
 use glam::Vec3;
-use halfdome_kernel::Triangle;
+use halfdome_kernel::{Triangle, triangle_normal};
 
+use super::interpolate;
 use crate::material::bent_normal;
+use crate::scene::{Material, Mesh};
 
 /// The least cosine between a triangle and its vertex normals, of 30°.
 const STEEPEST: f32 = 0.866;
 /// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
 const LEAST: f32 = 1e-4;
 
-/// How high a point of the round surface is above a triangle, on its front and on its back; less than 0 where that is not convex.
+/// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bulge {
+    /// On neither, or it is to stay flat.
+    None,
+    /// On the side of the normals.
+    Front,
+    /// On the other.
+    Back,
+}
+
+impl Bulge {
+    /// That of each triangle of a mesh.
+    pub(super) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
+        let can_round = !mesh.normals.is_empty() && material.is_opaque_and_dark();
+        mesh.triangles.iter().enumerate().map(move |(face, triangle)| {
+            if can_round {
+                Self::of(&mesh.corners(face), triangle.map(|at| mesh.normals[at as usize]))
+            } else {
+                Self::None
+            }
+        })
+    }
+
+    fn of(corners: &Triangle, normals: [Vec3; 3]) -> Self {
+        let cosines = normals.map(|corner| corner.normalize_or_zero().dot(triangle_normal(corners)));
+        if !cosines.iter().all(|cosine| *cosine >= STEEPEST) && !cosines.iter().all(|cosine| *cosine <= -STEEPEST) {
+            return Self::None;
+        }
+        let (mut is_convex, mut is_concave) = (true, true);
+        for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+            let way = corners[j] - corners[i];
+            let (height, least) = (way.dot(normals[i]), LEAST * way.length());
+            is_convex &= height <= least;
+            is_concave &= height >= -least;
+        }
+        match (is_convex, is_concave) {
+            (true, false) => Self::Front,
+            (false, true) => Self::Back,
+            _ => Self::None,
+        }
+    }
+}
+
+/// How high a point of the round surface is above a triangle, on its front and on its back; less than 0 where that is flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rounding {
     front: f32,
@@ -32,28 +78,17 @@ impl Rounding {
     pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
 
     /// At the point with these weights of a triangle with unit normals at its corners, on the side of its own.
-    pub(super) fn new(corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
-        if normals.iter().any(|corner| corner.dot(normal) < STEEPEST) {
-            return Self::FLAT;
-        }
-        let (mut is_convex, mut is_concave) = (true, true);
-        for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
-            let way = corners[j] - corners[i];
-            let (height, least) = (way.dot(normals[i]), LEAST * way.length());
-            is_convex &= height <= least;
-            is_concave &= height >= -least;
-        }
-        if is_convex == is_concave {
-            return Self::FLAT;
-        }
-        let point = (0..3).fold(Vec3::ZERO, |sum, i| sum + weights[i] * corners[i]);
-        let side = if is_convex { 1.0 } else { -1.0 };
-        let height = |i: usize| {
-            let normal_at_corner = side * normals[i];
-            (point - corners[i]).dot(normal_at_corner).min(0.0) * normal_at_corner.dot(side * normal)
+    pub(super) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
+        let side = match bulge {
+            Bulge::None => return Self::FLAT,
+            Bulge::Front => 1.0,
+            Bulge::Back => -1.0,
         };
-        let lift = (0..3).map(|i| -weights[i] * height(i)).sum::<f32>().max(0.0);
-        if is_convex { Self { front: lift, back: -1.0 } } else { Self { front: -1.0, back: lift } }
+        let point = interpolate(*corners, weights);
+        // What the point is below each corner's plane, along the triangle's normal.
+        let depth = |i: usize| (side * normals[i].dot(corners[i] - point)).max(0.0) * normals[i].dot(normal);
+        let lift: f32 = (0..3).map(|i| weights[i] * depth(i)).sum::<f32>().max(0.0);
+        if bulge == Bulge::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
     }
 
     /// The height on a side, if that is round.
@@ -83,7 +118,7 @@ mod tests {
     use crate::estimator::sample_direct;
     use crate::light::SkyPart;
     use crate::material::Inputs;
-    use crate::scene::{CameraPose, Instance, Material, Mesh, Object, PunctualLight, Scene};
+    use crate::scene::{CameraPose, Instance, Object, PunctualLight, Scene};
     use crate::settings::LightSampling;
     use crate::world::{Hit, World};
 
@@ -176,7 +211,10 @@ mod tests {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let leaning =
             |lean: f32| corners.map(|corner| (Vec3::Z + lean * (2.0 * corner - Vec3::ONE).with_z(0.0)).normalize());
-        let at = |lean: f32, weights| Rounding::new(&corners, Vec3::Z, leaning(lean), weights);
+        let rounding = |normals: [Vec3; 3], weights| {
+            Rounding::new(Bulge::of(&corners, normals), &corners, Vec3::Z, normals, weights)
+        };
+        let at = |lean: f32, weights| rounding(leaning(lean), weights);
         let corner = at(0.2, [1.0, 0.0, 0.0]);
         assert_eq!((corner.lift(false), corner.lift(true)), (Some(0.0), None));
         // Between two corners: each plane is 0.5 of the way times the slope above, along its own normal.
@@ -190,6 +228,6 @@ mod tests {
         assert_eq!(at(0.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
         assert_eq!(at(1.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
         let saddle = [vec3(-0.2, 0.2, 1.0), vec3(0.2, 0.2, 1.0), vec3(-0.2, -0.2, 1.0)].map(Vec3::normalize);
-        assert_eq!(Rounding::new(&corners, Vec3::Z, saddle, [0.5, 0.5, 0.0]), Rounding::FLAT);
+        assert_eq!(rounding(saddle, [0.5, 0.5, 0.0]), Rounding::FLAT);
     }
 }

@@ -14,7 +14,7 @@ use halfdome_kernel::{offset_distance, offset_point};
 
 use super::hit::MIDDLE;
 use super::rounding::rounded;
-use super::{Hit, Rounding, TriangleRecord, World};
+use super::{Bulge, Hit, Rounding, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
 
@@ -161,7 +161,6 @@ impl World {
         let material = self.triangle_records[hit.prim_id as usize].material;
         let turn = self.instance_records().and_then(|_| self.turn_at(hit));
         let point = MeshPoint { turn, ..self.mesh_point(hit.prim_id, weights) };
-        let can_round = self.can_round[material as usize];
         let (record, material) = (&self.material_records[material as usize], &self.materials[material as usize]);
         let interpolated = if point.mesh.normals.is_empty() {
             normal
@@ -173,11 +172,12 @@ impl World {
         // A model's own normals say which side is the front, whatever the winding.
         let is_turned = normal.dot(interpolated) < 0.0;
         let normal = if is_turned { -normal } else { normal };
-        let rounding = if can_round && !point.mesh.normals.is_empty() {
-            let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
-            Rounding::new(&face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights)
-        } else {
+        let bulge = self.bulges[hit.prim_id as usize];
+        let rounding = if bulge == Bulge::None {
             Rounding::FLAT
+        } else {
+            let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
+            Rounding::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights)
         };
         Details {
             normal,

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::Document;
 use super::hierarchy::Placed;
+use crate::scene::nearest::suggestion;
 use crate::scene::{CameraPose, Clip, Optics, Projection, SceneError};
 
 /// A camera of a file.
@@ -34,13 +35,11 @@ pub(super) fn choose<'a>(
     by_name(0).or_else(|| by_name(1)).or_else(by_number).ok_or_else(|| {
         let names: Vec<&str> = cameras.clone().map(|names| names[0]).filter(|name| !name.is_empty()).collect();
         let remedy = match (count, names.is_empty()) {
-            (0, _) => "it has none: leave `model_camera` out".to_owned(),
+            (0, _) => "the file has none: leave `model_camera` out".to_owned(),
             (_, true) => format!("give a number from 1 to {count}"),
-            (_, false) => {
-                format!("it has {}", names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
-            }
+            (_, false) => suggestion(name, &names),
         };
-        document.error("cameras".to_owned(), format!("the file has no camera {name:?}"), &remedy)
+        document.error("cameras", format!("there is no camera {name:?}"), remedy)
     })
 }
 
