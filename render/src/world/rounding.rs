@@ -13,7 +13,6 @@
 use glam::Vec3;
 use halfdome_kernel::{Triangle, triangle_normal};
 
-use super::interpolate;
 use crate::material::bent_normal;
 use crate::scene::{Material, Mesh};
 
@@ -84,7 +83,7 @@ impl Rounding {
             Bulge::Front => 1.0,
             Bulge::Back => -1.0,
         };
-        let point = interpolate(*corners, weights);
+        let point: Vec3 = (0..3).map(|i| weights[i] * corners[i]).sum();
         // What the point is below each corner's plane, along the triangle's normal.
         let depth = |i: usize| (side * normals[i].dot(corners[i] - point)).max(0.0) * normals[i].dot(normal);
         let lift: f32 = (0..3).map(|i| weights[i] * depth(i)).sum::<f32>().max(0.0);
