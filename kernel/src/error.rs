@@ -166,7 +166,8 @@ pub enum InvalidScene {
         /// The transform's index; it is this one, or one on the way to the next.
         key: usize,
     },
-    /// An item whose transform distorts so much, together with those in it, that rounding gets out of hand.
+    /// An item for which the bound of rounding gets out of hand: each level of scenes in scenes multiplies it, by the greatest
+    /// row sums of the item's transform and of its inverse. For rotations that is 1 to 3, however little they round.
     Imprecise {
         /// The item's index.
         item: usize,
@@ -223,7 +224,12 @@ impl fmt::Display for InvalidScene {
                  moves, and keys of a rotation should be less than half a turn apart"
             ),
             Self::Imprecise { item } => {
-                write!(f, "item {item} is distorted so much, with the scenes in it, that its place cannot be told")
+                write!(
+                    f,
+                    "the bound of the rounding error of item {item} is more than a quarter of the scene: transforms of scenes in \
+                     scenes multiply it, rotations by up to 3 a level and stretches by more; nest less deep, or combine \
+                     transforms into one"
+                )
             }
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")

@@ -87,11 +87,6 @@ impl BoxTree {
         self.measure();
     }
 
-    /// Makes the box around all at least as large, until the tree is fitted.
-    pub(crate) fn widen(&mut self, bounds: &Aabb) {
-        self.bounds = self.bounds.union(bounds);
-    }
-
     /// The expected number of nodes that a random ray visits which meets the box around all, as a mean over the keys.
     pub(crate) fn cost(&self) -> f32 {
         self.cost

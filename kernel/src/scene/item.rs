@@ -193,7 +193,7 @@ impl Item<'_> {
     }
 
     /// How far hits may be off the item's box, in units of a ray's reach.
-    fn error(&self) -> Vec3 {
+    pub(super) fn error(&self) -> Vec3 {
         self.placement.error(match self.object.target() {
             Target::Scene(scene) => scene.error().max_element(),
             _ => 0.0,

@@ -94,6 +94,7 @@ mod top_level;
 mod transform;
 mod view;
 mod walk;
+mod widening;
 
 pub use crate::geometry::Sphere;
 pub use blob::{SCENE_BLOB_VERSION, SceneBlob};

@@ -11,6 +11,7 @@ use super::item::Facts;
 use super::top_level::{TASK, TopLevel, check_count};
 use super::transform::Placement;
 use super::view::SceneSummary;
+use super::widening::Errors;
 use super::{Item, Object, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
 use crate::error::{Error, InvalidScene};
@@ -114,7 +115,7 @@ impl<'a> Scene<'a> {
         scene.staged_at = alloc::vec![UNCHANGED; items.len()];
         (scene.items, scene.facts) = (items, facts);
         scene.summary = scene.new_summary()?;
-        let (top, report) = TopLevel::build(executor, &scene.items, scene.summary.keys(), options)?;
+        let (top, report) = TopLevel::build(executor, (&scene.items, &scene.facts), &scene.summary, options)?;
         scene.top = top;
         scene.number_paths();
         Ok((scene, report))
@@ -251,16 +252,16 @@ impl<'a> Scene<'a> {
             // From here on nothing fails, but for a tree that gets too deep.
             self.exchange_items();
             let indices: Vec<u32> = self.staged.iter().map(|staged| staged.index).collect();
-            let keys = summary.keys();
-            if self.top.fit(executor, &self.items, &indices, keys).is_none() {
-                match TopLevel::build(executor, &self.items, keys, &self.options) {
+            if self.top.fit(executor, (&self.items, &self.facts), &indices, &summary).is_none() {
+                match TopLevel::build(executor, (&self.items, &self.facts), &summary, &self.options) {
                     Ok((top, built)) => (self.top, report) = (top, built),
                     Err(error) => {
                         self.exchange_items();
                         self.exchange_facts(&mut facts);
                         self.number_paths();
                         // What was built before can be built again.
-                        (self.top, _) = TopLevel::build(executor, &self.items, self.summary.keys(), &self.options)?;
+                        let list = (&self.items[..], &self.facts[..]);
+                        (self.top, _) = TopLevel::build(executor, list, &self.summary, &self.options)?;
                         return Err(error);
                     }
                 }
@@ -279,7 +280,7 @@ impl<'a> Scene<'a> {
 
     /// Borrows the scene, as of its last commit, for tracing.
     pub fn view(&self) -> SceneView<'_> {
-        SceneView::trusted(&self.items, &self.top.parts, self.top.tree.view(), self.summary)
+        SceneView::trusted(&self.items, &self.top.parts, self.top.tree.view(), self.summary, self.top.bounds)
     }
 
     /// Memory of items, parts and the tree in bytes; what items borrow or share is not counted.
@@ -294,7 +295,7 @@ impl<'a> Scene<'a> {
 
     /// Makes the scene's box at least as large, until the next commit.
     pub(super) fn widen(&mut self, bounds: &Aabb) {
-        self.top.tree.widen(bounds);
+        self.top.widen(bounds);
     }
 
     fn item_mut(&mut self, handle: Handle) -> Result<&mut Item<'a>, InvalidScene> {
@@ -328,10 +329,11 @@ impl<'a> Scene<'a> {
     }
 
     fn new_summary(&self) -> Result<SceneSummary, Error> {
-        let mut summary = SceneSummary::NOTHING;
+        let (mut summary, mut errors) = (SceneSummary::NOTHING, Errors::NONE);
         for (index, facts) in self.facts.iter().enumerate() {
-            summary.add(index, facts)?;
+            summary.add(index, facts, &mut errors)?;
         }
+        summary.finish(&errors);
         check_count(self.facts.iter().map(|facts| facts.count))?;
         Ok(summary)
     }

@@ -2,6 +2,9 @@
 
 use alloc::vec::Vec;
 
+use super::item::Facts;
+use super::view::SceneSummary;
+use super::widening::Widening;
 use super::{Item, Part};
 use crate::bvh::{BoxTree, BuildOptions, BuildReport, Child, Executor, for_each};
 use crate::error::{Error, InvalidTree};
@@ -19,6 +22,8 @@ pub(super) const TASK: usize = 256;
 pub(super) struct TopLevel {
     pub parts: Vec<Part>,
     pub tree: BoxTree,
+    /// Around all that is in the tree, whose own boxes may be widened.
+    pub bounds: Aabb,
     /// The boxes of all parts at the first key, then those at the next …
     boxes: Vec<Aabb>,
     keys: usize,
@@ -35,6 +40,7 @@ impl TopLevel {
         Self {
             parts: Vec::new(),
             tree: BoxTree::empty(),
+            bounds: Aabb::EMPTY,
             boxes: Vec::new(),
             keys: 1,
             firsts: Vec::from([0]),
@@ -43,14 +49,17 @@ impl TopLevel {
         }
     }
 
+    /// Builds the tree over items of which these are the facts.
+    ///
     /// # Errors
     /// [`InvalidTree::TooLarge`].
     pub(super) fn build<E: Executor>(
         executor: &E,
-        items: &[Item],
-        keys: usize,
+        (items, facts): (&[Item], &[Facts]),
+        summary: &SceneSummary,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
+        let (keys, widening) = (summary.keys(), summary.widening());
         check_count(items.iter().map(Item::count))?;
         let (mut parts, mut firsts) = (Vec::new(), Vec::with_capacity(items.len() + 1));
         for (index, item) in (0..).zip(items) {
@@ -66,12 +75,34 @@ impl TopLevel {
                 for_each(executor, TASK, 0, boxes, &|part, place| *place = aabb(&parts[part]));
             }
         }
-        let (tree, report) = BoxTree::build_on(executor, &boxes, keys, options)?;
+        let (tree, report) = if widening.is_by_rays() {
+            BoxTree::build_on(executor, &boxes, keys, options)?
+        } else {
+            let error = |part: usize| facts[parts[part % parts.len()].item as usize].error;
+            let widened = boxes.iter().enumerate().map(|(place, aabb)| widening.in_tree(*aabb, error(place)));
+            BoxTree::build_on(executor, &widened.collect::<Vec<_>>(), keys, options)?
+        };
         let mut is_in_tree = Vec::new();
         is_in_tree.resize(parts.len(), false);
         tree.view().items().iter().for_each(|&part| is_in_tree[part as usize] = true);
         let built_cost = tree.cost();
-        Ok((Self { parts, tree, boxes, keys, firsts, is_in_tree, built_cost }, report))
+        let mut top = Self { parts, tree, bounds: Aabb::EMPTY, boxes, keys, firsts, is_in_tree, built_cost };
+        top.measure(widening);
+        Ok((top, report))
+    }
+
+    /// Finds what is around all.
+    fn measure(&mut self, widening: &Widening) {
+        self.bounds = self.tree.view().bounds();
+        if !widening.is_by_rays() {
+            let in_tree = self.boxes.iter().zip(self.is_in_tree.iter().cycle()).filter(|(_, is_in)| **is_in);
+            self.bounds = in_tree.fold(Aabb::EMPTY, |sum, (aabb, _)| sum.union(aabb));
+        }
+    }
+
+    /// Makes the box around all at least as large, until the tree is fitted.
+    pub(super) fn widen(&mut self, bounds: &Aabb) {
+        self.bounds = self.bounds.union(bounds);
     }
 
     /// Fits the tree to items some of which have changed. `None` if it has to be built again, or had better be; then it
@@ -79,10 +110,11 @@ impl TopLevel {
     pub(super) fn fit<E: Executor>(
         &mut self,
         executor: &E,
-        items: &[Item],
+        (items, facts): (&[Item], &[Facts]),
         changed: &[u32],
-        keys: usize,
+        summary: &SceneSummary,
     ) -> Option<()> {
+        let (keys, widening) = (summary.keys(), summary.widening());
         if keys != self.keys {
             return None;
         }
@@ -114,8 +146,16 @@ impl TopLevel {
                 }
             }
         }
-        let boxes = &self.boxes;
-        self.tree.fit(executor, |key, part| boxes[key * parts + part as usize]);
+        let (boxes, all) = (&self.boxes, &self.parts);
+        let plain = |key: usize, part: u32| boxes[key * parts + part as usize];
+        if widening.is_by_rays() {
+            self.tree.fit(executor, plain);
+        } else {
+            // All of them: by how much they are widened depends on what the whole scene reaches.
+            let error = |part: u32| facts[all[part as usize].item as usize].error;
+            self.tree.fit(executor, |key, part| widening.in_tree(plain(key, part), error(part)));
+        }
+        self.measure(widening);
         (self.tree.cost() <= REBUILD * self.built_cost).then_some(())
     }
 

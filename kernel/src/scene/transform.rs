@@ -16,8 +16,8 @@
 //! error_k = (Σ_j |M_kj|) ‖M⁻¹‖ (e' + 32 u)          ‖.‖: greatest row sum of absolute values
 //! ```
 //!
-//! and the traversal of a scene widens its boxes by the greatest error of its items times the ray's own `ρ`: no hit is lost at
-//! an instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
+//! and by so much boxes are widened, in the tree or by the ray (see [`widening`](super::widening)): no hit is lost at an
+//! instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
 //! 6e-6 at most.
 
 #[cfg(any(feature = "alloc", test))]

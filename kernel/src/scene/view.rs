@@ -1,10 +1,13 @@
 //! A borrowed scene: what is traced.
 
+use core::cell::Cell;
+
 use glam::{Affine3A, Vec3};
 
 use super::item::Facts;
 use super::object::Target;
 use super::transform::MAX_ERROR;
+use super::widening::{Errors, Widening};
 use super::{Item, SceneHit};
 use crate::bvh::{BoxTreeView, Node};
 use crate::error::{Error, InvalidScene};
@@ -30,6 +33,8 @@ pub struct SceneView<'a> {
     parts: &'a [Part],
     tree: BoxTreeView<'a>,
     summary: SceneSummary,
+    /// Around all items at all times; those of the tree may be wider.
+    bounds: Aabb,
     isa: Isa,
 }
 
@@ -37,7 +42,7 @@ pub struct SceneView<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneSummary {
     reach: Aabb,
-    error: Vec3,
+    widening: Widening,
     levels: usize,
     /// Never 0.
     paths: u64,
@@ -46,18 +51,20 @@ pub(super) struct SceneSummary {
 
 impl SceneSummary {
     /// That of nothing.
-    pub(super) const NOTHING: Self = Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 1, keys: 1 };
+    pub(super) const NOTHING: Self =
+        Self { reach: Aabb::EMPTY, widening: Widening::NONE, levels: 0, paths: 1, keys: 1 };
 
     /// Numbers the paths through items too.
     ///
     /// # Errors
     /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
     fn of(items: &mut [Item]) -> Result<Self, InvalidScene> {
-        let mut summary = Self::NOTHING;
+        let (mut summary, mut errors) = (Self::NOTHING, Errors::NONE);
         for (index, item) in items.iter_mut().enumerate() {
             item.first_path = summary.first_path();
-            summary.add(index, &item.facts())?;
+            summary.add(index, &item.facts(), &mut errors)?;
         }
+        summary.finish(&errors);
         Ok(summary)
     }
 
@@ -66,21 +73,32 @@ impl SceneSummary {
         self.paths - 1
     }
 
-    /// Adds an item.
+    /// Adds an item, and its error to those of others.
     ///
     /// # Errors
     /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
-    pub(super) fn add(&mut self, index: usize, item: &Facts) -> Result<(), InvalidScene> {
+    pub(super) fn add(&mut self, index: usize, item: &Facts, errors: &mut Errors) -> Result<(), InvalidScene> {
         self.paths = self.paths.checked_add(item.paths).ok_or(InvalidScene::TooManyPaths { item: index })?;
         // Not for a NaN either.
         if !item.error.cmple(Vec3::splat(MAX_ERROR)).all() {
             return Err(InvalidScene::Imprecise { item: index });
         }
         self.reach = self.reach.union(&item.reach);
-        self.error = self.error.max(item.error);
+        errors.add(item.error);
         self.levels = self.levels.max(item.levels);
         self.keys = self.keys.max(item.keys);
         Ok(())
+    }
+
+    /// All items have been added; these are their errors.
+    pub(super) fn finish(&mut self, errors: &Errors) {
+        self.widening = Widening::of(errors, &self.reach);
+    }
+
+    /// How boxes are widened.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) fn widening(&self) -> &Widening {
+        &self.widening
     }
 
     /// The number of keys that the tree needs.
@@ -104,23 +122,38 @@ impl<'a> SceneView<'a> {
     ) -> Result<Self, Error> {
         let summary = SceneSummary::of(items)?;
         let items: &'a [Item<'a>] = items;
-        let aabb = |key: usize, number: u32| {
-            let part = parts.get(number as usize)?;
-            let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
-            Some(item.aabb(part.prim_id, key, summary.keys))
+        let with = |widening: Widening| {
+            let bounds = Cell::new(Aabb::EMPTY);
+            let aabb = |key: usize, number: u32| {
+                let part = parts.get(number as usize)?;
+                let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
+                let aabb = item.aabb(part.prim_id, key, summary.keys);
+                bounds.set(bounds.get().union(&aabb));
+                Some(if widening.is_by_rays() { aabb } else { widening.in_tree(aabb, item.error()) })
+            };
+            let tree = BoxTreeView::new(nodes, numbers, summary.keys, aabb)?;
+            let bounds = if widening.is_by_rays() { tree.bounds() } else { bounds.get() };
+            Ok(Self { items, parts, tree, summary: SceneSummary { widening, ..summary }, bounds, isa: Isa::detect() })
         };
-        let tree = BoxTreeView::new(nodes, numbers, summary.keys, aabb)?;
-        Ok(Self::trusted(items, parts, tree, summary))
+        let widening = summary.widening;
+        match with(widening) {
+            // Trees in older blobs are around the boxes as they are.
+            Err(_) if !widening.is_by_rays() => with(widening.by_rays()),
+            checked => checked,
+        }
     }
 
-    /// Borrows a scene that is known to be valid.
+    /// Borrows a scene that is known to be valid, and whose boxes are in the tree as its [widening](SceneSummary::widening)
+    /// says.
+    #[cfg(any(feature = "alloc", test))]
     pub(super) fn trusted(
         items: &'a [Item<'a>],
         parts: &'a [Part],
         tree: BoxTreeView<'a>,
         summary: SceneSummary,
+        bounds: Aabb,
     ) -> Self {
-        Self { items, parts, tree, summary, isa: Isa::detect() }
+        Self { items, parts, tree, summary, bounds, isa: Isa::detect() }
     }
 
     /// The same scene, traced with the instructions of `isa` instead of those of [`Isa::detect`], whatever the trees in it say.
@@ -143,7 +176,8 @@ impl<'a> SceneView<'a> {
         self.items
     }
 
-    /// The tree over the boxes of [`parts`](Self::parts).
+    /// The tree over the boxes of [`parts`](Self::parts). Those of items that their transforms distort by more than 100 or so
+    /// are wider there than what is in them, for what rounding does to rays.
     #[inline]
     pub fn tree(&self) -> &BoxTreeView<'a> {
         &self.tree
@@ -165,7 +199,7 @@ impl<'a> SceneView<'a> {
     /// The box around all items at all times; empty if there are none.
     #[inline]
     pub fn bounds(&self) -> Aabb {
-        self.tree.bounds()
+        self.bounds
     }
 
     /// The number of scenes one in the other, below this one.
@@ -196,16 +230,27 @@ impl<'a> SceneView<'a> {
         self.summary.paths
     }
 
+    /// What is known of all items together.
+    #[cfg(any(feature = "alloc", test))]
+    pub(super) fn summary(&self) -> &SceneSummary {
+        &self.summary
+    }
+
     /// What rays' reach has to span.
     #[inline(always)]
     pub(super) fn reach(&self) -> Aabb {
         self.summary.reach
     }
 
-    /// How far hits may be off the boxes of their items, in units of a ray's reach.
+    /// How boxes are widened.
     #[inline(always)]
+    pub(super) fn widening(&self) -> &Widening {
+        &self.summary.widening
+    }
+
+    /// How far hits may be off the boxes of their items, in units of a ray's reach.
     pub(super) fn error(&self) -> Vec3 {
-        self.summary.error
+        self.summary.widening.greatest()
     }
 }
 

@@ -166,7 +166,7 @@ fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(S
     let moment = Moment::new(*time, scene.tree().keys())?;
     let reach = (scene.reach().min - ray.origin).abs().max((scene.reach().max - ray.origin).abs());
     // The second term is for the rounding of this sum.
-    setup.slabs.widen(scene.error() * reach.max_element() + ray.origin.abs() * NODE_ORIGIN_PAD);
+    setup.slabs.widen(scene.widening().of_ray(reach.max_element()) + ray.origin.abs() * NODE_ORIGIN_PAD);
     Some((setup.slabs, moment))
 }
 

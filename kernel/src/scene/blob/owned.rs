@@ -12,6 +12,7 @@ use crate::bvh::blob_header::{BYTE_ORDER, checksum};
 use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, RoundBvh, Serial};
 use crate::error::InvalidTree;
 use crate::scene::Scene;
+use crate::scene::item::Facts;
 use crate::scene::object::Target;
 use crate::scene::top_level::TopLevel;
 use crate::scene::transform::Placement;
@@ -154,8 +155,8 @@ impl Writer {
                 Target::Shape(_) => return Err(InvalidScene::NotSaved { item: index, depth }.into()),
             });
         }
-        let keys = items.iter().map(Item::keys).max().unwrap_or(1);
-        let (top, _) = TopLevel::build(&Serial, items, keys, &self.options)?;
+        let facts: Vec<Facts> = items.iter().map(Item::facts).collect();
+        let (top, _) = TopLevel::build(&Serial, (items, &facts), scene.summary(), &self.options)?;
         let tree = top.tree.view();
         let mut record = SceneRecord {
             first_item: number(self.items.len())?,

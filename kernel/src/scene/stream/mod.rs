@@ -17,6 +17,7 @@ use trees::PlaceTrees;
 
 use super::search::Search;
 use super::walk::Trace;
+use super::widening::Widening;
 use super::{SceneHit, SceneRay, SceneView};
 use crate::bvh::{Child, Node, WIDTH};
 use crate::geometry::setup::NODE_ORIGIN_PAD;
@@ -264,12 +265,12 @@ fn set_up<S: Simd>(scene: &SceneView, rows: [S::F8; WIDTH]) -> SetupLanes<WIDTH,
     let [x, y, z, ..] = rays;
     let [rx, ry, rz] = bounds.reach(&[x, y, z]);
     let (reach, origin_pad) = (rx.max(ry).max(rz), S::F8::splat(NODE_ORIGIN_PAD));
-    let error = scene.error();
-    let [ex, ey, ez] = [S::F8::splat(error.x), S::F8::splat(error.y), S::F8::splat(error.z)];
-    setups.widen([
-        ex * reach + x.abs() * origin_pad,
-        ey * reach + y.abs() * origin_pad,
-        ez * reach + z.abs() * origin_pad,
-    ]);
+    let Widening { ordinary, distorted, near, .. } = *scene.widening();
+    let far = reach - S::F8::splat(near);
+    let pad = |axis: usize, origin: S::F8| {
+        let widening = (S::F8::splat(ordinary[axis]) * reach).max(S::F8::splat(distorted[axis]) * far);
+        widening + origin.abs() * origin_pad
+    };
+    setups.widen([pad(0, x), pad(1, y), pad(2, z)]);
     setups
 }

@@ -10,6 +10,7 @@ mod shapes;
 mod streams;
 mod transforms;
 mod updates;
+mod widening;
 
 use alloc::boxed::Box;
 use alloc::vec;
