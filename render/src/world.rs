@@ -37,7 +37,7 @@ use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, Texture};
 pub(crate) use bodies::Bodies;
 use closures::ClosureCell;
-pub(crate) use hit::{Hit, MIDDLE};
+pub(crate) use hit::{Hit, MIDDLE, time_of};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
 pub(crate) use media::Boundary;

@@ -7,7 +7,7 @@
 //! [`light_warp`]). A sky that is as bright everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that
 //! is not by its brightness.
 //!
-//! [`sample_light`] and the two densities, [`emitted_density`] and [`sky_density`], are all that integrators, sensors,
+//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of [`seen_lights`](super::seen_lights), are all that integrators, sensors,
 //! bakes and probes have of it. Which part of the sky is for light samples, the caller knows ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
@@ -42,10 +42,14 @@ pub(crate) struct LightSample {
     pub radiance: Vec3,
     /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
     pub inv_density: f32,
+    /// Whether it comes from a light without a surface, which bounces meet where they look for it (see
+    /// [`seen_lights`](super::seen_lights)).
+    pub is_punctual: bool,
 }
 
 /// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is scattered. The
-/// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction.
+/// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction. All that
+/// lights without a surface send is found.
 #[inline(always)]
 pub(crate) fn sample_direct(
     world: &World,
@@ -59,7 +63,8 @@ pub(crate) fn sample_direct(
     let choice = world.lights.choose(&receiver, &weights, choice)?;
     let light = sample_light(world, surface, (lights, part), &choice, v)?;
     let (scattered, bounce_density) = scattering.eval(light.direction);
-    let radiance = scattered * light.radiance * lights.light_weight(light.inv_density, bounce_density);
+    let inv_density = if light.is_punctual { 0.0 } else { light.inv_density };
+    let radiance = scattered * light.radiance * lights.light_weight(inv_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
 }
 
@@ -124,18 +129,23 @@ pub(crate) fn sample_light(
         Light::Punctual(light) => {
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
-            let PunctualSample { direction, mut shadow, mut received } = sample_punctual(surface, light, u);
+            let PunctualSample { direction, mut shadow, mut received, mut solid_angle } =
+                sample_punctual(surface, light, u);
             if world.has_panes() {
                 let (rest, left) = world.beyond_panes(shadow, surface.time);
+                // Bounces that pass through glass leave this light to the samples.
+                solid_angle = if rest == shadow { solid_angle } else { 0.0 };
                 (shadow, received) = (rest, received * left);
             }
-            LightSample { shadow, direction, radiance: received / choice.probability, inv_density: 0.0 }
+            let per_probability = choice.probability.recip();
+            let (radiance, inv_density) = (received / choice.probability, solid_angle * per_probability);
+            LightSample { shadow, direction, radiance, inv_density, is_punctual: true }
         }
         Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.
-    let LightSample { shadow, direction, radiance, inv_density } = rarer;
-    Some(LightSample { shadow, direction, radiance, inv_density })
+    let LightSample { shadow, direction, radiance, inv_density, is_punctual } = rarer;
+    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual })
 }
 
 #[inline(always)]
@@ -185,7 +195,8 @@ pub(crate) fn area_light_sample(
     let inv_density = cosine_at_light * inv_distance * (inv_distance * inv_distance) * area;
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
-    let sample = LightSample { shadow, direction, radiance: light.emission * inv_density, inv_density };
+    let radiance = light.emission * inv_density;
+    let sample = LightSample { shadow, direction, radiance, inv_density, is_punctual: false };
     (sample, ((cosine > 0.0) | from_behind) & (cosine_at_light > 0.0))
 }
 
@@ -197,5 +208,6 @@ fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32,
     let radiance = sample.radiance * inv_density;
     // No bounce sees the sun where that is what is asked for.
     let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
-    (sample.density > 0.0).then_some(LightSample { shadow, direction: sample.direction, radiance, inv_density })
+    let direction = sample.direction;
+    (sample.density > 0.0).then_some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false })
 }

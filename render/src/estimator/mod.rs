@@ -12,6 +12,7 @@ mod lit;
 mod occluders;
 mod punctual;
 mod rounds;
+mod seen_lights;
 mod weight;
 
 pub(crate) use adaptive_gather::AdaptiveGatherer;
@@ -28,3 +29,4 @@ pub(crate) use lit::{aim, aimed_density, aimed_weight};
 pub use occluders::SECTORS;
 pub(crate) use occluders::sector;
 pub(crate) use rounds::{RoundsMean, mean_in_rounds};
+pub(crate) use seen_lights::{SeenLight, seen_lights};

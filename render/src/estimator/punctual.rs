@@ -6,9 +6,10 @@
 //! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
 //! with `4π L`.
 //!
-//! No bounce can hit any of these: mirrors do not show them, and shadow rays [cross panes](crate::world::World::beyond_panes).
+//! Rays meet those that have a size ([`seen`]), if they come from a mirror or a glossy surface; and shadow rays to all of them
+//! [cross panes](crate::world::World::beyond_panes).
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -19,7 +20,7 @@ use crate::light::SpotCone;
 use crate::scene::PunctualLight;
 use crate::world::Surface;
 
-/// A direction in which light arrives from a light that no bounce can hit.
+/// A direction in which light arrives from such a light.
 pub(super) struct PunctualSample {
     /// Unit vector.
     pub direction: Vec3,
@@ -27,6 +28,17 @@ pub(super) struct PunctualSample {
     pub shadow: Ray,
     /// Radiance over density; of a delta light, irradiance on what faces it.
     pub received: Vec3,
+    /// The reciprocal of the density per solid angle; 0 of a delta light.
+    pub solid_angle: f32,
+}
+
+/// Such a light on the way of a ray.
+pub(super) struct Seen {
+    pub radiance: Vec3,
+    /// How far away it begins.
+    pub distance: f32,
+    /// What it subtends at the ray's origin.
+    pub solid_angle: f32,
 }
 
 /// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean.
@@ -56,7 +68,61 @@ pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, u: Vec2)
             (direction, shadow, intensity * (profile.candela(frame, -direction) * per_intensity))
         }
     };
-    PunctualSample { direction: direction.normalize_or_zero(), shadow, received }
+    let solid_angle = solid_angle(surface.position, light);
+    PunctualSample { direction: direction.normalize_or_zero(), shadow, received, solid_angle }
+}
+
+/// What a light subtends, seen from a point; 0 of a delta light.
+fn solid_angle(from: Vec3, light: &PunctualLight) -> f32 {
+    let sin_squared = match light {
+        PunctualLight::Directional { half_angle, .. } => half_angle.sin() * half_angle.sin(),
+        _ => match light.place() {
+            Some((position, _, radius)) if radius > 0.0 => radius * radius / position.distance_squared(from),
+            _ => 0.0,
+        },
+    };
+    if sin_squared < 1.0 { TAU * sin_squared / (1.0 + (1.0 - sin_squared).sqrt()) } else { 2.0 * TAU }
+}
+
+/// What a ray in a unit vector sees of a light of a size up to the distance `t_max`.
+pub(super) fn seen(ray: &Ray, t_max: f32, light: &PunctualLight) -> Option<Seen> {
+    let (origin, direction) = (ray.origin, ray.direction);
+    let (distance, radiance) = match *light {
+        PunctualLight::Directional { direction: axis, irradiance, half_angle } => {
+            let sin = half_angle.sin();
+            // By the chord, as a cosine near 1 is not exact.
+            let is_in = (direction + axis).length_squared() < 4.0 * (0.5 * half_angle).sin().powi(2);
+            (is_in && t_max == f32::INFINITY).then(|| (f32::INFINITY, irradiance / (PI * sin * sin)))?
+        }
+        _ => {
+            let (position, _, radius) = light.place()?;
+            let (distance, per_intensity) =
+                (met(position - origin, radius, direction)?, (PI * radius * radius).recip());
+            let intensity = match *light {
+                PunctualLight::Spot { direction: axis, intensity, cos_inner, cos_outer, edge, .. } => {
+                    intensity * SpotCone::new(cos_inner, cos_outer, edge).part(-direction.dot(axis))
+                }
+                PunctualLight::Profiled { ref frame, intensity, ref profile, .. } => {
+                    intensity * profile.candela(frame, -direction)
+                }
+                PunctualLight::Point { intensity, .. } | PunctualLight::Directional { irradiance: intensity, .. } => {
+                    intensity
+                }
+            };
+            (distance, intensity * per_intensity)
+        }
+    };
+    let is_seen = distance <= t_max && radiance.cmpgt(Vec3::ZERO).any();
+    is_seen.then(|| Seen { radiance, distance, solid_angle: solid_angle(origin, light) })
+}
+
+/// Where a ray from the origin in a unit vector first meets the sphere about `center`, which has no inside if it has no size.
+fn met(center: Vec3, radius: f32, direction: Vec3) -> Option<f32> {
+    let (along, squared) = (center.dot(direction), radius * radius);
+    let is_met = (center - direction * along).length_squared() < squared;
+    let is_inside = center.length_squared() < squared;
+    (is_met && (is_inside || along > 0.0))
+        .then(|| crossing(center, radius, direction, if is_inside { 1.0 } else { -1.0 }))
 }
 
 /// The unit vector from a surface to a point, and the ray in between.

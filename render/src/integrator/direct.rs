@@ -7,7 +7,7 @@
 use glam::Vec3;
 use halfdome_kernel::Ray;
 
-use super::emission::{emission, sky};
+use super::emission::{emission, lights_on_the_way, sky};
 use super::shadow_queue::ShadowQueue;
 use super::state::Path;
 use super::wavefront::{PathVertex, ScalarSteps, VertexStep};
@@ -49,16 +49,20 @@ impl VertexStep for Direct<'_> {
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
         let (world, PathVertex { ray, hit, numbers, .. }) = (self.world, vertex);
+        let how = (LIGHTS, SkyPart::All);
+        lights_on_the_way(world, how, &path, ray, (hit.t, vertex.time), |_, light| {
+            *radiance += path.throughput * light
+        });
         if !hit.is_hit() {
             *radiance += path.throughput * sky(world, LIGHTS, &path, ray.direction);
             return None;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), &path, &surface, ray, hit);
+        *radiance += path.throughput * emission(world, how, &path, &surface, ray, hit);
 
         let mut surface = surface.facing(ray.direction);
         let scattering = world.scattering(&mut surface);
-        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, (LIGHTS, SkyPart::All), numbers.light()) {
+        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, how, numbers.light()) {
             shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         path.through(&surface, &scattering, vertex)

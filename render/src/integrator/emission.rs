@@ -4,7 +4,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 
 use super::state::Path;
-use crate::estimator::emitted_density;
+use crate::estimator::{SeenLight, emitted_density, seen_lights};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
@@ -12,6 +12,26 @@ use crate::world::{Hit, Surface, World};
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
     world.lights.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
+}
+
+/// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the radiance
+/// of each, weighted against the light sample that might have found it.
+pub(super) fn lights_on_the_way(
+    world: &World,
+    (lights, part): (LightSampling, SkyPart),
+    path: &Path,
+    ray: &Ray,
+    (t_max, time): (f32, f32),
+    mut see: impl FnMut(&SeenLight, Vec3),
+) {
+    if world.lights.sized.is_empty() || !path.sees_lights() {
+        return;
+    }
+    seen_lights(world, ray, (t_max, time), |seen| {
+        let by_sample = || seen.density(world, &path.receiver(ray.origin), part);
+        let sampled = if path.density == f32::INFINITY { 0.0 } else { by_sample() };
+        see(&seen, seen.radiance * lights.bounce_weight(path.density, sampled));
+    });
 }
 
 /// What the surface emits along the path, weighted against the light sample that might have found it: one with this

@@ -27,6 +27,13 @@ pub(super) struct Arrival<'w> {
     pub(super) boundary: Boundary,
 }
 
+impl Media {
+    /// What is left of light over a distance in these, if that leads to no surface.
+    pub(super) fn transmittance(&self, world: &World, distance: f32) -> Vec3 {
+        if distance < f32::INFINITY { transmittance(world, self.materials[0], distance) } else { Vec3::ONE }
+    }
+}
+
 impl Arrival<'_> {
     /// What is left of light on the way there.
     pub(super) fn transmittance(&self, distance: f32) -> Vec3 {

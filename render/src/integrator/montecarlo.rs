@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, unit_double};
 
-use super::emission::{emission, sky};
+use super::emission::{emission, lights_on_the_way, sky};
 use super::media::{Arrival, Media};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
@@ -23,7 +23,7 @@ use crate::estimator::{Hemisphere, sample_direct, sky_density};
 use crate::light::SkyPart;
 use crate::material::{Closure, Kind};
 use crate::settings::{LightSampling, MonteCarloOptions};
-use crate::world::{Hit, Surface, World};
+use crate::world::{Hit, Surface, World, time_of};
 
 /// Light is sampled at each surface, so rays that gather do not count it again.
 const LIGHTS: LightSampling = LightSampling::Direct;
@@ -66,7 +66,8 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     radiance.fill(Vec3::ZERO);
-    let gather = Gather { world, options, hemisphere: Hemisphere::new(options.sampling, options.rays) };
+    let times = batch.times;
+    let gather = Gather { world, times, options, hemisphere: Hemisphere::new(options.sampling, options.rays) };
     let mut traced = 0;
     // Few enough camera rays at once that the last bounce fits into memory.
     let together = (BATCH / (options.rays_per_sample() + 1)).max(1) as usize;
@@ -135,6 +136,8 @@ impl Generation {
 /// What all surfaces do.
 struct Gather<'a> {
     world: &'a World,
+    /// Of all camera rays, or none.
+    times: &'a [f32],
     options: &'a MonteCarloOptions,
     hemisphere: Hemisphere,
 }
@@ -151,12 +154,15 @@ impl Gather<'_> {
         radiance: &mut Vec3,
     ) {
         let (world, path) = (self.world, &node.path);
+        let how = (LIGHTS, SkyPart::All);
+        let until = (hit.t, time_of(self.times, path.index as usize));
+        lights_on_the_way(world, how, path, ray, until, |_, light| *radiance += path.throughput * light);
         if !hit.is_hit() {
             *radiance += path.throughput * sky(world, LIGHTS, path, ray.direction);
             return;
         }
         let surface = world.surface_at(hit);
-        *radiance += path.throughput * emission(world, (LIGHTS, SkyPart::All), path, &surface, ray, hit);
+        *radiance += path.throughput * emission(world, how, path, &surface, ray, hit);
 
         let mut surface = surface.facing(ray.direction);
         let scattering = world.scattering(&mut surface);
@@ -164,9 +170,7 @@ impl Gather<'_> {
         let [finer, chance] = sampler.uniform2(set).to_array();
         let u_light = sampler.uniform2(set.wrapping_add(1));
         let choice = unit_double(Vec2::new(u_light.x, finer));
-        if let Some(shadow_ray) =
-            sample_direct(world, &surface, &scattering, (LIGHTS, SkyPart::All), (choice, u_light.y))
-        {
+        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, how, (choice, u_light.y)) {
             children.shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         if node.bounces > 0 {
@@ -185,7 +189,8 @@ impl Gather<'_> {
             throughput /= survival;
         }
         let sky_density = sky_density(world, &surface, SkyPart::All, bounce.direction);
-        let normal = surface.receiver().packed();
+        let is_mirrored = bounce.density == f32::INFINITY;
+        let normal = if is_mirrored { path.normal_mirrored() } else { surface.receiver().packed() };
         let path = Path { throughput, density: bounce.density, sky_density, normal, ..*path };
         children.push(Node { path, ..child }, leave(&surface, bounce.direction));
     }

@@ -18,6 +18,7 @@
 mod absorb;
 mod aim;
 mod record;
+mod seen_lights;
 mod train;
 
 use std::ops::Range;
@@ -164,6 +165,7 @@ impl Task for Steps<'_, '_> {
         if step.aims() {
             step.wave.lose_aimed();
         }
+        step.see_lights();
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);
         step.advance(0..ends[0], &mut Lambert, block, shadows, bounces);
@@ -391,7 +393,9 @@ impl Advance<'_, '_> {
         let Some(sample) = sample_light(self.world, &surface, how, light, block.u_light[i].y) else { return };
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let density = self.bounce_density(i, sample.direction, density);
-        let radiance = scattered * sample.radiance * self.options.lights.light_weight(sample.inv_density, density);
+        let is_shared = C::SHARES_LIGHTS || !sample.is_punctual;
+        let inv_density = if is_shared { sample.inv_density } else { 0.0 };
+        let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
         if radiance.cmpgt(Vec3::ZERO).any() {
             let mut radiance = radiance;
             if self.is_absorbed() {

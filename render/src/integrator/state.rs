@@ -19,7 +19,8 @@ pub(super) struct Path {
     pub density: f32,
     /// The density with which sampling the sky would have taken the same direction.
     pub sky_density: f32,
-    /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there?
+    /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there? And in the
+    /// first bit, whether it [sees lights](Self::sees_lights) of a size.
     pub normal: u32,
     /// One more than the `prim_id` of the lit triangle that it was aimed at; 0 for a path that has left a surface that
     /// aims, and [`UNAIMED`](Self::UNAIMED) for one that has left another.
@@ -27,8 +28,14 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// The normal of a path that has left no surface yet.
-    const NOWHERE: u32 = 1 << 31;
+    /// The bit of `normal` that says so.
+    const SEES_LIGHTS: u32 = 1 << 31;
+
+    /// The normal of a path that has left no surface yet. None has coordinates like these.
+    const NOWHERE: u32 = u32::MAX;
+
+    /// The normal of a path that has left mirrors and clear glass alone, where nobody asks which.
+    const MIRRORED: u32 = u32::MAX - 1;
 
     /// The `target` of a path that has left a lit triangle: these do not aim, as their own bounces find the others.
     pub(super) const UNAIMED: u32 = u32::MAX;
@@ -42,7 +49,30 @@ impl Path {
     /// Whether it has left no surface yet.
     #[inline(always)]
     pub(super) fn is_first(&self) -> bool {
-        self.normal == Self::NOWHERE
+        self.normal >= Self::MIRRORED
+    }
+
+    /// Whether it sees lights of a size that no triangle stands for. The camera does not, mirrors and clear glass that it sees do,
+    /// and glossy surfaces where their light samples know of it. What mirrors and clear glass show to surfaces that scatter, paths
+    /// would find too rarely: it is left out, as the light of those of no size is.
+    #[inline(always)]
+    pub(super) fn sees_lights(&self) -> bool {
+        self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
+    }
+
+    /// The `normal` of a path that leaves a surface with this packed normal, where it had `normal` and `density` before, and now has
+    /// the density `next`; and whether light samples there leave a part of the lights to it.
+    #[inline(always)]
+    pub(super) fn normal_after(packed: u32, (normal, density): (u32, f32), next: f32, shares_lights: bool) -> u32 {
+        let is_straight = (density == f32::INFINITY) & (normal & Self::SEES_LIGHTS != 0);
+        let sees = if next == f32::INFINITY { is_straight } else { shares_lights };
+        packed | if sees { Self::SEES_LIGHTS } else { 0 }
+    }
+
+    /// The `normal` after a mirror or clear glass.
+    #[inline]
+    pub(super) fn normal_mirrored(&self) -> u32 {
+        if self.is_first() && self.density == f32::INFINITY { Self::MIRRORED } else { self.normal & !Self::SEES_LIGHTS }
     }
 
     /// The path that begins with the camera ray of this number, whose direction had this density.

@@ -12,7 +12,7 @@ use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
 use crate::material::{Closure, Kind};
-use crate::world::{Hit, Surface, World};
+use crate::world::{Hit, MIDDLE, Surface, World};
 
 /// What paths do at their surfaces: all that one integrator has to itself.
 pub(super) trait WavefrontStep {
@@ -69,6 +69,8 @@ pub(super) struct PathVertex<'a> {
     pub hit: &'a Hit,
     /// What solids have left of light on the way there; the path's throughput knows.
     pub transmittance: Vec3,
+    /// The path's time.
+    pub time: f32,
     pub numbers: Numbers,
 }
 
@@ -130,7 +132,8 @@ impl Path {
         if bounce.density != f32::INFINITY {
             return None;
         }
-        let next = Self { throughput: self.throughput * bounce.weight, density: bounce.density, ..self };
+        let (throughput, normal) = (self.throughput * bounce.weight, self.normal_mirrored());
+        let next = Self { throughput, density: bounce.density, normal, ..self };
         Some((next, Ray::new(surface.origin_towards(bounce.direction), bounce.direction)))
     }
 }
@@ -185,6 +188,8 @@ impl Wavefront {
         self.hits.extend_from_slice(batch.hits);
         self.addresses.clear();
         self.addresses.extend(batch.samplers.iter().map(Sampler::address));
+        self.times.clear();
+        self.times.extend_from_slice(batch.times);
         self.media.clear();
         self.next_media.clear();
         if world.has_absorption() {
@@ -222,7 +227,8 @@ impl Wavefront {
             let arrival = media.map(|media| Arrival { world, media: *media, boundary: world.boundary(ray, hit) });
             let transmittance = arrival.map_or(Vec3::ONE, |arrival| arrival.transmittance(hit.t));
             path.throughput *= transmittance;
-            let vertex = PathVertex { ray, hit, transmittance, numbers };
+            let time = self.times.get(i).copied().unwrap_or(MIDDLE);
+            let vertex = PathVertex { ray, hit, transmittance, time, numbers };
             let next = step.step(path, &vertex, &mut self.shadow_queue, &mut radiance[path.index as usize]);
             if let Some(arrival) = arrival {
                 self.shadow_queue.dim(waiting, |ray| arrival.transmittance_of(ray));
@@ -236,6 +242,11 @@ impl Wavefront {
             }
         }
         self.keep(kept);
+    }
+
+    /// What is left of light over a distance on the way of a path.
+    pub(super) fn transmittance(&self, world: &World, path: usize, distance: f32) -> Vec3 {
+        self.media.get(path).map_or(Vec3::ONE, |media| media.transmittance(world, distance))
     }
 
     /// Lets paths that were aimed at a triangle and hit another one find nothing.

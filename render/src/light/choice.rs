@@ -159,12 +159,12 @@ impl LightSampler {
 
     /// Lights are triangles, then points, then those that are distant, then the sky.
     #[inline(always)]
-    fn first_point(&self) -> u32 {
+    pub(super) fn first_point(&self) -> u32 {
         self.triangles.as_ref().map_or(0, Tree::len) as u32
     }
 
     #[inline(always)]
-    fn first_distant(&self) -> u32 {
+    pub(super) fn first_distant(&self) -> u32 {
         self.first_point() + self.points.as_ref().map_or(0, Tree::len) as u32
     }
 

@@ -54,6 +54,11 @@ impl Patches {
         self.rows[index / WIDTH].irradiance[index % WIDTH] *= factor;
     }
 
+    /// The irradiance that one of them causes at the receiver if nothing is in between.
+    pub(crate) fn weight(&self, index: usize, receiver: &Receiver) -> f32 {
+        self.rows[index / WIDTH].weights(receiver)[index % WIDTH]
+    }
+
     /// The irradiance that each row of them causes at the receiver if nothing is in between.
     #[inline(always)]
     pub(crate) fn rows<'a>(&'a self, receiver: &'a Receiver) -> impl Iterator<Item = Lane> + 'a {

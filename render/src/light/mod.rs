@@ -12,6 +12,7 @@ mod distant;
 pub(crate) mod few;
 mod lit;
 mod receiver;
+mod sized;
 mod sky;
 mod tree;
 
@@ -25,6 +26,7 @@ use self::distant::Patches;
 use self::few::FEW;
 pub(crate) use self::lit::{LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
+pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
@@ -47,6 +49,8 @@ pub(crate) struct LightSampler {
     /// The numbers of punctual lights in the scene, in the order of `lights`.
     punctual_numbers: Vec<u32>,
     pub(crate) sky: SkyLight,
+    /// Points, spots and directional lights that rays can meet.
+    pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: LitTriangles,
     /// For each `prim_id` the number of its light, or [`NO_LIGHT`]; empty if no triangle emits.
@@ -161,6 +165,7 @@ impl LightSampler {
             triangles: Tree::build(&emitting),
             few: if are_few { emitting } else { Vec::new() },
             points: Tree::build(&points),
+            sized: SizedLights::new(&lights),
             lights,
             free_directional: directional.clone(),
             directional,
@@ -266,6 +271,16 @@ impl LightSampler {
             }
             _ => 0.0,
         }
+    }
+
+    /// The probability with which the punctual light of this number is chosen for a receiver, among all lights and this part of
+    /// the sky.
+    pub(crate) fn punctual_probability(&self, number: u32, receiver: &Receiver, part: SkyPart) -> f32 {
+        let weight = match number.checked_sub(self.first_distant()) {
+            Some(place) => self.directional.weight(place as usize, receiver),
+            None => self.points.as_ref().map_or(0.0, |tree| tree.weight(number - self.first_point(), receiver)),
+        };
+        if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
     }
 
     /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it

@@ -15,7 +15,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
-use super::super::emission::emission;
+use super::super::emission::{emission, lights_on_the_way};
 use super::super::shadow_queue::ShadowQueue;
 use super::super::state::Path;
 use super::super::wavefront::{PathVertex, SETS_PER_SURFACE, ScalarSteps, VertexStep};
@@ -82,6 +82,10 @@ impl VertexStep for Lookup<'_> {
     ) -> Option<(Path, Ray)> {
         let (world, PathVertex { ray, hit, numbers, .. }, index) = (self.world, vertex, path.index);
         let is_scattered = path.density > 0.0 && path.density < f32::INFINITY;
+        let how = (LightSampling::Direct, SkyPart::Sun);
+        lights_on_the_way(world, how, &path, ray, (hit.t, vertex.time), |_, light| {
+            *radiance += path.throughput * light
+        });
         if !hit.is_hit() {
             // The sky that a gather sees is its own affair.
             if is_scattered {
@@ -100,7 +104,6 @@ impl VertexStep for Lookup<'_> {
                 return None;
             }
         } else {
-            let how = (LightSampling::Direct, SkyPart::Sun);
             *radiance += throughput * emission(world, how, &path, &surface, ray, hit);
         }
 
@@ -147,7 +150,9 @@ impl VertexStep for Lookup<'_> {
         let bounce = scattering.sample(u)?;
         let direction = bounce.direction;
         let mut next = Path { throughput: throughput * bounce.weight, density: bounce.density, ..path };
-        if bounce.density < f32::INFINITY {
+        if bounce.density == f32::INFINITY {
+            next.normal = path.normal_mirrored();
+        } else {
             next.normal = surface.receiver().packed();
             let mut indirect = Vec3::ZERO;
             if !is_matte {

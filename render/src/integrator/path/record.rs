@@ -125,6 +125,15 @@ impl Advance<'_, '_> {
         }
     }
 
+    /// Records what a path has found of the light of this number, on its way.
+    pub(super) fn record_light(&mut self, source: usize, number: u32, light: Vec3) {
+        if let Some(recorder) = &mut self.recorder {
+            let event = recorder.paths.light(self.world, number);
+            let states = recorder.paths.after(recorder.memory.states[source], event);
+            recorder.add(self.wave.paths[source].index as usize, states, light);
+        }
+    }
+
     /// Records the light samples of a block, which are about to join the shadow queue.
     #[inline(never)]
     pub(super) fn record_light_samples<C: BlockClosures>(

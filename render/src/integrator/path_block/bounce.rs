@@ -32,7 +32,6 @@ impl PathBlock {
         bounces: &mut Bounces,
     ) {
         bounces.paths.index = self.paths.index;
-        bounces.paths.normal = self.packed;
         bounces.paths.target = self.target;
         closures.sample_all(self, matte, &mut bounces.on);
         for i in 0..LANES {
@@ -42,19 +41,35 @@ impl PathBlock {
             let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
             bounces.paths.throughput.set(i, throughput * bounces.on.weight.get(i));
             bounces.paths.density[i] = bounces.on.density[i];
+            bounces.paths.normal[i] = self.normal_after(C::SHARES_LIGHTS, i, bounces.on.density[i]);
             let survives = self.u_roulette[i] < self.survival[i];
             bounces.goes_on[i] = bounces.on.scatters[i] & u32::from(survives) & self.goes_on[i];
         }
     }
 }
 
+impl PathBlock {
+    /// The [`normal`](Path::normal) of path `i` that goes on with a density.
+    #[inline(always)]
+    fn normal_after(&self, shares_lights: bool, i: usize, density: f32) -> u32 {
+        Path::normal_after(self.packed[i], (self.paths.normal[i], self.paths.density[i]), density, shares_lights)
+    }
+}
+
 impl Bounces {
     /// Lets path `i` go on otherwise, if it does.
-    pub(super) fn replace(&mut self, i: usize, block: &PathBlock, origin: Vec3, (bounce, scatters): (Bounce, bool)) {
+    pub(super) fn replace<C: BlockClosures>(
+        &mut self,
+        i: usize,
+        block: &PathBlock,
+        origin: Vec3,
+        (bounce, scatters): (Bounce, bool),
+    ) {
         self.rays.origin.set(i, origin);
         self.rays.direction.set(i, bounce.direction);
         self.paths.throughput.set(i, block.throughput(i) / block.survival[i] * bounce.weight);
         self.paths.density[i] = bounce.density;
+        self.paths.normal[i] = block.normal_after(C::SHARES_LIGHTS, i, bounce.density);
         let survives = block.u_roulette[i] < block.survival[i];
         self.goes_on[i] = u32::from(scatters & survives) & block.goes_on[i];
     }

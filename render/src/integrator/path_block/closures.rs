@@ -39,6 +39,9 @@ pub(in crate::integrator) trait BlockClosures {
     /// loops over them become lanes.
     const IN_LANES: bool;
 
+    /// Whether light samples leave a part of punctual lights of a size to bounces. What scatters widely finds them worse by these.
+    const SHARES_LIGHTS: bool = true;
+
     /// Forgets those of the block before.
     fn clear(&mut self);
 
@@ -91,6 +94,7 @@ pub(in crate::integrator) struct Lambert;
 
 impl BlockClosures for Lambert {
     const IN_LANES: bool = true;
+    const SHARES_LIGHTS: bool = false;
 
     fn clear(&mut self) {}
 

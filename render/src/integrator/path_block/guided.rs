@@ -81,7 +81,7 @@ impl<'a> GuidedBlock<'a> {
         for i in (0..block.len).filter(|&i| self.cells[i].fraction > 0.0) {
             let surface = block.surface(i, &WHITE);
             let bounce = self.sample(closures, i, &surface, block.u_direction[i]);
-            bounces.replace(i, block, surface.origin_towards(bounce.0.direction), bounce);
+            bounces.replace::<C>(i, block, surface.origin_towards(bounce.0.direction), bounce);
         }
     }
 
