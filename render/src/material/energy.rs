@@ -1,5 +1,5 @@
-//! Directional albedos of microfacet lobes, and from them what layers leave for those below, and what is lost to light
-//! that a second microfacet meets.
+//! Directional albedos of microfacet lobes, and from them what layers leave for those below, and what light gains that meets a
+//! second microfacet.
 //!
 //! The albedo of a lobe depends on the cosine `μ` of `wo`, on roughness and on the refractive index. Tables hold it for
 //! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices. A [`Column`] of cosines is computed
@@ -222,6 +222,17 @@ pub(super) fn full(roughness: f32) -> Blend<2> {
     at_roughness(&ROWS, roughness, |ggx, wo, h, _| reflected(ggx, wo, h))
 }
 
+/// What the reflection lobe is multiplied by for each of its two directions so that all is reflected: `g` with
+/// `g(μ_o) ∫ f cos g(μ_i) = 1`.
+///
+/// A lobe without what microfacets reflect to each other is too dark; with both factors it has its shape, is reciprocal, and leaves
+/// nothing of a white furnace. Sinkhorn (1964) has the iteration.
+#[inline]
+pub(super) fn gain(roughness: f32) -> Blend<2> {
+    static ROWS: Rows = no_rows();
+    between(&ROWS, roughness, gain_column)
+}
+
 /// The reflection lobe's albedo at a cosine where `(1 - cos)⁵` is reflected, and where `cos (1 - cos)⁶` is: see
 /// [`fresnel::Metal`].
 #[inline]
@@ -238,11 +249,24 @@ pub(super) fn metal_at(roughness: f32, node: Node) -> (f32, f32) {
 #[inline]
 fn dimmed(roughness: f32) -> Blend<2> {
     static ROWS: Rows = no_rows();
-    let weight = |ggx: &Ggx, wo: Vec3, h: Vec3, _: f32| {
-        let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
-        (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0) * reflected(ggx, wo, h)
-    };
-    at_roughness(&ROWS, roughness, weight)
+    at_roughness(&ROWS, roughness, |ggx, wo, h, _| dims(wo, h) * reflected(ggx, wo, h))
+}
+
+/// The same of a lobe with its [gains](gain), by that without.
+pub(super) fn dimmed_gain(roughness: f32) -> Column {
+    static ROWS: Rows = no_rows();
+    let gained = at_roughness(&ROWS, roughness, |ggx, wo, h, _| {
+        let gain = gain(ggx.mean_roughness());
+        let both = gain.at(Node::new(wo.z)) * gain.at(Node::new(reflect(wo, h).z.clamp(0.0, 1.0)));
+        dims(wo, h) * reflected(ggx, wo, h) * both
+    });
+    gained.column().zip(&dimmed(roughness).column(), |gained, plain| if plain > 0.0 { gained / plain } else { 1.0 })
+}
+
+/// By how much such a coat dims light from the reflection of `wo` about `h` more than that of `wo`.
+fn dims(wo: Vec3, h: Vec3) -> f32 {
+    let reflectance = |w: Vec3| fresnel::dielectric(w.z.clamp(0.0, 1.0), 1.5).0;
+    (reflectance(reflect(wo, h)) - reflectance(wo)).max(0.0)
 }
 
 /// What wide light loses likewise, under a cover whose `t` grows with the cosine: `∫ max(0, t(μ) - t(ν)) 2ν dν`.
@@ -286,12 +310,47 @@ pub(super) fn glass(roughness: f32, ior: f32, is_inside: bool) -> Blend<4> {
     at(&TABLES[usize::from(is_inside)], roughness, ior, weight)
 }
 
+/// The microfacets of a row.
+fn ggx(r: usize) -> Ggx {
+    let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
+    Ggx { alpha: Vec2::splat(roughness * roughness) }
+}
+
+/// See [`gain`].
+#[cold]
+#[inline(never)]
+fn gain_column(r: usize) -> Tabled {
+    const STEPS: u32 = 64;
+    let ggx = ggx(r);
+    // What a direction at each node gets of a function that is 1 at another.
+    let mut spread = [[0.0; NODES]; NODES];
+    let mut row = spread.iter_mut();
+    Column::from_fn(|cos| {
+        let Some(row) = row.next() else { return 0.0 };
+        each_visible(&ggx, cos, |wo, h, share| {
+            let weight = share * reflected(&ggx, wo, h);
+            let Node { below, fraction } = Node::new(reflect(wo, h).z.clamp(0.0, 1.0));
+            row[below] += weight * (1.0 - fraction);
+            row[below + 1] += weight * fraction;
+        });
+        0.0
+    });
+    let mut gain = Column::ONE;
+    for _ in 0..STEPS {
+        let before = gain;
+        gain = Column::by_node(|k| {
+            let got: f32 = spread[k].iter().zip(&before.0).map(|(spread, gain)| spread * gain).sum();
+            (before.0[k] / got.max(f32::MIN_POSITIVE)).sqrt()
+        });
+    }
+    Tabled::new(gain)
+}
+
 /// The mean of a weight of visible normals, for each cosine.
 #[cold]
 #[inline(never)]
 fn column(r: usize, weight: &dyn Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Tabled {
-    let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
-    let ggx = Ggx { alpha: Vec2::splat(roughness * roughness) };
+    let ggx = ggx(r);
     Tabled::new(Column::from_fn(|cos| integrate(&ggx, cos, |wo, h, cos| weight(&ggx, wo, h, cos))))
 }
 
@@ -313,8 +372,14 @@ fn at(table: &'static Table, roughness: f32, ior: f32, weight: impl Fn(f32, &Ggx
 
 #[inline]
 fn at_roughness(rows: &'static Rows, roughness: f32, weight: impl Fn(&Ggx, Vec3, Vec3, f32) -> f32) -> Blend<2> {
+    between(rows, roughness, |r| column(r, &weight))
+}
+
+/// The column between those of the rows, which are made as they are asked for.
+#[inline]
+fn between(rows: &'static Rows, roughness: f32, make: impl Fn(usize) -> Tabled) -> Blend<2> {
     let (r, fraction) = place(roughness * (ROUGHNESSES - 1) as f32, ROUGHNESSES);
-    let row = |r: usize| rows[r].get_or_init(|| column(r, &weight));
+    let row = |r: usize| rows[r].get_or_init(|| make(r));
     Blend { columns: [row(r), row(r + 1)], weights: [1.0 - fraction, fraction] }
 }
 
@@ -346,22 +411,27 @@ fn interface(ggx: &Ggx, wo: Vec3, h: Vec3, cos: f32, eta: f32) -> f32 {
 /// The mean of a weight over the normals that are visible from a direction with this cosine. They are symmetric about
 /// its plane: half of them do. There are more points where normals are steep: few are, but they reflect below the horizon.
 fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f32 {
+    let mut sum = 0.0;
+    each_visible(ggx, cos, |wo, h, share| sum += share * weight(wo, h, wo.dot(h).clamp(0.0, 1.0)));
+    sum
+}
+
+/// Calls `see` with a direction of this cosine, with normals that are visible from there, and with the share of each.
+fn each_visible(ggx: &Ggx, cos: f32, mut see: impl FnMut(Vec3, Vec3, f32)) {
     const POINTS: u32 = 1024;
     let cos = cos.max(1e-4);
     let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
     if ggx.alpha.x == 0.0 {
-        return weight(wo, Vec3::Z, cos);
+        return see(wo, Vec3::Z, 1.0);
     }
-    let (mut sum, mut points) = (0.0, 0.0);
+    let unit = |word: u32| (word >> 8) as f32 * (1.0 / 16_777_216.0);
+    let shares: f32 = (0..POINTS).map(|point| unit(r2(point, [1 << 31; 2])[1])).sum();
     for point in 0..POINTS {
         let [x, y] = r2(point, [1 << 31; 2]);
-        let unit = |word: u32| (word >> 8) as f32 * (1.0 / 16_777_216.0);
         let (x, y) = (unit(x), unit(y));
         let h = ggx.sample_normal(wo, Vec2::new(0.5 * x, 1.0 - y * y));
-        sum += y * weight(wo, h, wo.dot(h).clamp(0.0, 1.0));
-        points += y;
+        see(wo, h, y / shares);
     }
-    sum / points
 }
 
 #[cfg(test)]

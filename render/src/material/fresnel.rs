@@ -110,12 +110,12 @@ impl Metal {
         self.normal + (1.0 - self.normal) * (1.0 / 21.0) - self.dip * (1.0 / 126.0)
     }
 
-    /// The colour of light that microfacets reflect more than once, if the mean of what they do not reflect at once is
-    /// `lost`: Kulla and Conty, "Revisiting physically based shading at Imageworks" (2017).
+    /// What is left by further reflections of light that microfacets reflect more than once, if the mean of what they do not
+    /// reflect at once is `lost`: Kulla and Conty, "Revisiting physically based shading at Imageworks" (2017).
     #[inline]
     pub fn multiple(&self, lost: f32) -> Vec3 {
         let mean = self.mean();
-        mean * mean * (1.0 - lost) / (1.0 - mean * lost)
+        mean * (1.0 - lost) / (1.0 - mean * lost)
     }
 
     /// The albedo of a lobe which is `full` where all is reflected, and `schlick` and `dip` with the other terms.

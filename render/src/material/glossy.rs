@@ -1,8 +1,8 @@
 //! Metal, and a dielectric's reflection over diffuse reflection and transmission.
 //!
 //! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both
-//! reflectances. Light scattered between the metal's microfacets is a separable lobe (Kulla and Conty 2017). Diffuse light
-//! gets what the dielectric leaves: with `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
+//! reflectances. Light that a metal's microfacets reflect to each other makes its lobe brighter by the [gain](energy::gain) of both
+//! directions, as far as the colour leaves it (Kulla and Conty 2017). Diffuse light gets what the dielectric leaves: with `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
 //!
 //! `f = f_diffuse t(μ_o) t(μ_i) / t̄`,
 //!
@@ -32,8 +32,9 @@ use super::{Event, Inputs};
 pub struct Glossy {
     reflection: Reflection,
     film: Option<Film>,
-    /// Albedo of the microfacets' reflection where all is reflected, and with Fresnel's reflectance.
+    /// Albedo of the microfacets' reflection where all is reflected, the gain of metal, and the albedo with Fresnel's reflectance.
     full: Blend<2>,
+    gain: Blend<2>,
     fresnel: Blend<4>,
     transmitted: Vec3,
     /// `t̄`.
@@ -43,7 +44,6 @@ pub struct Glossy {
     through: f32,
     /// The mean of what microfacets lose where all is reflected.
     lost_mean: f32,
-    multiple_energy: f32,
 }
 
 /// A cosine between a direction and the microfacets that it sees, which stands for all of them where films are tabled.
@@ -61,6 +61,8 @@ impl Glossy {
         let dielectric = Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color);
         // A mirror loses nothing, whatever the table has for the least roughness.
         let full = if ggx.is_delta() { Blend::constant(1.0) } else { energy::full(roughness) };
+        let gains = metalness > 0.0 && !ggx.is_delta();
+        let gain = if gains { energy::gain(roughness) } else { Blend::constant(1.0) };
         let reflects = inputs.specular_weight > 0.0 && metalness < 1.0;
         let fresnel =
             if reflects { energy::reflection(roughness, inputs.specular_ior, false) } else { Blend::constant(0.0) };
@@ -68,13 +70,13 @@ impl Glossy {
             reflection: Reflection { ggx, metalness, dielectric, ..Reflection::zeroed() },
             film: Film::of(inputs),
             full,
+            gain,
             fresnel,
             transmitted: inputs.diffuse_transmission_color * inputs.diffuse_transmission_weight,
             below_mean: 1.0 - dielectric.greatest_albedo(full.mean(), fresnel.mean()),
             diffuse_energy: 0.0,
             through: 0.0,
             lost_mean: (1.0 - full.mean()).max(0.0),
-            multiple_energy: 0.0,
         };
         if glossy.film.is_some() {
             glossy.below_mean = glossy.below().mean();
@@ -91,13 +93,11 @@ impl Glossy {
         let metal = Metal::new(inputs.base_color, inputs.metal_edge_color);
         let color = inputs.base_color * (1.0 - inputs.diffuse_transmission_weight);
         let diffuse_energy = mean(color + self.transmitted);
-        let multiple = if metalness > 0.0 { metal.multiple(self.lost_mean) * metalness } else { Vec3::ZERO };
         self.reflection.metal = metal;
         self.reflection.diffuse = Eon::new(color, inputs.base_diffuse_roughness);
-        self.reflection.multiple = multiple / self.lost_mean.max(1e-6);
+        self.reflection.multiple = metal.multiple(self.lost_mean);
         self.diffuse_energy = (1.0 - metalness) * diffuse_energy;
         self.through = mean(self.transmitted) / diffuse_energy.max(f32::MIN_POSITIVE);
-        self.multiple_energy = mean(multiple);
     }
 
     /// What needs no table.
@@ -106,12 +106,17 @@ impl Glossy {
         &self.reflection
     }
 
-    /// `t(μ)` and `1 - E(μ)`.
+    /// `t(μ)` and the gain.
     #[inline]
     pub(crate) fn left_at(&self, cos: f32) -> (f32, f32) {
         let node = Node::new(cos);
-        let full = self.full.at(node);
-        (self.below_at(cos, full, self.fresnel.at(node)), (1.0 - full).max(0.0))
+        (self.below_at(cos, self.full.at(node), self.fresnel.at(node)), self.gain_at(node))
+    }
+
+    /// What metal's lobe is multiplied by for a direction.
+    #[inline]
+    fn gain_at(&self, node: Node) -> f32 {
+        if self.reflection.metalness > 0.0 { self.gain.at(node) } else { 1.0 }
     }
 
     /// `t(μ)`, with both albedos at this cosine.
@@ -139,14 +144,21 @@ impl Glossy {
         Column::from_fn(|cos| self.left_at(cos).0)
     }
 
-    /// Roughly how much is scattered about one direction, by angle, its tint, and how much in all.
+    /// Roughly how much is scattered about one direction, by angle and as a cover dims it, its tint, and how much in all.
     #[inline]
     pub(super) fn energy(&self) -> (Column, Vec3, f32) {
         let metalness = self.reflection.metalness;
         let metal = metalness * self.reflection.metal.mean();
         let most = metal.max_element();
         let dielectric = 1.0 - metalness;
-        let glossy = self.below().map(|below| most + dielectric * (1.0 - below));
+        let below = self.below();
+        let glossy = if metalness > 0.0 && !self.reflection.is_delta() {
+            let (gain, multiple) =
+                (energy::dimmed_gain(self.reflection.ggx.mean_roughness()), mean(self.reflection.multiple));
+            below.zip(&gain, |below, gain| most * (1.0 + multiple * (gain - 1.0)) + dielectric * (1.0 - below))
+        } else {
+            below.map(|below| most + dielectric * (1.0 - below))
+        };
         let white = dielectric * (1.0 - self.below_mean);
         let tint = (metal + white) / (most + white).max(f32::MIN_POSITIVE);
         (glossy, tint, mean(metal) + white + self.diffuse_energy * self.below_mean)
@@ -156,17 +168,17 @@ impl Glossy {
     #[inline]
     pub(super) fn wide(&self) -> Column {
         Column::from_fn(|cos| {
-            let (below, lost) = self.left_at(cos);
-            self.diffuse_energy * below + self.multiple_energy * lost + f32::MIN_POSITIVE
+            let (below, _) = self.left_at(cos);
+            self.diffuse_energy * below + f32::MIN_POSITIVE
         })
     }
 
     #[inline]
-    fn reflectance(&self, cos: f32) -> Vec3 {
-        let reflectance = self.reflection.reflectance(cos);
+    fn reflectance(&self, cos: f32, gain: f32) -> Vec3 {
+        let reflectance = self.reflection.reflectance(cos, gain);
         let Some(film) = &self.film else { return reflectance };
         let Reflection { metal, dielectric, metalness, .. } = &self.reflection;
-        let over_metal = film.over_metal(cos, metal.normal());
+        let over_metal = film.over_metal(cos, metal.normal()) * self.reflection.gained(gain);
         let over_dielectric = dielectric.grazing * film.over_dielectric(cos, dielectric.eta);
         reflectance.lerp(over_dielectric.lerp(over_metal, *metalness), film.weight)
     }
@@ -174,20 +186,27 @@ impl Glossy {
     /// What tables say of a direction with this cosine.
     #[inline]
     pub(crate) fn side(&self, cos: f32) -> Side {
-        self.side_by(cos, self.left_at(cos))
+        let node = Node::new(cos);
+        let (full, fresnel) = (self.full.at(node), self.fresnel.at(node));
+        self.side_by(cos, node, full, self.below_at(cos, full, fresnel))
     }
 
-    /// With [`left_at`](Self::left_at) this cosine.
+    /// With the albedo of microfacets and `t(μ)` at this cosine.
     #[inline]
-    fn side_by(&self, cos: f32, (below, lost): (f32, f32)) -> Side {
+    fn side_by(&self, cos: f32, node: Node, full: f32, below: f32) -> Side {
         let metalness = self.reflection.metalness;
         let mut glossy = (1.0 - metalness) * (1.0 - below);
-        let mut wide = self.diffuse_energy * below;
+        let wide = self.diffuse_energy * below;
         if metalness > 0.0 {
-            glossy += metalness * (1.0 - lost) * mean(self.reflection.metal.at(cos));
-            wide += self.multiple_energy * lost;
+            glossy += metalness * mean(self.reflection.metal.at(cos) * self.all_of(full));
         }
-        Side { below, lost, glossy: glossy / (glossy + wide).max(f32::MIN_POSITIVE) }
+        Side { below, gain: self.gain_at(node), glossy: glossy / (glossy + wide).max(f32::MIN_POSITIVE) }
+    }
+
+    /// What a metal's microfacets reflect at once and later, of what one of them does; the albedo of the first is `full`.
+    #[inline]
+    fn all_of(&self, full: f32) -> Vec3 {
+        full + self.reflection.multiple * (1.0 - full).max(0.0)
     }
 
     /// The [`albedo`](super::Bsdf::albedo) and the [`side`](Self::side) of a direction.
@@ -196,20 +215,21 @@ impl Glossy {
         let node = Node::new(wo.z);
         let (full, fresnel) = (self.full.at(node), self.fresnel.at(node));
         let below = self.below_at(wo.z, full, fresnel);
-        (self.albedo_by(wo, node, (full, fresnel), below), self.side_by(wo.z, (below, (1.0 - full).max(0.0))))
+        (self.albedo_by(wo, node, (full, fresnel), below), self.side_by(wo.z, node, full, below))
     }
 
     /// The albedo, with those of the microfacets at this node, and `t(μ)`.
     #[inline]
     fn albedo_by(&self, wo: Vec3, node: Node, (full, fresnel): (f32, f32), below: f32) -> Vec3 {
         let Reflection { metal, dielectric, metalness, .. } = self.reflection;
-        let mut albedo = self.diffuse_from(wo, below) + self.reflection.multiple * ((1.0 - full) * self.lost_mean);
+        let mut albedo = self.diffuse_from(wo, below);
         if self.film.is_some() {
-            return albedo + full * self.reflectance(typical_cos(wo.z, self.reflection.ggx.alpha.x));
+            let gain = full.max(f32::MIN_POSITIVE).recip();
+            return albedo + full * self.reflectance(typical_cos(wo.z, self.reflection.ggx.alpha.x), gain);
         }
         if metalness > 0.0 {
             let (schlick, dip) = energy::metal_at(self.reflection.ggx.mean_roughness(), node);
-            albedo += metalness * metal.albedo(full, schlick, dip);
+            albedo += metalness * metal.albedo(full, schlick, dip) * (self.all_of(full) / full.max(f32::MIN_POSITIVE));
         }
         if metalness < 1.0 {
             albedo += (1.0 - metalness) * dielectric.albedo(full, fresnel);
@@ -240,7 +260,7 @@ impl Lobes for Glossy {
         }
         let lobe = it.lobe(wo, wi);
         Parts {
-            glossy: lobe.f_cos * self.reflectance(lobe.cos),
+            glossy: lobe.f_cos * self.reflectance(lobe.cos, o.gain * i.gain),
             wide: it.wide((wo, o), (wi, i)),
             density: it.density((wo, o), wi, lobe.half) - through(o, wi.z),
             reverse_density: it.density((wi, i), wo, lobe.half) - through(i, wo.z),
@@ -262,7 +282,7 @@ impl Lobes for Glossy {
         }
         let Chosen { wi, is_glossy } = self.reflection.choose((wo, o), u);
         if is_glossy && self.reflection.is_delta() {
-            return Some(Choice::delta(wi, self.reflectance(wo.z) / o.glossy, Event::REFLECTION));
+            return Some(Choice::delta(wi, self.reflectance(wo.z, 1.0) / o.glossy, Event::REFLECTION));
         }
         let lobe = if is_glossy { Event::GLOSSY } else { Event::DIFFUSE };
         (wi.z > 0.0).then_some(Choice::new(wi, lobe | Event::REFLECTION))

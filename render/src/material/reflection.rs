@@ -25,7 +25,7 @@ pub(crate) struct Reflection {
     pub(super) diffuse: Eon,
     /// The weight of diffuse light by `t̄`.
     pub(super) diffuse_scale: f32,
-    /// The metal's colour after more than one reflection by the mean of what is lost.
+    /// What further reflections leave of light that microfacets of the metal reflect more than once.
     pub(super) multiple: Vec3,
 }
 
@@ -35,8 +35,8 @@ pub(crate) struct Reflection {
 pub(crate) struct Side {
     /// `t(μ)`.
     pub below: f32,
-    /// `1 - E(μ)` of the microfacets where all is reflected.
-    pub lost: f32,
+    /// What the metal's lobe is multiplied by for this direction.
+    pub gain: f32,
     /// The probability of the glossy lobe.
     pub glossy: f32,
 }
@@ -64,10 +64,17 @@ impl Reflection {
         self.ggx.is_delta()
     }
 
-    /// The reflectance of a microfacet.
+    /// The reflectance of a microfacet, with the gains of both directions.
     #[inline(always)]
-    pub(super) fn reflectance(&self, cos: f32) -> Vec3 {
-        self.metalness * self.metal.at(cos) + (1.0 - self.metalness) * self.dielectric.at(cos).0
+    pub(super) fn reflectance(&self, cos: f32, gain: f32) -> Vec3 {
+        let metal = self.metal.at(cos) * self.gained(gain);
+        self.metalness * metal + (1.0 - self.metalness) * self.dielectric.at(cos).0
+    }
+
+    /// By how much a metal's lobe is brighter than without light that is reflected more than once.
+    #[inline(always)]
+    pub(super) fn gained(&self, gain: f32) -> Vec3 {
+        1.0 + self.multiple * (gain - 1.0)
     }
 
     /// Nothing of a mirror, nor below the horizon.
@@ -78,12 +85,12 @@ impl Reflection {
         Lobe { f_cos: if self.is_delta() | (wi.z <= 0.0) { 0.0 } else { f_cos }, half, cos }
     }
 
-    /// `f |cos θi|` of diffuse light and of what is scattered between microfacets; nothing below the horizon.
+    /// `f |cos θi|` of diffuse light; nothing below the horizon.
     #[inline(always)]
     pub(super) fn wide(&self, (wo, o): (Vec3, Side), (wi, i): (Vec3, Side)) -> Vec3 {
         let cos = wi.z.max(0.0);
         let diffuse = self.diffuse_scale * o.below * i.below;
-        (diffuse * cos) * self.diffuse.f(wo, wi) + (o.lost * i.lost * FRAC_1_PI * cos) * self.multiple
+        (diffuse * cos) * self.diffuse.f(wo, wi)
     }
 
     /// The density per solid angle of `wi` where the microfacet's normal is `half`; 0 below the horizon.
@@ -98,7 +105,8 @@ impl Reflection {
     #[inline(always)]
     pub(crate) fn eval(&self, wo: (Vec3, Side), wi: (Vec3, Side)) -> (Vec3, f32) {
         let lobe = self.lobe(wo.0, wi.0);
-        (lobe.f_cos * self.reflectance(lobe.cos) + self.wide(wo, wi), self.density(wo, wi.0, lobe.half))
+        let reflectance = self.reflectance(lobe.cos, wo.1.gain * wi.1.gain);
+        (lobe.f_cos * reflectance + self.wide(wo, wi), self.density(wo, wi.0, lobe.half))
     }
 
     /// A direction from one of both lobes, which may point below the horizon.
@@ -115,6 +123,6 @@ impl Reflection {
     /// What the path is multiplied by that a mirror was chosen for.
     #[inline(always)]
     pub(crate) fn mirror_weight(&self, (wo, o): (Vec3, Side)) -> Vec3 {
-        self.reflectance(wo.z) / o.glossy
+        self.reflectance(wo.z, 1.0) / o.glossy
     }
 }

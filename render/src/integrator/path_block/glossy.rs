@@ -44,13 +44,13 @@ type GlossyColumns = [Column; WORDS];
 /// What tables say of two directions of each path, the second of which is mirrored at the surface to the first.
 struct Sides {
     below: [Column; 2],
-    lost: [Column; 2],
+    gain: [Column; 2],
 }
 
 impl Sides {
     #[inline(always)]
     fn get(&self, k: usize, i: usize) -> Side {
-        Side { below: self.below[k][i], lost: self.lost[k][i], glossy: 0.0 }
+        Side { below: self.below[k][i], gain: self.gain[k][i], glossy: 0.0 }
     }
 }
 
@@ -98,11 +98,11 @@ impl GlossyLanes {
 
     /// Looks up directions with these cosines, of each path where it is above the horizon.
     fn look_up(&self, cosines: [&Column; 2]) -> Sides {
-        let mut sides = Sides { below: [[0.0; LANES]; 2], lost: [[0.0; LANES]; 2] };
+        let mut sides = Sides { below: [[0.0; LANES]; 2], gain: [[0.0; LANES]; 2] };
         for (k, cosines) in cosines.into_iter().enumerate() {
             for (i, (scattering, &cos)) in self.closures.iter().zip(cosines).enumerate() {
                 if cos > 0.0 {
-                    (sides.below[k][i], sides.lost[k][i]) = scattering.closure().left_at(cos);
+                    (sides.below[k][i], sides.gain[k][i]) = scattering.closure().left_at(cos);
                 }
             }
         }

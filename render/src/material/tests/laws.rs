@@ -103,6 +103,8 @@ fn albedo_is_what_samples_find() {
             Kind::Layered if inputs.transmission_weight > 0.0 => continue,
             Kind::Layered => 0.1,
             _ if rough => 0.1,
+            // What metal gains by further reflections is told as if the colour were the same at all angles.
+            _ if inputs.base_metalness > 0.0 => 0.015,
             _ => 0.01,
         };
         let closure = Closure::new(&inputs, false);
