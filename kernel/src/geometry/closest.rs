@@ -4,6 +4,8 @@
 //! a corner. Of a needle these signs are noise, so here the candidates are compared themselves: the closest points of
 //! the three edges, which are well-behaved however thin the triangle, and the foot of the perpendicular if that is inside
 //! (its barycentric weights are those of Heidrich 2005, "Computing the Barycentric Coordinates of a Projected Point").
+//! Of a needle these weights are rough, and the foot is off along its length: a step along two edges, each to where the
+//! distance is least, mends that.
 //!
 //! The coordinates are relative to the point from which the distance is measured, and the closest point is clamped to
 //! the triangle's own box. So its distance, computed in the same way, is never less than that of a box around the
@@ -96,8 +98,17 @@ pub(crate) fn closest_point(from: Vec3, triangle: &Triangle) -> Foot {
     let u = dot(cross(edge_c, a), unit) / area;
     let v = dot(cross(a, edge_b), unit) / area;
     let w = 1.0 - u - v;
+    let rough = [0, 1, 2].map(|k| w * a[k] + u * b[k] + v * c[k]);
+    let step = |p: [f32; 3], edge: [f32; 3]| {
+        let s = (0.0 - dot(p, edge)) / dot(edge, edge);
+        (s, [0, 1, 2].map(|k| p[k] + s * edge[k]))
+    };
+    let (more_b, nearer) = step(rough, edge_b);
+    let (more_c, nearest) = step(nearer, edge_c);
+    let (u, v) = (u + more_b, v + more_c);
+    let w = 1.0 - u - v;
     if u >= 0.0 && v >= 0.0 && w >= 0.0 {
-        let inside = foot([w, u, v], [0, 1, 2].map(|k| w * a[k] + u * b[k] + v * c[k]));
+        let inside = foot([w, u, v], nearest);
         if inside.distance2 < best.distance2 {
             best = inside;
         }
@@ -151,7 +162,11 @@ pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]
     let u = dot_lanes(cross_lanes(edge_c, a), unit) / area;
     let v = dot_lanes(cross_lanes(a, edge_b), unit) / area;
     let w = one - u - v;
-    let offset = [w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1], w * a[2] + u * b[2] + v * c[2]];
+    let rough = [w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1], w * a[2] + u * b[2] + v * c[2]];
+    let (more_b, nearer_foot) = step(rough, edge_b);
+    let (more_c, offset) = step(nearer_foot, edge_c);
+    let (u, v) = (u + more_b, v + more_c);
+    let w = one - u - v;
     let is_inside = zero.le(u) & zero.le(v) & zero.le(w);
     // Out of the way if it is outside: what is not a number is not nearer.
     let distance2 = L::select(is_inside, dot_lanes(offset, offset), L::splat(f32::NAN));
@@ -161,6 +176,13 @@ pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]
     let offset =
         [clamp(x, [a[0], b[0], c[0]]) + zero, clamp(y, [a[1], b[1], c[1]]) + zero, clamp(z, [a[2], b[2], c[2]]) + zero];
     FootLanes { offset, distance2: dot_lanes(offset, offset), u: best.u + zero, v: best.v + zero }
+}
+
+/// How far along an edge from `p` zero is closest, and the point.
+#[inline(always)]
+fn step<const N: usize, L: Lanes<N>>(p: [L; 3], edge: [L; 3]) -> (L, [L; 3]) {
+    let s = (L::splat(0.0) - dot_lanes(p, edge)) / dot_lanes(edge, edge);
+    (s, [p[0] + s * edge[0], p[1] + s * edge[1], p[2] + s * edge[2]])
 }
 
 /// Where segments from `p` to `q` are closest to zero: the weight of `q`, and the point.

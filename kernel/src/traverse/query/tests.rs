@@ -242,6 +242,28 @@ fn closest_points_are_those_of_a_loop() {
     }
 }
 
+/// Slivers, whose interior is as close as their edges are but for their width.
+#[test]
+fn closest_points_of_slivers_are_exact() {
+    let mut random = Random(36);
+    for width in [1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 0.1] {
+        for _ in 0..100 {
+            let (along, across) = (random.vector().normalize(), random.vector());
+            let across = (across - across.dot(along) * along).normalize();
+            let (start, tip) = (5.0 * random.vector(), 4.0 * random.vector().x);
+            let sliver = [start - 5.0 * along, start + 5.0 * along, start + tip * along + width * across];
+            let points: Vec<Vec3> = (0..20)
+                .map(|i| {
+                    let (s, t) = (i as f32 / 20.0, 0.5 * random.vector().x.abs());
+                    let foot = sliver[0].lerp(sliver[1], s).lerp(sliver[2], t);
+                    foot + along.cross(across) * (0.5 * width * random.vector().x)
+                })
+                .collect();
+            assert_eq!(check_closest(&[sliver], &points, f32::INFINITY), points.len());
+        }
+    }
+}
+
 #[test]
 fn of_equally_close_triangles_the_first_counts() {
     let fan: Vec<Triangle> =
