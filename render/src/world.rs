@@ -34,7 +34,7 @@ use crate::camera::Camera;
 use crate::executor::RayonExecutor;
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
-use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, Texture};
+use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, SceneFault, Texture};
 pub(crate) use bodies::Bodies;
 use closures::ClosureCell;
 pub(crate) use hit::{Hit, MIDDLE, time_of};
@@ -107,6 +107,9 @@ pub struct World {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldError {
+    /// The scene was not made well.
+    #[error("{0}")]
+    Scene(#[from] SceneFault),
     /// The scene has no camera.
     #[error("the scene has no camera\n  help: give the camera's eye and target")]
     NoCamera,
@@ -131,7 +134,7 @@ impl World {
     /// Makes a scene ready, with the best tree, on the threads of the current rayon pool.
     ///
     /// # Errors
-    /// [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
+    /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`] with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
         Self::looking_from(scene, LookFrom::Camera)
     }
@@ -170,6 +173,7 @@ impl World {
     }
 
     fn assemble<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
+        scene.check()?;
         let camera = scene.camera.ok_or(WorldError::NoCamera)?;
         scene.complete_tangents();
         let surroundings_hash = scene.surroundings_hash();

@@ -120,7 +120,7 @@ pub fn shard_by_paths(
     };
     let mut found =
         Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None, error: None };
-    let effort = Effort::Samples(request.spp);
+    let effort = Effort::Samples(request.spp.max(1));
     found.add(world, sensors, &own(sensors, shard), (component, effort), request.seed, watch);
     found
 }
@@ -142,7 +142,7 @@ pub fn shard_by_cache(
     watch: &dyn Watch,
 ) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
-    let (mut aim, mut effort, mut rays) = (Aim::Options, Effort::Samples(request.spp), 0);
+    let (mut aim, mut effort, mut rays) = (Aim::Options, Effort::Samples(request.spp.max(1)), 0);
     let held_out;
     if cache.options().accuracy.is_some() {
         let light = if request.part == Part::Total { MeanLight::Total } else { MeanLight::Indirect };

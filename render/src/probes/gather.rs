@@ -123,7 +123,7 @@ impl<'a> ProbeGatherer<'a> {
                 self.world,
                 slice::from_ref(sensor),
                 (seed, address),
-                (0..self.options.spp, 1.0 / self.options.spp as f32),
+                (0..self.options.spp.max(1), 1.0 / self.options.spp.max(1) as f32),
                 &mut sums,
             );
             self.aimed.clear();

@@ -4,6 +4,7 @@ mod aov_table;
 mod blocks;
 mod builtin;
 mod camera_pose;
+mod check;
 mod daylight;
 mod decimal;
 mod description;
@@ -55,6 +56,7 @@ pub(crate) mod value;
 
 pub use builtin::cornell_box;
 pub use camera_pose::CameraPose;
+pub use check::SceneFault;
 pub use daylight::{Daylight, DaylightModel};
 pub use description::{LightLabel, LightUnits, Mesh, Origin, Scene, Variant};
 pub use error::{Place, SceneError};
