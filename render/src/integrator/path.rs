@@ -17,6 +17,7 @@
 
 mod absorb;
 mod aim;
+mod dispersion;
 mod record;
 mod seen_lights;
 mod train;
@@ -265,6 +266,9 @@ impl Advance<'_, '_> {
         let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
         let surface = world.surface_at(hit);
         let mut facing = surface.facing(ray.direction);
+        if facing.material.dispersion > 0.0 {
+            self.disperse(block, i, &mut facing);
+        }
         // Directions of paths are unit vectors.
         let albedo = closures.arrive(world, &mut facing);
         block.set(i, &facing, albedo);

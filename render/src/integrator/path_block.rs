@@ -199,6 +199,7 @@ impl PathBlock {
             barycentric: [0.0; 2],
             time: self.time[i],
             rounding: Rounding::FLAT,
+            dispersed: 0.0,
             is_back: false,
             transmits: self.transmits[i] != 0,
             material: matte,

@@ -17,6 +17,7 @@
 //! emission_luminance = 10            # W/(m² sr), as all radiance here
 //! light_group = "key"                # of its emission; by default the mesh's name
 //! transmission_depth = 0.1           # where transmission_color is reached inside; without it the surface is tinted
+//! transmission_dispersion_abbe_number = 36   # of solid glass: how little it spreads colours
 //! ```
 //!
 //! What is not named stays as the model has it.
@@ -57,6 +58,7 @@ enum Change {
     EmissionColor(Vec3),
     EmissionLuminance(f32),
     TransmissionDepth(f32),
+    AbbeNumber(f32),
     LightGroup(String),
     /// Degrees.
     TangentRotation(f32),
@@ -101,7 +103,7 @@ impl MapFile {
 }
 
 /// Keys besides the inputs and their maps.
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "light_group",
     "name",
     "meshes",
@@ -117,6 +119,7 @@ const KEYS: [&str; 17] = [
     "emission_color_map",
     "emission_luminance",
     "transmission_depth",
+    "transmission_dispersion_abbe_number",
     "base_weight",
     "specular_anisotropy",
 ];
@@ -168,6 +171,7 @@ impl Reader<'_> {
             "emission_luminance" => Change::EmissionLuminance(unit(0.0, f32::MAX)?),
             "light_group" => Change::LightGroup(self.0.text_of(entry)?),
             "transmission_depth" => Change::TransmissionDepth(unit(f32::MIN_POSITIVE, f32::MAX)?),
+            "transmission_dispersion_abbe_number" => Change::AbbeNumber(unit(1.0, f32::MAX)?),
             "geometry_normal_map" => Change::Map(Target::Normal, self.map(entry)?),
             "geometry_coat_normal_map" if matches!(entry.value, DeValue::String(text) if text == "none") => {
                 Change::PlainCoat
@@ -355,6 +359,7 @@ impl Material {
                 self.inputs.absorption = -color.map(f32::ln) / depth;
                 (self.inputs.transmission_color, self.base_color_tints_transmission) = (Vec3::ONE, false);
             }
+            Change::AbbeNumber(abbe) => self.dispersion = 20.0 / abbe,
             Change::TangentRotation(degrees) => self.tangent_rotation = degrees.to_radians(),
             Change::PlainCoat => self.coat_normal = CoatNormal::OfVertices,
             Change::Map(target, ref map) => self.map(target, map, store)?,

@@ -44,6 +44,9 @@ impl Material {
             line("emission_color", color(self.emission / luminance));
             line("emission_luminance", number(luminance));
         }
+        if self.dispersion > 0.0 {
+            line("transmission_dispersion_abbe_number", number(20.0 / self.dispersion));
+        }
         for comment in self.comments(textures) {
             let _ = writeln!(text, "# {comment}");
         }
@@ -86,9 +89,6 @@ impl Material {
         }
         if self.unlit {
             comments.push("unlit: its emission is its base colour".to_owned());
-        }
-        if self.dispersion > 0.0 {
-            comments.push(format!("dispersion of {}, which is not shown", self.dispersion));
         }
         comments
     }

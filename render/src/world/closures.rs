@@ -57,6 +57,9 @@ impl World {
         let material = self.triangle_records[surface.prim_id as usize].material as usize;
         let of_material = self.closures[material].get_or_init(|| MaterialClosures::new(&self.materials[material]));
         let prepared = B::of(&of_material.sides[usize::from(surface.is_back)]);
+        if surface.dispersed != 0.0 {
+            return prepared.with_inputs(&self.inputs(surface), surface.is_back);
+        }
         match of_material.varies {
             Varies::Nothing => *prepared,
             Varies::BaseColor => prepared.with_base_color(&self.inputs(surface), surface.is_back),

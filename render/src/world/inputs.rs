@@ -31,6 +31,7 @@ impl World {
         let [u, v] = surface.barycentric;
         let point = self.mesh_point(surface.prim_id, [1.0 - u - v, u, v]);
         let mut inputs = surface.material.inputs_at(&point);
+        inputs.specular_ior = (inputs.specular_ior + surface.dispersed).max(1.0);
         if inputs.coat_weight > 0.0 && surface.material.coat_normal != CoatNormal::OfBase {
             let Surface { prim_id, instance, time, .. } = *surface;
             let turn = self.turn_at(&Hit { prim_id, instance, u, v, time, ..Hit::MISS });

@@ -43,6 +43,8 @@ pub(crate) struct Surface<'w> {
     pub offset: f32,
     /// How far the front and the back are rounded.
     pub rounding: Rounding,
+    /// By how much the refractive index is greater than the material's, at the wavelength of whoever asks.
+    pub dispersed: f32,
     pub prim_id: u32,
     /// As [`Hit::instance`].
     pub instance: u32,
@@ -85,6 +87,7 @@ impl World {
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
             rounding: Rounding::FLAT,
+            dispersed: 0.0,
             prim_id: Hit::NO_PRIM,
             instance: 0,
             barycentric: [0.0; 2],
@@ -132,6 +135,7 @@ impl World {
             emission: record.emission,
             offset: face.offset,
             rounding: Rounding::FLAT,
+            dispersed: 0.0,
             prim_id,
             instance: hit.instance,
             barycentric: [u, v],

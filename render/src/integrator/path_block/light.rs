@@ -85,6 +85,7 @@ impl LightSamples {
             barycentric: [0.0; 2],
             time: MIDDLE,
             rounding: Rounding::FLAT,
+            dispersed: 0.0,
             is_back: false,
             transmits: false,
             material: surface.material,

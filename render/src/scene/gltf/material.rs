@@ -17,7 +17,7 @@
 //! solid, since Blender has no thin walls and writes no volume for its glass. A solid's base colour tints light once for its
 //! way in and out, so half of it (the square root) at each surface, as rasterizers and Cycles do.
 //!
-//! Deviations: `occlusionTexture` and a volume's thickness are not used, as light is traced; dispersion is kept and not shown.
+//! Deviations: `occlusionTexture` and a volume's thickness are not used, as light is traced.
 
 use ::gltf::json::material::{AlphaMode, NormalTexture};
 use ::gltf::json::texture::Info;
@@ -101,9 +101,6 @@ impl Reader<'_> {
         }
         if let Some(extensions::Dispersion { dispersion }) = extensions.take("KHR_materials_dispersion")? {
             self.material.dispersion = self.in_range("dispersion", dispersion, 0.0, f32::MAX)?;
-            if dispersion > 0.0 {
-                self.notes.add("KHR_materials_dispersion is kept, but colours are not spread", place);
-            }
         }
         if extensions.take::<extensions::Presence>("KHR_materials_unlit")?.is_some() {
             self.unlit();

@@ -44,7 +44,7 @@ pub struct Material {
     pub opacity: Opacity,
     /// Whether it scatters nothing and shows a colour, which is its emission, whatever the light.
     pub unlit: bool,
-    /// `20 / V_d`, with `V_d` Abbe's number; 0 for none. Kept for a spectral renderer.
+    /// `20 / V_d`, with `V_d` Abbe's number of solid glass; 0 for none. Shown by path tracing.
     pub dispersion: f32,
     /// Emitted radiance; zero for most surfaces.
     pub emission: Vec3,

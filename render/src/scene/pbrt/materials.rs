@@ -87,6 +87,8 @@ impl Reader<'_> {
                 (inputs.specular_weight, inputs.transmission_weight) = (1.0, 1.0);
                 inputs.thin_walled = kind == "thindielectric";
                 inputs.specular_ior = self.index_of_refraction(parameters, "eta")?;
+                let eta = Spectrum::read(parameters, "eta", self.files, &self.folder)?;
+                material.dispersion = eta.map_or(0.0, |eta| eta.dispersion());
                 self.roughness(&mut material, parameters, "")?;
             }
             "diffusetransmission" => self.diffuse_transmission(&mut material, parameters)?,

@@ -38,16 +38,25 @@ const METALS: [(&str, [[f32; 3]; 2]); 7] = [
     ("TiO2", [[2.8626, 2.9557, 3.1863], [0.0142, 0.0152, 0.0175]]),
 ];
 
-/// Refractive indices of Schott's glasses at 587.6 nm.
-const GLASSES: [(&str, f32); 7] = [
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
-    ("glass-F5", 1.6727),
-    ("glass-F10", 1.7283),
-    ("glass-F11", 1.7847),
+/// Refractive indices of Schott's glasses at 587.6 nm, and their Abbe numbers.
+const GLASSES: [(&str, f32, f32); 7] = [
+    ("glass-BK7", 1.5168, 64.17),
+    ("glass-BAF10", 1.6700, 47.11),
+    ("glass-FK51A", 1.4866, 84.47),
+    ("glass-LASF9", 1.8503, 32.17),
+    ("glass-F5", 1.6727, 32.25),
+    ("glass-F10", 1.7283, 28.53),
+    ("glass-F11", 1.7847, 25.76),
 ];
+
+/// Where Abbe's number compares refractive indices, in nm: Fraunhofer's lines F and C.
+const ABBE_WAVELENGTHS: [f64; 2] = [486.1, 656.3];
+
+/// The refractive index and the Abbe number of a glass.
+fn glass(name: &str) -> Option<(f32, f32)> {
+    let name = name.replace("glass-SF", "glass-F");
+    GLASSES.iter().find(|(known, ..)| *known == name).map(|(_, index, abbe)| (*index, *abbe))
+}
 
 /// Standard illuminants by the temperature of a black body or daylight that looks like them.
 const ILLUMINANTS: [(&str, f64); 3] = [("stdillum-A", 2856.0), ("stdillum-D50", 5003.0), ("illum-acesD60", 6000.0)];
@@ -127,11 +136,22 @@ impl Spectrum {
         match self {
             Self::Rgb(rgb) => Some(rgb.element_sum() / 3.0),
             Self::Samples(samples) => Some(interpolate(samples, INDEX_WAVELENGTH) as f32),
-            Self::Named(name) => {
-                let name = name.replace("glass-SF", "glass-F");
-                GLASSES.iter().find(|(known, _)| *known == name).map(|(_, index)| *index)
-            }
+            Self::Named(name) => glass(name).map(|(index, _)| index),
             Self::Blackbody(_) => None,
+        }
+    }
+
+    /// 20 by a dielectric's Abbe number; 0 if it is not known or there is no dispersion.
+    pub(super) fn dispersion(&self) -> f32 {
+        match self {
+            Self::Samples(samples) => {
+                let ends = [samples.first(), samples.last()].map(|end| end.map_or(0.0, |(wavelength, _)| *wavelength));
+                let [f, c] = ABBE_WAVELENGTHS.map(|nm| interpolate(samples, nm.clamp(ends[0], ends[1])));
+                let index = interpolate(samples, INDEX_WAVELENGTH);
+                if index > 1.0 { (20.0 * (f - c) / (index - 1.0)).max(0.0) as f32 } else { 0.0 }
+            }
+            Self::Named(name) => glass(name).map_or(0.0, |(_, abbe)| 20.0 / abbe),
+            Self::Rgb(_) | Self::Blackbody(_) => 0.0,
         }
     }
 

@@ -55,7 +55,13 @@ fn lights_have_their_power() {
 #[test]
 fn materials_become_closures_of_their_kind() {
     close(material(r#"Material "diffuse" "rgb reflectance" [ 0.2 0.4 0.6 ]"#).inputs.base_color, [0.2, 0.4, 0.6]);
-    let glass = material(r#"Material "dielectric" "spectrum eta" "glass-BK7" "float roughness" 0"#).inputs;
+    let glass = material(r#"Material "dielectric" "spectrum eta" "glass-BK7" "float roughness" 0"#);
+    assert!((glass.dispersion - 20.0 / 64.17).abs() < 1e-6);
+    let glass = glass.inputs;
+    let flint = r#"Material "dielectric" "spectrum eta" [ 486.1 1.63208 587.6 1.62004 656.3 1.61503 ]"#;
+    let dispersion = material(flint).dispersion;
+    assert!((dispersion - 20.0 / 36.37).abs() < 1e-3, "{dispersion}");
+    assert_eq!(material(r#"Material "dielectric" "float eta" 1.5"#).dispersion, 0.0);
     assert_eq!((glass.transmission_weight, glass.specular_ior, glass.thin_walled), (1.0, 1.5168, false));
     assert!(material(r#"Material "thindielectric""#).inputs.thin_walled);
     let gold = material(
