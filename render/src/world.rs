@@ -179,6 +179,7 @@ impl World {
         let surroundings_hash = scene.surroundings_hash();
         scene.name_parts();
         scene.place_emitters();
+        scene.place_distorted();
         let motion = scene.motion.take();
         let (in_world, of_objects) = scene.meshes_by_object();
         let is_moving = |number: &usize| motion.as_ref().is_some_and(|motion| motion.meshes.contains_key(number));

@@ -1,11 +1,12 @@
 //! Meshes and objects taken to where they are shown.
 
 use glam::{Affine3A, DAffine3, Vec3};
+use halfdome_kernel::scene::Item;
 use rayon::prelude::*;
 
 use super::description::unit;
 use super::turn::normal_matrix;
-use super::{Mesh, Scene};
+use super::{Instance, Mesh, Scene};
 
 /// As many vertices are worth a thread's while.
 const PARALLEL: usize = 1 << 14;
@@ -95,6 +96,28 @@ impl Scene {
         }
     }
 
+    /// Puts copies where instances stand still by transforms that nearly flatten them, which the kernel takes no ray back by; these
+    /// are hidden instead.
+    pub(crate) fn place_distorted(&mut self) {
+        let moves = |number: &usize| self.motion.as_ref().is_some_and(|motion| motion.instances.contains_key(number));
+        let is_distorted =
+            |instance: &Instance| instance.to_world.is_finite() && Item::nothing().placed(&instance.to_world).is_err();
+        let distorted: Vec<usize> =
+            (0..self.instances.len()).filter(|it| is_distorted(&self.instances[*it]) && !moves(it)).collect();
+        if distorted.is_empty() {
+            return;
+        }
+        let (_, of_objects) = self.meshes_by_object();
+        for number in distorted {
+            let instance = &mut self.instances[number];
+            let to_world = std::mem::replace(&mut instance.to_world, Affine3A::from_scale(Vec3::ZERO));
+            for &mesh in &of_objects[instance.object] {
+                let placed = self.meshes[mesh].clone().placed(&double(&to_world));
+                self.meshes.push(Mesh { object: None, ..placed });
+            }
+        }
+    }
+
     /// Puts copies of all objects of a scene file where their instances are: whoever edits or unwraps the model needs
     /// its surfaces in the world.
     ///
@@ -131,7 +154,7 @@ mod tests {
     use glam::{Quat, Vec2, Vec4};
 
     use super::*;
-    use crate::scene::{Instance, Object, Turn};
+    use crate::scene::{Object, Turn};
 
     fn mesh() -> Mesh {
         Mesh {
@@ -186,5 +209,29 @@ mod tests {
         assert_eq!(scene.meshes[3].positions[1], Vec3::new(8.0, 0.0, 0.0));
         flat.place_instances();
         assert_eq!((flat.meshes.len(), flat.bounds()), (5, scene.bounds()));
+    }
+
+    #[test]
+    fn what_a_transform_nearly_flattens_is_copied() {
+        use crate::scene::{CameraPose, Material};
+        use crate::world::World;
+
+        let by = |scale: Vec3| Instance { object: 0, to_world: Affine3A::from_scale(scale) };
+        let mut scene = Scene {
+            meshes: vec![Mesh { object: Some(0), ..mesh() }],
+            materials: vec![Material::default()],
+            objects: vec![Object::default()],
+            instances: vec![by(Vec3::ONE), by(Vec3::new(100.0, 100.0, 1e-4)), by(Vec3::new(1.0, 1.0, 0.0))],
+            camera: Some(CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 }),
+            ..Scene::default()
+        };
+        let world = World::new(scene.clone()).unwrap();
+        let below = halfdome_kernel::Ray::new(Vec3::new(30.0, 30.0, 1.0), Vec3::NEG_Z);
+        assert!(world.occluded(&below));
+        scene.place_distorted();
+        assert_eq!(scene.meshes.len(), 2);
+        assert_eq!((scene.meshes[1].object, scene.meshes[1].positions[1]), (None, Vec3::X * 100.0));
+        let scales: Vec<_> = scene.instances.iter().map(|it| it.to_world.matrix3.determinant()).collect();
+        assert_eq!(scales, [1.0, 0.0, 0.0]);
     }
 }
