@@ -1,6 +1,7 @@
 //! Shadow rays through panes of glass.
 //!
-//! No bounce can hit a point, a spot or a sun, so what these send through glass, light samples alone can find. Where the two
+//! What points, spots and suns send through glass to surfaces that scatter, light samples alone find: of no size they cannot be hit,
+//! and those of a size are left to them. Where the two
 //! faces of a solid are parallel, as those of a window are, light leaves as it came, and a shadow ray that goes straight on finds
 //! it, less what the pane keeps. With `F` reflected by a face and `a` left by the way between them,
 //!
