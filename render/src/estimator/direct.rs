@@ -7,8 +7,9 @@
 //! [`light_warp`]). A sky that is as bright everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that
 //! is not by its brightness.
 //!
-//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of [`seen_lights`](super::seen_lights), are all that integrators, sensors,
-//! bakes and probes have of it. Which part of the sky is for light samples, the caller knows ([`SkyPart`]).
+//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of [`seen_lights`](super::seen_lights),
+//! are all that integrators, sensors, bakes and probes have of it. Which part of the sky is for light samples, the caller
+//! knows ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

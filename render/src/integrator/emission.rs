@@ -14,8 +14,8 @@ pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: 
     world.lights.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
 }
 
-/// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the radiance
-/// of each, weighted against the light sample that might have found it.
+/// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the
+/// radiance of each, weighted against the light sample that might have found it.
 pub(super) fn lights_on_the_way(
     world: &World,
     (lights, part): (LightSampling, SkyPart),

@@ -60,8 +60,8 @@ impl Path {
         self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
     }
 
-    /// The `normal` of a path that leaves a surface with this packed normal, where it had `normal` and `density` before, and now has
-    /// the density `next`; and whether light samples there leave a part of the lights to it.
+    /// The `normal` of a path that leaves a surface with this packed normal, where it had `normal` and `density` before, and
+    /// now has the density `next`; and whether light samples there leave a part of the lights to it.
     #[inline(always)]
     pub(super) fn normal_after(packed: u32, (normal, density): (u32, f32), next: f32, shares_lights: bool) -> u32 {
         let is_straight = (density == f32::INFINITY) & (normal & Self::SEES_LIGHTS != 0);

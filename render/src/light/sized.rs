@@ -1,7 +1,8 @@
 //! Lights of a size as rays meet them: the spheres of points and spots, and suns with an angle.
 //!
-//! They have no triangles, stop no ray, and do not show to the camera itself. Many spheres lie in a tree of the kernel's; a few are
-//! tested one by one. Those of lights that move have room for the whole of their way, so that whoever meets one has to ask where the light is.
+//! They have no triangles, stop no ray, and do not show to the camera itself. Many spheres lie in a tree of the kernel's; a
+//! few are tested one by one. Those of lights that move have room for the whole of their way, so that whoever meets one has to
+//! ask where the light is.
 
 use halfdome_kernel::geometry::Sphere;
 use halfdome_kernel::{BuildOptions, Ray, RoundBvh};
@@ -61,8 +62,8 @@ impl SizedLights {
         &self.suns
     }
 
-    /// Calls `meet` with the number of each light whose sphere a ray in a unit vector meets, however far away; of many spheres that end
-    /// at the same `f32` alone with those of the first.
+    /// Calls `meet` with the number of each light whose sphere a ray in a unit vector meets, however far away; of many spheres
+    /// that end at the same `f32` alone with those of the first.
     pub(crate) fn along(&self, ray: &Ray, mut meet: impl FnMut(u32)) {
         let Some(tree) = &self.tree else {
             let is_near = |sphere: u32| is_near(ray, &self.spheres[sphere as usize]);

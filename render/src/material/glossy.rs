@@ -1,8 +1,9 @@
 //! Metal, and a dielectric's reflection over diffuse reflection and transmission.
 //!
-//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both
-//! reflectances. Light that a metal's microfacets reflect to each other makes its lobe brighter by the [gain](energy::gain) of both
-//! directions, as far as the colour leaves it (Kulla and Conty 2017). Diffuse light gets what the dielectric leaves: with `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
+//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both reflectances.
+//! Light that a metal's microfacets reflect to each other makes its lobe brighter by the [gain](energy::gain) of both
+//! directions, as far as the colour leaves it (Kulla and Conty 2017). Diffuse light gets what the dielectric leaves: with
+//! `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
 //!
 //! `f = f_diffuse t(μ_o) t(μ_i) / t̄`,
 //!

@@ -1,15 +1,15 @@
 //! Shadow rays through panes of glass.
 //!
-//! What points, spots and suns send through glass to surfaces that scatter, light samples alone find: of no size they cannot be hit,
-//! and those of a size are left to them. Where the two
-//! faces of a solid are parallel, as those of a window are, light leaves as it came, and a shadow ray that goes straight on finds
-//! it, less what the pane keeps. With `F` reflected by a face and `a` left by the way between them,
+//! What points, spots and suns send through glass to surfaces that scatter, light samples alone find: of no size they cannot
+//! be hit, and those of a size are left to them. Where the two faces of a solid are parallel, as those of a window are, light
+//! leaves as it came, and a shadow ray that goes straight on finds it, less what the pane keeps. With `F` reflected by a face
+//! and `a` left by the way between them,
 //!
 //! `T = (1 - F)² a / (1 - F² a²)`,
 //!
-//! all passages summed (a thin wall has `a = 1`). A single face, as that of water above its floor, lets `1 - F` through. What crosses a
-//! plane, a parallel one receives; as paths carry basic radiance, that is `1/n²` of it inside, and `n²` of it outside of a solid with
-//! the light inside.
+//! all passages summed (a thin wall has `a = 1`). A single face, as that of water above its floor, lets `1 - F` through. What
+//! crosses a plane, a parallel one receives; as paths carry basic radiance, that is `1/n²` of it inside, and `n²` of it
+//! outside of a solid with the light inside.
 //!
 //! Smooth faces alone are crossed: the closures of rough ones find lights by samples of their own.
 //!

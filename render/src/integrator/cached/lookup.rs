@@ -1,10 +1,10 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
 //! Of a surface that is not matte, records tell what its diffuse albedo reflects. For the rest of its closure a ray goes on as
-//! the closure scatters, and what records know is taken off its weight; of a glossy surface its lobe is left, as if the diffuse
-//! light below were Lambert's (deviations: of uneven light that is off by what the reflection takes from grazing light, and what the
-//! microfacets of partly metallic surfaces reflect to each other is left out). From where such a ray arrives one ray at most goes on:
-//! where no record is valid it stands for all that the surface scatters, as in path tracing, and roulette ends it.
+//! the closure scatters, and what records know is taken off its weight; of a glossy surface its lobe is left, as if the
+//! diffuse light below were Lambert's (deviation: of uneven light that is off by what the reflection takes from grazing
+//! light). From where such a ray arrives one ray at most goes on: where no record is valid it stands for all that the surface
+//! scatters, as in path tracing, and roulette ends it.
 //!
 //! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
 //! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).

@@ -8,8 +8,8 @@
 //! Where a path meets such glass first, it keeps one channel of its colour, chosen in proportion, and stands from there on for one
 //! wavelength of that channel. Which one, its random numbers say: the same at all faces, so that a path need not remember it.
 //!
-//! Deviation: a channel is a band of wavelengths about its primary, as bright as a triangle; a spectrum shows what mixtures of three
-//! lights can.
+//! Deviation: a channel is a band of wavelengths about its primary, as bright as a triangle; a spectrum shows what mixtures of
+//! three lights can.
 
 use glam::Vec3;
 
