@@ -31,6 +31,10 @@ impl Path {
     /// The bit of `normal` that says so.
     const SEES_LIGHTS: u32 = 1 << 31;
 
+    /// The density per solid angle from which on a bounce is about one direction: a cosine's is less, and of microfacets of the
+    /// roughness 0.1 one in forty bounces has less.
+    const NARROW: f32 = 0.5;
+
     /// The normal of a path that has left no surface yet. None has coordinates like these.
     const NOWHERE: u32 = u32::MAX;
 
@@ -52,20 +56,28 @@ impl Path {
         self.normal >= Self::MIRRORED
     }
 
-    /// Whether it sees lights of a size that no triangle stands for. The camera does not, mirrors and clear glass that it sees do,
-    /// and glossy surfaces where their light samples know of it. What mirrors and clear glass show to surfaces that scatter, paths
-    /// would find too rarely: it is left out, as the light of those of no size is.
+    /// Whether it sees lights of a size that no triangle stands for. The camera does not, mirrors and clear glass that it
+    /// sees do, and glossy surfaces where their light samples know of it. Of what mirrors show to surfaces, only what these
+    /// reflect about one direction counts: paths would find the rest too rarely, and it is left out, as the light of those
+    /// of no size is.
     #[inline(always)]
     pub(super) fn sees_lights(&self) -> bool {
         self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
     }
 
     /// The `normal` of a path that leaves a surface with this packed normal, where it had `normal` and `density` before, and
-    /// now has the density `next`; and whether light samples there leave a part of the lights to it.
+    /// now has the density `next`; whether it was reflected, and whether light samples there leave a part of the lights to it.
     #[inline(always)]
-    pub(super) fn normal_after(packed: u32, (normal, density): (u32, f32), next: f32, shares_lights: bool) -> u32 {
-        let is_straight = (density == f32::INFINITY) & (normal & Self::SEES_LIGHTS != 0);
-        let sees = if next == f32::INFINITY { is_straight } else { shares_lights };
+    pub(super) fn normal_after(
+        packed: u32,
+        (normal, density): (u32, f32),
+        (next, is_reflected): (f32, bool),
+        shares_lights: bool,
+    ) -> u32 {
+        // Through glass the light samples of a surface may have come.
+        let is_narrow = (density == f32::INFINITY) | ((density >= Self::NARROW) & is_reflected);
+        let is_shown = is_narrow & (normal & Self::SEES_LIGHTS != 0);
+        let sees = if next == f32::INFINITY { is_shown } else { shares_lights };
         packed | if sees { Self::SEES_LIGHTS } else { 0 }
     }
 

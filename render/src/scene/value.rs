@@ -107,7 +107,11 @@ impl Value {
 
 /// Reads command-line arguments with `read`.
 pub(crate) fn argument<T>(read: fn(&Value) -> Reading<T>) -> impl Fn(&str) -> Reading<T> + Clone {
-    move |text| read(&Value::from_argument(text))
+    move |text| {
+        // A name may look like a number or a list.
+        let as_text = |error| read(&Value::Text(text.to_owned())).map_err(|_| error);
+        read(&Value::from_argument(text)).or_else(as_text)
+    }
 }
 
 fn expected<T>(what: impl Into<String>) -> Reading<T> {

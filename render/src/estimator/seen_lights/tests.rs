@@ -201,3 +201,22 @@ fn glass_counts_a_light_once() {
         assert!((by_both / by_samples - 1.0).abs() < 0.04, "{name}: {by_both} by both, {by_samples} by samples");
     }
 }
+
+/// A light in a mirror is seen in a floor that is not quite one: as bright, as long as the floor shows nothing beside it.
+#[test]
+fn gloss_shows_what_a_mirror_shows() {
+    let light = PunctualLight::Point { position: vec3(6.0, 0.0, 4.0), intensity: Vec3::ONE, radius: 1.5 };
+    let above = || vec![square(6.0, false, 1)];
+    let expected = 1.0 / (PI * 1.5 * 1.5);
+    // What is reflected far from the mirror's direction is left out.
+    for (roughness, least) in [(0.0, 0.999), (0.02, 0.97), (0.1, 0.95), (0.2, 0.85)] {
+        let world = world(&light, vec![metal(roughness), metal(0.0)], above());
+        let found = color(&world, path(LightSampling::Mis), (16, 64));
+        let ratio = found / expected;
+        assert!(ratio > least && ratio < 1.02, "{roughness}: {found}, not {expected}");
+    }
+    // A diffuse one does not.
+    let world = world(&light, vec![Material::matte(Vec3::ONE), metal(0.0)], above());
+    let by_light_samples = color(&world, path(LightSampling::Mis), (16, 64));
+    assert!(by_light_samples > 0.0 && by_light_samples < 0.5 * expected);
+}

@@ -41,7 +41,7 @@ impl PathBlock {
             let throughput = self.paths.throughput.get(i) * self.survival[i].recip();
             bounces.paths.throughput.set(i, throughput * bounces.on.weight.get(i));
             bounces.paths.density[i] = bounces.on.density[i];
-            bounces.paths.normal[i] = self.normal_after(C::SHARES_LIGHTS, i, bounces.on.density[i]);
+            bounces.paths.normal[i] = self.normal_after(C::SHARES_LIGHTS, i, (direction, bounces.on.density[i]));
             let survives = self.u_roulette[i] < self.survival[i];
             bounces.goes_on[i] = bounces.on.scatters[i] & u32::from(survives) & self.goes_on[i];
         }
@@ -49,10 +49,12 @@ impl PathBlock {
 }
 
 impl PathBlock {
-    /// The [`normal`](Path::normal) of path `i` that goes on with a density.
+    /// The [`normal`](Path::normal) of path `i` that goes on in a direction with a density.
     #[inline(always)]
-    fn normal_after(&self, shares_lights: bool, i: usize, density: f32) -> u32 {
-        Path::normal_after(self.packed[i], (self.paths.normal[i], self.paths.density[i]), density, shares_lights)
+    fn normal_after(&self, shares_lights: bool, i: usize, (direction, density): (Vec3, f32)) -> u32 {
+        let (before, is_reflected) =
+            ((self.paths.normal[i], self.paths.density[i]), self.normal.get(i).dot(direction) > 0.0);
+        Path::normal_after(self.packed[i], before, (density, is_reflected), shares_lights)
     }
 }
 
@@ -69,7 +71,7 @@ impl Bounces {
         self.rays.direction.set(i, bounce.direction);
         self.paths.throughput.set(i, block.throughput(i) / block.survival[i] * bounce.weight);
         self.paths.density[i] = bounce.density;
-        self.paths.normal[i] = block.normal_after(C::SHARES_LIGHTS, i, bounce.density);
+        self.paths.normal[i] = block.normal_after(C::SHARES_LIGHTS, i, (bounce.direction, bounce.density));
         let survives = block.u_roulette[i] < block.survival[i];
         self.goes_on[i] = u32::from(scatters & survives) & block.goes_on[i];
     }

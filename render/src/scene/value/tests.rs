@@ -3,6 +3,14 @@
 use super::*;
 
 #[test]
+fn names_may_look_like_numbers_and_lists() {
+    let name = super::argument(super::text);
+    for text in ["1", "2024.5", "true", "nan", "Cube, red", "Top"] {
+        assert_eq!(name(text), Ok(text.to_owned()));
+    }
+}
+
+#[test]
 fn arguments_read_as_numbers_lists_or_text() {
     assert_eq!(Value::from_argument("18446744073709551615"), Value::Integer(u64::MAX.into()));
     assert_eq!(Value::from_argument("-0.5"), Value::Number(-0.5));
