@@ -54,3 +54,16 @@ pub trait Watch: Sync {
     /// Takes the film so far. Called from the thread that renders.
     fn film(&self, _film: &Film) {}
 }
+
+/// Watches nothing.
+#[cfg(test)]
+pub(crate) struct NeverStops;
+
+#[cfg(test)]
+impl Watch for NeverStops {
+    fn advance(&self, _: u64, _: u64) {}
+
+    fn stop(&self) -> bool {
+        false
+    }
+}

@@ -9,6 +9,7 @@ use super::filter::footprint;
 use super::*;
 use crate::scene::{Material, Mesh, cornell_box};
 use crate::settings::GatherLayout;
+use crate::watch::NeverStops;
 use crate::world::LookFrom;
 
 mod accuracy;
@@ -19,16 +20,6 @@ mod shadows;
 mod warnings;
 
 /// Never stops.
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-
-    fn stop(&self) -> bool {
-        false
-    }
-}
-
 /// A box of quads; fronts look inwards or outwards.
 fn hollow(name: &str, low: Vec3, high: Vec3, inwards: bool) -> Mesh {
     let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };

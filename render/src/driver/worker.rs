@@ -128,16 +128,7 @@ mod tests {
     use crate::driver::{fill_cache, render};
     use crate::film::Picture;
     use crate::scene::cornell_box;
-    use crate::watch::Watch;
-
-    struct NeverStops;
-
-    impl Watch for NeverStops {
-        fn advance(&self, _samples: u64, _rays: u64) {}
-        fn stop(&self) -> bool {
-            false
-        }
-    }
+    use crate::watch::NeverStops;
 
     fn settings(name: &str) -> Settings {
         let integrator = Integrator::named(name).unwrap();

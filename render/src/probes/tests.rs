@@ -4,16 +4,7 @@ use std::f32::consts::PI;
 
 use super::*;
 use crate::scene::{CameraPose, Material, Mesh, PunctualLight, Scene, Sky, SkyPicture};
-
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-
-    fn stop(&self) -> bool {
-        false
-    }
-}
+use crate::watch::NeverStops;
 
 const OPTIONS: Options = Options { rays: 512, spp: 64, seed: 3 };
 

@@ -12,18 +12,8 @@ use crate::scene::{CameraPose, Material, Mesh, ProfileFrame, PunctualLight, Scen
 use crate::settings::{
     CachedOptions, DirectOptions, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings,
 };
-use crate::watch::Watch;
+use crate::watch::NeverStops;
 use crate::world::World;
-
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-
-    fn stop(&self) -> bool {
-        false
-    }
-}
 
 /// What the camera sees in the floor lies in this direction.
 const UP: Vec3 = Vec3::new(0.6, 0.0, 0.8);

@@ -10,7 +10,7 @@ use crate::camera::FilmPoint;
 use crate::integrator::FIRST_SET;
 use crate::scene::{CameraPose, ColorSpace, Material, Mesh, NormalMap, Scene, Sky, Texture, TextureMap, cornell_box};
 use crate::settings::Settings;
-use crate::watch::Watch;
+use crate::watch::NeverStops;
 
 /// The inside of a tetrahedron about the origin that emits 1 and reflects half.
 fn furnace() -> World {
@@ -79,15 +79,6 @@ fn paths_in_place_of_records_are_as_long() {
 }
 
 /// Nobody watches.
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-    fn stop(&self) -> bool {
-        false
-    }
-}
-
 /// Whatever the error, records reach most of what is beside a site: paths are for what is left.
 #[test]
 fn few_points_have_no_record() {

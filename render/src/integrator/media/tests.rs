@@ -7,17 +7,7 @@ use crate::driver;
 use crate::material::Inputs;
 use crate::scene::{CameraPose, Material, Mesh, PunctualLight, Scene};
 use crate::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings, Stop};
-use crate::watch::Watch;
-
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-
-    fn stop(&self) -> bool {
-        false
-    }
-}
+use crate::watch::NeverStops;
 
 const RED: Vec3 = Vec3::new(0.1, 1.0, 3.0);
 const GREEN: Vec3 = Vec3::new(2.0, 0.2, 0.7);

@@ -78,18 +78,8 @@ mod tests {
     use crate::material::Inputs;
     use crate::scene::{CameraPose, Material, Mesh, Scene, Sky};
     use crate::settings::Settings;
-    use crate::watch::Watch;
+    use crate::watch::NeverStops;
     use crate::world::World;
-
-    struct NeverStops;
-
-    impl Watch for NeverStops {
-        fn advance(&self, _: u64, _: u64) {}
-
-        fn stop(&self) -> bool {
-            false
-        }
-    }
 
     #[test]
     fn flint_has_its_indices_at_the_lines_of_fraunhofer() {

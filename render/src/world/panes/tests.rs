@@ -6,17 +6,7 @@ use super::*;
 use crate::driver;
 use crate::scene::{CameraPose, Mesh, PunctualLight, Scene};
 use crate::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings};
-use crate::watch::Watch;
-
-struct NeverStops;
-
-impl Watch for NeverStops {
-    fn advance(&self, _: u64, _: u64) {}
-
-    fn stop(&self) -> bool {
-        false
-    }
-}
+use crate::watch::NeverStops;
 
 const IOR: f32 = 1.5;
 const TINT: Vec3 = Vec3::new(0.9, 0.6, 0.3);
