@@ -3,6 +3,7 @@
 mod bodies;
 mod closures;
 mod faults;
+mod glass;
 mod hit;
 mod inputs;
 mod instances;
@@ -14,7 +15,6 @@ mod media;
 mod motion;
 mod moved;
 mod names;
-mod panes;
 mod ray_counts;
 mod reflected;
 mod rounding;
@@ -37,13 +37,14 @@ use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, SceneFault, Texture};
 pub(crate) use bodies::Bodies;
 use closures::ClosureCell;
+use glass::Glass;
+pub(crate) use glass::{BentLight, Between, LightEnd};
 pub(crate) use hit::{Hit, MIDDLE, time_of};
 pub(crate) use instances::InstanceRecord;
 use instances::Instances;
 pub(crate) use media::Boundary;
 use media::Solids;
 pub(crate) use motion::Motion;
-use panes::Panes;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 use rounding::Bulge;
@@ -69,7 +70,7 @@ pub struct World {
     /// What solids absorb.
     solids: Solids,
     /// What shadow rays pass through.
-    panes: Panes,
+    glass: Glass,
     /// Of each material.
     closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
@@ -239,7 +240,7 @@ impl World {
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
-        let panes = Panes::new(&materials, &triangle_records, &corners[..still], has_punctual);
+        let glass = Glass::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         Ok(Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),
@@ -251,7 +252,7 @@ impl World {
             bulges,
             has_closures,
             solids,
-            panes,
+            glass,
             triangle_records,
             placed: corners.len(),
             still,

@@ -130,14 +130,8 @@ pub(crate) fn sample_light(
         Light::Punctual(light) => {
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
-            let PunctualSample { direction, mut shadow, mut received, mut solid_angle } =
-                sample_punctual(surface, light, u);
-            if world.has_panes() {
-                let (rest, left) = world.beyond_panes(shadow, surface.time);
-                // Bounces that pass through glass leave this light to the samples.
-                solid_angle = if rest == shadow { solid_angle } else { 0.0 };
-                (shadow, received) = (rest, received * left);
-            }
+            let PunctualSample { direction, shadow, received, solid_angle } =
+                sample_punctual(world, surface, light, u)?;
             let per_probability = choice.probability.recip();
             let (radiance, inv_density) = (received / choice.probability, solid_angle * per_probability);
             LightSample { shadow, direction, radiance, inv_density, is_punctual: true }

@@ -6,8 +6,8 @@
 //! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
 //! with `4π L`.
 //!
-//! Rays meet those that have a size ([`seen`]), if they come from a mirror or a glossy surface; and shadow rays to all of them
-//! [cross panes](crate::world::World::beyond_panes).
+//! Rays meet those that have a size ([`seen`]), if they come from a mirror or a glossy surface. Shadow rays to all of them cross
+//! panes, and light that [glass](crate::world::Between) bends is looked for.
 
 use std::f32::consts::{PI, TAU};
 
@@ -18,17 +18,17 @@ use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
 use crate::light::SpotCone;
 use crate::scene::PunctualLight;
-use crate::world::Surface;
+use crate::world::{BentLight, Between, LightEnd, Surface, World};
 
 /// A direction in which light arrives from such a light.
 pub(super) struct PunctualSample {
     /// Unit vector.
     pub direction: Vec3,
-    /// From the surface to the light.
+    /// From the surface to the light, what is left of it behind panes.
     pub shadow: Ray,
     /// Radiance over density; of a delta light, irradiance on what faces it.
     pub received: Vec3,
-    /// The reciprocal of the density per solid angle; 0 of a delta light.
+    /// The reciprocal of the density per solid angle; 0 of what no bounce will find.
     pub solid_angle: f32,
 }
 
@@ -41,35 +41,69 @@ pub(super) struct Seen {
     pub solid_angle: f32,
 }
 
-/// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean.
+/// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean; `None` if glass keeps it off.
 #[inline(never)]
-pub(super) fn sample_punctual(surface: &Surface, light: &PunctualLight, u: Vec2) -> PunctualSample {
-    let (direction, shadow, received) = match *light {
-        PunctualLight::Directional { direction, irradiance, half_angle } => {
+pub(super) fn sample_punctual(
+    world: &World,
+    surface: &Surface,
+    light: &PunctualLight,
+    u: Vec2,
+) -> Option<PunctualSample> {
+    let (end, per_intensity) = match *light {
+        PunctualLight::Directional { direction, half_angle, .. } => {
             let (sin, cos) = half_angle.sin_cos();
             let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
-            let shadow = Ray::new(surface.origin_towards(to_light), to_light);
-            (to_light, shadow, irradiance * (2.0 / (1.0 + cos)))
+            (LightEnd::Direction(to_light), 2.0 / (1.0 + cos))
         }
-        PunctualLight::Point { position, intensity, radius } => {
+        PunctualLight::Point { position, radius, .. }
+        | PunctualLight::Spot { position, radius, .. }
+        | PunctualLight::Profiled { position, radius, .. } => {
             let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
-            let (direction, shadow) = towards(surface, end);
-            (direction, shadow, intensity * per_intensity)
-        }
-        PunctualLight::Spot { position, direction: axis, intensity, radius, cos_inner, cos_outer, edge } => {
-            let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
-            let (direction, shadow) = towards(surface, end);
-            let part = SpotCone::new(cos_inner, cos_outer, edge).part(-direction.dot(axis));
-            (direction, shadow, intensity * (part * per_intensity))
-        }
-        PunctualLight::Profiled { position, ref frame, intensity, radius, ref profile } => {
-            let (end, per_intensity) = point_on_sphere(surface.position, position, radius, u);
-            let (direction, shadow) = towards(surface, end);
-            (direction, shadow, intensity * (profile.candela(frame, -direction) * per_intensity))
+            (LightEnd::Point(end), per_intensity)
         }
     };
+    let (direction, shadow) = match end {
+        LightEnd::Direction(direction) => (direction, Ray::new(surface.origin_towards(direction), direction)),
+        LightEnd::Point(end) => towards(surface, end),
+    };
     let solid_angle = solid_angle(surface.position, light);
-    PunctualSample { direction: direction.normalize_or_zero(), shadow, received, solid_angle }
+    let straight = |shadow, left: Vec3| PunctualSample {
+        direction,
+        shadow,
+        received: left * intensity(light, -direction) * per_intensity,
+        solid_angle,
+    };
+    if !world.has_clear_glass() {
+        return Some(straight(shadow, Vec3::ONE));
+    }
+    match world.glass_between(&shadow, surface.time) {
+        Between::NoGlass => Some(straight(shadow, Vec3::ONE)),
+        Between::Panes(rest, left) => Some(straight(rest, left)),
+        Between::Bends => {
+            let BentLight { direction, rest, leaving, left, spread } = world.bend_light(surface, end)?;
+            let spread = match end {
+                LightEnd::Direction(_) => spread,
+                // Per area of the light in place of solid angle.
+                LightEnd::Point(end) => spread * end.distance_squared(surface.position),
+            };
+            let received = left * intensity(light, leaving) * (per_intensity * spread);
+            Some(PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 })
+        }
+    }
+}
+
+/// The intensity in a unit vector that leaves a light; of a sun, its irradiance.
+fn intensity(light: &PunctualLight, leaving: Vec3) -> Vec3 {
+    match *light {
+        PunctualLight::Directional { irradiance, .. } => irradiance,
+        PunctualLight::Point { intensity, .. } => intensity,
+        PunctualLight::Spot { direction: axis, intensity, cos_inner, cos_outer, edge, .. } => {
+            intensity * SpotCone::new(cos_inner, cos_outer, edge).part(leaving.dot(axis))
+        }
+        PunctualLight::Profiled { ref frame, intensity, ref profile, .. } => {
+            intensity * profile.candela(frame, leaving)
+        }
+    }
 }
 
 /// What a light subtends, seen from a point; 0 of a delta light.
@@ -96,20 +130,8 @@ pub(super) fn seen(ray: &Ray, t_max: f32, light: &PunctualLight) -> Option<Seen>
         }
         _ => {
             let (position, _, radius) = light.place()?;
-            let (distance, per_intensity) =
-                (met(position - origin, radius, direction)?, (PI * radius * radius).recip());
-            let intensity = match *light {
-                PunctualLight::Spot { direction: axis, intensity, cos_inner, cos_outer, edge, .. } => {
-                    intensity * SpotCone::new(cos_inner, cos_outer, edge).part(-direction.dot(axis))
-                }
-                PunctualLight::Profiled { ref frame, intensity, ref profile, .. } => {
-                    intensity * profile.candela(frame, -direction)
-                }
-                PunctualLight::Point { intensity, .. } | PunctualLight::Directional { irradiance: intensity, .. } => {
-                    intensity
-                }
-            };
-            (distance, intensity * per_intensity)
+            let distance = met(position - origin, radius, direction)?;
+            (distance, intensity(light, -direction) * (PI * radius * radius).recip())
         }
     };
     let is_seen = distance <= t_max && radiance.cmpgt(Vec3::ZERO).any();

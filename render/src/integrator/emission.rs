@@ -7,7 +7,7 @@ use super::state::Path;
 use crate::estimator::{SeenLight, emitted_density, seen_lights};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
-use crate::world::{Hit, Surface, World};
+use crate::world::{Between, Hit, Surface, World};
 
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
@@ -31,6 +31,33 @@ pub(super) fn lights_on_the_way(
         let by_sample = || seen.density(world, &path.receiver(ray.origin), part);
         let sampled = if path.density == f32::INFINITY { 0.0 } else { by_sample() };
         see(&seen, seen.radiance * lights.bounce_weight(path.density, sampled));
+    });
+}
+
+/// Calls `see` with the lights of a size beyond panes, of which a path has hit the first, and the radiance of each that comes
+/// straight through them, weighted against the light sample that finds it there too. What goes on through the glass finds
+/// none of it again.
+pub(super) fn lights_beyond_panes(
+    world: &World,
+    (lights, part): (LightSampling, SkyPart),
+    path: &Path,
+    ray: &Ray,
+    hit: &Hit,
+    mut see: impl FnMut(&SeenLight, Vec3),
+) {
+    if path.density == f32::INFINITY || !path.sees_lights() || !world.is_clear_glass(hit) {
+        return;
+    }
+    seen_lights(world, ray, (f32::INFINITY, hit.time), |seen| {
+        let distance = seen.distance;
+        let shadow = if distance == f32::INFINITY { *ray } else { Ray::between(ray.origin, ray.at(distance)) };
+        let is_behind = distance > hit.t;
+        if let (true, Between::Panes(rest, left)) = (is_behind, world.glass_between(&shadow, hit.time))
+            && !world.occluded_at(&rest, hit.time)
+        {
+            let density = seen.density(world, &path.receiver(ray.origin), part);
+            see(&seen, seen.radiance * left * lights.bounce_weight(path.density, density));
+        }
     });
 }
 

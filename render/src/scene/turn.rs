@@ -36,6 +36,11 @@ impl Turn {
         (self.normals * normal).normalize_or_zero() * normal.length()
     }
 
+    /// A normal of another length: a linear function.
+    pub(crate) fn unscaled_normal(&self, normal: Vec3) -> Vec3 {
+        self.normals * normal
+    }
+
     /// A tangent, as long as before, with the sign of its bitangent.
     pub(crate) fn tangent(&self, tangent: Vec4) -> Vec4 {
         let along = (self.linear * tangent.truncate()).normalize_or_zero() * tangent.truncate().length();

@@ -26,7 +26,7 @@ impl World {
         let directional: Vec<f32> = (0..self.lights.directional_count())
             .map(|i| {
                 let towards = self.lights.towards_directional(i);
-                self.reached(points.iter().map(|point| (point, towards)), |ray| self.past_panes(ray))
+                self.reached(points.iter().map(|point| (point, towards)), |ray| self.beyond_glass(ray))
             })
             .collect();
         let sky = [SkyPart::All, SkyPart::Bright, SkyPart::Sun].map(|part| {

@@ -90,11 +90,11 @@ impl World {
                 | PunctualLight::Profiled { position, .. },
             ) => *position,
             Light::Punctual(PunctualLight::Directional { direction, .. }) => {
-                return !self.occluded(&self.past_panes(Ray::new(side.origin_towards(-*direction), -*direction)));
+                return !self.occluded(&self.beyond_glass(Ray::new(side.origin_towards(-*direction), -*direction)));
             }
             Light::Sky => return false,
         };
         let ray = Ray::between(side.origin_towards(end - side.position), end);
-        !self.occluded(&if is_punctual { self.past_panes(ray) } else { ray })
+        !self.occluded(&if is_punctual { self.beyond_glass(ray) } else { ray })
     }
 }

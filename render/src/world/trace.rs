@@ -6,7 +6,7 @@
 use halfdome_kernel::sampling::Stream;
 use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};
 
-use super::hit::time_of;
+use super::hit::{MIDDLE, time_of};
 use super::{Hit, World};
 
 /// Rays whose hits are in memory at once: as many as make a call cost little more for each than thousands do.
@@ -108,8 +108,13 @@ impl World {
 
     /// Whether `ray` hits anything. Rays pass through holes.
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+        self.occluded_at(ray, MIDDLE)
+    }
+
+    /// The same at a time.
+    pub(crate) fn occluded_at(&self, ray: &Ray, time: f32) -> bool {
         let mut occluded = [false];
-        self.occluded_many(&[*ray], &mut occluded);
+        self.occluded_many_at(&[*ray], &[time], &mut occluded);
         occluded[0]
     }
 

@@ -1,0 +1,204 @@
+//! Smooth glass between a surface and a light that no bounce can be relied on to hit.
+//!
+//! What points, spots and suns send through glass to surfaces that scatter, light samples alone find: of no size they cannot
+//! be hit, and those of a size are left to them, but for gloss behind [panes](panes). Where the two faces of a solid are parallel,
+//! as those of a window are, light leaves as it came, and a shadow ray that goes straight on finds it. What balls, bottles and
+//! water [bend](bent) arrives from another direction, which is looked for.
+//!
+//! What crosses a plane, a parallel one receives. Paths carry basic radiance, `L / n²`, and so no factor `n²` belongs to the
+//! way into or out of a solid.
+//!
+//! Smooth faces alone are crossed: the closures of rough ones find lights by samples of their own.
+
+mod bent;
+mod panes;
+
+use glam::{Mat2, Vec2, Vec3};
+use halfdome_kernel::geometry::Aabb;
+use halfdome_kernel::{Ray, Triangle};
+
+use super::surface::interpolate;
+use super::{Hit, Surface, TriangleRecord, World};
+use crate::material::Inputs;
+use crate::material::fresnel::Dielectric;
+use crate::material::ggx::Ggx;
+use crate::scene::Material;
+pub(crate) use bent::{BentLight, LightEnd};
+
+/// The most faces on the way to a light.
+const MOST: usize = 16;
+
+/// Which materials light passes through, if any does and there are lights that no bounce can hit.
+#[derive(Debug)]
+pub(super) struct Glass {
+    transmits: Vec<bool>,
+    /// Where all of these are.
+    bounds: Aabb,
+}
+
+impl Glass {
+    /// That of triangles, of which the first have these `corners`; where the others are is not known.
+    pub(super) fn new(
+        materials: &[Material],
+        records: &[TriangleRecord],
+        corners: &[Triangle],
+        has_punctual: bool,
+    ) -> Self {
+        let transmits: Vec<bool> = materials.iter().map(Material::is_glass).collect();
+        let is_glass = |record: &TriangleRecord| transmits[record.material as usize];
+        if !has_punctual || !records.iter().any(is_glass) {
+            return Self { transmits: Vec::new(), bounds: Aabb::EMPTY };
+        }
+        let everywhere = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        let placed = corners.iter().zip(records).filter(|(_, record)| is_glass(record));
+        let bounds = placed.fold(Aabb::EMPTY, |all, (corners, _)| all.union(&Aabb::around(corners)));
+        let is_known = !records[corners.len()..].iter().any(is_glass);
+        Self { bounds: if is_known { bounds } else { everywhere }, transmits }
+    }
+
+    /// Whether a ray may meet any; rounding does not hide one.
+    fn may_meet(&self, ray: &Ray) -> bool {
+        let margin = 1e-4 * (self.bounds.max.abs().max(self.bounds.min.abs()).max_element() + ray.origin.length());
+        let [a, b] = [self.bounds.min - margin, self.bounds.max + margin].map(|at| (at - ray.origin) / ray.direction);
+        let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element().min(ray.t_max));
+        // Of NaN nothing is known.
+        near <= far || near.is_nan() || far.is_nan()
+    }
+}
+
+/// What is between a surface and a light.
+pub(crate) enum Between {
+    /// Nothing, or something opaque, which the shadow ray will tell.
+    NoGlass,
+    /// Panes: the part of the shadow ray beyond them, and what they leave of light.
+    Panes(Ray, Vec3),
+    /// Glass that bends light.
+    Bends,
+}
+
+/// A face of smooth glass that a ray has met.
+struct Face<'w> {
+    /// Turned towards where the ray comes from.
+    surface: Surface<'w>,
+    /// Where the ray has met it.
+    hit: Hit,
+    /// What light is multiplied by that is not reflected.
+    tint: Vec3,
+    is_thin: bool,
+    /// By the solid behind the front.
+    absorption: Vec3,
+    ior: f32,
+    /// Seen from outside.
+    fresnel: Dielectric,
+}
+
+impl Face<'_> {
+    /// The part of light that the face reflects, and the cosine inside, by the cosine outside. What is reflected of any colour is
+    /// transmitted of none, as glass itself has it.
+    fn at(&self, cos_outside: f32) -> (f32, f32) {
+        let (reflected, cos_inside) = self.fresnel.at(cos_outside);
+        (reflected.max_element(), cos_inside)
+    }
+
+    /// What a thin wall leaves of light, all passages summed.
+    fn left_by_thin(&self, cos: f32) -> Vec3 {
+        let (reflected, _) = self.at(cos);
+        self.tint * ((1.0 - reflected) / (1.0 + reflected))
+    }
+}
+
+impl World {
+    /// Whether light that no bounce can find may pass through anything.
+    #[inline(always)]
+    pub(crate) fn has_clear_glass(&self) -> bool {
+        !self.glass.transmits.is_empty()
+    }
+
+    /// Whether what was hit may let such light through.
+    #[inline(always)]
+    pub(crate) fn is_clear_glass(&self, hit: &Hit) -> bool {
+        self.has_clear_glass()
+            && hit.is_hit()
+            && self.glass.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
+    }
+
+    /// The nearest surface along a ray, if that is smooth glass.
+    fn face(&self, ray: &Ray, time: f32) -> Option<Face<'_>> {
+        let hit = self.intersect_at(ray, time);
+        if !self.is_clear_glass(&hit) {
+            return None;
+        }
+        let surface = self.surface_at(&hit).facing(ray.direction);
+        let inputs = self.inputs(&surface);
+        let weight = inputs.transmission_weight * (1.0 - inputs.base_metalness);
+        if weight == 0.0 || !Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta() {
+            return None;
+        }
+        let Inputs { specular_ior: ior, specular_weight, specular_color, .. } = inputs;
+        Some(Face {
+            surface,
+            hit,
+            tint: weight * inputs.transmission_color,
+            is_thin: inputs.thin_walled,
+            absorption: inputs.absorption,
+            ior,
+            fresnel: Dielectric::new(ior, false, specular_weight, specular_color),
+        })
+    }
+
+    /// Whether a face's normal is one all over its triangle.
+    fn is_flat(&self, face: &Face) -> bool {
+        let Surface { prim_id, barycentric: [u, v], .. } = face.surface;
+        let point = self.mesh_point(prim_id, [1.0 - u - v, u, v]);
+        point.mesh.normals.is_empty() || {
+            let [a, b, c] = point.corners(&point.mesh.normals);
+            a == b && b == c
+        }
+    }
+
+    /// The change of a face's normal for a move across its triangle.
+    fn normal_derivative(&self, face: &Face) -> NormalDerivative {
+        if self.is_flat(face) {
+            return NormalDerivative::default();
+        }
+        let corners = self.placed_record(&face.hit).corners;
+        let Hit { prim_id, u, v, .. } = face.hit;
+        let weights = [1.0 - u - v, u, v];
+        let point = self.mesh_point(prim_id, weights);
+        let turn = self.instance_records().and_then(|_| self.turn_at(&face.hit));
+        let normals = point.corners(&point.mesh.normals).map(|own| turn.map_or(own, |turn| turn.unscaled_normal(own)));
+        let (sum, normal) = (interpolate(normals, weights), face.surface.smooth_normal);
+        // That of the sum, across the normal, by the sum's length.
+        let by = |change: Vec3| (change - normal * normal.dot(change)) / sum.dot(normal);
+        let [along_u, along_v] = [1, 2].map(|corner| corners[corner] - corners[0]);
+        let [by_u, by_v] = [1, 2].map(|corner| by(normals[corner] - normals[0]));
+        let dot = along_u.dot(along_v);
+        let gram = Mat2::from_cols_array(&[along_u.length_squared(), dot, dot, along_v.length_squared()]);
+        NormalDerivative { weights: gram.inverse(), along: [along_u, along_v], by: [by_u, by_v] }
+    }
+}
+
+/// How a normal changes across a triangle.
+#[derive(Default)]
+struct NormalDerivative {
+    /// Weights of two corners by the products of a move with the sides to them.
+    weights: Mat2,
+    along: [Vec3; 2],
+    /// By a weight.
+    by: [Vec3; 2],
+}
+
+impl NormalDerivative {
+    /// For a move across it.
+    fn at(&self, way: Vec3) -> Vec3 {
+        let weights = self.weights * Vec2::new(self.along[0].dot(way), self.along[1].dot(way));
+        self.by[0] * weights.x + self.by[1] * weights.y
+    }
+}
+
+/// The rest of a ray behind a surface that it has hit.
+fn beyond(ray: &Ray, surface: &Surface) -> Ray {
+    let origin = surface.origin_towards(ray.direction);
+    let t = (origin - ray.origin).dot(ray.direction) / ray.direction.length_squared();
+    Ray { origin, t_min: 0.0, t_max: ray.t_max - t, ..*ray }
+}

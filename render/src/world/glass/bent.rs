@@ -1,0 +1,269 @@
+//! Light that glass bends.
+//!
+//! From a point of a surface, rays are sent through glass, refracted at every face, until one leaves it towards the light: Newton's
+//! method for the two coordinates of the direction at the surface. What a ray becomes for a small change of that direction,
+//! ray differentials say (Igehy, "Tracing ray differentials", 1999), with the normals' derivatives across each triangle. This is
+//! manifold exploration (Jakob and Marschner 2012; Hanika, Droske and Fascione, "Manifold next event estimation", 2015), with the
+//! chain of refractions as a function of its first direction `ω`, which may meet any number of faces.
+//!
+//! With `ω'` the direction in which the ray leaves, and `y` where it passes a point light, across the ray, the surface receives per
+//! area that faces `ω`
+//!
+//! `E T |∂ω/∂ω'|` of a sun with the irradiance `E`, and `I T |∂ω/∂y|` of a point of the intensity `I`,
+//!
+//! where `T` is what the faces and the way between them leave.
+//!
+//! Deviations: of the ways on which light may come, one is found, the one next to the straight line; where a lens throws the light
+//! of more than one to a point (beyond its focus), that is part of it. The rest of a way that is reflected within glass is left
+//! out. A light of a size sends from each point of a disc that faces the glass.
+
+use glam::{Mat2, Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::Frame;
+
+use super::super::{Surface, World};
+use super::{Face, MOST};
+
+/// Rays that are sent out at most for one light sample.
+const SHOTS: usize = 10;
+/// How often a step is halved.
+const HALVINGS: u32 = 3;
+/// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
+const LESS: f32 = 0.85;
+/// How far, as an angle, a ray may leave beside the light: a twentieth of the sun's width.
+const CLOSE: f32 = 2.5e-4;
+/// The most that a step turns the direction, as a tangent.
+const STEP: f32 = 0.4;
+/// Solids one in another of which absorption is known.
+const NESTED: usize = 4;
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LightEnd {
+    /// From infinitely far away: the unit vector towards it.
+    Direction(Vec3),
+    /// From a point.
+    Point(Vec3),
+}
+
+/// A way on which light arrives at a surface.
+pub(crate) struct BentLight {
+    /// The unit vector from the surface by which it arrives.
+    pub direction: Vec3,
+    /// From the last face of glass to the light.
+    pub rest: Ray,
+    /// The unit vector by which it leaves the light.
+    pub leaving: Vec3,
+    /// What glass leaves of it.
+    pub left: Vec3,
+    /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
+    pub spread: f32,
+}
+
+/// A ray on its way, and what it becomes for a change of the direction in which it began along each of two axes.
+struct Beam {
+    ray: Ray,
+    origin_by: [Vec3; 2],
+    direction_by: [Vec3; 2],
+    left: Vec3,
+}
+
+/// What a direction leads to.
+struct Shot {
+    beam: Beam,
+    /// How far beside the light the ray goes, along two axes across it: as an angle, or as a length.
+    beside: Vec2,
+    /// What that is for a change of direction along each axis.
+    jacobian: Mat2,
+    /// `beside` as an angle.
+    angle: f32,
+}
+
+impl World {
+    /// Looks for the way on which light from `end` arrives at a surface through glass, some of which is on the straight line.
+    #[inline(never)]
+    pub(crate) fn bend_light(&self, from: &Surface, end: LightEnd) -> Option<BentLight> {
+        let mut direction = self.first_direction(from, end)?;
+        let mut frame = Frame::from_normal(direction);
+        let mut shot = self.shoot(from, direction, &frame, end)?;
+        let mut shots = 1;
+        while shot.angle > CLOSE {
+            let determinant = shot.jacobian.determinant();
+            if determinant == 0.0 || !determinant.is_finite() {
+                return None;
+            }
+            let step = -(shot.jacobian.inverse() * shot.beside);
+            let mut step = step * (STEP / step.length()).min(1.0);
+            // Half of a step that leads away from the light, or off the glass, and of that half again.
+            let mut halvings = 0;
+            (direction, frame, shot) = loop {
+                if shots == SHOTS || halvings > HALVINGS {
+                    return None;
+                }
+                shots += 1;
+                halvings += 1;
+                let next = frame.to_world(step.extend(1.0)).normalize();
+                let next_frame = Frame::from_normal(next);
+                match self.shoot(from, next, &next_frame, end) {
+                    Some(further) if further.angle < LESS * shot.angle => break (next, next_frame, further),
+                    _ => step *= 0.5,
+                }
+            };
+        }
+        let Shot { beam, jacobian, .. } = shot;
+        let spread = jacobian.determinant().abs().recip();
+        let rest = match end {
+            LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
+            LightEnd::Point(point) => Ray::between(beam.ray.origin, point),
+        };
+        spread.is_finite().then_some(BentLight {
+            direction,
+            rest,
+            leaving: -beam.ray.direction,
+            left: beam.left,
+            spread,
+        })
+    }
+
+    /// Where to begin: straight towards the light, or from within a solid in the direction in which the face that is met there refracts
+    /// light from it.
+    fn first_direction(&self, from: &Surface, end: LightEnd) -> Option<Vec3> {
+        let towards = |point: Vec3| match end {
+            LightEnd::Direction(direction) => direction,
+            LightEnd::Point(end) => (end - point).normalize_or_zero(),
+        };
+        let straight = towards(from.position);
+        let ray = Ray::new(from.origin_towards(straight), straight);
+        let face = self.face(&ray, from.time)?;
+        if !face.surface.is_back || face.is_thin {
+            return Some(straight);
+        }
+        let outside = towards(face.surface.position);
+        refract(-outside, -face.surface.smooth_normal, face.ior.recip()).map(|(inwards, ..)| -inwards)
+    }
+
+    /// Sends a ray out, refracted at all the glass that it meets before it passes the light.
+    fn shoot(&self, from: &Surface, direction: Vec3, frame: &Frame, end: LightEnd) -> Option<Shot> {
+        let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
+        let ray = Ray::new(from.origin_towards(direction), direction);
+        let mut beam = Beam { ray, origin_by: [Vec3::ZERO; 2], direction_by: axes, left: Vec3::ONE };
+        let (mut inside, mut depth, mut way, mut begun) = ([Vec3::ZERO; NESTED], 0, 0.0, 0.0);
+        for _ in 0..MOST {
+            if let LightEnd::Point(point) = end {
+                beam.ray.t_max = (point - beam.ray.origin).dot(beam.ray.direction);
+                if beam.ray.t_max <= 0.0 {
+                    return None;
+                }
+            }
+            let Some(face) = self.face(&beam.ray, from.time) else {
+                return beam.past(end, way);
+            };
+            let distance = face.hit.t;
+            way += distance;
+            if depth > 0 {
+                beam.left *= (-distance * inside[depth - 1]).exp();
+            } else {
+                begun += distance;
+            }
+            if face.is_thin {
+                let cos = face.surface.smooth_normal.dot(beam.ray.direction).abs();
+                beam.left *= face.left_by_thin(cos);
+                beam.straight(&face);
+                continue;
+            }
+            if !face.surface.is_back {
+                *inside.get_mut(depth)? = face.absorption;
+                depth += 1;
+            } else if depth > 0 {
+                depth -= 1;
+            } else if face.absorption != Vec3::ZERO {
+                // Out of the solid that the surface is in, whose length on the way to a sun is known here alone; to a point, the path
+                // takes all of the rest for it.
+                if let LightEnd::Point(_) = end {
+                    return None;
+                }
+                beam.left *= (-begun * face.absorption).exp();
+                begun = 0.0;
+            }
+            self.refract(&mut beam, &face)?;
+        }
+        None
+    }
+
+    /// Lets a beam through a face.
+    fn refract(&self, beam: &mut Beam, face: &Face) -> Option<()> {
+        let (surface, eta) = (&face.surface, if face.surface.is_back { face.ior } else { face.ior.recip() });
+        let normal = surface.smooth_normal;
+        let (refracted, cos, cos_beyond) = refract(beam.ray.direction, normal, eta)?;
+        let (reflected, _) = face.at(if surface.is_back { cos_beyond } else { cos });
+        beam.left *= face.tint * (1.0 - reflected);
+        let normals = self.normal_derivative(face);
+        beam.arrive(face);
+        for axis in 0..2 {
+            let [origin_by, direction_by] = [beam.origin_by[axis], beam.direction_by[axis]];
+            let normal_by = normals.at(origin_by);
+            let cos_by = -(direction_by.dot(normal) + beam.ray.direction.dot(normal_by));
+            let along = eta * cos - cos_beyond;
+            let along_by = (eta - eta * eta * cos / cos_beyond) * cos_by;
+            beam.direction_by[axis] = eta * direction_by + along * normal_by + along_by * normal;
+        }
+        beam.ray.direction = refracted;
+        beam.ray.origin = surface.origin_towards(refracted);
+        Some(())
+    }
+}
+
+impl Beam {
+    /// Moves the changes of the origin to the plane of a face.
+    fn arrive(&mut self, face: &Face) {
+        let (direction, normal) = (self.ray.direction, face.surface.normal);
+        for axis in 0..2 {
+            let moved = self.origin_by[axis] + face.hit.t * self.direction_by[axis];
+            self.origin_by[axis] = moved - direction * (moved.dot(normal) / direction.dot(normal));
+        }
+    }
+
+    /// Goes on behind a face as it came.
+    fn straight(&mut self, face: &Face) {
+        self.arrive(face);
+        self.ray.origin = face.surface.origin_towards(self.ray.direction);
+    }
+
+    /// How the ray passes the light, having come a way already.
+    fn past(self, end: LightEnd, way: f32) -> Option<Shot> {
+        let direction = self.ray.direction;
+        let (axis, beside, by, distance) = match end {
+            LightEnd::Direction(sun) => {
+                if direction.dot(sun) <= 0.0 {
+                    return None;
+                }
+                (sun, direction, self.direction_by, 1.0)
+            }
+            LightEnd::Point(point) => {
+                let rest = self.ray.t_max;
+                let by = [0, 1].map(|axis| self.origin_by[axis] + rest * self.direction_by[axis]);
+                (direction, self.ray.at(rest) - point, by, way + rest)
+            }
+        };
+        let across = Frame::from_normal(axis);
+        let [x, y] = [Vec3::X, Vec3::Y].map(|axis| across.to_world(axis));
+        let project = |vector: Vec3| Vec2::new(vector.dot(x), vector.dot(y));
+        let (beside, jacobian) = (project(beside), Mat2::from_cols(project(by[0]), project(by[1])));
+        Some(Shot { beam: self, beside, jacobian, angle: beside.length() / distance })
+    }
+}
+
+/// The unit vector in which a ray goes on behind a face whose normal is on its side, with the refractive index here by that beyond;
+/// and the cosines here and beyond.
+fn refract(direction: Vec3, normal: Vec3, eta: f32) -> Option<(Vec3, f32, f32)> {
+    let cos = -direction.dot(normal);
+    let squared = 1.0 - eta * eta * (1.0 - cos * cos);
+    if cos <= 0.0 || squared <= 0.0 {
+        return None;
+    }
+    let cos_beyond = squared.sqrt();
+    Some(((eta * direction + (eta * cos - cos_beyond) * normal).normalize(), cos, cos_beyond))
+}
+
+#[cfg(test)]
+mod tests;

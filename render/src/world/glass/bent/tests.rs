@@ -1,0 +1,253 @@
+//! Light through water, balls and wedges, against Snell's law in double precision and against paths.
+
+use glam::{Affine3A, DMat2, DVec2, Quat, vec3};
+
+use super::*;
+use crate::driver;
+use crate::material::Inputs;
+use crate::scene::{CameraPose, Instance, Material, Mesh, Object, PunctualLight, Scene};
+use crate::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings};
+use crate::watch::NeverStops;
+use crate::world::MIDDLE;
+
+const IOR: f32 = 1.5;
+const CAMERA: CameraPose = CameraPose { eye: vec3(0.0, -0.2, 0.05), target: Vec3::ZERO, up: Vec3::Z, vfov: 0.01 };
+
+fn glass(absorption: Vec3) -> Material {
+    let inputs = Inputs { specular_weight: 1.0, specular_ior: IOR, transmission_weight: 1.0, ..Inputs::default() };
+    let inputs = Inputs { transmission_color: Vec3::ONE, absorption, specular_roughness: 0.0, ..inputs };
+    Material { inputs, ..Material::default() }
+}
+
+/// A square at this height, its front up or down, which rises by `slope` along x.
+fn square(z: f32, is_up: bool, slope: f32, half: f32, material: usize) -> Mesh {
+    let corner = |(x, y): (f32, f32)| half * vec3(x, y, slope * x) + Vec3::Z * z;
+    let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner).to_vec();
+    let triangles = if is_up { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 2, 1], [0, 3, 2]] };
+    Mesh { positions, triangles, material, ..Mesh::default() }
+}
+
+/// A ball with vertex normals.
+fn ball(center: Vec3, radius: f32, material: usize) -> Mesh {
+    const AROUND: u32 = 96;
+    const DOWN: u32 = 48;
+    let mut normals = Vec::new();
+    for row in 0..=DOWN {
+        for column in 0..AROUND {
+            let (down, around) = (
+                row as f32 / DOWN as f32 * std::f32::consts::PI,
+                column as f32 / AROUND as f32 * std::f32::consts::TAU,
+            );
+            normals.push(vec3(down.sin() * around.cos(), down.sin() * around.sin(), down.cos()));
+        }
+    }
+    let at = |row: u32, column: u32| row * AROUND + column % AROUND;
+    let quads = (0..DOWN).flat_map(|row| (0..AROUND).map(move |column| (row, column)));
+    let triangles = quads
+        .flat_map(|(row, column)| {
+            let [a, b, c, d] = [at(row, column), at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let positions = normals.iter().map(|normal| center + radius * *normal).collect();
+    Mesh { positions, normals, triangles, material, ..Mesh::default() }
+}
+
+/// Meshes above a floor, of which the camera sees the middle. Materials: 0 glass, 1 is white, 2 emits, 3 is tinted glass.
+fn world(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
+    World::new(Scene {
+        meshes: meshes.into_iter().chain([square(0.0, true, 0.0, 9.0, 1)]).collect(),
+        materials: vec![
+            glass(Vec3::ZERO),
+            Material::matte(Vec3::splat(0.5)),
+            Material { emission: Vec3::ONE, ..Material::matte(Vec3::ZERO) },
+            glass(vec3(0.5, 1.0, 2.0)),
+        ],
+        lights,
+        camera: Some(CAMERA),
+        ..Scene::default()
+    })
+    .unwrap()
+}
+
+fn sun(to_sun: Vec3) -> PunctualLight {
+    PunctualLight::Directional { direction: -to_sun, irradiance: Vec3::ONE, half_angle: 0.0 }
+}
+
+fn point(position: Vec3, intensity: f32) -> PunctualLight {
+    PunctualLight::Point { position, intensity: Vec3::splat(intensity), radius: 0.0 }
+}
+
+/// The surface of the floor at a place.
+fn floor(world: &World, x: f32, y: f32) -> Surface<'_> {
+    let hit = world.intersect_at(&Ray::new(vec3(x, y, 0.01), -Vec3::Z), MIDDLE);
+    world.surface_at(&hit).facing(-Vec3::Z)
+}
+
+/// Fresnel's reflectance of a face between air and glass.
+fn reflectance(cos: f64) -> f64 {
+    let n = f64::from(IOR);
+    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
+    let [s, p] = [(cos - n * inside) / (cos + n * inside), (n * cos - inside) / (n * cos + inside)];
+    0.5 * (s * s + p * p)
+}
+
+fn is_near(found: f32, expected: f64, tolerance: f64) -> bool {
+    (f64::from(found) / expected - 1.0).abs() < tolerance
+}
+
+#[test]
+fn the_sun_reaches_the_ground_of_water() {
+    for angle in [0.0f32, 0.5, 1.0, 1.4] {
+        let to_sun = vec3(angle.sin(), 0.0, angle.cos());
+        for (material, absorption) in [(0, 0.0), (3, 0.5)] {
+            let world = world(vec![sun(to_sun)], vec![square(1.0, true, 0.0, 30.0, material)]);
+            let from = floor(&world, 0.1, 0.2);
+            let bent = world.bend_light(&from, LightEnd::Direction(to_sun)).unwrap();
+            let sin_inside = to_sun.x / IOR;
+            let cos_inside = (1.0 - sin_inside * sin_inside).sqrt();
+            assert!((bent.direction - vec3(sin_inside, 0.0, cos_inside)).length() < 1e-4, "{}", bent.direction);
+            let left = (1.0 - reflectance(f64::from(to_sun.z))) * f64::from(-absorption / cos_inside).exp();
+            assert!(is_near(bent.left.x, left, 1e-3), "{}, not {left}", bent.left);
+            let spread = f64::from(to_sun.z / (IOR * IOR * cos_inside));
+            assert!(is_near(bent.spread, spread, 1e-3), "{}, not {spread}", bent.spread);
+            assert!(bent.rest.origin.z > 0.999 && !world.occluded(&bent.rest) && bent.rest.direction == to_sun);
+        }
+    }
+}
+
+/// Where a ray goes that leaves the origin with these tangents, is refracted at height 1, and by the second face of a slab at
+/// `upper`, in the plane at `end`.
+fn through_plane(tangents: DVec2, n: f64, end: f64) -> DVec2 {
+    let across = tangents.length();
+    let sin = across / (1.0 + across * across).sqrt() * n;
+    tangents + tangents / across * ((end - 1.0) * sin / (1.0 - sin * sin).sqrt())
+}
+
+#[test]
+fn points_shine_into_and_out_of_water() {
+    for (is_up, n) in [(true, f64::from(IOR)), (false, 1.0 / f64::from(IOR))] {
+        let end = vec3(1.2, 0.7, 2.5);
+        let world = world(vec![point(end, 1.0)], vec![square(1.0, is_up, 0.0, 30.0, 0)]);
+        let bent = world.bend_light(&floor(&world, 0.0, 0.0), LightEnd::Point(end)).unwrap();
+        let tangents =
+            DVec2::new(f64::from(bent.direction.x), f64::from(bent.direction.y)) / f64::from(bent.direction.z);
+        let found = through_plane(tangents, n, 2.5);
+        assert!((found - DVec2::new(1.2, 0.7)).length() < 2e-3, "{found}");
+        // Per solid angle, and across the ray.
+        let step = 1e-5;
+        let by =
+            |way: DVec2| (through_plane(tangents + way, n, 2.5) - through_plane(tangents - way, n, 2.5)) / (2.0 * step);
+        let area = DMat2::from_cols(by(DVec2::X * step), by(DVec2::Y * step)).determinant();
+        let cos = 1.0 / (1.0 + tangents.length_squared()).sqrt();
+        let cos_at_light = -f64::from(bent.leaving.z);
+        let expected = cos.powi(3) / (area * cos_at_light);
+        assert!(is_near(bent.spread, expected, 2e-3), "{}, not {expected}", bent.spread);
+    }
+}
+
+/// A ball, in place or as an instance that is stretched and turned.
+fn balls() -> [World; 2] {
+    let placed = world(vec![sun(Vec3::Z)], vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)]);
+    let to_world =
+        Affine3A::from_scale_rotation_translation(vec3(1.5, 0.7, 1.0), Quat::from_rotation_x(0.7), vec3(0.0, 0.2, 2.2));
+    let instance = World::new(Scene {
+        meshes: vec![Mesh { object: Some(0), ..ball(Vec3::ZERO, 1.0, 0) }, square(0.0, true, 0.0, 9.0, 1)],
+        objects: vec![Object::default()],
+        instances: vec![
+            Instance { object: 0, to_world },
+            Instance { object: 0, to_world: Affine3A::from_translation(vec3(9.0, 9.0, 9.0)) * to_world },
+        ],
+        materials: vec![glass(Vec3::ZERO), Material::matte(Vec3::splat(0.5))],
+        lights: vec![sun(Vec3::Z)],
+        camera: Some(CAMERA),
+        ..Scene::default()
+    });
+    [placed, instance.unwrap()]
+}
+
+#[test]
+fn differentials_are_differences() {
+    const STEP: f32 = 2e-3;
+    for world in balls() {
+        let from = floor(&world, 0.1, -0.15);
+        let direction = vec3(0.1, -0.05, 1.0).normalize();
+        let frame = Frame::from_normal(direction);
+        // Lights where that leads.
+        let beam = world.shoot(&from, direction, &frame, LightEnd::Direction(direction)).unwrap().beam;
+        for end in [LightEnd::Direction(beam.ray.direction), LightEnd::Point(beam.ray.at(4.0))] {
+            let shoot = |step: Vec2| {
+                let direction = frame.to_world(step.extend(1.0)).normalize();
+                world.shoot(&from, direction, &frame, end).unwrap()
+            };
+            let shot = shoot(Vec2::ZERO);
+            assert!(shot.beam.left.x < 0.93, "two faces");
+            for (axis, by) in [(Vec2::X, shot.jacobian.x_axis), (Vec2::Y, shot.jacobian.y_axis)] {
+                let [more, less] = [STEP, -STEP].map(|step| shoot(axis * step).beside);
+                let difference = (more - less) / (2.0 * STEP);
+                let most = shot.jacobian.x_axis.length().max(shot.jacobian.y_axis.length());
+                assert!((difference - by).length() < 0.02 * most, "{by}, not {difference}: {end:?}");
+            }
+        }
+    }
+}
+
+/// The mean of a picture of the middle of the floor.
+fn seen(world: &World, integrator: Integrator, spp: u32) -> f64 {
+    let settings = Settings { width: 16, height: 16, spp, integrator, ..Settings::default() };
+    let picture = driver::render(world, &settings, &NeverStops).picture;
+    f64::from(picture.channel("G").unwrap().values.iter().sum::<f32>()) / 256.0
+}
+
+/// Lamps with a surface, which bounces find, are as bright as points all over them.
+#[test]
+fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
+    let half = 0.5;
+    for (glass, at) in [
+        (vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)], vec3(0.0, 0.0, 20.0)),
+        (vec![ball(vec3(0.1, 0.0, 2.05), 1.0, 0)], vec3(2.0, 0.0, 20.0)),
+        (vec![ball(vec3(0.0, 0.2, 1.8), 1.0, 3)], vec3(0.0, 3.0, 20.0)),
+        (vec![square(1.0, false, 0.0, 9.0, 0), square(3.0, true, 0.2, 9.0, 0)], vec3(0.0, 0.0, 20.0)),
+    ] {
+        let mut lamp = square(0.0, false, 0.0, half, 2);
+        lamp.positions.iter_mut().for_each(|corner| *corner += at);
+        let path = || Integrator::Path(PathOptions::default());
+        let of_lamp = seen(&world(vec![], glass.iter().cloned().chain([lamp]).collect()), path(), 2048);
+        // Points all over the square, which faces down.
+        let cos = at.z / at.length();
+        let places = (0..64).map(|i| vec3((i % 8) as f32 - 3.5, (i / 8) as f32 - 3.5, 0.0) * (half / 4.0));
+        let points = places.map(|place| point(at + place, half * half * cos / 16.0)).collect();
+        let of_points = seen(&world(points, glass.clone()), path(), 64);
+        assert!((of_points / of_lamp - 1.0).abs() < 0.04, "{of_points}, not {of_lamp}, at {at}");
+    }
+}
+
+#[test]
+fn all_integrators_find_bent_light() {
+    let world = world(vec![point(vec3(0.0, 0.0, 20.0), 100.0)], vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)]);
+    let expected = seen(&world, Integrator::Path(PathOptions::default()), 16);
+    assert!(expected > 0.0);
+    for integrator in [
+        Integrator::MonteCarlo(MonteCarloOptions::default()),
+        Integrator::Direct(DirectOptions::default()),
+        Integrator::Cached(CachedOptions { rays: 64, ..CachedOptions::default() }),
+    ] {
+        let found = seen(&world, integrator.clone(), 16);
+        assert!((found / expected - 1.0).abs() < 0.05, "{integrator:?}: {found}, not {expected}");
+    }
+}
+
+#[test]
+fn walls_within_and_behind_glass_throw_shadows() {
+    let ball = || ball(vec3(0.0, 0.0, 2.0), 1.0, 0);
+    let wall = |z: f32| square(z, true, 0.0, 2.0, 1);
+    let end = LightEnd::Point(vec3(0.0, 0.0, 20.0));
+    for z in [2.0, 4.0] {
+        let world = world(vec![point(vec3(0.0, 0.0, 20.0), 1.0)], vec![ball(), wall(z)]);
+        let bent = world.bend_light(&floor(&world, 0.1, 0.0), end);
+        assert!(bent.is_none_or(|bent| world.occluded(&bent.rest)), "{z}");
+    }
+    // A lamp between floor and ball has nothing to cross.
+    let world = world(vec![], vec![ball()]);
+    assert!(world.bend_light(&floor(&world, 0.1, 0.0), LightEnd::Point(vec3(0.1, 0.0, 0.5))).is_none());
+}

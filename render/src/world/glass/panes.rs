@@ -1,0 +1,90 @@
+//! Light that crosses glass without being bent.
+//!
+//! With `F` reflected by a face and `a` left by the way between the two faces of a pane, which are parallel,
+//!
+//! `T = (1 - F)² a / (1 - F² a²)`,
+//!
+//! all passages summed; a thin wall has `a = 1`.
+//!
+//! Deviations: light leaves a pane where it came, not beside it; films and coats reflect nothing.
+
+use glam::Vec3;
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::Frame;
+
+use super::super::{MIDDLE, World};
+use super::{Between, Face, MOST, beyond};
+
+/// The cosine of the angle, 3°, from which on two faces are not parallel.
+const PARALLEL: f32 = 0.998_63;
+/// By how much, as a part, a pane may spread what comes from a point, or focus it.
+const POWER: f32 = 0.03;
+
+impl World {
+    /// The part of a shadow ray beyond all smooth glass that it meets first, as if that did not bend light, in the middle of the
+    /// shutter's time: so about light gets there.
+    pub(in crate::world) fn beyond_glass(&self, shadow: Ray) -> Ray {
+        let mut ray = shadow;
+        if !self.has_clear_glass() || !self.glass.may_meet(&shadow) {
+            return ray;
+        }
+        for _ in 0..MOST {
+            let Some(face) = self.face(&ray, MIDDLE) else { break };
+            ray = beyond(&ray, &face.surface);
+        }
+        ray
+    }
+
+    /// What of glass is on the way of a shadow ray.
+    #[inline(never)]
+    pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
+        let (mut ray, mut left) = (*shadow, Vec3::ONE);
+        if !self.glass.may_meet(shadow) {
+            return Between::NoGlass;
+        }
+        for number in 0..MOST {
+            let Some(entry) = self.face(&ray, time) else {
+                return if number == 0 { Between::NoGlass } else { Between::Panes(ray, left) };
+            };
+            let cos = entry.surface.smooth_normal.dot(ray.direction.normalize()).abs();
+            let inner = beyond(&ray, &entry.surface);
+            if entry.is_thin {
+                (ray, left) = (inner, left * entry.left_by_thin(cos));
+                continue;
+            }
+            if entry.surface.is_back {
+                return Between::Bends;
+            }
+            let Some(exit) = self.face(&inner, time) else { return Between::Bends };
+            let is_same = exit.surface.is_back && std::ptr::eq(exit.surface.material, entry.surface.material);
+            let come = (inner.origin - shadow.origin).length();
+            if !is_same || !self.are_parallel(&entry, &exit, come) {
+                return Between::Bends;
+            }
+            // Straight on the way is as long as the pane is thick by the cosine outside.
+            let ([(f, cos_inside), (g, _)], thickness) =
+                ([entry.at(cos), exit.at(cos)], (exit.surface.position - entry.surface.position).length() * cos);
+            let absorbed = (-thickness / cos_inside.max(1e-3) * entry.absorption).exp();
+            left *= entry.tint * exit.tint * (1.0 - f) * (1.0 - g) * absorbed / (1.0 - f * g * absorbed * absorbed);
+            ray = beyond(&inner, &exit.surface);
+        }
+        Between::Bends
+    }
+
+    /// Whether two faces of a solid leave the direction of light as it is, and its divergence on a way of this length.
+    fn are_parallel(&self, entry: &Face, exit: &Face, way: f32) -> bool {
+        let normal = entry.surface.smooth_normal;
+        if normal.dot(exit.surface.smooth_normal) < PARALLEL {
+            return false;
+        }
+        let [first, second] = [self.normal_derivative(entry), self.normal_derivative(exit)];
+        let frame = Frame::from_normal(normal);
+        [Vec3::X, Vec3::Y].iter().all(|&axis| {
+            let step = frame.to_world(axis);
+            (entry.ior - 1.0) * (first.at(step) - second.at(step)).length() * way < POWER
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
