@@ -192,6 +192,28 @@ fn glass_counts_a_light_once() {
     }
 }
 
+/// Bounces find lights behind panes, where light samples alone would need thousands.
+#[test]
+fn narrow_gloss_shows_lights_behind_panes() {
+    let pane = || vec![square(1.0, true, 1), square(0.95, false, 1)];
+    let (cos, n) = (0.8f32, 1.5f32);
+    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
+    let [s, p] = [(cos - n * inside) / (cos + n * inside), (n * cos - inside) / (n * cos + inside)];
+    let f = 0.5 * (s * s + p * p);
+    for (light, expected) in [&lights()[0], &lights()[3]] {
+        let expected = expected * (1.0 - f) / (1.0 + f);
+        let world = world(light, vec![metal(0.02), glass(0.0)], pane());
+        // Without what floor and pane show of each other.
+        let once = || Integrator::Path(PathOptions { max_depth: 2, ..PathOptions::default() });
+        let found = color(&world, once(), (4, 4));
+        assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}: {light:?}");
+        // Beside it there is nothing.
+        let beside = PunctualLight::Point { position: CENTER + Vec3::Y, intensity: Vec3::ONE, radius: 0.5 };
+        let world = looked_at(vec3(-0.6, 0.0, 0.8), &beside, vec![metal(0.02), glass(0.0)], pane());
+        assert!(color(&world, path(LightSampling::Mis), (4, 4)) < 1e-3 * expected);
+    }
+}
+
 /// A light in a mirror is seen in a floor that is not quite one: as bright, as long as the floor shows nothing beside it.
 #[test]
 fn gloss_shows_what_a_mirror_shows() {
