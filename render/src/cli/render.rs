@@ -315,6 +315,9 @@ pub(super) fn bad_samples(film: &Film) -> Option<String> {
 
 /// What is said of a scene that nothing lights.
 fn without_light(scene: &Scene) -> String {
+    if !scene.lights.is_empty() {
+        return "all lights of the scene have a strength of 0, so the picture is black".to_owned();
+    }
     let from_gltf = scene.meshes.iter().any(|mesh| mesh.origin.is_some());
     let export = match from_gltf {
         true => ", or export the lights: Blender leaves them out unless Include > Punctual Lights is on",

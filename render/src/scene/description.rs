@@ -202,7 +202,8 @@ impl Scene {
     /// Whether anything emits: the sky, a delta light, or a triangle.
     pub fn has_light(&self) -> bool {
         let emits = |mesh: &Mesh| !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO;
-        self.sky.mean() != Vec3::ZERO || !self.lights.is_empty() || self.meshes.iter().any(emits)
+        let shines = |light: &PunctualLight| light.power().0 != Vec3::ZERO;
+        self.sky.mean() != Vec3::ZERO || self.lights.iter().any(shines) || self.meshes.iter().any(emits)
     }
 }
 

@@ -87,7 +87,11 @@ impl<'a> Parser<'a> {
         if number.fract() == 0.0 && number >= least as f64 && number <= MOST as f64 {
             return Ok(number as usize);
         }
-        self.error(self.line, format!("{what} is {number}"), &format!("write a whole number, {least} or more"))
+        let remedy = match number > MOST as f64 {
+            true => format!("write a whole number from {least} to {MOST}"),
+            false => format!("write a whole number, {least} or more"),
+        };
+        self.error(self.line, format!("{what} is {number}"), &remedy)
     }
 
     fn factor(&mut self, what: &str) -> Result<f64, SceneError> {

@@ -56,6 +56,9 @@ impl Files {
         preset: Preset,
         report: Option<&Path>,
     ) -> Result<Self, CliError> {
+        if let Some(folder) = source.filter(|source| source.is_dir()) {
+            return Err(invalid(format!("{}: this is a folder", folder.display()), "name a model file in it"));
+        }
         let extension = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let from = source.map(extension).unwrap_or_default();
         match extension(output).as_str() {
@@ -66,7 +69,11 @@ impl Files {
             }
             to @ ("glb" | "gltf") if to == from => {}
             to @ ("glb" | "gltf") => {
-                let what = if from.is_empty() { "the built-in scene".to_owned() } else { format!("a .{from} model") };
+                let what = match source {
+                    None => "the built-in scene".to_owned(),
+                    Some(source) if from.is_empty() => source.display().to_string(),
+                    Some(_) => format!("a .{from} model"),
+                };
                 let problem = format!("{what} cannot be written as .{to}");
                 return Err(invalid(problem, "write the same format as the input, or .obj with --preset raw"));
             }

@@ -91,7 +91,9 @@ fn extra(document: &Document, light: &Light, place: &str, name: &str, most: f32)
         Some(number) if (0.0..=f64::from(most)).contains(&number) => Ok(number as f32),
         _ => {
             let problem = format!("extras.{name} is {value}");
-            Err(document.error(place.to_owned(), problem, format!("write a number from 0 to {most:e}")))
+            // Without an exponent where that is short.
+            let most = if most < 1e6 { most.to_string() } else { format!("{most:e}") };
+            Err(document.error(place.to_owned(), problem, format!("write a number from 0 to {most}")))
         }
     }
 }

@@ -166,7 +166,7 @@ impl<'a> Table<'a> {
     pub(super) fn unit(&self, entry: &Entry<'a>) -> Result<Vec3, SceneError> {
         match value::direction(&value_of(entry.value)).map(unit) {
             Ok(Some(direction)) => Ok(direction),
-            _ => self.reader.wrong(entry, "three numbers x, y, z that are not all zero"),
+            _ => self.reader.wrong(entry, "three numbers x, y, z, of 1e38 at most, that are not all zero"),
         }
     }
 

@@ -127,7 +127,7 @@ fn what_is_wrong_is_told_with_its_line() {
     check("type = \"point\"\nintensity = 1", 0, "this point light has no position", "write position = [x, y, z]");
     let sun = "type = \"directional\"\nirradiance = 1\n";
     check(sun, 0, "this directional light has no direction", "write direction = [x, y, z]");
-    let not_zero = "expected three numbers x, y, z that are not all zero";
+    let not_zero = "expected three numbers x, y, z, of 1e38 at most, that are not all zero";
     check(&format!("{sun}direction = [0, 0, 0]"), 3, "light.direction is [0, 0, 0]", not_zero);
     let angle = format!("{sun}direction = [0, 0, 1]\nangle = 180");
     check(&angle, 4, "light.angle is 180", "expected a number from 0 to 179");
