@@ -172,6 +172,11 @@ pub enum InvalidScene {
         /// The item's index.
         item: usize,
     },
+    /// More scenes lie one in the other than [`scene::MAX_LEVELS`](crate::scene::MAX_LEVELS).
+    TooDeep {
+        /// The index of the item that is so deep.
+        item: usize,
+    },
     /// Scenes lie in others so often that the ways through them are more than a number of 64 bits tells apart.
     TooManyPaths {
         /// The index of the item with which they become too many.
@@ -231,6 +236,12 @@ impl fmt::Display for InvalidScene {
                      transforms into one"
                 )
             }
+            Self::TooDeep { item } => write!(
+                f,
+                "with item {item} more than {} scenes lie one in the other below the scene, which tracing has no stack for; \
+                 nest less deep",
+                crate::scene::MAX_LEVELS
+            ),
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
             }

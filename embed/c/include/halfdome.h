@@ -367,7 +367,8 @@ typedef struct hd_item {
     const struct hd_scene *scene;
     /**
      * Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-     * to the scene. NULL: where its own coordinates say. A single one that flattens, such as a scale of zero, hides the item.
+     * to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale of zero, hides the
+     * item; one that flattens nearly is an HD_ERROR_VALUE.
      */
     const float *transforms;
     /**

@@ -31,7 +31,8 @@ pub struct hd_item {
     /// The scene, or NULL.
     pub scene: *const hd_scene,
     /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-    /// to the scene. NULL: where its own coordinates say. A single one that flattens, such as a scale of zero, hides the item.
+    /// to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale of zero, hides the
+    /// item; one that flattens nearly is an HD_ERROR_VALUE.
     pub transforms: *const f32,
     /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
     /// elements are interpolated.
@@ -177,9 +178,12 @@ pub(crate) unsafe fn item(name: &str, item: *const hd_item) -> Result<Item<'stat
     let mut objects = objects.into_iter().flatten();
     let object = match (objects.next(), objects.next()) {
         (Some(object), None) => object,
-        (None, _) => return Err(Failure::new(HD_ERROR_NULL, "it has neither a tree nor a scene")),
+        (None, _) => return Err(Failure::new(HD_ERROR_NULL, "it has none of tree, scene, moving and round")),
         _ => return Err(Failure::new(HD_ERROR_VALUE, "it has more than one of tree, scene, moving and round")),
     };
+    if item.transform_count == 0 && !item.transforms.is_null() {
+        return Err(Failure::new(HD_ERROR_SIZE, "it has transforms, and a transform_count of 0"));
+    }
     let floats = item.transform_count.saturating_mul(12);
     // SAFETY: the caller's promise.
     let floats = unsafe { elements("its transforms", item.transforms, floats) }?;

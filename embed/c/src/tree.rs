@@ -134,7 +134,10 @@ pub(crate) unsafe fn build_options(options: *const hd_build_options) -> Result<B
             return Err(Failure::new(HD_ERROR_VALUE, message));
         }
     };
-    Ok(quality.into())
+    match options.reserved {
+        0 => Ok(quality.into()),
+        other => Err(Failure::new(HD_ERROR_VALUE, format!("options->reserved is {other}: it must be 0"))),
+    }
 }
 
 /// Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker than a

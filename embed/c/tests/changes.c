@@ -88,7 +88,7 @@ static void items_come_and_go(void) {
     CHECK(seen(scene, 14, 0) == NOTHING);
     const hd_tree *const gone = NULL;
     hd_item again = item_of(gone, NULL);
-    FAILS(HD_ERROR_NULL, "neither", hd_scene_insert(scene, &again, &other));
+    FAILS(HD_ERROR_NULL, "none of", hd_scene_insert(scene, &again, &other));
     tree = triangle_tree();
     again.tree = tree;
     OK(hd_scene_insert(scene, &again, &other));

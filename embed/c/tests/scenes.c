@@ -138,11 +138,14 @@ static void bad_scenes_are_refused(void) {
     FAILS(HD_ERROR_NULL, "scene is NULL", hd_scene_build(items, 2, NULL, NULL));
     FAILS(HD_ERROR_SIZE, "no such memory", hd_scene_build(items, SIZE_MAX, NULL, &scene));
     items[1].tree = NULL;
-    FAILS(HD_ERROR_NULL, "item 1: it has neither", hd_scene_build(items, 2, NULL, &scene));
+    FAILS(HD_ERROR_NULL, "item 1: it has none of", hd_scene_build(items, 2, NULL, &scene));
     items[1].tree = tree, items[1].scene = good;
     FAILS(HD_ERROR_VALUE, "item 1: it has more than one", hd_scene_build(items, 2, NULL, &scene));
     items[1] = item_of(tree, NULL, NULL, 1);
     FAILS(HD_ERROR_NULL, "item 1: its transforms is NULL", hd_scene_build(items, 2, NULL, &scene));
+    items[1] = item_of(tree, NULL, larger, 1);
+    items[1].transform_count = 0;
+    FAILS(HD_ERROR_SIZE, "item 1: it has transforms", hd_scene_build(items, 2, NULL, &scene));
     items[1].transforms = larger, items[1].transform_count = SIZE_MAX;
     FAILS(HD_ERROR_SIZE, "item 1", hd_scene_build(items, 2, NULL, &scene));
     items[1] = item_of(tree, NULL, NULL, 0), items[1].struct_size = 8;

@@ -55,8 +55,8 @@
 //! # Instances
 //! A scene has a path for itself and those of each scene in it, as often as that is in it. They are numbered depth
 //! first: those through the first item, those through the second and so on, and last the scene's own. So one number
-//! says which items a hit lies in, however deep. Tracing recurses once a level, with some 3 KB of stack each; how deep
-//! that will be [`SceneView::levels`] says.
+//! says which items a hit lies in, however deep. Tracing recurses once a level, with up to 9 KB of stack each; how deep
+//! that will be [`SceneView::levels`] says. There are [`MAX_LEVELS`] at most.
 //!
 //! # Motion
 //! Times are 0..=1; what lies beyond counts as the nearer end, and at a time that is NaN a ray hits nothing. What moves
@@ -109,6 +109,7 @@ pub use quad::Quads;
 pub use ray::{SceneHit, SceneRay};
 pub use shape::Shape;
 pub use sphere::Spheres;
+pub use view::MAX_LEVELS;
 pub use view::{Instances, Part, SceneView};
 
 use core::ops::ControlFlow;

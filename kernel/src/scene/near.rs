@@ -7,7 +7,7 @@
 //! they are those of [`BvhView::closest_point`](crate::BvhView::closest_point) and
 //! [`BvhView::for_each_overlap`](crate::BvhView::for_each_overlap).
 //!
-//! Nothing here allocates or panics. Walks recurse once a level, with some 4 KB of stack each.
+//! Nothing here allocates or panics. Walks recurse once a level, with up to 8 KB of stack each.
 
 use core::ops::{ControlFlow, Range};
 

@@ -218,7 +218,7 @@ impl<'a> Scene<'a> {
     ///
     /// # Errors
     /// [`InvalidScene::Imprecise`] if distorting transforms lie one in the other so that rounding gets out of hand,
-    /// [`InvalidScene::TooManyPaths`], and [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then is
+    /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`], and [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then is
     /// as of the last commit, and the changes wait still.
     pub fn commit(&mut self) -> Result<Commit, Error> {
         self.commit_on(&Serial)

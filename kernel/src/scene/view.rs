@@ -38,6 +38,9 @@ pub struct SceneView<'a> {
     isa: Isa,
 }
 
+/// The most scenes one in the other below a scene: tracing takes some 9 KB of stack for each.
+pub const MAX_LEVELS: usize = 64;
+
 /// What is known of all items together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneSummary {
@@ -57,7 +60,7 @@ impl SceneSummary {
     /// Numbers the paths through items too.
     ///
     /// # Errors
-    /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
+    /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`] and [`InvalidScene::Imprecise`].
     fn of(items: &mut [Item]) -> Result<Self, InvalidScene> {
         let (mut summary, mut errors) = (Self::NOTHING, Errors::NONE);
         for (index, item) in items.iter_mut().enumerate() {
@@ -76,9 +79,12 @@ impl SceneSummary {
     /// Adds an item, and its error to those of others.
     ///
     /// # Errors
-    /// [`InvalidScene::TooManyPaths`] and [`InvalidScene::Imprecise`].
+    /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`] and [`InvalidScene::Imprecise`].
     pub(super) fn add(&mut self, index: usize, item: &Facts, errors: &mut Errors) -> Result<(), InvalidScene> {
         self.paths = self.paths.checked_add(item.paths).ok_or(InvalidScene::TooManyPaths { item: index })?;
+        if item.levels > MAX_LEVELS {
+            return Err(InvalidScene::TooDeep { item: index });
+        }
         // Not for a NaN either.
         if !item.error.cmple(Vec3::splat(MAX_ERROR)).all() {
             return Err(InvalidScene::Imprecise { item: index });

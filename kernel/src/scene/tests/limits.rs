@@ -1,5 +1,7 @@
 //! Scenes with nothing in them, with too much, and from memory that anybody could have written.
 
+use alloc::sync::Arc;
+
 use super::*;
 
 #[test]
@@ -116,6 +118,19 @@ fn scenes_nest_until_paths_have_no_numbers() {
     }
     let error = Scene::build(vec![Item::new(deepest), Item::new(deepest)], &BuildOptions::default()).err();
     assert_eq!(error, Some(Error::InvalidScene(InvalidScene::TooManyPaths { item: 0 })));
+}
+
+#[test]
+fn scenes_nest_no_deeper_than_the_stack() {
+    let mut deepest = Arc::new(Scene::build(Vec::new(), &BuildOptions::default()).unwrap().0);
+    for level in 1..=MAX_LEVELS {
+        deepest = Arc::new(Scene::build(vec![Item::new(deepest)], &BuildOptions::default()).unwrap().0);
+        assert_eq!(deepest.view().levels(), level);
+    }
+    let bytes = deepest.to_bytes().unwrap();
+    assert_eq!(Scene::from_bytes(&bytes).unwrap().view().levels(), MAX_LEVELS);
+    let error = Scene::build(vec![Item::new(deepest)], &BuildOptions::default()).err();
+    assert_eq!(error, Some(Error::InvalidScene(InvalidScene::TooDeep { item: 0 })));
 }
 
 #[test]
