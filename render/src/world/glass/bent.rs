@@ -125,8 +125,8 @@ impl World {
         })
     }
 
-    /// Where to begin: straight towards the light, or from within a solid in the direction in which the face that is met there refracts
-    /// light from it.
+    /// Where to begin: straight towards the light, or from within a solid in the direction in which the face that is met there
+    /// refracts light from it.
     fn first_direction(&self, from: &Surface, end: LightEnd) -> Option<Vec3> {
         let towards = |point: Vec3| match end {
             LightEnd::Direction(direction) => direction,
