@@ -73,8 +73,8 @@ export function insertObject(scene, root, options) {
     }
   });
   if (skipped.length > 0) {
-    const names = [...new Set(skipped.map(({ type }) => type))].join(", ");
-    console.warn(`halfdome leaves out ${skipped.length} objects (${names}), as it does not know where their triangles are`);
+    const kinds = [...new Set(skipped.map((object) => (object.isSkinnedMesh ? "SkinnedMesh" : "BatchedMesh")))].join(", ");
+    console.warn(`halfdome leaves out objects, as it does not know where their triangles are: ${skipped.length} of ${kinds}`);
   }
   const update = () => {
     root.updateWorldMatrix(true, true);

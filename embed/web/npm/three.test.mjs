@@ -197,7 +197,7 @@ test("what bones move is left out with a warning", async (t) => {
   const scene = await createScene();
   const world = insertObject(scene, root);
   assert.deepEqual([scene.commit(), world.skipped], [1, [skinned]]);
-  const message = "halfdome leaves out 1 objects (SkinnedMesh), as it does not know where their triangles are";
+  const message = "halfdome leaves out objects, as it does not know where their triangles are: 1 of SkinnedMesh";
   assert.deepEqual(warn.mock.calls.map((call) => call.arguments), [[message]]);
 });
 
