@@ -52,7 +52,7 @@ if [ "$page" = yes ]; then
     cp page/index.html page/style.css page/*.js npm/simd.js dist/
     mkdir -p dist/moving/halfdome
     cp moving/index.html moving/*.js dist/moving/
-    cp npm/index.js npm/engine.js npm/checks.js npm/simd.js npm/halfdome-scene*.wasm dist/moving/halfdome/
+    cp npm/index.js npm/engine.js npm/load.js npm/checks.js npm/simd.js npm/halfdome-scene*.wasm dist/moving/halfdome/
 fi
 
 printf '\n%-28s %9s %9s\n' "" bytes gzipped

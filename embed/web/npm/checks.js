@@ -43,7 +43,7 @@ export function checkMesh(positions, indices) {
 }
 
 /** How many numbers each point or curve has. */
-const ROUND_FLOATS = { spheres: 4, discs: 7, linear: 8, cubic: 16 };
+export const ROUND_FLOATS = { spheres: 4, discs: 7, linear: 8, cubic: 16 };
 
 /** The number of a kind of points or curves. */
 export function checkRound(kind, numbers) {
@@ -106,7 +106,7 @@ export function checkTimes(time, count) {
     checkTime(time);
     return time === 0 ? null : new Float32Array(count).fill(time);
   }
-  if (!(time instanceof Float32Array)) {
+  if (!isTyped(time, Float32Array)) {
     throw new TypeError(`time is ${typeName(time)}, and should be a number from 0 to 1 or a Float32Array of them`);
   }
   checkLength("time", time, count, "rays");
@@ -166,12 +166,33 @@ export function checkLength(name, array, count, of) {
 }
 
 export function checkType(name, value, ...types) {
-  if (!types.some((type) => value instanceof type)) {
+  if (!types.some((type) => isTyped(value, type))) {
     throw new TypeError(`${name} is ${typeName(value)}, and should be a ${types.map((type) => type.name).join(" or ")}`);
+  }
+  if (value.length === 0 && isDetached(value.buffer)) {
+    throw new TypeError(`${name} has a buffer that is detached, as it was transferred: it has no numbers any more`);
   }
 }
 
-function typeName(value) {
+/** Whether it is a typed array of this kind, of any realm: a frame's, or a vm's. */
+export function isTyped(value, type) {
+  return ArrayBuffer.isView(value) && value[Symbol.toStringTag] === type.name;
+}
+
+function isDetached(buffer) {
+  try {
+    return new Uint8Array(buffer) === null;
+  } catch {
+    return true;
+  }
+}
+
+/** What it is, by its own word: `String`, `Float32Array`, `WebAssembly.Module`. */
+export function tagOf(value) {
+  return Object.prototype.toString.call(value).slice("[object ".length, -1);
+}
+
+export function typeName(value) {
   if (value === null || typeof value !== "object") {
     return String(value);
   }

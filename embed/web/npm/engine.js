@@ -14,10 +14,12 @@ import {
   checkTime,
   checkTimes,
   checkType,
+  isTyped,
   qualityNumber,
   RAY_FLOATS,
+  ROUND_FLOATS,
 } from "./checks.js";
-import { hasSimd } from "./simd.js";
+import { load } from "./load.js";
 
 /** Rays that are handed over at once: 128 KB, which stay in the processor's cache. */
 const BATCH = 4096;
@@ -27,43 +29,16 @@ export const ALL = 0xffffffff;
 /** Hits of a ray that a filter judges at first. */
 const FEW = 4;
 
-const modules = new Map();
+/** Memory that a build takes, in bytes for each triangle, point or curve at a key: some 120 to 230. With less it is not tried. */
+const BUILD_BYTES = 256;
+/** And for however few. */
+const LEAST_PIECES = 4;
+/** What has_room counts. */
+const PIECE = 65536;
 
-/** Where the modules are, written out for bundlers: plain and with SIMD, for trees alone and for scenes, which is larger. */
-const URLS = {
-  tree: [new URL("halfdome.wasm", import.meta.url), new URL("halfdome-simd.wasm", import.meta.url)],
-  scene: [new URL("halfdome-scene.wasm", import.meta.url), new URL("halfdome-scene-simd.wasm", import.meta.url)],
-};
-
-/** The compiled module, which all trees share, or all scenes. */
-function compiled(what, simd) {
-  const url = URLS[what][Number(simd)];
-  if (!modules.has(url)) {
-    const module = fetchBytes(url).then((bytes) => WebAssembly.compile(bytes));
-    // What failed for want of a network may work the next time.
-    module.catch(() => modules.delete(url));
-    modules.set(url, module);
-  }
-  return modules.get(url);
-}
-
-async function fetchBytes(url) {
-  if (url.protocol === "file:") {
-    const { readFile } = await import("node:fs/promises");
-    return readFile(url);
-  }
-  const response = await fetch(url);
-  if (!response.ok) {
-    throw new Error(`${url}: ${response.status} ${response.statusText}`);
-  }
-  return response.arrayBuffer();
-}
-
-/** An instance of the module, with SIMD if that is wanted and there is any. */
-export async function instantiate(what, { simd = true } = {}) {
-  const withSimd = Boolean(simd) && hasSimd();
-  const instance = await WebAssembly.instantiate(await compiled(what, withSimd));
-  return new Engine(what, instance.exports, withSimd);
+/** An instance of the module. */
+export async function instantiate(what, options) {
+  return new Engine(what, await load(what, options));
 }
 
 /** An instance, and how it is talked to. `free` ends it. */
@@ -73,12 +48,14 @@ export class Engine {
   #points = 0;
   /** What it is to the user: a tree or a scene. */
   #what;
+  /** Why there are no exports any more. */
+  #end = "was freed";
   simd;
 
-  constructor(what, exports, simd) {
+  constructor(what, exports) {
     this.#what = what;
     this.#exports = exports;
-    this.simd = simd;
+    this.simd = exports.simd() === 1;
     this.#rays = exports.rays(BATCH);
     if (this.#rays === 0) {
       throw noMemory();
@@ -87,7 +64,7 @@ export class Engine {
 
   get exports() {
     if (this.#exports === null) {
-      throw new TypeError(`this ${this.#what} was freed`);
+      throw new TypeError(`this ${this.#what} ${this.#end}`);
     }
     return this.#exports;
   }
@@ -105,7 +82,8 @@ export class Engine {
       if (error instanceof WebAssembly.RuntimeError) {
         // The allocator's last way out, after which the instance is of no more use.
         this.free();
-        throw noMemory();
+        this.#end = "ran out of memory and is lost";
+        throw new RangeError(`there is no memory left, and this ${this.#what} is lost: WebAssembly has at most 4 GiB`);
       }
       throw error;
     }
@@ -113,10 +91,15 @@ export class Engine {
 
   #writeMesh(exports, positions, indices) {
     write(exports, exports.positions(positions.length), positions);
-    const wide = indices === null || indices instanceof Uint32Array ? indices : new Uint32Array(indices);
-    const address = exports.indices(wide === null ? 0 : wide.length);
-    if (wide !== null) {
-      write(exports, address, wide);
+    if (indices !== null) {
+      write(exports, exports.indices(indices.length), isTyped(indices, Uint32Array) ? indices : new Uint32Array(indices));
+    }
+  }
+
+  /** Throws if there is no memory for so many bytes: where it ends on the way, the instance is lost. */
+  #needRoom(exports, bytes) {
+    if (exports.has_room(LEAST_PIECES + Math.ceil(bytes / PIECE)) === 0) {
+      throw noMemory();
     }
   }
 
@@ -124,6 +107,7 @@ export class Engine {
     checkMesh(positions, indices);
     const quality = qualityNumber(options);
     return this.attempt((exports) => {
+      this.#needRoom(exports, BUILD_BYTES * triangleCount(positions, indices));
       this.#writeMesh(exports, positions, indices);
       const mesh = exports.add_mesh(quality);
       if (mesh < 0) {
@@ -136,6 +120,8 @@ export class Engine {
   refit(mesh, positions, indices) {
     checkMesh(positions, indices);
     const decay = this.attempt((exports) => {
+      // A scene that has the tree keeps it until its next commit.
+      this.#needRoom(exports, 2 * (exports.bytes(mesh) >>> 0));
       this.#writeMesh(exports, positions, indices);
       const decay = exports.refit(mesh);
       exports.follow?.(mesh);
@@ -161,6 +147,7 @@ export class Engine {
     const quality = qualityNumber(options);
     return this.attempt((exports) => {
       exports.forget_keys();
+      this.#needRoom(exports, BUILD_BYTES * keys.length * triangleCount(keys[0], indices));
       for (const positions of keys) {
         this.#writeMesh(exports, positions, indices);
         exports.add_key();
@@ -177,6 +164,7 @@ export class Engine {
     const number = checkRound(kind, numbers);
     const quality = qualityNumber(options);
     return this.attempt((exports) => {
+      this.#needRoom(exports, (BUILD_BYTES * numbers.length) / ROUND_FLOATS[kind]);
       write(exports, exports.positions(numbers.length), numbers);
       const mesh = exports.add_round(number, quality);
       if (mesh < 0) {
@@ -190,7 +178,13 @@ export class Engine {
   writeMatrices(matrices) {
     matrices.forEach(checkMatrix);
     const exports = this.exports;
-    write(exports, exports.matrices(matrices.length), Float32Array.from(matrices.flatMap((matrix) => [...matrix])));
+    const numbers = new Float32Array(16 * matrices.length);
+    matrices.forEach((matrix, key) => {
+      for (let i = 0; i < 16; i++) {
+        numbers[16 * key + i] = matrix[i];
+      }
+    });
+    write(exports, exports.matrices(matrices.length), numbers);
     return exports;
   }
 
@@ -368,7 +362,7 @@ function hitsFor(count, target) {
 function read(exports, address, count, hits, first) {
   const columns = ["t", "u", "v", "triangle", "instance"].filter((name) => hits[name] !== undefined);
   columns.forEach((name, column) => {
-    const type = hits[name].constructor;
+    const type = isTyped(hits[name], Int32Array) ? Int32Array : Float32Array;
     hits[name].set(new type(exports.memory.buffer, (address >>> 0) + 4 * count * column, count), first);
   });
   return columns.length;
@@ -379,13 +373,26 @@ function write(exports, address, numbers) {
   if (address === 0) {
     throw noMemory();
   }
-  new numbers.constructor(exports.memory.buffer, address >>> 0, numbers.length).set(numbers);
+  const type = isTyped(numbers, Uint32Array) ? Uint32Array : Float32Array;
+  new type(exports.memory.buffer, address >>> 0, numbers.length).set(numbers);
+}
+
+function triangleCount(positions, indices) {
+  return indices === null ? positions.length / 9 : indices.length / 3;
 }
 
 function noMemory() {
   return new RangeError("there is no memory left for this mesh: WebAssembly has at most 4 GiB");
 }
 
-export function nearlyFlat() {
-  return new RangeError("the transform is nearly flat: it should have an inverse, or scale by exactly 0, which hides");
+/** What is wrong with one of `count` matrices, by the number that the instance gives. */
+export function refusedTransform(code, count) {
+  const [key, between] = [Math.floor((-code - 2) / 2), code % 2 !== 0];
+  if (between) {
+    return new RangeError(
+      `halfway from transform ${key} to ${key + 1} it is nearly flat: keys of a rotation should be less than half a turn apart`,
+    );
+  }
+  const [which, hides] = count === 1 ? ["the transform", ", or scale by exactly 0, which hides"] : [`transform ${key}`, ""];
+  return new RangeError(`${which} is nearly flat: it should have an inverse${hides}`);
 }

@@ -3,14 +3,18 @@
 // Every tree and every scene has an instance of its own: what goes wrong in one stays there, and its memory goes away with it.
 
 import { checkMask, checkMesh, checkTransforms, qualityNumber, RAY_FLOATS } from "./checks.js";
-import { ALL, instantiate, nearlyFlat, SCENE } from "./engine.js";
+import { ALL, instantiate, refusedTransform, SCENE } from "./engine.js";
 import { hasSimd } from "./simd.js";
 
 export { hasSimd, RAY_FLOATS };
 
 export async function build(positions, indices = null, options = {}) {
+  indices ??= null;
   checkMesh(positions, indices);
   qualityNumber(options);
+  // Copies, as the arrays may change or go while the module is loaded.
+  positions = new Float32Array(positions);
+  indices = indices === null ? null : new Uint32Array(indices);
   const engine = await instantiate("tree", options ?? {});
   engine.addMesh(positions, indices, options);
   return new Tree(engine);
@@ -41,24 +45,28 @@ class Tree {
     return this.#engine.simd;
   }
 
-  closest(rays, { hits, filter } = {}) {
+  closest(rays, options) {
+    const { hits, filter } = options ?? {};
     return this.#engine.closest(0, rays, { hits, filter });
   }
 
-  any(rays, { occluded, filter } = {}) {
+  any(rays, options) {
+    const { occluded, filter } = options ?? {};
     return this.#engine.any(0, rays, { occluded, filter });
   }
 
-  allHits(rays, { most } = {}) {
+  allHits(rays, options) {
+    const { most } = options ?? {};
     return this.#engine.allHits(0, rays, { most });
   }
 
-  closestPoint(points, { radius } = {}) {
+  closestPoint(points, options) {
+    const { radius } = options ?? {};
     return this.#engine.closestPoint(0, points, { radius });
   }
 
   refit(positions, indices = null) {
-    return this.#engine.refit(0, positions, indices);
+    return this.#engine.refit(0, positions, indices ?? null);
   }
 
   free() {
@@ -80,25 +88,27 @@ class Scene {
   }
 
   addMesh(positions, indices = null, options = {}) {
-    return new Mesh(this.#engine, this.#engine.addMesh(positions, indices, options));
+    return new Mesh(this.#engine, this.#engine.addMesh(positions, indices ?? null, options));
   }
 
   addMovingMesh(keys, indices = null, options = {}) {
-    return new Mesh(this.#engine, this.#engine.addMovingMesh(keys, indices, options), "has keys");
+    return new Mesh(this.#engine, this.#engine.addMovingMesh(keys, indices ?? null, options), "has keys");
   }
 
   addRound(kind, numbers, options = {}) {
     return new Mesh(this.#engine, this.#engine.addRound(kind, numbers, options), "is of points or curves");
   }
 
-  insert(mesh, { transform = IDENTITY, transforms = [transform], mask = ALL } = {}) {
+  insert(mesh, options) {
+    const { transform = IDENTITY, transforms = [transform], mask = ALL } = options ?? {};
     const number = meshNumber(mesh, this.#engine);
     checkMask(mask);
     const exports = this.#engine.writeMatrices(checkTransforms(transforms));
     const index = this.#engine.attempt(() => exports.insert(number, mask));
     if (index < 0) {
-      throw nearlyFlat();
+      throw refusedTransform(index, transforms.length);
     }
+    Mesh.use(mesh, 1);
     const instance = new Instance(this.#engine, index, mesh, () => this.#instances.delete(index));
     this.#instances.set(index, instance);
     return instance;
@@ -116,20 +126,21 @@ class Scene {
     return seen;
   }
 
-  closest(rays, options = {}) {
-    return this.#engine.closest(SCENE, rays, options);
+  closest(rays, options) {
+    return this.#engine.closest(SCENE, rays, options ?? {});
   }
 
-  any(rays, options = {}) {
-    return this.#engine.any(SCENE, rays, options);
+  any(rays, options) {
+    return this.#engine.any(SCENE, rays, options ?? {});
   }
 
-  allHits(rays, { most, mask, time } = {}) {
+  allHits(rays, options) {
+    const { most, mask, time } = options ?? {};
     return this.#engine.allHits(SCENE, rays, { most, mask, time });
   }
 
-  closestPoint(points, options = {}) {
-    return this.#engine.closestPoint(SCENE, points, options);
+  closestPoint(points, options) {
+    return this.#engine.closestPoint(SCENE, points, options ?? {});
   }
 
   free() {
@@ -142,6 +153,7 @@ class Mesh {
   #number;
   /** Why it cannot be refitted; null if it can. */
   #fixed;
+  #instances = 0;
 
   constructor(engine, number, fixed = null) {
     this.#engine = engine;
@@ -150,23 +162,51 @@ class Mesh {
   }
 
   get triangles() {
-    return this.#engine.exports.triangles(this.#number);
+    return this.#engine.exports.triangles(this.#there());
   }
 
   get bytes() {
-    return this.#engine.exports.bytes(this.#number) >>> 0;
+    return this.#engine.exports.bytes(this.#there()) >>> 0;
+  }
+
+  get instances() {
+    return this.#instances;
   }
 
   refit(positions, indices = null) {
     if (this.#fixed !== null) {
       throw new TypeError(`this mesh ${this.#fixed}, and takes no positions: add a new one`);
     }
-    return this.#engine.refit(this.#number, positions, indices);
+    return this.#engine.refit(this.#there(), positions, indices ?? null);
+  }
+
+  free() {
+    if (this.#number === null) {
+      return;
+    }
+    if (this.#instances > 0) {
+      const [count, them] = this.#instances === 1 ? ["an instance shows", "it"] : [`${this.#instances} instances show`, "them"];
+      throw new TypeError(`${count} this mesh: remove ${them} before it is freed, or call setMesh`);
+    }
+    this.#engine.exports.free_mesh(this.#number);
+    this.#number = null;
+  }
+
+  #there() {
+    if (this.#number === null) {
+      throw new TypeError("this mesh was freed");
+    }
+    return this.#number;
   }
 
   /** The number of a mesh that this scene has. */
   static numberIn(mesh, engine) {
-    return typeof mesh === "object" && mesh !== null && #number in mesh && mesh.#engine === engine ? mesh.#number : null;
+    return typeof mesh === "object" && mesh !== null && #number in mesh && mesh.#engine === engine ? mesh.#there() : null;
+  }
+
+  /** Counts instances that show it. */
+  static use(mesh, more) {
+    mesh.#instances += more;
   }
 }
 
@@ -205,8 +245,10 @@ class Instance {
 
   setTransforms(matrices) {
     const number = this.#there();
-    if (this.#engine.writeMatrices(checkTransforms(matrices)).set_transform(number) < 0) {
-      throw nearlyFlat();
+    const exports = this.#engine.writeMatrices(checkTransforms(matrices));
+    const done = this.#engine.attempt(() => exports.set_transform(number));
+    if (done < 0) {
+      throw refusedTransform(done, matrices.length);
     }
   }
 
@@ -215,12 +257,16 @@ class Instance {
   }
 
   setMesh(mesh) {
-    this.#engine.exports.set_mesh(this.#there(), meshNumber(mesh, this.#engine));
+    const number = meshNumber(mesh, this.#engine);
+    this.#engine.attempt((exports) => exports.set_mesh(this.#there(), number));
+    Mesh.use(this.#mesh, -1);
+    Mesh.use(mesh, 1);
     this.#mesh = mesh;
   }
 
   remove() {
-    this.#engine.exports.remove(this.#there());
+    this.#engine.attempt((exports) => exports.remove(this.#there()));
+    Mesh.use(this.#mesh, -1);
     this.#forget();
     this.#forget = null;
   }

@@ -14,6 +14,8 @@ const downAt = (...xs) => new Float32Array(xs.flatMap((x) => [x + 0.25, 0.25, 2,
 
 const moved = (x, y = 0, z = 0) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1];
 
+const scaled = (x, y, z) => [x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0, 0, 0, 0, 1];
+
 const refuses = (type, message) => (error) => {
   assert.ok(error instanceof type && error.message === message, `${error}`);
   return true;
@@ -232,12 +234,13 @@ test("what moves while the shutter is open is where rays have their time", async
       [() => at([0], new Float32Array([NaN])), RangeError, "time[0], of ray 0, is NaN"],
       [() => slides.setTransforms([]), TypeError, "transforms should be an array of one matrix or more"],
       [() => slides.setTransforms([moved(0), [1]]), TypeError, "transform is an Array, and should be 16 numbers, column by column"],
-      [() => slides.setTransforms([moved(0), new Array(15).fill(0).concat(1)]), RangeError, null],
+      [() => slides.setTransforms([moved(0), new Array(15).fill(0).concat(1)]), RangeError, "transform 1 is nearly flat: it should have an inverse"],
+      [() => slides.setTransforms([moved(0), moved(1), scaled(-1, -1, 1), moved(0)]), RangeError, "halfway from transform 1 to 2 it is nearly flat: keys of a rotation should be less than half a turn apart"],
       [() => scene.addMovingMesh([]), TypeError, "keys should be an array of one Float32Array of positions or more"],
       [() => scene.addMovingMesh([layers(1), layers(2)]), RangeError, "the keys have 9 and 18 numbers, and should have as many"],
       [() => sinks.refit(layers(1)), TypeError, "this mesh has keys, and takes no positions: add a new one"],
     ]) {
-      assert.throws(call, message === null ? type : refuses(type, message));
+      assert.throws(call, refuses(type, message));
     }
     assert.deepEqual(at([3], 0.7), [[0, 2]]);
   }
@@ -275,5 +278,122 @@ test("points and curves are in scenes like meshes", async () => {
     ]) {
       assert.throws(call, refuses(type, message));
     }
+  }
+});
+
+test("an empty array of indices is no triangles; transforms that nearly flatten are refused, and those that flatten hide", async () => {
+  const scene = await createScene();
+  const none = new Uint32Array(0);
+  const empty = [scene.addMesh(layers(1), none), scene.addMovingMesh([layers(1), layers(1)], none), scene.addMesh(new Float32Array(12), none)];
+  assert.deepEqual(empty.map((mesh) => mesh.triangles), [0, 0, 0]);
+  empty.forEach((mesh) => scene.insert(mesh));
+  const instance = scene.insert(scene.addMesh(layers(1), undefined, null), null);
+  const seen = () => (scene.commit(), [...scene.closest(downAt(0), null).instance]);
+  assert.deepEqual(seen(), [3]);
+  for (const [z, hidden] of [[1e-4, false], [1e-7, true], [0, true]]) {
+    instance.setTransform(scaled(1, 1, z));
+    assert.deepEqual(seen(), [hidden ? -1 : 3], `${z}`);
+  }
+  assert.throws(() => instance.setTransform(scaled(1, 1, 1e-5)), RangeError);
+  // Anything that has a length and numbers.
+  instance.setTransform({ length: 16, ...moved(0) });
+  assert.deepEqual(seen(), [3]);
+});
+
+test("meshes are freed, if no instance shows them, and their memory is used again", async () => {
+  for (const simd of [false, true]) {
+    const scene = await createScene({ simd });
+    const stays = scene.insert(scene.addMesh(layers(1, 8)));
+    const mesh = scene.addMesh(layers(1));
+    const instances = [scene.insert(mesh), scene.insert(mesh)];
+    assert.equal(mesh.instances, 2);
+    scene.commit();
+    assert.throws(() => mesh.free(), refuses(TypeError, "2 instances show this mesh: remove them before it is freed, or call setMesh"));
+    instances[0].remove();
+    assert.throws(() => mesh.free(), refuses(TypeError, "an instance shows this mesh: remove it before it is freed, or call setMesh"));
+    instances[1].setMesh(stays.mesh);
+    assert.deepEqual([mesh.instances, stays.mesh.instances], [0, 2]);
+    mesh.free();
+    mesh.free();
+    for (const call of [() => mesh.triangles, () => mesh.bytes, () => mesh.refit(layers(1)), () => scene.insert(mesh), () => stays.setMesh(mesh)]) {
+      assert.throws(call, refuses(TypeError, "this mesh was freed"));
+    }
+    // Another mesh has its number; rays see the old one until the next commit.
+    const next = scene.addMesh(layers(1, 20));
+    assert.deepEqual([...scene.closest(downAt(0, 8, 20)).instance], [1, 0, -1]);
+    const { number } = scene.insert(next);
+    next.refit(layers(1, 24));
+    scene.commit();
+    assert.deepEqual([...scene.closest(downAt(0, 8, 20, 24)).instance], [-1, 0, -1, number]);
+  }
+});
+
+/** A scene, and the memory of its instance. */
+async function sceneWithMemory(t) {
+  const { instantiate } = WebAssembly;
+  let memory;
+  t.mock.method(WebAssembly, "instantiate", async (module) => {
+    const instance = await instantiate(module);
+    memory = instance.exports.memory;
+    return instance;
+  });
+  const scene = await createScene();
+  return { scene, memory };
+}
+
+test("memory of meshes is used again after they were freed", async (t) => {
+  const { scene, memory } = await sceneWithMemory(t);
+  const sizes = [];
+  for (let i = 0; i < 60; i++) {
+    const [positions, options] = [layers(1000 + 500 * (i % 5)), { quality: "fast" }];
+    const meshes = [
+      scene.addMesh(positions, null, options),
+      scene.addMovingMesh([positions, positions], null, options),
+      scene.addRound("spheres", new Float32Array(4000).fill(1), options),
+    ];
+    const instances = meshes.map((mesh) => scene.insert(mesh));
+    meshes[0].refit(positions);
+    assert.equal(scene.commit(), 3);
+    instances.forEach((instance) => instance.remove());
+    meshes.forEach((mesh) => mesh.free());
+    sizes.push(memory.buffer.byteLength);
+  }
+  assert.ok(sizes[59] <= sizes[19], `${sizes}`);
+});
+
+test("where there is no memory left, the scene stays as it was, or says that it is lost", async (t) => {
+  const { scene, memory } = await sceneWithMemory(t);
+  // 25 MB are left.
+  memory.grow(65536 - 400 - memory.buffer.byteLength / 65536);
+  scene.insert(scene.addMesh(layers(1)));
+  scene.commit();
+  const full = refuses(RangeError, "there is no memory left for this mesh: WebAssembly has at most 4 GiB");
+  const [positions, added] = [layers(5000), []];
+  for (const add of [
+    () => scene.addMesh(positions),
+    () => scene.addMovingMesh([positions, positions]),
+    () => scene.addRound("cubic", new Float32Array(16 * 5000).fill(1)),
+  ]) {
+    assert.throws(() => {
+      for (;;) {
+        added.push(add());
+      }
+    }, full);
+    assert.deepEqual([...scene.closest(downAt(0)).instance], [0]);
+  }
+  assert.ok(added.length > 20, `${added.length}`);
+  added.pop().free();
+  added.pop().free();
+  const mesh = scene.addMesh(layers(4000));
+  scene.insert(mesh);
+  assert.equal(scene.commit(), 2);
+  // Nobody knows beforehand how many hits there are.
+  assert.throws(
+    () => scene.allHits(downAt(...new Array(4000).fill(0))),
+    refuses(RangeError, "there is no memory left, and this scene is lost: WebAssembly has at most 4 GiB"),
+  );
+  const lost = refuses(TypeError, "this scene ran out of memory and is lost");
+  for (const call of [() => scene.closest(downAt(0)), () => scene.commit(), () => mesh.triangles, () => scene.addMesh(layers(1))]) {
+    assert.throws(call, lost);
   }
 });

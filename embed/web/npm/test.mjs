@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
+import { runInNewContext } from "node:vm";
 
-import { build, hasSimd } from "./index.js";
+import { build, createScene, hasSimd } from "./index.js";
 
 /** Numbers from 0 to 1, always the same (mulberry32). */
 function generator(seed) {
@@ -141,6 +142,16 @@ test("no triangles, no rays, and triangles that cannot be hit", async () => {
   const empty = await build(new Float32Array(0));
   assert.deepEqual([empty.triangles, empty.closest(DOWN).triangle[0]], [0, -1]);
   assert.equal(empty.closest(new Float32Array(0)).t.length, 0);
+  // An empty array of indices is no triangles; none at all is every three vertices.
+  for (const none of [new Uint32Array(0), new Uint16Array(0)]) {
+    const tree = await build(SQUARE.subarray(0, 9), none);
+    assert.deepEqual([tree.triangles, tree.closest(DOWN).triangle[0], tree.any(DOWN)[0]], [0, -1, 0]);
+    assert.equal((await build(SQUARE, none)).triangles, 0);
+    assert.equal(tree.refit(SQUARE, none), 1);
+  }
+  for (const whole of [null, undefined]) {
+    assert.equal((await build(SQUARE.subarray(0, 9), whole)).triangles, 1);
+  }
   const folded = await build(SQUARE, new Uint16Array([0, 1, 1, 0, 1, 2]));
   assert.deepEqual([folded.triangles, folded.closest(DOWN).triangle[0]], [1, 1]);
 });
@@ -211,7 +222,6 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
     put(indices(3), new Uint32Array([0, 1, 3]));
     assert.equal(calls.add_mesh(2), -1, "vertex 3 does not exist");
     put(positions(9), SQUARE.subarray(0, 9));
-    indices(0);
     assert.equal(calls.add_mesh(3), -1, "quality 3 does not exist");
     put(positions(9), SQUARE.subarray(0, 9));
     assert.equal(calls.add_mesh(0), 0);
@@ -225,6 +235,8 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
     points(1);
     assert.equal(new Int32Array(memory.buffer, calls.closest_points(7, 9), 4)[3], -1);
     assert.deepEqual([calls.triangles(7), calls.bytes(7), calls.refit(7)], [0, 0, -1]);
+    assert.deepEqual([calls.free_mesh(7), calls.has_room(1), calls.has_room(65536), calls.has_room(-1)], [-1, 1, 0, 0]);
+    assert.equal(calls.simd(), Number(file.includes("simd")));
     if (!file.includes("scene")) {
       assert.equal(calls.commit, undefined);
       continue;
@@ -246,7 +258,6 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
     assert.equal(calls.add_key(), -1, "vertex 3 does not exist");
     for (const corners of [9, 18]) {
       put(positions(corners), new Float32Array(corners));
-      indices(0);
       assert.equal(calls.add_key(), 0);
     }
     assert.equal(calls.add_moving_mesh(2), -1, "keys differ in length");
@@ -267,6 +278,10 @@ test("what gets past the checks is refused by the WebAssembly, which goes on", a
     calls.times(0);
     assert.equal(calls.commit(), 2);
     assert.equal(new Int32Array(memory.buffer, calls.scene_closest(1, -1), 5)[4], 0);
+    // Meshes that were freed, while items have them.
+    assert.deepEqual([calls.free_mesh(0), calls.free_mesh(0), calls.triangles(0), calls.set_mesh(1, 0), calls.insert(0, -1)], [0, -1, 0, -1, -1]);
+    assert.equal(calls.commit(), 2);
+    assert.equal(new Int32Array(memory.buffer, calls.scene_closest(1, -1), 5)[4], 0);
   }
 });
 
@@ -275,4 +290,51 @@ test("arrays that a tree was built from may change", async () => {
   const tree = await build(positions, new Uint16Array(SQUARE_INDICES));
   positions.fill(9);
   assert.equal(tree.closest(DOWN).triangle[0], 0);
+});
+
+test("arrays may change or go while the module is loaded", async () => {
+  const [positions, indices] = [SQUARE.slice(), new Uint16Array(SQUARE_INDICES)];
+  const building = build(positions, indices);
+  positions.fill(9);
+  indices.fill(60000);
+  structuredClone(positions.buffer, { transfer: [positions.buffer] });
+  const tree = await building;
+  assert.deepEqual([tree.triangles, tree.closest(DOWN).triangle[0]], [2, 0]);
+  const detached = /^TypeError: (positions|rays) has a buffer that is detached, as it was transferred: it has no numbers any more$/;
+  await assert.rejects(build(positions), detached);
+  assert.throws(() => tree.closest(positions), detached);
+});
+
+test("typed arrays of other realms, and options that are null", async () => {
+  const other = (code) => runInNewContext(code);
+  const tree = await build(other(`new Float32Array([${SQUARE}])`), other(`new Uint16Array([${SQUARE_INDICES}])`), null);
+  const hits = other("({ t: new Float32Array(1), u: new Float32Array(1), v: new Float32Array(1), triangle: new Int32Array(1) })");
+  const rays = other("new Float32Array([0.75, 0.25, 2, 0, 0, 0, -1, Infinity])");
+  assert.equal(tree.closest(rays, { hits }).triangle[0], 0);
+  assert.deepEqual([tree.closest(DOWN, null).triangle[0], tree.any(DOWN, null)[0], tree.allHits(DOWN, null).t[0]], [0, 1, 2]);
+  assert.equal(tree.closestPoint(new Float32Array(3), null).triangle[0], 0);
+});
+
+test("the WebAssembly may be handed over", async () => {
+  const url = new URL("halfdome.wasm", import.meta.url);
+  const bytes = await readFile(url);
+  const module = await WebAssembly.compile(bytes);
+  const arrayBuffer = new Uint8Array(bytes).buffer;
+  for (const wasm of [url, url.href, bytes, arrayBuffer, module, Promise.resolve(module), new Response(bytes)]) {
+    const tree = await build(SQUARE, new Uint16Array(SQUARE_INDICES), { wasm });
+    assert.deepEqual([tree.simd, tree.closest(DOWN).triangle[0]], [false, 0]);
+  }
+  const empty = await WebAssembly.compile(new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0]));
+  for (const [wasm, type, message] of [
+    [7, TypeError, "wasm is 7, and should be a URL, a Response, an ArrayBuffer, a Uint8Array or a WebAssembly.Module"],
+    [[], TypeError, "wasm is an Array, and should be a URL, a Response, an ArrayBuffer, a Uint8Array or a WebAssembly.Module"],
+    [empty, TypeError, "wasm should be one of the .wasm files of this version of the package"],
+    [new Response("", { status: 404, statusText: "Gone" }), Error, ": 404 Gone: its .wasm file should be there, or be handed over as the option `wasm`"],
+  ]) {
+    await assert.rejects(build(SQUARE, new Uint16Array(SQUARE_INDICES), { wasm }), (error) => error instanceof type && error.message === message);
+  }
+  const trees = { wasm: module };
+  await assert.rejects(createScene(trees), /^TypeError: wasm has trees alone: scenes need halfdome-scene.wasm or halfdome-scene-simd.wasm$/);
+  const scene = await createScene({ wasm: await readFile(new URL("halfdome-scene.wasm", import.meta.url)) });
+  assert.deepEqual([scene.simd, scene.commit()], [false, 0]);
 });

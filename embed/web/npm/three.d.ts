@@ -4,6 +4,7 @@ import type { Instance, Scene } from "./index.js";
 export interface Geometry {
   attributes: Record<string, unknown>;
   index: unknown;
+  drawRange?: { start: number; count: number };
 }
 export interface RayLike {
   origin: { x: number; y: number; z: number };
@@ -15,7 +16,8 @@ export interface Object3D {
 }
 
 /**
- * The positions and indices of a BufferGeometry: its own arrays where they suit, else copies. Morph targets do not count.
+ * The positions and indices of a BufferGeometry: its own arrays where they suit, else copies. What lies outside of `drawRange` is
+ * left out, and the numbers of triangles are those that three.js calls `faceIndex`. Morph targets do not count.
  * @throws TypeError if it has no attribute `position`
  */
 export function meshOf(geometry: Geometry): { positions: Float32Array; indices: Uint32Array | Uint16Array | null };
@@ -26,24 +28,34 @@ export function raysOf(rays: RayLike[], near?: number, far?: number): Float32Arr
 export interface Entry {
   instance: Instance;
   object: any;
-  /** The index in an InstancedMesh; else 0. */
+  /** The index in an InstancedMesh or BatchedMesh (its `batchId`); else 0. */
   index: number;
+  /** What to add to a hit's `triangle` for the `faceIndex` of three.js: the first triangle of a BatchedMesh's geometry; else 0. */
+  firstTriangle: number;
 }
 
 /**
- * Inserts all meshes below an object into a scene, InstancedMesh too, at their places in the world. A geometry that several have
- * is there once.
+ * Inserts all meshes below an object into a scene, at their places in the world: those of InstancedMesh, and those of BatchedMesh
+ * that are visible, too. A geometry that several have is there once, as it is now. What bones move (SkinnedMesh) is left out with a
+ * warning on the console, and so is a BatchedMesh without `getGeometryRangeAt`, of an older three.js.
+ * @throws what Scene.addMesh and Scene.insert throw, with the object's name in front; the scene is then as before
  */
 export function insertObject(
   scene: Scene,
   root: Object3D,
-  options?: { quality?: "fast" | "medium" | "high"; mask?: number },
+  options?: { quality?: "fast" | "medium" | "high"; mask?: number } | null,
 ): {
-  entries: Entry[];
+  /** All that there are now. */
+  readonly entries: Entry[];
+  /** Objects that were left out. */
+  readonly skipped: any[];
   /** Whose the instance of a hit is. */
   objectOf(number: number): Entry | undefined;
-  /** Moves everything to where it is now, from the next commit on. */
+  /**
+   * Moves everything to where it is now, from the next commit on, with the instances of InstancedMesh and BatchedMesh that came and
+   * without those that went. Not with objects that came below the root, nor with geometries that changed.
+   */
   update(): void;
-  /** Removes everything, from the next commit on. */
+  /** Removes everything, from the next commit on, and frees the meshes that no instance of somebody else's shows. */
   remove(): void;
 };

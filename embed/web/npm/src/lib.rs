@@ -24,19 +24,31 @@ use tree::Tree;
 #[derive(Default)]
 struct State {
     positions: Vec<f32>,
-    indices: Vec<u32>,
+    /// `None`: every three vertices are a triangle. An empty list is none at all.
+    indices: Option<Vec<u32>>,
     rays: Vec<Ray>,
     /// Coordinates, and how far to look.
     points: Vec<[f32; 4]>,
-    meshes: Vec<Tree>,
+    /// By their numbers, which are used again.
+    meshes: Vec<Option<Tree>>,
+    /// Numbers that no mesh has.
+    free: Vec<usize>,
     answer: Answer,
 }
 
 impl State {
     /// Adds a mesh: its number.
     fn add(&mut self, tree: Tree) -> i32 {
-        self.meshes.push(tree);
-        self.meshes.len() as i32 - 1
+        let number = self.free.pop().unwrap_or_else(|| {
+            self.meshes.push(None);
+            self.meshes.len() - 1
+        });
+        self.meshes[number] = Some(tree);
+        number as i32
+    }
+
+    fn tree(&self, mesh: usize) -> Option<&Tree> {
+        self.meshes.get(mesh)?.as_ref()
     }
 
     fn rays(&self, count: usize) -> &[Ray] {
@@ -45,7 +57,7 @@ impl State {
 
     /// The tree over a mesh that keeps its shape.
     fn still(&self, mesh: usize) -> Option<&Bvh> {
-        self.meshes.get(mesh).and_then(Tree::still)
+        self.tree(mesh).and_then(Tree::still)
     }
 
     fn points(&self, count: usize) -> &[[f32; 4]] {
@@ -60,16 +72,20 @@ thread_local! {
 /// A ray of which nothing is known yet.
 const NO_RAY: Ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::ZERO, t_max: 0.0 };
 
-/// Room for `count` coordinates of vertices: its address, or 0 if there is no memory left.
+/// Room for `count` coordinates of vertices: its address, or 0 if there is no memory left. Forgets the indices.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn positions(count: usize) -> *mut f32 {
-    STATE.with_borrow_mut(|state| room(&mut state.positions, count, 0.0))
+    STATE.with_borrow_mut(|state| {
+        state.indices = None;
+        room(&mut state.positions, count, 0.0)
+    })
 }
 
-/// Room for `count` numbers of vertices, three for each triangle: its address, or 0.
+/// Room for `count` numbers of vertices, three for each triangle: its address, or 0. After the positions; a mesh that has no indices
+/// does not ask.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn indices(count: usize) -> *mut u32 {
-    STATE.with_borrow_mut(|state| room(&mut state.indices, count, 0))
+    STATE.with_borrow_mut(|state| room(state.indices.get_or_insert_default(), count, 0))
 }
 
 /// Room for `count` rays of 32 bytes (origin, least `t`, direction, greatest `t`): its address, or 0.
@@ -84,7 +100,31 @@ pub extern "C" fn points(count: usize) -> *mut [f32; 4] {
     STATE.with_borrow_mut(|state| room(&mut state.points, count, [0.0; 4]))
 }
 
-/// Builds a tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, unless there are none,
+/// Whether there is memory for so many pieces of 64 KiB: 1 or 0. Where a build runs out of it, the instance is lost.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn has_room(pieces: usize) -> u32 {
+    // Memory that has gaps need not have it in one.
+    const PIECE: usize = 1 << 16;
+    const MOST: usize = 1 << 10;
+    let mut held: Vec<Vec<u8>> = Vec::new();
+    let lengths = (0..pieces).step_by(MOST).map(|first| PIECE * MOST.min(pieces - first));
+    for length in lengths {
+        let mut part = Vec::new();
+        if part.try_reserve_exact(length).is_err() || held.try_reserve(1).is_err() {
+            return 0;
+        }
+        held.push(part);
+    }
+    1
+}
+
+/// 1 if this is the build with SIMD, else 0.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn simd() -> u32 {
+    cfg!(target_feature = "simd128").into()
+}
+
+/// Builds a tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, if it was given any, the
 /// indices, which it forgets. Gives the mesh's number, or -1 if it refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_mesh(quality: usize) -> i32 {
@@ -92,7 +132,7 @@ pub extern "C" fn add_mesh(quality: usize) -> i32 {
         .with_borrow_mut(|state| {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             let options = BuildOptions::from(*Quality::ALL.get(quality)?);
-            let (bvh, _) = Bvh::build_mesh(&mesh(&positions, &indices)?, &options).ok()?;
+            let (bvh, _) = Bvh::build_mesh(&mesh(&positions, indices.as_deref())?, &options).ok()?;
             Some(state.add(Tree::Still(Arc::new(bvh))))
         })
         .unwrap_or(-1)
@@ -106,22 +146,34 @@ pub extern "C" fn refit(number: usize) -> f32 {
         .with_borrow_mut(|state| {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             // A scene that has the tree keeps it as it is.
-            let bvh = Arc::make_mut(state.meshes.get_mut(number)?.still_mut()?);
-            Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, &indices)?).ok()?.decay)
+            let bvh = Arc::make_mut(state.meshes.get_mut(number)?.as_mut()?.still_mut()?);
+            Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, indices.as_deref())?).ok()?.decay)
         })
         .unwrap_or(-1.0)
+}
+
+/// Frees a mesh, whose number the next one gets; a scene's items that have it keep it. 0, or -1 if there is no such.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+pub extern "C" fn free_mesh(mesh: usize) -> i32 {
+    STATE.with_borrow_mut(|state| match state.meshes.get_mut(mesh).and_then(Option::take) {
+        Some(_) => {
+            state.free.push(mesh);
+            0
+        }
+        None => -1,
+    })
 }
 
 /// How many triangles a mesh has that can be hit.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn triangles(mesh: usize) -> usize {
-    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, Tree::triangles))
+    STATE.with_borrow(|state| state.tree(mesh).map_or(0, Tree::triangles))
 }
 
 /// The bytes that a mesh takes.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn bytes(mesh: usize) -> usize {
-    STATE.with_borrow(|state| state.meshes.get(mesh).map_or(0, Tree::bytes))
+    STATE.with_borrow(|state| state.tree(mesh).map_or(0, Tree::bytes))
 }
 
 /// Traces `count` of the rays to their nearest hits with a mesh; see `Answer` for what is at the address.
@@ -202,7 +254,7 @@ fn room<T: Clone>(list: &mut Vec<T>, count: usize, value: T) -> *mut T {
 }
 
 /// A mesh of consecutive vertices if it has no indices. `None` if there is a vertex that does not exist.
-fn mesh<'a>(positions: &'a [f32], indices: &'a [u32]) -> Option<IndexedMesh<'a>> {
+fn mesh<'a>(positions: &'a [f32], indices: Option<&'a [u32]>) -> Option<IndexedMesh<'a>> {
     let positions = Positions::from(positions.as_chunks::<3>().0);
-    IndexedMesh::new(positions, if indices.is_empty() { Indices::InOrder } else { Indices::U32(indices) }).ok()
+    IndexedMesh::new(positions, indices.map_or(Indices::InOrder, Indices::U32)).ok()
 }

@@ -8,7 +8,8 @@ use halfdome_kernel::bvh::{MovingBvh, RoundBuild};
 use halfdome_kernel::mesh::Mesh;
 use halfdome_kernel::scene::{Handle, Scene};
 use halfdome_kernel::{
-    BuildOptions, CubicCurve, Disc, Item, LinearCurve, Quality, RoundBvh, SceneHit, SceneRay, Sphere, Triangle,
+    BuildOptions, CubicCurve, Disc, Error, InvalidScene, Item, LinearCurve, Quality, RoundBvh, SceneHit, SceneRay,
+    Sphere, Triangle,
 };
 
 use crate::answer::Answer;
@@ -57,7 +58,7 @@ pub extern "C" fn forget_keys() {
 pub extern "C" fn add_key() -> i32 {
     with_both(|stage, state| {
         let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
-        let mesh = mesh(&positions, &indices)?;
+        let mesh = mesh(&positions, indices.as_deref())?;
         stage.keys.push((0..mesh.len()).map(|number| mesh.triangle(number)).collect());
         Some(0)
     })
@@ -103,18 +104,20 @@ fn round<P: RoundBuild>(numbers: &[f32], options: &BuildOptions) -> Option<Tree>
     Some(Tree::Round(Arc::new(bvh), report.kept))
 }
 
-/// Adds an item where the matrices take a mesh: its number, or -1 if there is no such mesh or a matrix is refused.
+/// Adds an item where the matrices take a mesh: its number; -1 if there is no such mesh; and less if a matrix is refused, see
+/// [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn insert(mesh: usize, mask: u32) -> i32 {
     with_both(|Stage { matrices, scene, meshes, .. }, state| {
-        let item = placed(Item::new(state.meshes.get(mesh)?.object()).with_mask(mask), matrices);
-        let index = scene.insert(item?).index();
+        let tree = state.tree(mesh).ok_or(-1)?;
+        let item = placed(Item::new(tree.object()).with_mask(mask), matrices)?;
+        let index = scene.insert(item).index();
         let place = index as usize;
         meshes.resize(meshes.len().max(place + 1), usize::MAX);
         meshes[place] = mesh;
-        i32::try_from(index).ok()
+        i32::try_from(index).map_err(|_| -1)
     })
-    .unwrap_or(-1)
+    .unwrap_or_else(|refused| refused)
 }
 
 /// Gives all items that have a mesh the mesh as it is now.
@@ -123,23 +126,23 @@ pub extern "C" fn follow(mesh: usize) {
     with_both(|Stage { scene, meshes, .. }, state| {
         let items = (0..).zip(meshes.iter()).filter(|&(_, own)| *own == mesh);
         for handle in items.filter_map(|(index, _)| scene.handle(index)).collect::<Vec<Handle>>() {
-            scene.set_object(handle, state.meshes.get(mesh)?.object()).ok()?;
+            scene.set_object(handle, state.tree(mesh)?.object()).ok()?;
         }
         Some(())
     });
 }
 
-/// Puts an item where the matrices take its mesh. 0, or -1 if that is refused.
+/// Puts an item where the matrices take its mesh. 0; -1 if there is no such item; and less if a matrix is refused, see [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_transform(item: u32) -> i32 {
-    change(item, |Stage { matrices, scene, .. }, handle| {
-        if let [only] = &matrices[..] {
-            return scene.set_transform(handle, &transform(only)).ok();
-        }
-        let old = scene.get(handle)?;
-        let item = placed(Item::new(old.object().clone()).with_mask(old.mask()), matrices)?;
-        scene.set_item(handle, item).ok()
-    })
+    STAGE
+        .with_borrow_mut(|Stage { matrices, scene, .. }| {
+            let handle = scene.handle(item).ok_or(-1)?;
+            let old = scene.get(handle).ok_or(-1)?;
+            let item = placed(Item::new(old.object().clone()).with_mask(old.mask()), matrices)?;
+            scene.set_item(handle, item).map_err(|_| -1)
+        })
+        .map_or_else(|refused| refused, |()| 0)
 }
 
 /// Says who sees an item. 0, or -1 if there is no such.
@@ -152,7 +155,7 @@ pub extern "C" fn set_mask(item: u32, mask: u32) -> i32 {
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_mesh(item: u32, mesh: usize) -> i32 {
     change(item, |Stage { scene, meshes, .. }, handle| {
-        let object = STATE.with_borrow(|state| state.meshes.get(mesh).map(Tree::object))?;
+        let object = STATE.with_borrow(|state| state.tree(mesh).map(Tree::object))?;
         scene.set_object(handle, object).ok()?;
         *meshes.get_mut(item as usize)? = mesh;
         Some(())
@@ -248,12 +251,28 @@ impl Stage {
     }
 }
 
-/// The item where the matrices take it; `None` if one is refused.
-fn placed(item: Item<'static>, matrices: &[[f32; 16]]) -> Option<Item<'static>> {
+/// The item where the matrices take it. -1 if an element is not finite, -2 - 2k if matrix `k` has no useful inverse, and one less if it
+/// loses it on the way to the next.
+fn placed(item: Item<'static>, matrices: &[[f32; 16]]) -> Result<Item<'static>, i32> {
+    let refused = |error| match error {
+        Error::InvalidScene(InvalidScene::Singular { key }) => {
+            let itself = |key: usize| {
+                let alone = matrices.get(key).map(|matrix| Item::new(item.object().clone()).placed(&transform(matrix)));
+                alone.is_some_and(|placed| placed.map_or(true, |item| item.is_flat()))
+            };
+            let (key, between) = match key {
+                key if itself(key) => (key, 0),
+                key if itself(key + 1) => (key + 1, 0),
+                key => (key, 1),
+            };
+            -2 - 2 * key as i32 - between
+        }
+        _ => -1,
+    };
     match matrices {
-        [] => Some(item),
-        [only] => item.placed(&transform(only)).ok(),
-        keys => item.moving_shared(keys.iter().map(transform).collect()).ok(),
+        [] => Ok(item),
+        [only] => item.clone().placed(&transform(only)).map_err(refused),
+        keys => item.clone().moving_shared(keys.iter().map(transform).collect()).map_err(refused),
     }
 }
 
