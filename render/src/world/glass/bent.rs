@@ -110,13 +110,14 @@ impl World {
                 }
             };
         }
-        let Shot { beam, jacobian, .. } = shot;
+        let Shot { beam, jacobian, angle, .. } = shot;
         let spread = jacobian.determinant().abs().recip();
         let rest = match end {
             LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
             LightEnd::Point(point) => Ray::between(beam.ray.origin, point),
         };
-        spread.is_finite().then_some(BentLight {
+        // Nor is a NaN close.
+        (spread.is_finite() && angle <= CLOSE).then_some(BentLight {
             direction,
             rest,
             leaving: -beam.ray.direction,
