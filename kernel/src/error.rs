@@ -238,9 +238,7 @@ impl fmt::Display for InvalidScene {
             }
             Self::TooDeep { item } => write!(
                 f,
-                "with item {item} more than {} scenes lie one in the other below the scene, which tracing has no stack for; \
-                 nest less deep",
-                crate::scene::MAX_LEVELS
+                "with item {item} more scenes lie one in the other than tracing has stack for (scene::MAX_LEVELS); nest less deep"
             ),
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
