@@ -6,13 +6,17 @@
 //! rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is on or above the planes about its corners and so
 //! above the facets around (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
 //!
+//! What stands on a floor bulges below it near its foot. So a point is lifted half of the way to whatever else is there, at most.
+//!
 //! Deviations: of `p'` its height above the triangle counts alone; triangles that are not convex, whose normals lean by more than
 //! [`STEEPEST`], that emit or let light through stay flat, for there a ray from such a point would meet what it left, or start on
 //! the wrong side.
 
 use glam::Vec3;
-use halfdome_kernel::{Triangle, triangle_normal};
+use halfdome_kernel::{Ray, Triangle, offset_point, triangle_normal};
 
+use super::surface::interpolate;
+use super::{Hit, TriangleRecord, World};
 use crate::material::bent_normal;
 use crate::scene::{Material, Mesh};
 
@@ -20,6 +24,8 @@ use crate::scene::{Material, Mesh};
 const STEEPEST: f32 = 0.866;
 /// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
 const LEAST: f32 = 1e-4;
+/// A height that is less than this part of a ray's length is not seen, and no ray looks for what is there.
+const UNSEEN: f32 = 1e-4;
 
 /// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,11 +96,38 @@ impl Rounding {
         if bulge == Bulge::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
     }
 
+    /// On its round side no higher than `free` says of a height there, if that is any: the side is 1 for the front, or -1.
+    #[inline]
+    pub(super) fn below(self, free: impl FnOnce(f32, f32) -> f32) -> Self {
+        let Self { front, back } = self;
+        if front > 0.0 {
+            Self { front: free(front, 1.0), back }
+        } else if back > 0.0 {
+            Self { front, back: free(back, -1.0) }
+        } else {
+            self
+        }
+    }
+
     /// The height on a side, if that is round.
     #[inline(always)]
     pub(super) fn lift(self, is_back: bool) -> Option<f32> {
         let lift = if is_back { self.back } else { self.front };
         (lift >= 0.0).then_some(lift)
+    }
+}
+
+impl World {
+    /// How far the point of a hit may be lifted along the normals of a side, so that nothing is in between.
+    pub(super) fn free_lift(&self, face: &TriangleRecord, hit: &Hit, [normal, smooth]: [Vec3; 2], lift: f32) -> f32 {
+        if hit.t.is_finite() && lift < UNSEEN * hit.t {
+            return lift;
+        }
+        let point = interpolate(face.corners, [1.0 - hit.u - hit.v, hit.u, hit.v]);
+        let origin = offset_point(point, normal, face.offset, normal);
+        let way = smooth * (lift / smooth.dot(normal).max(0.5));
+        let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, way) }, hit.time);
+        if other.is_hit() { 0.5 * other.t * lift } else { lift }
     }
 }
 
@@ -189,6 +222,29 @@ mod tests {
             for (light, cosine) in lit(&world(ball(), matte(), placed)) {
                 assert!((light - FRAC_1_PI * cosine).abs() < 1e-5, "{light} for {cosine}, {placed:?}");
             }
+        }
+    }
+
+    #[test]
+    fn no_light_from_below_a_floor_reaches_what_stands_on_it() {
+        let place = |(x, z): (f32, f32)| vec3(x, -0.8, z);
+        let positions = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(place).to_vec();
+        let floor = Mesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2]], ..Mesh::default() };
+        let to_sun = vec3(0.3, -0.9, 0.1).normalize();
+        let sun = PunctualLight::Directional { direction: -to_sun, irradiance: Vec3::ONE, half_angle: 0.0 };
+        let camera = Some(CameraPose { eye: Vec3::Z * 9.0, target: Vec3::ZERO, up: Vec3::Y, vfov: 30.0 });
+        let (meshes, materials) = (vec![ball(), floor], vec![matte()]);
+        let world = World::new(Scene { meshes, materials, lights: vec![sun], camera, ..Scene::default() }).unwrap();
+        // From all around just above the floor.
+        for i in 0..2000 {
+            let phi = 2.399_963 * i as f32;
+            let from = vec3(5.0 * phi.cos(), 0.3, 5.0 * phi.sin());
+            let ray = Ray::between(from, vec3(0.0, -0.8 + 1e-4 * i as f32, 0.0));
+            let hit = world.intersect_at(&ray, 0.5);
+            let surface = world.surface_at(&hit).facing(ray.direction.normalize());
+            let shadow = Ray::new(surface.origin_towards(to_sun), to_sun);
+            let is_lit = surface.normal.dot(to_sun) > 0.0 && !world.occluded(&shadow);
+            assert!(!is_lit, "{} from {}", surface.position, shadow.origin);
         }
     }
 

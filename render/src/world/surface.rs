@@ -181,7 +181,11 @@ impl World {
             Rounding::FLAT
         } else {
             let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
-            Rounding::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights)
+            Rounding::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights).below(
+                |lift, side| {
+                    self.free_lift(face, hit, [normal, interpolated.normalize_or(normal)].map(|it| side * it), lift)
+                },
+            )
         };
         Details {
             normal,
