@@ -176,6 +176,8 @@ static void bad_meshes_are_refused(void) {
     options.struct_size = sizeof options;
     options.quality = 4;
     FAILS(HD_ERROR_VALUE, "quality is 4", hd_tree_build(&good, &options, &tree));
+    options.quality = HD_QUALITY_FAST, options.reserved = 1;
+    FAILS(HD_ERROR_VALUE, "options->reserved is 1", hd_tree_build(&good, &options, &tree));
 
     /* Whoever failed has no tree, and can go on. */
     CHECK(tree == NULL);

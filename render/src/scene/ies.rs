@@ -258,4 +258,28 @@ mod tests {
         let many = told(&format!("{head}{}", BODY.replacen("3 1 1 2", "4000000 4000000 1 2", 1)));
         assert_eq!(many.1, "it has 4000000 times 4000000 candela values");
     }
+
+    #[test]
+    fn counts_have_a_maximum() {
+        let body = |counts: &str| format!("IESNA91\nTILT=NONE\n{}", BODY.replacen("3 1 1 2", counts, 1));
+        let whole = |least: usize| format!("write a whole number from {least} to 4194304");
+        for (text, line, problem, remedy) in [
+            (body("4194305 1 1 2"), 3, "the number of vertical angles is 4194305", whole(2)),
+            (body("2 1e30 1 2"), 3, "the number of horizontal angles is 1000000000000000000000000000000", whole(1)),
+            (format!("IESNA91\nTILT=INCLUDE\n1\n\n4194305\n{BODY}"), 5, "the number of tilts is 4194305", whole(0)),
+            (
+                body("2048 2049 1 2"),
+                3,
+                "it has 2048 times 2049 candela values",
+                "name the file of a luminaire, which has fewer".to_owned(),
+            ),
+        ] {
+            assert_eq!(told(&text), (line, problem.to_owned(), remedy));
+        }
+        // As many as there may be: only the angles are wrong.
+        for counts in ["4194304 1 1 2", "2048 2048 1 2"] {
+            let problem = told(&body(counts)).1;
+            assert!(problem.starts_with("the vertical angle "), "{counts}: {problem}");
+        }
+    }
 }

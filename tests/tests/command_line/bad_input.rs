@@ -15,13 +15,18 @@ fn refused(name: &str, contents: impl AsRef<[u8]>, parts: &[&str]) {
 }
 
 #[test]
-fn missing_files() {
+fn missing_files_and_folders() {
     let desk = Desk::new();
     for name in ["nothing.obj", "nothing.toml", "no/where.glb", "corne"] {
         desk.refuses(&format!("render {name}"), 1, &[name, "no such file", "help: give a scene file"]);
         desk.refuses(&format!("info {name} --json"), 1, &[name, "no such file", "help: give a scene file"]);
     }
     desk.refuses("render .", 1, &["folder", "help: "]);
+    std::fs::create_dir(desk.folder.path().join("level.gltf")).unwrap();
+    for line in ["bake . -o out.gltf", "bake level.gltf -o out.gltf", "bake level.gltf -o out.obj --preset raw"] {
+        let name = line.split(' ').nth(1).unwrap();
+        desk.refuses(line, 1, &[&format!("error: {name}: this is a folder\n  help: name a model file in it\n")]);
+    }
 }
 
 #[test]

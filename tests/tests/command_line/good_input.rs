@@ -31,6 +31,26 @@ fn a_scene_without_light_is_black_and_gives_a_warning() {
     assert!(normals.code == Some(0) && !normals.stderr.contains("no light"), "{}", normals.stderr);
 }
 
+#[test]
+fn lights_without_strength_are_not_called_missing() {
+    let desk = Desk::new();
+    let light = |strength: f32| {
+        let lights = format!(
+            "[[light]]\ntype = \"point\"\nposition = [0.25, 0.25, 1]\nintensity = {strength}\n\
+             [[light]]\ntype = \"directional\"\ndirection = [0, 0, -1]\nirradiance = 0\n"
+        );
+        desk.program().put("lit.toml", format!("[scene]\nfile = \"t.obj\"\n{lights}"));
+        let outcome = desk.run("render lit.toml --size 9x7 --spp 2 -o a.exr --progress none");
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        (outcome.stderr, values(&desk, "a.exr", "R").iter().any(|value| *value > 0.0))
+    };
+    let (told, is_lit) = light(0.0);
+    let expected = "warning: all lights of the scene have a strength of 0, so the picture is black\n";
+    assert!(told.ends_with(expected) && !told.contains("no light") && !is_lit, "{told}");
+    let (told, is_lit) = light(2.0);
+    assert!(!told.contains("strength") && !told.contains("black") && is_lit, "{told}");
+}
+
 /// A lamp seen from behind: nothing is lit.
 #[test]
 fn a_black_picture_in_spite_of_a_light_gives_a_warning() {

@@ -172,6 +172,37 @@ fn wrong_lights() {
     assert_eq!(light(json!({"type": "spot"})), "light 0: it is a spot light without `spot`");
     let cone = json!({"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.25}});
     assert_eq!(light(cone), "light 0: its cone goes from 0.5 to 0.25");
+    for (inner, outer) in [(-0.5, 0.5), (0.5, 1.75)] {
+        let cone = json!({"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
+        assert_eq!(light(cone), format!("light 0: its cone goes from {inner} to {outer}"));
+    }
+}
+
+#[test]
+fn sizes_of_lights_are_in_their_extras() {
+    let sized = |kind: &str, extras: Value| parse(lit(json!([{"type": kind, "extras": extras}])));
+    for (angle, expected) in [(json!(0), 0.0), (json!(0.5), 0.25), (json!(3.125), 1.5625)] {
+        let scene = sized("directional", json!({"angle": angle})).unwrap();
+        let PunctualLight::Directional { half_angle, .. } = scene.lights[0] else { panic!() };
+        assert_eq!(half_angle, expected);
+    }
+    let PunctualLight::Point { radius, .. } = sized("point", json!({"radius": 0.5})).unwrap().lights[0] else {
+        panic!()
+    };
+    assert_eq!(radius, 0.5);
+    for (kind, name, value, most) in [
+        ("directional", "angle", json!(-0.5), "3.125"),
+        ("directional", "angle", json!(3.25), "3.125"),
+        ("directional", "angle", json!("wide"), "3.125"),
+        ("point", "radius", json!(-1), "1e15"),
+        ("point", "radius", json!(2e15), "1e15"),
+    ] {
+        let error = sized(kind, json!({name: value})).unwrap_err();
+        let Place::Part(place) = &error.place else { panic!("{error}") };
+        let told = (place.as_str(), error.problem.as_str(), error.remedy.as_str());
+        let (problem, remedy) = (format!("extras.{name} is {value}"), format!("write a number from 0 to {most}"));
+        assert_eq!(told, ("light 0", problem.as_str(), remedy.as_str()));
+    }
 }
 
 #[test]
