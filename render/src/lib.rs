@@ -99,6 +99,8 @@ pub mod driver;
 mod estimator;
 mod executor;
 pub mod film;
+#[cfg(test)]
+mod fixtures;
 mod guide;
 mod integrator;
 pub mod irradiance;

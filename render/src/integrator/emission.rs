@@ -50,9 +50,11 @@ pub(super) fn lights_beyond_panes(
     }
     seen_lights(world, ray, (f32::INFINITY, hit.time), |seen| {
         let distance = seen.distance;
+        if distance <= hit.t {
+            return;
+        }
         let shadow = if distance == f32::INFINITY { *ray } else { Ray::between(ray.origin, ray.at(distance)) };
-        let is_behind = distance > hit.t;
-        if let (true, Between::Panes(rest, left)) = (is_behind, world.glass_between(&shadow, hit.time))
+        if let Between::Panes(rest, left) = world.glass_between(&shadow, hit.time)
             && !world.occluded_at(&rest, hit.time)
         {
             let density = seen.density(world, &path.receiver(ray.origin), part);

@@ -141,16 +141,17 @@ pub(super) fn rounded(normal: Vec3, smooth: Vec3, wo: Vec3, (offset, lift): (f32
 
 #[cfg(test)]
 mod tests {
-    use std::f32::consts::{FRAC_1_PI, PI};
+    use std::f32::consts::FRAC_1_PI;
 
     use glam::{Affine3A, vec3};
     use halfdome_kernel::Ray;
 
     use super::*;
     use crate::estimator::sample_direct;
+    use crate::fixtures::{self, square, sun};
     use crate::light::SkyPart;
     use crate::material::Inputs;
-    use crate::scene::{CameraPose, Instance, Object, PunctualLight, Scene};
+    use crate::scene::{CameraPose, Instance, Object, Scene};
     use crate::settings::LightSampling;
     use crate::world::{Hit, World};
 
@@ -158,32 +159,16 @@ mod tests {
 
     /// A ball of few facets, whose vertices have the normals of a ball.
     fn ball() -> Mesh {
-        let (rings, steps) = (8, 12);
-        let mut mesh = Mesh::default();
-        for ring in 0..=rings {
-            for step in 0..steps {
-                let (theta, phi) = (PI * ring as f32 / rings as f32, 2.0 * PI * step as f32 / steps as f32);
-                mesh.positions.push(vec3(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()));
-            }
-        }
-        mesh.normals.clone_from(&mesh.positions);
-        for (ring, step) in (0..rings).flat_map(|ring| (0..steps).map(move |step| (ring, step))) {
-            let corner = |ring: u32, step: u32| ring * steps + step % steps;
-            let [a, b, c, d] =
-                [corner(ring, step), corner(ring, step + 1), corner(ring + 1, step + 1), corner(ring + 1, step)];
-            mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        }
-        mesh
+        fixtures::ball([8, 12])
     }
 
     /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if `placed` says so.
     fn world(mesh: Mesh, material: Material, placed: Option<Affine3A>) -> World {
         let mesh = Mesh { object: placed.map(|_| 0), ..mesh };
-        let sun = PunctualLight::Directional { direction: -TO_SUN, irradiance: Vec3::ONE, half_angle: 0.0 };
         let mut scene = Scene {
             meshes: vec![mesh],
             materials: vec![material],
-            lights: vec![sun],
+            lights: vec![sun(TO_SUN)],
             camera: Some(CameraPose { eye: Vec3::Z * 9.0, target: Vec3::ZERO, up: Vec3::Y, vfov: 30.0 }),
             ..Scene::default()
         };
@@ -227,19 +212,16 @@ mod tests {
 
     #[test]
     fn no_light_from_below_a_floor_reaches_what_stands_on_it() {
-        let place = |(x, z): (f32, f32)| vec3(x, -0.8, z);
-        let positions = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(place).to_vec();
-        let floor = Mesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2]], ..Mesh::default() };
-        let to_sun = vec3(0.3, -0.9, 0.1).normalize();
-        let sun = PunctualLight::Directional { direction: -to_sun, irradiance: Vec3::ONE, half_angle: 0.0 };
+        let to_sun = vec3(0.3, 0.1, -0.9).normalize();
         let camera = Some(CameraPose { eye: Vec3::Z * 9.0, target: Vec3::ZERO, up: Vec3::Y, vfov: 30.0 });
-        let (meshes, materials) = (vec![ball(), floor], vec![matte()]);
-        let world = World::new(Scene { meshes, materials, lights: vec![sun], camera, ..Scene::default() }).unwrap();
+        let (meshes, materials) = (vec![ball(), square(-0.8, true, 0)], vec![matte()]);
+        let world =
+            World::new(Scene { meshes, materials, lights: vec![sun(to_sun)], camera, ..Scene::default() }).unwrap();
         // From all around just above the floor.
         for i in 0..2000 {
             let phi = 2.399_963 * i as f32;
-            let from = vec3(5.0 * phi.cos(), 0.3, 5.0 * phi.sin());
-            let ray = Ray::between(from, vec3(0.0, -0.8 + 1e-4 * i as f32, 0.0));
+            let height = -0.8 + 1e-5 * (i as f32 + 0.5);
+            let ray = Ray::between(vec3(5.0 * phi.cos(), 5.0 * phi.sin(), height), vec3(0.0, 0.0, height));
             let hit = world.intersect_at(&ray, 0.5);
             let surface = world.surface_at(&hit).facing(ray.direction.normalize());
             let shadow = Ray::new(surface.origin_towards(to_sun), to_sun);

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{Vec3, vec3};
 
 use crate::driver;
+use crate::fixtures::{self, square};
 use crate::material::Inputs;
 use crate::scene::{CameraPose, Material, Mesh, ProfileFrame, PunctualLight, Scene, SpotEdge, ies};
 use crate::settings::{
@@ -26,18 +27,7 @@ fn metal(roughness: f32) -> Material {
 }
 
 fn glass(roughness: f32) -> Material {
-    let inputs = Inputs { specular_weight: 1.0, specular_ior: 1.5, transmission_weight: 1.0, ..Inputs::default() };
-    Material {
-        inputs: Inputs { specular_roughness: roughness, transmission_color: Vec3::ONE, ..inputs },
-        ..Material::default()
-    }
-}
-
-/// A square across z, its front up or down.
-fn square(z: f32, is_up: bool, material: usize) -> Mesh {
-    let positions = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| vec3(x, y, z)).to_vec();
-    let triangles = if is_up { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 2, 1], [0, 3, 2]] };
-    Mesh { positions, triangles, material, ..Mesh::default() }
+    Material { inputs: Inputs { specular_roughness: roughness, ..fixtures::glass() }, ..Material::default() }
 }
 
 /// A floor of the first material under a light.

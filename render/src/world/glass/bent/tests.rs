@@ -4,59 +4,30 @@ use glam::{Affine3A, DMat2, DVec2, Quat, vec3};
 
 use super::*;
 use crate::driver;
+use crate::fixtures::{self, IOR, reflectance, sloping_square, square, sun};
 use crate::material::Inputs;
 use crate::scene::{CameraPose, Instance, Material, Mesh, Object, PunctualLight, Scene};
 use crate::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings};
 use crate::watch::NeverStops;
 use crate::world::MIDDLE;
 
-const IOR: f32 = 1.5;
 const CAMERA: CameraPose = CameraPose { eye: vec3(0.0, -0.2, 0.05), target: Vec3::ZERO, up: Vec3::Z, vfov: 0.01 };
 
 fn glass(absorption: Vec3) -> Material {
-    let inputs = Inputs { specular_weight: 1.0, specular_ior: IOR, transmission_weight: 1.0, ..Inputs::default() };
-    let inputs = Inputs { transmission_color: Vec3::ONE, absorption, specular_roughness: 0.0, ..inputs };
-    Material { inputs, ..Material::default() }
-}
-
-/// A square at this height, its front up or down, which rises by `slope` along x.
-fn square(z: f32, is_up: bool, slope: f32, half: f32, material: usize) -> Mesh {
-    let corner = |(x, y): (f32, f32)| half * vec3(x, y, slope * x) + Vec3::Z * z;
-    let positions = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner).to_vec();
-    let triangles = if is_up { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 2, 1], [0, 3, 2]] };
-    Mesh { positions, triangles, material, ..Mesh::default() }
+    Material { inputs: Inputs { absorption, ..fixtures::glass() }, ..Material::default() }
 }
 
 /// A ball with vertex normals.
-fn ball(center: Vec3, radius: f32, material: usize) -> Mesh {
-    const AROUND: u32 = 96;
-    const DOWN: u32 = 48;
-    let mut normals = Vec::new();
-    for row in 0..=DOWN {
-        for column in 0..AROUND {
-            let (down, around) = (
-                row as f32 / DOWN as f32 * std::f32::consts::PI,
-                column as f32 / AROUND as f32 * std::f32::consts::TAU,
-            );
-            normals.push(vec3(down.sin() * around.cos(), down.sin() * around.sin(), down.cos()));
-        }
-    }
-    let at = |row: u32, column: u32| row * AROUND + column % AROUND;
-    let quads = (0..DOWN).flat_map(|row| (0..AROUND).map(move |column| (row, column)));
-    let triangles = quads
-        .flat_map(|(row, column)| {
-            let [a, b, c, d] = [at(row, column), at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    let positions = normals.iter().map(|normal| center + radius * *normal).collect();
-    Mesh { positions, normals, triangles, material, ..Mesh::default() }
+fn ball(center: Vec3, material: usize) -> Mesh {
+    let ball = fixtures::ball([48, 96]);
+    let positions = ball.positions.iter().map(|position| center + *position).collect();
+    Mesh { positions, material, ..ball }
 }
 
 /// Meshes above a floor, of which the camera sees the middle. Materials: 0 glass, 1 is white, 2 emits, 3 is tinted glass.
 fn world(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     World::new(Scene {
-        meshes: meshes.into_iter().chain([square(0.0, true, 0.0, 9.0, 1)]).collect(),
+        meshes: meshes.into_iter().chain([square(0.0, true, 1)]).collect(),
         materials: vec![
             glass(Vec3::ZERO),
             Material::matte(Vec3::splat(0.5)),
@@ -70,10 +41,6 @@ fn world(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     .unwrap()
 }
 
-fn sun(to_sun: Vec3) -> PunctualLight {
-    PunctualLight::Directional { direction: -to_sun, irradiance: Vec3::ONE, half_angle: 0.0 }
-}
-
 fn point(position: Vec3, intensity: f32) -> PunctualLight {
     PunctualLight::Point { position, intensity: Vec3::splat(intensity), radius: 0.0 }
 }
@@ -82,14 +49,6 @@ fn point(position: Vec3, intensity: f32) -> PunctualLight {
 fn floor(world: &World, x: f32, y: f32) -> Surface<'_> {
     let hit = world.intersect_at(&Ray::new(vec3(x, y, 0.01), -Vec3::Z), MIDDLE);
     world.surface_at(&hit).facing(-Vec3::Z)
-}
-
-/// Fresnel's reflectance of a face between air and glass.
-fn reflectance(cos: f64) -> f64 {
-    let n = f64::from(IOR);
-    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
-    let [s, p] = [(cos - n * inside) / (cos + n * inside), (n * cos - inside) / (n * cos + inside)];
-    0.5 * (s * s + p * p)
 }
 
 fn is_near(found: f32, expected: f64, tolerance: f64) -> bool {
@@ -101,7 +60,7 @@ fn the_sun_reaches_the_ground_of_water() {
     for angle in [0.0f32, 0.5, 1.0, 1.4] {
         let to_sun = vec3(angle.sin(), 0.0, angle.cos());
         for (material, absorption) in [(0, 0.0), (3, 0.5)] {
-            let world = world(vec![sun(to_sun)], vec![square(1.0, true, 0.0, 30.0, material)]);
+            let world = world(vec![sun(to_sun)], vec![sloping_square(1.0, true, 0.0, 30.0, material)]);
             let from = floor(&world, 0.1, 0.2);
             let bent = world.bend_light(&from, LightEnd::Direction(to_sun)).unwrap();
             let sin_inside = to_sun.x / IOR;
@@ -116,8 +75,7 @@ fn the_sun_reaches_the_ground_of_water() {
     }
 }
 
-/// Where a ray goes that leaves the origin with these tangents, is refracted at height 1, and by the second face of a slab at
-/// `upper`, in the plane at `end`.
+/// Where a ray that leaves the origin with these tangents and is refracted at the height 1 meets the plane at `end`.
 fn through_plane(tangents: DVec2, n: f64, end: f64) -> DVec2 {
     let across = tangents.length();
     let sin = across / (1.0 + across * across).sqrt() * n;
@@ -128,7 +86,7 @@ fn through_plane(tangents: DVec2, n: f64, end: f64) -> DVec2 {
 fn points_shine_into_and_out_of_water() {
     for (is_up, n) in [(true, f64::from(IOR)), (false, 1.0 / f64::from(IOR))] {
         let end = vec3(1.2, 0.7, 2.5);
-        let world = world(vec![point(end, 1.0)], vec![square(1.0, is_up, 0.0, 30.0, 0)]);
+        let world = world(vec![point(end, 1.0)], vec![sloping_square(1.0, is_up, 0.0, 30.0, 0)]);
         let bent = world.bend_light(&floor(&world, 0.0, 0.0), LightEnd::Point(end)).unwrap();
         let tangents =
             DVec2::new(f64::from(bent.direction.x), f64::from(bent.direction.y)) / f64::from(bent.direction.z);
@@ -148,11 +106,11 @@ fn points_shine_into_and_out_of_water() {
 
 /// A ball, in place or as an instance that is stretched and turned.
 fn balls() -> [World; 2] {
-    let placed = world(vec![sun(Vec3::Z)], vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)]);
+    let placed = world(vec![sun(Vec3::Z)], vec![ball(vec3(0.0, 0.0, 2.0), 0)]);
     let to_world =
         Affine3A::from_scale_rotation_translation(vec3(1.5, 0.7, 1.0), Quat::from_rotation_x(0.7), vec3(0.0, 0.2, 2.2));
     let instance = World::new(Scene {
-        meshes: vec![Mesh { object: Some(0), ..ball(Vec3::ZERO, 1.0, 0) }, square(0.0, true, 0.0, 9.0, 1)],
+        meshes: vec![Mesh { object: Some(0), ..ball(Vec3::ZERO, 0) }, square(0.0, true, 1)],
         objects: vec![Object::default()],
         instances: vec![
             Instance { object: 0, to_world },
@@ -204,12 +162,12 @@ fn seen(world: &World, integrator: Integrator, spp: u32) -> f64 {
 fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
     let half = 0.5;
     for (glass, at) in [
-        (vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)], vec3(0.0, 0.0, 20.0)),
-        (vec![ball(vec3(0.1, 0.0, 2.05), 1.0, 0)], vec3(2.0, 0.0, 20.0)),
-        (vec![ball(vec3(0.0, 0.2, 1.8), 1.0, 3)], vec3(0.0, 3.0, 20.0)),
-        (vec![square(1.0, false, 0.0, 9.0, 0), square(3.0, true, 0.2, 9.0, 0)], vec3(0.0, 0.0, 20.0)),
+        (vec![ball(vec3(0.0, 0.0, 2.0), 0)], vec3(0.0, 0.0, 20.0)),
+        (vec![ball(vec3(0.1, 0.0, 2.05), 0)], vec3(2.0, 0.0, 20.0)),
+        (vec![ball(vec3(0.0, 0.2, 1.8), 3)], vec3(0.0, 3.0, 20.0)),
+        (vec![square(1.0, false, 0), sloping_square(3.0, true, 0.2, 9.0, 0)], vec3(0.0, 0.0, 20.0)),
     ] {
-        let mut lamp = square(0.0, false, 0.0, half, 2);
+        let mut lamp = sloping_square(0.0, false, 0.0, half, 2);
         lamp.positions.iter_mut().for_each(|corner| *corner += at);
         let path = || Integrator::Path(PathOptions::default());
         let of_lamp = seen(&world(vec![], glass.iter().cloned().chain([lamp]).collect()), path(), 2048);
@@ -224,7 +182,7 @@ fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
 
 #[test]
 fn all_integrators_find_bent_light() {
-    let world = world(vec![point(vec3(0.0, 0.0, 20.0), 100.0)], vec![ball(vec3(0.0, 0.0, 2.0), 1.0, 0)]);
+    let world = world(vec![point(vec3(0.0, 0.0, 20.0), 100.0)], vec![ball(vec3(0.0, 0.0, 2.0), 0)]);
     let expected = seen(&world, Integrator::Path(PathOptions::default()), 16);
     assert!(expected > 0.0);
     for integrator in [
@@ -239,8 +197,8 @@ fn all_integrators_find_bent_light() {
 
 #[test]
 fn walls_within_and_behind_glass_throw_shadows() {
-    let ball = || ball(vec3(0.0, 0.0, 2.0), 1.0, 0);
-    let wall = |z: f32| square(z, true, 0.0, 2.0, 1);
+    let ball = || ball(vec3(0.0, 0.0, 2.0), 0);
+    let wall = |z: f32| sloping_square(z, true, 0.0, 2.0, 1);
     let end = LightEnd::Point(vec3(0.0, 0.0, 20.0));
     for z in [2.0, 4.0] {
         let world = world(vec![point(vec3(0.0, 0.0, 20.0), 1.0)], vec![ball(), wall(z)]);

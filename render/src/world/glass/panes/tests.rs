@@ -4,49 +4,32 @@ use glam::vec3;
 
 use super::*;
 use crate::driver;
+use crate::fixtures::{self, IOR, reflectance, sloping_square, square, sun};
 use crate::material::Inputs;
 use crate::scene::{CameraPose, Material, Mesh, PunctualLight, Scene};
 use crate::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings};
 use crate::watch::NeverStops;
 
-const IOR: f32 = 1.5;
 const TINT: Vec3 = Vec3::new(0.9, 0.6, 0.3);
 const ABSORPTION: Vec3 = Vec3::new(0.5, 1.0, 2.0);
 /// To the sun, 40° from the normals of panes across z.
 const TO_SUN: Vec3 = Vec3::new(0.642_787_6, 0.0, 0.766_044_4);
 
 fn glass(thin_walled: bool, roughness: f32, absorption: Vec3) -> Material {
-    let inputs = Inputs {
-        specular_weight: 1.0,
-        specular_roughness: roughness,
-        specular_ior: IOR,
-        transmission_weight: 1.0,
-        transmission_color: TINT,
-        thin_walled,
-        absorption,
-        ..Inputs::default()
-    };
+    let clear = fixtures::glass();
+    let inputs = Inputs { specular_roughness: roughness, transmission_color: TINT, thin_walled, absorption, ..clear };
     Material { inputs, ..Material::default() }
-}
-
-/// A square at this height, its front up or down, which rises by `slope` along x.
-fn square(z: f32, is_up: bool, slope: f32, material: usize) -> Mesh {
-    let corner = |(x, y): (f32, f32)| vec3(x, y, z + slope * x);
-    let positions = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(corner).to_vec();
-    let triangles = if is_up { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 2, 1], [0, 3, 2]] };
-    Mesh { positions, triangles, material, ..Mesh::default() }
 }
 
 /// Meshes above a dark floor under the sun.
 fn world(meshes: Vec<Mesh>) -> World {
-    let sun = PunctualLight::Directional { direction: -TO_SUN, irradiance: Vec3::ONE, half_angle: 0.0 };
-    lit_by(vec![sun], meshes)
+    lit_by(vec![sun(TO_SUN)], meshes)
 }
 
 /// Meshes above a dark floor. Materials: 0 clear glass, 1 absorbs, 2 is a thin wall, 3 is dark, 4 emits, 5 is rough glass.
 fn lit_by(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     World::new(Scene {
-        meshes: meshes.into_iter().chain([square(0.0, true, 0.0, 3)]).collect(),
+        meshes: meshes.into_iter().chain([square(0.0, true, 3)]).collect(),
         materials: vec![
             glass(false, 0.0, Vec3::ZERO),
             glass(false, 0.0, ABSORPTION),
@@ -62,17 +45,9 @@ fn lit_by(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     .unwrap()
 }
 
-/// What a face reflects of light that meets it at the sun's angle.
-fn reflectance() -> f64 {
-    let (cos, n) = (f64::from(TO_SUN.z), f64::from(IOR));
-    let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
-    let [s, p] = [(cos - n * inside) / (cos + n * inside), (n * cos - inside) / (n * cos + inside)];
-    0.5 * (s * s + p * p)
-}
-
 /// What a pane of glass number 1 lets through that is so thick.
 fn through_pane(absorption: Vec3, thickness: f64) -> Vec3 {
-    let (f, n) = (reflectance(), f64::from(IOR));
+    let (f, n) = (reflectance(f64::from(TO_SUN.z)), f64::from(IOR));
     let inside = (1.0 - (1.0 - f64::from(TO_SUN.z).powi(2)) / (n * n)).sqrt();
     let channel = |channel: usize| {
         let a = (-f64::from(absorption[channel]) * thickness / inside).exp();
@@ -102,30 +77,30 @@ fn assert_left(world: &World, least_height: f32, expected: Vec3) {
 
 #[test]
 fn panes_keep_what_their_faces_reflect_and_the_glass_absorbs() {
-    let pane = |material| vec![square(1.0, false, 0.0, material), square(1.2, true, 0.0, material)];
+    let pane = |material| vec![square(1.0, false, material), square(1.2, true, material)];
     assert_left(&world(pane(0)), 1.19, through_pane(Vec3::ZERO, 0.2));
     assert_left(&world(pane(1)), 1.19, through_pane(ABSORPTION, 0.2));
     // Two of them, as of double glazing.
-    let both = pane(0).into_iter().chain([square(2.0, false, 0.0, 1), square(2.1, true, 0.0, 1)]).collect();
+    let both = pane(0).into_iter().chain([square(2.0, false, 1), square(2.1, true, 1)]).collect();
     assert_left(&world(both), 2.09, through_pane(Vec3::ZERO, 0.2) * through_pane(ABSORPTION, 0.1));
 }
 
 #[test]
 fn thin_walls_have_one_face() {
-    let f = reflectance() as f32;
+    let f = reflectance(f64::from(TO_SUN.z)) as f32;
     for is_up in [true, false] {
-        assert_left(&world(vec![square(1.0, is_up, 0.0, 2)]), 0.99, TINT * ((1.0 - f) / (1.0 + f)));
+        assert_left(&world(vec![square(1.0, is_up, 2)]), 0.99, TINT * ((1.0 - f) / (1.0 + f)));
     }
 }
 
 #[test]
 fn wedges_and_single_faces_bend_light_and_walls_throw_shadows() {
-    let wedge = vec![square(1.0, false, 0.0, 0), square(2.0, true, 0.1, 0)];
-    let wall = vec![square(1.0, false, 0.0, 0), square(1.1, true, 0.0, 3), square(1.2, true, 0.0, 0)];
-    for meshes in [wedge, wall, vec![square(1.0, true, 0.0, 0)], vec![square(1.0, false, 0.0, 0)]] {
+    let wedge = vec![square(1.0, false, 0), sloping_square(2.0, true, 0.1, 9.0, 0)];
+    let wall = vec![square(1.0, false, 0), square(1.1, true, 3), square(1.2, true, 0)];
+    for meshes in [wedge, wall, vec![square(1.0, true, 0)], vec![square(1.0, false, 0)]] {
         assert!(matches!(world(meshes).glass_between(&ray_to_sun(), MIDDLE), Between::Bends));
     }
-    let behind = world(vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 0), square(2.0, true, 0.0, 3)]);
+    let behind = world(vec![square(1.0, false, 0), square(1.2, true, 0), square(2.0, true, 3)]);
     assert!(behind.occluded(&beyond_panes(&behind, ray_to_sun()).0));
     // Nothing is asked of rays where glass cannot be: the floor is none.
     let none = world(Vec::new());
@@ -134,7 +109,7 @@ fn wedges_and_single_faces_bend_light_and_walls_throw_shadows() {
 
 #[test]
 fn lights_in_front_of_a_pane_are_not_dimmed() {
-    let world = world(vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 0)]);
+    let world = world(vec![square(1.0, false, 0), square(1.2, true, 0)]);
     for (height, expected) in [(0.9, Vec3::ONE), (3.0, through_pane(Vec3::ZERO, 0.2))] {
         let end = TO_SUN * (height / TO_SUN.z);
         let (rest, left) = beyond_panes(&world, Ray::between(TO_SUN * 0.1, end));
@@ -155,19 +130,19 @@ fn color(world: &World, integrator: Integrator, (side, spp): (u32, u32)) -> Vec3
 #[test]
 fn points_light_through_glass_as_lamps_with_a_surface_do() {
     let (height, side) = (20.0, 6.0);
-    let mut lamp = square(height, false, 0.0, 4);
+    let mut lamp = square(height, false, 4);
     lamp.positions.iter_mut().for_each(|corner| *corner *= vec3(side / 18.0, side / 18.0, 1.0));
     let intensity = Vec3::splat(side * side);
     let point = PunctualLight::Point { position: Vec3::Z * height, intensity, radius: 0.0 };
     let path = || Integrator::Path(PathOptions::default());
     for glass in [
         vec![],
-        vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 0)],
-        vec![square(1.0, true, 0.0, 0)],
-        vec![square(1.0, false, 0.0, 0)],
-        vec![square(1.0, false, 0.0, 2)],
-        vec![square(1.0, false, 0.0, 5), square(1.2, true, 0.0, 5)],
-        vec![square(1.0, false, 0.0, 0), square(1.2, true, 0.0, 5)],
+        vec![square(1.0, false, 0), square(1.2, true, 0)],
+        vec![square(1.0, true, 0)],
+        vec![square(1.0, false, 0)],
+        vec![square(1.0, false, 2)],
+        vec![square(1.0, false, 5), square(1.2, true, 5)],
+        vec![square(1.0, false, 0), square(1.2, true, 5)],
     ] {
         let of_lamp =
             color(&lit_by(Vec::new(), glass.iter().cloned().chain([lamp.clone()]).collect()), path(), (16, 512));
@@ -179,7 +154,7 @@ fn points_light_through_glass_as_lamps_with_a_surface_do() {
 
 #[test]
 fn all_integrators_see_the_sun_through_a_window() {
-    let world = world(vec![square(1.0, false, 0.0, 1), square(1.2, true, 0.0, 1)]);
+    let world = world(vec![square(1.0, false, 1), square(1.2, true, 1)]);
     let expected = through_pane(ABSORPTION, 0.2) * (0.01 * TO_SUN.z / std::f32::consts::PI);
     for integrator in [
         Integrator::Path(PathOptions::default()),
