@@ -13,10 +13,9 @@
 //! the wrong side.
 
 use glam::Vec3;
-use halfdome_kernel::{Ray, Triangle, offset_point, triangle_normal};
+use halfdome_kernel::{Ray, Triangle, triangle_normal};
 
-use super::surface::interpolate;
-use super::{Hit, TriangleRecord, World};
+use super::{Hit, World};
 use crate::material::bent_normal;
 use crate::scene::{Material, Mesh};
 
@@ -118,13 +117,12 @@ impl Rounding {
 }
 
 impl World {
-    /// How far the point of a hit may be lifted along the normals of a side, so that nothing is in between.
-    pub(super) fn free_lift(&self, face: &TriangleRecord, hit: &Hit, [normal, smooth]: [Vec3; 2], lift: f32) -> f32 {
+    /// How far a hit's point just above its triangle, `origin`, may be lifted along the triangle's normal: what is in the way along the
+    /// smooth one decides.
+    pub(super) fn free_lift(&self, hit: &Hit, origin: Vec3, [normal, smooth]: [Vec3; 2], lift: f32) -> f32 {
         if hit.t.is_finite() && lift < UNSEEN * hit.t {
             return lift;
         }
-        let point = interpolate(face.corners, [1.0 - hit.u - hit.v, hit.u, hit.v]);
-        let origin = offset_point(point, normal, face.offset, normal);
         let way = smooth * (lift / smooth.dot(normal).max(0.5));
         let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, way) }, hit.time);
         if other.is_hit() { 0.5 * other.t * lift } else { lift }

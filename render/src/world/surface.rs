@@ -183,7 +183,9 @@ impl World {
             let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
             Rounding::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights).below(
                 |lift, side| {
-                    self.free_lift(face, hit, [normal, interpolated.normalize_or(normal)].map(|it| side * it), lift)
+                    let [normal, smooth] = [normal, interpolated.normalize_or(normal)].map(|it| side * it);
+                    let origin = offset_point(interpolate(face.corners, weights), normal, face.offset, normal);
+                    self.free_lift(hit, origin, [normal, smooth], lift)
                 },
             )
         };
