@@ -69,6 +69,7 @@ fn records(count: u32) -> Vec<Record> {
             radii: [reach * (0.5 + 0.5 * r), reach],
             axis: normal.any_orthonormal_vector(),
             occluders: [f32::INFINITY; SECTORS],
+            clearance: f32::INFINITY,
         }
     };
     (0..count).map(record).collect()

@@ -50,6 +50,7 @@ mod tests {
             radii: [0.1; 2],
             axis: normal.any_orthonormal_vector(),
             occluders: [f32::INFINITY; crate::cache::SECTORS],
+            clearance: f32::INFINITY,
         };
         // The back wall above the blocks, which the camera at z = -0.8 looks at along z; the same from behind; and the floor
         // behind the tall block.

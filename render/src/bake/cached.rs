@@ -14,7 +14,7 @@ use super::texel_irradiance::TexelIrradiance;
 use super::texels::Texel;
 use super::values::Values;
 use crate::cache::Cache;
-use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels};
+use crate::integrator::{Aim, FrozenCache, GatherSource, cleared_point, fill_for_texels};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
@@ -81,10 +81,11 @@ impl Baker<'_> {
             .par_iter()
             .map(|texel| {
                 let surface = self.surface(texel);
-                let irradiance = frozen.irradiance(self.world, &surface)?;
+                let point = cleared_point(self.world, &surface);
+                let irradiance = frozen.irradiance_at(&point, surface.shading_normal)?;
                 let (mut sums, mut weights) = ([DVec3::ZERO; 4], 0.0);
                 if !moments.is_empty() {
-                    frozen.cache.weigh(surface.position, surface.smooth_normal, |record, weight| {
+                    frozen.cache.weigh(&point, |record, weight| {
                         weights += f64::from(weight);
                         for (sum, moment) in sums.iter_mut().zip(&moments[record][1..]) {
                             *sum += f64::from(weight) * moment.as_dvec3();

@@ -39,7 +39,7 @@ pub(super) fn factors(records: &[Record], weighting: &Weighting, tolerance: &Tol
     let limits = |other: &Record| {
         let mut limits: Vec<(usize, f32)> = Vec::new();
         tree.query(other.position, |i| {
-            if weighting.weight(&records[i], other.position, other.normal) > 0.0 {
+            if weighting.weight(&records[i], &other.point()) > 0.0 {
                 let limit = limit(&records[i], other, tolerance);
                 limits.extend((limit < 1.0).then_some((i, limit)));
             }
@@ -99,6 +99,7 @@ mod tests {
             radii: [0.3, 0.3],
             axis: Vec3::X,
             occluders: [f32::INFINITY; SECTORS],
+            clearance: f32::INFINITY,
         }
     }
 
@@ -139,7 +140,7 @@ mod tests {
         let found = factors(&records, &WEIGHTING, &relative(0.05));
         let mut lessened = 0;
         for (i, record) in records.iter().enumerate() {
-            let used = |other: &&Record| WEIGHTING.weight(record, other.position, other.normal) > 0.0;
+            let used = |other: &&Record| WEIGHTING.weight(record, &other.point()) > 0.0;
             let limits = records.iter().filter(used).map(|other| limit(record, other, &relative(0.05)));
             let least = limits.fold(1.0, f32::min).max(LEAST);
             assert_eq!(found[i], least);

@@ -87,6 +87,7 @@ mod tests {
             radii: [radius, 2.0 * radius],
             axis: Vec3::X,
             occluders: [f32::INFINITY; SECTORS],
+            clearance: f32::INFINITY,
         }
     }
 

@@ -30,7 +30,7 @@ impl Cache {
             let (mut light, mut weights, mut disagrees) = (0.0, 0.0, false);
             self.tree.query(record.position, |i| {
                 let other = &self.records[i];
-                let weight = weighting.weight(other, record.position, record.normal);
+                let weight = weighting.weight(other, &record.point());
                 if i == number || weight <= 0.0 {
                     return;
                 }

@@ -15,7 +15,7 @@ use crate::output::{OutputError, OutputFile};
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
 
 const MAGIC: [u8; 8] = *b"halfdIRC";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Reads as another number on a machine with the other order of bytes.
 const ORDER: u32 = 0x0102_0304;
 const HEADER: usize = 8 + 4 + 4 + 8 + (OPTIONS + 2) * 4 + 8;

@@ -7,18 +7,17 @@
 
 use std::collections::HashMap;
 
-use glam::{IVec3, Vec3};
+use glam::IVec3;
 use rayon::prelude::*;
 
 use super::Cache;
 use super::record::Record;
+use super::weight::LookupPoint;
 
 /// A point that is to be covered.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    pub(crate) position: Vec3,
-    /// Unit normal on the side that is lit.
-    pub(crate) normal: Vec3,
+    pub(crate) point: LookupPoint,
     /// The unit of separations here: how wide a pixel is, for example. More than 0.
     pub(crate) spacing: f32,
 }
@@ -49,7 +48,7 @@ impl Cache {
             let count = pass.places.min(places.len());
             loop {
                 // All of them, as radii may have been clamped since the last time.
-                let is_open = |&i: &usize| !picked[i] && !self.covers(places[i].position, places[i].normal);
+                let is_open = |&i: &usize| !picked[i] && !self.covers(&places[i].point);
                 let open: Vec<usize> = (0..count).into_par_iter().filter(is_open).collect();
                 let picks = pick(places, &open, pass.separation);
                 if picks.is_empty() {
@@ -72,15 +71,15 @@ fn pick(places: &[Place], open: &[usize], separation: f32) -> Vec<usize> {
     // Cells as wide as the separation, rounded up to a power of two, as separations differ.
     let mut cells: HashMap<(i32, IVec3), Vec<usize>> = HashMap::new();
     for &i in open {
-        let place = &places[i];
-        let distance = separation * place.spacing;
+        let Place { point, spacing } = &places[i];
+        let distance = separation * spacing;
         let level = distance.log2().ceil();
-        let cell = (place.position / level.exp2()).floor().as_ivec3();
+        let cell = (point.position / level.exp2()).floor().as_ivec3();
         let neighbours = (0..27).map(|k| cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
         let near = |j: &usize| {
-            let other = &places[*j];
-            other.position.distance_squared(place.position) < distance * distance
-                && other.normal.dot(place.normal) > 0.5
+            let other = &places[*j].point;
+            other.position.distance_squared(point.position) < distance * distance
+                && other.normal.dot(point.normal) > 0.5
         };
         let crowded = neighbours
             .into_iter()
@@ -96,21 +95,23 @@ fn pick(places: &[Place], open: &[usize], separation: f32) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     #[test]
     fn picks_keep_their_distance_and_leave_no_hole() {
         let places: Vec<Place> = (0..900)
-            .map(|i| Place {
-                position: Vec3::new((i % 30) as f32, (i / 30) as f32, 0.0),
-                normal: if i % 7 == 0 { Vec3::NEG_Z } else { Vec3::Z },
-                spacing: 1.0,
+            .map(|i| {
+                let position = Vec3::new((i % 30) as f32, (i / 30) as f32, 0.0);
+                let normal = if i % 7 == 0 { Vec3::NEG_Z } else { Vec3::Z };
+                Place { point: LookupPoint { position, normal, clearance: None }, spacing: 1.0 }
             })
             .collect();
         let open: Vec<usize> = (0..900).filter(|i| i % 11 != 0).collect();
         for separation in [0.5, 1.0, 3.7, 100.0] {
             let picks = pick(&places, &open, separation);
             let near = |&i: &usize, &j: &usize| {
-                places[i].normal == places[j].normal && places[i].position.distance(places[j].position) < separation
+                let [i, j] = [i, j].map(|number| &places[number].point);
+                i.normal == j.normal && i.position.distance(j.position) < separation
             };
             for (n, i) in picks.iter().enumerate() {
                 assert!(open.contains(i) && !picks[..n].iter().any(|j| near(i, j)));

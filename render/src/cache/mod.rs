@@ -42,6 +42,7 @@ pub(crate) use morton::sort_by_morton_code;
 pub use file::CacheFileError;
 pub(crate) use file::named;
 pub use record::{Record, SECTORS};
+pub(crate) use weight::LookupPoint;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]
@@ -103,9 +104,6 @@ const ACCURATE_LEAST: f32 = 0.25;
 /// By how much records may disagree where an accuracy is asked for, over what the root mean square error may be: a record
 /// counts less and less where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
-
-/// A point is hidden from records if all around it is closer than this part of their own mean distance from what they see.
-const HIDDEN: f32 = 0.125;
 
 /// How the records around a point are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,21 +255,21 @@ impl Cache {
     }
 
     /// Whether a point needs no record of its own.
-    pub(crate) fn covers(&self, position: Vec3, normal: Vec3) -> bool {
+    pub(crate) fn covers(&self, point: &LookupPoint) -> bool {
         let weighting = self.weighting(1.0);
         let mut covered = false;
-        self.tree.query(position, |i| {
-            covered = covered || weighting.weight(&self.records[i], position, normal) > 0.0;
+        self.tree.query(point.position, |i| {
+            covered = covered || weighting.weight(&self.records[i], point) > 0.0;
         });
         covered
     }
 
-    /// Calls `mix` with the index and the weight of each record that is valid at a point with a unit normal, in the order
-    /// in which [`interpolate`](Self::interpolate) takes them.
-    pub(crate) fn weigh(&self, position: Vec3, normal: Vec3, mut mix: impl FnMut(usize, f32)) {
+    /// Calls `mix` with the index and the weight of each record that is valid at a point, in the order in which
+    /// [`interpolate`](Self::interpolate) takes them.
+    pub(crate) fn weigh(&self, point: &LookupPoint, mut mix: impl FnMut(usize, f32)) {
         let weighting = self.weighting(self.stretch());
-        self.tree.query(position, |i| {
-            let weight = weighting.weight(&self.records[i], position, normal);
+        self.tree.query(point.position, |i| {
+            let weight = weighting.weight(&self.records[i], point);
             if weight > 0.0 {
                 mix(i, weight);
             }
@@ -285,31 +283,19 @@ impl Cache {
 
     /// The same, read in a way that may not be that of the options.
     pub(crate) fn interpolate_by(&self, reading: Reading, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        self.mix(reading, &self.weighting(self.stretch()), position, [normal; 2])
+        let point = LookupPoint { position, normal, clearance: None };
+        self.mix(reading, &self.weighting(self.stretch()), &point, normal)
     }
 
-    /// The irradiance at a point of a surface with a unit normal for the normal that a map tilts it to.
-    pub(crate) fn interpolate_tilted(&self, position: Vec3, normals: [Vec3; 2]) -> Option<Interpolated> {
-        self.mix(self.reading(), &self.weighting(self.stretch()), position, normals)
+    /// The irradiance at a point for the unit normal that a map tilts its own to.
+    pub(crate) fn interpolate_tilted(&self, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
+        self.mix(self.reading(), &self.weighting(self.stretch()), point, tilted)
     }
 
     /// The same, where surfaces turn so much that no record is valid by the published angles, from those up to 45° away.
-    pub(crate) fn interpolate_wide(&self, position: Vec3, normals: [Vec3; 2]) -> Option<Interpolated> {
-        let strict = self.interpolate_tilted(position, normals);
-        strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), position, normals))
-    }
-
-    /// Whether a point is hidden from the records around: something is closer than `clearance` on all sides of it, and far
-    /// closer than to them.
-    pub(crate) fn is_hidden(&self, position: Vec3, normal: Vec3, clearance: f32) -> bool {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        if clearance < f32::INFINITY {
-            self.weigh(position, normal, |record, weight| {
-                sum += weight * self.records[record].mean_distance;
-                weights += weight;
-            });
-        }
-        clearance * weights < HIDDEN * sum
+    pub(crate) fn interpolate_wide(&self, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
+        let strict = self.interpolate_tilted(point, tilted);
+        strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), point, tilted))
     }
 
     /// How the options ask for records to be read.
@@ -320,15 +306,10 @@ impl Cache {
         }
     }
 
-    /// What records say of a point on a surface with the first normal, for light that falls on the second.
+    /// What records say of a point, for light that falls on a tilted normal.
     #[inline]
-    fn mix(
-        &self,
-        reading: Reading,
-        weighting: &Weighting,
-        position: Vec3,
-        [normal, tilted]: [Vec3; 2],
-    ) -> Option<Interpolated> {
+    fn mix(&self, reading: Reading, weighting: &Weighting, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
+        let LookupPoint { position, normal, .. } = *point;
         let gradients = match reading {
             Reading::Alone(gradients) => gradients,
             Reading::Together => Gradients::Both,
@@ -338,7 +319,7 @@ impl Cache {
         let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
         self.tree.query(position, |i| {
             let record = &self.records[i];
-            let weight = weighting.weight(record, position, normal);
+            let weight = weighting.weight(record, point);
             if weight > 0.0 {
                 let irradiance = match self.polynomials.get(i) {
                     Some(polynomial) if reading == Reading::Together => {

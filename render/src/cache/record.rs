@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::weight::LookupPoint;
+
 pub use crate::estimator::SECTORS;
 
 /// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
@@ -35,6 +37,15 @@ pub struct Record {
     /// For each sector of azimuth, from the first tangent of the frame about the normal, the distance along the surface
     /// of the nearest occluder; infinite if there is none.
     pub occluders: [f32; SECTORS],
+    /// The distance of the farthest of what rays hit that leave halfway up on four sides; infinite if one hits nothing.
+    pub clearance: f32,
+}
+
+impl Record {
+    /// Where it is, as a point that asks for records.
+    pub(crate) fn point(&self) -> LookupPoint {
+        LookupPoint { position: self.position, normal: self.normal, clearance: Some(self.clearance) }
+    }
 }
 
 impl Record {
@@ -85,7 +96,8 @@ impl Record {
         let vectors = [self.position, self.normal, self.irradiance].into_iter().chain(self.rotational);
         let vectors = vectors.chain(self.translational).chain([self.axis]).flat_map(|v| v.to_array());
         let scalars = [self.mean_distance, self.min_distance, self.radii[0], self.radii[1], self.standard_error];
-        for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.occluders)) {
+        for (word, value) in words.iter_mut().zip(vectors.chain(scalars).chain(self.occluders).chain([self.clearance]))
+        {
             *word = value.to_bits();
         }
         words
@@ -108,6 +120,7 @@ impl Record {
             radii: [value(32), value(33)],
             standard_error: value(34),
             occluders: std::array::from_fn(|i| value(35 + i)),
+            clearance: value(35 + SECTORS),
         }
     }
 
@@ -119,10 +132,10 @@ impl Record {
         let distances = [self.mean_distance, self.min_distance, self.standard_error];
         let distances = distances.iter().all(|number| (0.0..f32::INFINITY).contains(number));
         let units = [self.normal, self.axis].iter().all(|v| (v.length_squared() - 1.0).abs() < 1e-3);
-        let occluders = self.occluders.iter().all(|distance| *distance >= 0.0);
+        let occluders = self.occluders.iter().chain([&self.clearance]).all(|distance| *distance >= 0.0);
         finite && lengths && distances && units && occluders && self.irradiance.min_element() >= 0.0
     }
 
-    /// Ten vectors, four lengths, the standard error and the occluders.
-    pub(crate) const WORDS: usize = 35 + SECTORS;
+    /// Ten vectors, four lengths, the standard error, the occluders and the clearance.
+    pub(crate) const WORDS: usize = 36 + SECTORS;
 }

@@ -56,7 +56,7 @@ pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> 
         let mut sums = Sums::new();
         sums.add(record, record, 1.0, *gradient_weight);
         tree.query(record.position, |i| {
-            let weight = weighting.weight(&records[i], record.position, record.normal);
+            let weight = weighting.weight(&records[i], &record.point());
             if weight > 0.0 && i != number {
                 sums.add(record, &records[i], weight, *gradient_weight);
             }
@@ -198,6 +198,7 @@ mod tests {
                 radii: [RADIUS, 2.0 * RADIUS],
                 axis: frame.to_world(vec3(cos, sin, 0.0)),
                 occluders: [f32::INFINITY; SECTORS],
+                clearance: f32::INFINITY,
             }
         };
         ((0..25).map(record).collect(), frame)

@@ -8,6 +8,10 @@ fn options() -> CachedOptions {
     CachedOptions::default()
 }
 
+fn point(position: Vec3, normal: Vec3) -> LookupPoint {
+    LookupPoint { position, normal, clearance: None }
+}
+
 /// A record on the plane z = 0 with the irradiance 2 + x - 3y in red, and the like in the other channels.
 fn record(key: u64, x: f32, y: f32, radius: f32) -> Record {
     let gradients = [vec3(1.0, -3.0, 0.0), vec3(-1.0, 0.5, 0.0), Vec3::ZERO];
@@ -25,6 +29,7 @@ fn record(key: u64, x: f32, y: f32, radius: f32) -> Record {
         radii: [radius; 2],
         axis: Vec3::X,
         occluders: [f32::INFINITY; SECTORS],
+        clearance: f32::INFINITY,
     }
 }
 
@@ -110,7 +115,7 @@ fn filling_covers_every_place_in_one_order() {
     let places: Vec<Place> = (0..1600)
         .map(|i| {
             let position = vec3((i % 40) as f32, (i / 40) as f32, 0.0) / 40.0;
-            Place { position, normal: Vec3::Z, spacing: 1.0 / 40.0 }
+            Place { point: point(position, Vec3::Z), spacing: 1.0 / 40.0 }
         })
         .collect();
     let passes = [16.0, 8.0, 4.0, 2.0, 1.0].map(|separation| Pass { places: places.len(), separation });
@@ -122,7 +127,7 @@ fn filling_covers_every_place_in_one_order() {
                 assert!(covered + picks.len() <= places.len());
                 // Small radii at the left.
                 let make = |&i: &usize| {
-                    let Vec3 { x, y, .. } = places[i].position;
+                    let Vec3 { x, y, .. } = places[i].point.position;
                     record(i as u64, x, y, 0.03 + 0.3 * x)
                 };
                 Some(picks.iter().map(make).collect())
@@ -131,7 +136,7 @@ fn filling_covers_every_place_in_one_order() {
         cache
     };
     let cache = fill(1);
-    assert!(places.iter().all(|place| cache.covers(place.position, place.normal)));
+    assert!(places.iter().all(|place| cache.covers(&place.point)));
     let left = cache.records().iter().filter(|record| record.position.x < 0.5).count();
     let right = cache.records().len() - left;
     assert!(left > 3 * right && left + right < 500, "{left} records at the left, {right} at the right");
@@ -176,7 +181,7 @@ fn damaged_and_foreign_files_are_refused() {
         changed[range].copy_from_slice(new);
         problem(&changed)
     };
-    assert!(with(8..12, &1u32.to_le_bytes()).contains("has version 1 of the format; this program reads version 4"));
+    assert!(with(8..12, &1u32.to_le_bytes()).contains("has version 1 of the format; this program reads version 5"));
     assert!(with(12..16, &0x0102_0304u32.to_be_bytes()).contains("order of bytes of another machine"));
     assert!(with(100..101, &[bytes[100] ^ 1]).contains("its checksum is wrong"));
     // With a right checksum, numbers that are none are still found.
@@ -278,10 +283,14 @@ fn maps_tilt_what_records_say() {
     let flat = Record { rotational: [Vec3::ZERO; 3], translational: [Vec3::ZERO; 3], ..record(0, 0.0, 0.0, 1.0) };
     cache.commit(vec![flat]);
     let tilted = vec3(40f32.to_radians().sin(), 0.0, 40f32.to_radians().cos());
-    let found = cache.interpolate_tilted(vec3(0.1, 0.0, 0.0), [Vec3::Z, tilted]).unwrap().irradiance;
+    let found = cache.interpolate_tilted(&point(vec3(0.1, 0.0, 0.0), Vec3::Z), tilted).unwrap().irradiance;
     let expected = vec3(20.0, 10.0, 1.0) * 0.5 * (1.0 + tilted.z);
     assert!((found - expected).abs().max_element() < 1e-4, "{found}, not {expected}");
-    assert_eq!(cache.interpolate_tilted(vec3(0.1, 0.0, 0.0), [tilted, Vec3::Z]), None, "a surface that turns away");
+    assert_eq!(
+        cache.interpolate_tilted(&point(vec3(0.1, 0.0, 0.0), tilted), Vec3::Z),
+        None,
+        "a surface that turns away"
+    );
     // The gradient's part: light from one side, E = 20 + 5 x in red.
     let sided = Record { rotational: [Vec3::Z.cross(Vec3::X) * 5.0; 3], ..flat };
     assert!((sided.tilt(Vec3::ZERO, Vec3::Z, tilted, true).x - 5.0 * tilted.x).abs() < 1e-5);
@@ -313,10 +322,10 @@ fn thin_columns_are_read_between_their_records() {
     for degrees in [20.0, 100.0, 179.0, 300.0] {
         let normal = normal_at(degrees);
         assert_eq!(cache.interpolate(RADIUS * normal, normal), None, "{degrees}");
-        let found = cache.interpolate_wide(RADIUS * normal, [normal; 2]).unwrap().irradiance;
+        let found = cache.interpolate_wide(&point(RADIUS * normal, normal), normal).unwrap().irradiance;
         assert!((found / light(normal) - 1.0).abs().max_element() < 0.04, "{degrees}: {found}, not {}", light(normal));
     }
-    assert_eq!(cache.interpolate_wide(RADIUS * Vec3::X, [Vec3::Z; 2]), None, "beyond 45°");
+    assert_eq!(cache.interpolate_wide(&point(RADIUS * Vec3::X, Vec3::Z), Vec3::Z), None, "beyond 45°");
 }
 
 /// One record that a bright ray made is doubtful; once it is right, so are those beside it that had missed the light.

@@ -16,7 +16,12 @@
 //! own: the point must not be above or below the surface that the record and it could share, by the mean of the
 //! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no occluder that
 //! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
-//! each sector of azimuth).
+//! each sector of azimuth). Nor may the point be higher than the nearest of what the record sees: a record of a wall
+//! behind a poster says nothing of the poster.
+//!
+//! A gap as low as that is closer on all sides than one texel is wide, and records reach at least from texel to texel. So where a
+//! point's clearance is known, the lesser clearance of record and point is as far as one serves the other, if they are far
+//! apart: light a hand's breadth outside a gap and that within it are not alike.
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Frame;
@@ -24,6 +29,16 @@ use halfdome_kernel::sampling::Frame;
 use super::record::Record;
 use crate::estimator::sector;
 use crate::settings::Metric;
+
+/// A point of a surface that asks for records.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LookupPoint {
+    pub(crate) position: Vec3,
+    /// Unit normal on the side that is lit.
+    pub(crate) normal: Vec3,
+    /// As that of a [record](Record::clearance), if it is known.
+    pub(crate) clearance: Option<f32>,
+}
 
 /// How records are weighted.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +62,8 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
+/// A clearance that is less than this part of another belongs to another world.
+const HIDDEN: f32 = 0.125;
 /// The part of the way to an occluder up to which a record can be used: occluders are not quite where rays found them.
 const BEFORE: f32 = 0.995;
 
@@ -61,9 +78,10 @@ impl Weighting {
         Self { turn: WIDE_ANGLE / ANGLE, ..self }
     }
 
-    /// The weight of a record at a point with this unit normal, at least 0.
+    /// The weight of a record at a point, at least 0.
     #[inline]
-    pub(crate) fn weight(&self, record: &Record, position: Vec3, normal: Vec3) -> f32 {
+    pub(crate) fn weight(&self, record: &Record, point: &LookupPoint) -> f32 {
+        let LookupPoint { position, normal, clearance } = *point;
         let step = position - record.position;
         let turn = (1.0 - normal.dot(record.normal)).max(0.0) / self.turn;
         let distance = record.relative_distance(step) / self.stretch;
@@ -73,7 +91,11 @@ impl Weighting {
             Metric::Hessian => (1.0 - distance).max(0.0) * (1.0 - turn / ANGLE),
         };
         // `>` is false for NaN too.
-        if weight > 0.0 && shares_surface(record, step, normal) && sees(record, step) { weight } else { 0.0 }
+        let is_valid = weight > 0.0
+            && shares_surface(record, step, normal)
+            && sees(record, step)
+            && clearance.is_none_or(|clearance| shares_gap(record, step, clearance));
+        if is_valid { weight } else { 0.0 }
     }
 
     /// The farthest that a record has a weight.
@@ -86,7 +108,7 @@ impl Weighting {
 #[inline]
 fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
     let height = 0.5 * step.dot(normal + record.normal);
-    height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0]
+    height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0] && height <= BEFORE * record.min_distance
 }
 
 /// Whether no occluder that the record saw stands between it and a point a `step` away.
@@ -100,6 +122,13 @@ fn sees(record: &Record, step: Vec3) -> bool {
     let local = Frame::from_normal(record.normal).to_local(step);
     let occluder = BEFORE * record.occluders[sector(local.truncate())];
     distance_squared <= occluder * occluder
+}
+
+/// Whether a record and a point a `step` away, with this clearance, lie both within a gap, or none of them, or near each other.
+#[inline]
+fn shares_gap(record: &Record, step: Vec3, clearance: f32) -> bool {
+    let [less, more] = [record.clearance.min(clearance), record.clearance.max(clearance)];
+    less >= HIDDEN * more || step.length_squared() <= less * less
 }
 
 #[cfg(test)]
@@ -122,7 +151,12 @@ mod tests {
             radii: [0.5, 1.0],
             axis: Vec3::X,
             occluders: [f32::INFINITY; SECTORS],
+            clearance: f32::INFINITY,
         }
+    }
+
+    fn point(position: Vec3, normal: Vec3) -> LookupPoint {
+        LookupPoint { position, normal, clearance: None }
     }
 
     fn weighting(metric: Metric, stretch: f32) -> Weighting {
@@ -133,7 +167,7 @@ mod tests {
     fn weights_are_the_published_ones() {
         let at = |metric, stretch, step: Vec3, normal| {
             let record = record();
-            weighting(metric, stretch).weight(&record, record.position + step, normal)
+            weighting(metric, stretch).weight(&record, &point(record.position + step, normal))
         };
         let near = |value: f32, expected: f32| assert!((value - expected).abs() < 1e-5, "{value}, not {expected}");
         // A quarter of the way along the axis, half of it across.
@@ -170,7 +204,7 @@ mod tests {
             record.min_distance *= scale;
             record.occluders[sector(Vec2::Y)] = 0.3 * scale;
             let at = |step: Vec3, normal: Vec3| {
-                weighting(Metric::Bounded, 1.0).weight(&record, record.position + step * scale, normal) > 0.0
+                weighting(Metric::Bounded, 1.0).weight(&record, &point(record.position + step * scale, normal)) > 0.0
             };
             assert!(at(vec3(0.3, 0.0, 0.0), Vec3::Z));
             assert!(at(vec3(0.0, -0.6, 0.0), Vec3::Z), "nothing is in the way");
@@ -178,6 +212,36 @@ mod tests {
             assert!(at(vec3(0.0, 0.25, 0.0), Vec3::Z), "the occluder is behind");
             assert!(!at(vec3(0.3, 0.0, 0.04), Vec3::Z) && !at(vec3(0.3, 0.0, -0.04), Vec3::Z), "another level");
             assert!(at(vec3(0.3, 0.0, 0.02), Vec3::Z) && at(vec3(0.0, 0.0, -0.004), Vec3::Z), "the same level");
+        }
+    }
+
+    /// A record that something hangs over says nothing of what is above that.
+    #[test]
+    fn what_hangs_over_a_record_ends_its_level() {
+        let record = Record { min_distance: 0.02, ..record() };
+        let at = |height: f32| {
+            let step = vec3(0.3, 0.0, height);
+            weighting(Metric::Bounded, 1.0).weight(&record, &point(record.position + step, Vec3::Z)) > 0.0
+        };
+        assert!(at(0.0) && at(0.019) && at(-0.03));
+        assert!(!at(0.021));
+    }
+
+    /// Within a gap and outside of it, records serve each other up to the gap's height.
+    #[test]
+    fn gaps_share_no_records_with_what_is_outside() {
+        let is_valid = |[of_record, of_point]: [f32; 2], step: f32| {
+            let record = Record { clearance: of_record, ..record() };
+            let point = LookupPoint { clearance: Some(of_point), ..point(record.position + Vec3::X * step, Vec3::Z) };
+            weighting(Metric::Bounded, 1.0).weight(&record, &point) > 0.0
+        };
+        for (one, other) in [(0.05, 0.5), (0.05, f32::INFINITY)] {
+            for clearances in [[one, other], [other, one]] {
+                assert!(is_valid(clearances, 0.04) && !is_valid(clearances, 0.06), "{clearances:?}");
+            }
+        }
+        for clearances in [[0.05, 0.05], [0.05, 0.3], [f32::INFINITY; 2]] {
+            assert!(is_valid(clearances, 0.4), "{clearances:?}");
         }
     }
 
@@ -190,7 +254,7 @@ mod tests {
             let angle = 8f32.to_radians();
             let (step, normal) =
                 (vec3(angle.sin(), 0.0, angle.cos() - 1.0) * 2.0, vec3(angle.sin(), 0.0, angle.cos()) * side);
-            assert!(weighting(Metric::Bounded, 1.0).weight(&record, record.position + step, normal) > 0.0);
+            assert!(weighting(Metric::Bounded, 1.0).weight(&record, &point(record.position + step, normal)) > 0.0);
         }
     }
 }

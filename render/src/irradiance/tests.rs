@@ -91,14 +91,13 @@ fn sensors_end_when_the_watcher_says_so() {
 
 /// The lamp of the Cornell box hangs just below its ceiling: between them it is dark, and no record of the ceiling around knows.
 #[test]
-fn what_is_hidden_from_all_records_has_paths() {
+fn what_is_hidden_has_records_of_its_own() {
     let world = World::new(cornell_box()).unwrap();
     let sensors: Vec<Sensor> = (0..32 * 32)
         .map(|i| [i % 32, i / 32].map(|k| 0.03 + (k as f32 + 0.5) * 0.0155))
         .map(|[x, z]| Sensor { position: vec3(x, 0.5488, z), normal: Vec3::NEG_Y })
         .collect();
-    // Not those beside its nearer edge, which are up to 0.15 too bright: records outside of it reach them.
-    let above_lamp = |it: &Sensor| (0.216..0.34).contains(&it.position.x) && (0.245..0.329).contains(&it.position.z);
+    let above_lamp = |it: &Sensor| (0.216..0.34).contains(&it.position.x) && (0.23..0.329).contains(&it.position.z);
     let request = Request { spp: 256, seed: 1, part: Part::Total };
     let cache = Cache::new(CachedOptions { rays: 512, ..CachedOptions::default() }, world.surroundings_hash());
     let found = by_cache(&world, &sensors, cache, &request, &Impatience::new(u64::MAX));
@@ -108,8 +107,7 @@ fn what_is_hidden_from_all_records_has_paths() {
     let paths = by_paths(&world, &hidden, &Request { spp: 4096, ..request }, &Impatience::new(u64::MAX)).values;
     let off = values.iter().zip(paths).map(|(value, path)| (*value - path).as_dvec3().element_sum() / all);
     let off: Vec<f64> = off.collect();
-    // By records alone, sensors say 1.3 that are above the lamp and far from the few records there.
+    // By the records around, sensors say 1.3 that are above the lamp and far from the few records there.
     assert!(off.len() > 30 && off.iter().all(|off| off.abs() < 0.02), "{off:.3?}");
-    let misses = found.cache.unwrap().1.misses as usize;
-    assert!((1..5).contains(&misses), "{misses} sensors of {} without a record", sensors.len());
+    assert_eq!(found.cache.unwrap().1.misses, 0);
 }

@@ -271,12 +271,6 @@ impl Surface<'_> {
         }
     }
 
-    /// The unit normal by vertices, and what maps make of it.
-    #[inline(always)]
-    pub(crate) fn normals(&self) -> [Vec3; 2] {
-        [self.smooth_normal, self.shading_normal]
-    }
-
     /// The same surface without what maps do to its normals.
     pub(crate) fn smooth(self) -> Self {
         Self { shading_normal: self.smooth_normal, ..self }

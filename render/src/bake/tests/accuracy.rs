@@ -64,3 +64,46 @@ fn a_cache_tells_what_gathers_do() {
         assert!(share < most_gathers && rms < most_rms && of_99 < most_of_99);
     }
 }
+
+/// Records of the dark behind what hangs close in front of a wall serve neither its front nor the wall beside it.
+#[test]
+fn things_close_in_front_of_a_wall_are_as_bright_as_by_gathers() {
+    const DEPTH: f32 = 0.005;
+    for gap in [0.002, 0.01] {
+        let room = scene(
+            vec![
+                hollow("room", Vec3::ZERO, vec3(4.0, 2.6, 4.0), true),
+                hollow("poster", vec3(1.5, 1.0, gap), vec3(2.5, 1.7, gap + DEPTH), false),
+                Mesh { material: 1, ..hollow("lamp", vec3(1.6, 2.3, 1.6), vec3(2.4, 2.32, 2.4), false) },
+            ],
+            vec![glowing(0.0, 0.7), glowing(10.0, 0.0)],
+        );
+        let mut options = BakeOptions { mode: Mode::Indirect, density: Some(4.0), ..BakeOptions::default() };
+        let [by_cache, by_gathers] = [false, true].map(|brute| {
+            options.brute = brute;
+            options.cache.rays = if brute { 2048 } else { CachedOptions::default().rays };
+            baked(&room, &options)
+        });
+        let world = World::new(room.clone()).unwrap();
+        let atlas = Atlas::new(&room, &options).unwrap();
+        let texels = Surfaces::new(&room, &atlas).texels();
+        let of = |is_one: &dyn Fn(Vec3) -> bool| -> Vec<f32> {
+            let ratio = |texel: &Texel| {
+                let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
+                let value = |bake: &Bake| bake.maps[texel.page as usize].layers[0].texels[texel.index as usize].x;
+                let is_one = surface.normal.z > 0.9 && is_one(surface.position);
+                is_one.then(|| value(&by_cache) / value(&by_gathers))
+            };
+            texels.iter().filter_map(ratio).collect()
+        };
+        let front = of(&|position| position.z > gap);
+        let mean = front.iter().sum::<f32>() / front.len() as f32;
+        assert!(front.len() > 8 && (mean - 1.0).abs() < 0.03, "gap {gap}: {mean}");
+        // Texels whose middle is outside.
+        let beside = of(&|Vec3 { x, y, z }| {
+            z < 1e-4 && x > 1.1 && x < 2.9 && y > 0.6 && y < 2.1 && !(x > 1.45 && x < 2.55 && y > 0.95 && y < 1.75)
+        });
+        let darkest = beside.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(beside.len() > 12 && darkest > 0.8, "gap {gap}: {darkest}");
+    }
+}

@@ -1,12 +1,13 @@
-//! How close what stands around a point is on all sides. Where that is far closer than the records around say, none of them sees
-//! what the point sees: it lies behind something, as a ceiling behind a lamp that hangs a finger's breadth below it. A gather sends
-//! few rays so low that they would find such a gap from outside.
+//! How close what stands around a point is on all sides. Where that is far closer than at a record, that does not see what the point
+//! sees: the point lies behind something, as a ceiling behind a lamp that hangs a finger's breadth below it. A gather sends few rays
+//! so low that they would find such a gap from outside.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
 
+use crate::cache::LookupPoint;
 use crate::world::{Hit, Surface, World};
 
 /// Directions halfway up, on four sides.
@@ -16,6 +17,16 @@ const DIRECTIONS: [Vec3; 4] = [
     Vec3::new(-0.5, -0.5, FRAC_1_SQRT_2),
     Vec3::new(0.5, -0.5, FRAC_1_SQRT_2),
 ];
+
+/// A surface's point, as records are asked for, with its clearance.
+pub(crate) fn cleared_point(world: &World, surface: &Surface) -> LookupPoint {
+    LookupPoint { clearance: Some(clearance(world, surface)), ..point(surface) }
+}
+
+/// The same, whatever is around it.
+pub(super) fn point(surface: &Surface) -> LookupPoint {
+    LookupPoint { position: surface.position, normal: surface.smooth_normal, clearance: None }
+}
 
 /// The distance to the farthest of what a ray to each side hits; infinite if any hits nothing.
 pub(super) fn clearance(world: &World, surface: &Surface) -> f32 {

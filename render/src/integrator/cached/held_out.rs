@@ -10,10 +10,10 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::sampling::Stream;
 use rayon::prelude::*;
 
-use super::clearance::clearance;
+use super::GatherSource;
+use super::clearance::cleared_point;
 use super::level::Uncached;
-use super::{GatherSource, visible};
-use crate::cache::Cache;
+use crate::cache::{Cache, LookupPoint};
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
@@ -58,7 +58,7 @@ pub(crate) enum MeanLight {
 pub(crate) struct HeldOut<'w> {
     surfaces: Vec<Surface<'w>>,
     /// How close what stands around each is.
-    clearances: Vec<f32>,
+    points: Vec<LookupPoint>,
     /// Irradiance at each, twice.
     gathered: Vec<[Vec3; 2]>,
     /// Rays of each of these gathers.
@@ -98,9 +98,9 @@ impl<'w> HeldOut<'w> {
             (first + (place * (end - first) as f32) as usize).min(end - 1)
         });
         let surfaces: Vec<Surface> = chosen.map(surface).collect();
-        let clearances = surfaces.iter().map(|surface| clearance(world, surface)).collect();
+        let points = surfaces.iter().map(|surface| cleared_point(world, surface)).collect();
         let gathered = Vec::new();
-        let mut found = Self { gathered, surfaces, clearances, rays: FIRST_RAYS, light: 0.0, accuracy, traced: 0 };
+        let mut found = Self { gathered, surfaces, points, rays: FIRST_RAYS, light: 0.0, accuracy, traced: 0 };
         if light != MeanLight::Direct {
             found.gather(world, options, seed, watch)?;
         }
@@ -158,14 +158,13 @@ impl<'w> HeldOut<'w> {
 
     /// The mean squared error of a cache's irradiance over points and channels, in W²/m⁴; 0 if noise alone makes it less.
     pub(crate) fn squared_error(&self, cache: &Cache) -> f64 {
-        let square = |((surface, &clearance), pair): ((&Surface, &f32), &[Vec3; 2])| {
+        let square = |((surface, point), pair): ((&Surface, &LookupPoint), &[Vec3; 2])| {
             // Where there is no record, or none that sees what the point sees, a path is traced or a gather made.
-            let found = visible(cache, surface, clearance)?.irradiance;
+            let found = cache.interpolate_tilted(point, surface.shading_normal)?.irradiance;
             let [a, b] = pair.map(|gathered| (found - gathered).as_dvec3());
             Some((a * b).element_sum() / 3.0)
         };
-        let squares: Vec<f64> =
-            self.surfaces.iter().zip(&self.clearances).zip(&self.gathered).filter_map(square).collect();
+        let squares: Vec<f64> = self.surfaces.iter().zip(&self.points).zip(&self.gathered).filter_map(square).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).max(0.0)
     }
 

@@ -8,6 +8,7 @@ use halfdome_kernel::sampling::Sampler;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::clearance::clearance;
 use super::irradiance_map::{IrradianceMap, UnmappedHits};
 use super::{FrozenCache, Misses, indirect, irradiance_map, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
@@ -217,6 +218,7 @@ impl Level<'_> {
             radii: [self.made_with * mean_distance; 2],
             axis: surface.frame().tangent,
             occluders,
+            clearance: clearance(self.world, surface),
         };
         if let Some(hessian) = hessian {
             let ellipse = hessian.radii(self.area_error(mean_distance)).to_world(&surface.frame());

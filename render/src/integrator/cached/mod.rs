@@ -24,11 +24,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 
 use super::{RayBatch, Wavefront, path};
-use crate::cache::{Cache, Interpolated};
+use crate::cache::{Cache, Interpolated, LookupPoint};
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-use clearance::clearance;
+pub(crate) use clearance::cleared_point;
+use clearance::point;
 pub(crate) use held_out::{HeldOut, MeanLight};
 pub(crate) use irradiance_map::IrradianceMap;
 pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
@@ -65,18 +66,22 @@ impl FrozenCache {
         Self { cache, misses: AtomicU64::new(0), negative: AtomicU64::new(0) }
     }
 
-    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid, or the point is
-    /// hidden from all of them.
+    /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
     pub(crate) fn irradiance(&self, world: &World, surface: &Surface) -> Option<Vec3> {
-        self.count(visible(&self.cache, surface, clearance(world, surface)))
+        self.irradiance_at(&cleared_point(world, surface), surface.shading_normal)
+    }
+
+    /// The same at a point for the unit normal that a map tilts its own to.
+    pub(crate) fn irradiance_at(&self, point: &LookupPoint, tilted: Vec3) -> Option<Vec3> {
+        self.count(self.cache.interpolate_tilted(point, tilted))
     }
 
     /// The same for pictures, and for means over many points: of what is hidden these see little, and where a surface turns
     /// within a few pixels, records with other normals do.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
         self.count(match self.cache.options().accuracy {
-            Some(_) => self.cache.interpolate_tilted(surface.position, surface.normals()),
-            None => self.cache.interpolate_wide(surface.position, surface.normals()),
+            Some(_) => self.cache.interpolate_tilted(&point(surface), surface.shading_normal),
+            None => self.cache.interpolate_wide(&point(surface), surface.shading_normal),
         })
     }
 
@@ -100,12 +105,6 @@ impl FrozenCache {
             negative: self.negative.load(Ordering::Relaxed),
         }
     }
-}
-
-/// What records say of a surface's point with this clearance, unless it is hidden from them.
-fn visible(cache: &Cache, surface: &Surface, clearance: f32) -> Option<Interpolated> {
-    let is_hidden = cache.is_hidden(surface.position, surface.smooth_normal, clearance);
-    cache.interpolate_tilted(surface.position, surface.normals()).filter(|_| !is_hidden)
 }
 
 /// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth`

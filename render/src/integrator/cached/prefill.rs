@@ -9,6 +9,7 @@
 
 use rayon::prelude::*;
 
+use super::clearance::cleared_point;
 use super::level::RecordSite;
 use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::to_accuracy::{self, Aim};
@@ -95,11 +96,11 @@ pub(crate) fn fill_for_texels<'w>(
     let least_texels = LEAST_TEXELS * to_accuracy::made_with(cache.options());
     let site = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| RecordSite {
         point: GatherPoint { key, surface },
-        place: Place { position: surface.position, normal: surface.smooth_normal, spacing },
+        place: Place { point: cleared_point(world, &surface), spacing },
         bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
         floor: LEAST_FOR_ALL.min(least_texels) * spacing,
     };
-    let sites: Vec<RecordSite> = (0..).zip(texels).map(site).collect();
+    let sites: Vec<RecordSite> = (0..).zip(texels).collect::<Vec<_>>().into_par_iter().map(site).collect();
     Prefill { world, seed, source: Some(source), aim, log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 
@@ -143,8 +144,8 @@ impl Prefill<'_> {
                 below = Some(FrozenCache::new(cache));
             }
         } else if source.is_none() {
-            let is_open = |place: &Place| !cache.covers(place.position, place.normal);
-            if sites.par_iter().filter(|site| is_open(&site.place)).count() >= MANY {
+            let is_open = |site: &&RecordSite| !cache.covers(&site.place.point);
+            if sites.par_iter().filter(is_open).count() >= MANY {
                 let options = self::below(&options);
                 let sites = deeper_sites(world, sites, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
