@@ -11,8 +11,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use super::Cache;
-use super::record::Record;
-use super::weight::LookupPoint;
+use super::record::{LookupPoint, Record};
 
 /// A point that is to be covered.
 #[derive(Clone, Copy, Debug)]

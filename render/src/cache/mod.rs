@@ -41,8 +41,8 @@ pub(crate) use morton::sort_by_morton_code;
 
 pub use file::CacheFileError;
 pub(crate) use file::named;
+pub(crate) use record::LookupPoint;
 pub use record::{Record, SECTORS};
-pub(crate) use weight::LookupPoint;
 
 /// Irradiance records, and what finds them.
 #[derive(Clone, Debug)]

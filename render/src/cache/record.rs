@@ -2,9 +2,17 @@
 
 use glam::Vec3;
 
-use super::weight::LookupPoint;
-
 pub use crate::estimator::SECTORS;
+
+/// A point of a surface that asks for records.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LookupPoint {
+    pub(crate) position: Vec3,
+    /// Unit normal on the side that is lit.
+    pub(crate) normal: Vec3,
+    /// As that of a [record](Record::clearance), if it is known.
+    pub(crate) clearance: Option<f32>,
+}
 
 /// The indirect irradiance at a point. Lengths are in the scene's units, vectors in world space.
 ///

@@ -26,19 +26,9 @@
 use glam::Vec3;
 use halfdome_kernel::sampling::Frame;
 
-use super::record::Record;
+use super::record::{LookupPoint, Record};
 use crate::estimator::sector;
 use crate::settings::Metric;
-
-/// A point of a surface that asks for records.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LookupPoint {
-    pub(crate) position: Vec3,
-    /// Unit normal on the side that is lit.
-    pub(crate) normal: Vec3,
-    /// As that of a [record](Record::clearance), if it is known.
-    pub(crate) clearance: Option<f32>,
-}
 
 /// How records are weighted.
 #[derive(Clone, Copy, Debug)]
