@@ -57,6 +57,7 @@ fn a_scaled_scene_has_the_same_records() {
                     min_distance: plain.min_distance * length,
                     radii: plain.radii.map(|radius| radius * length),
                     occluders: plain.occluders.map(|distance| distance * length),
+                    clearance: plain.clearance * length,
                     ..*plain
                 };
                 assert_eq!(*record, expected, "{metric:?}, {length}");
