@@ -57,7 +57,7 @@ pub(crate) enum MeanLight {
 #[derive(Debug)]
 pub(crate) struct HeldOut<'w> {
     surfaces: Vec<Surface<'w>>,
-    /// How close what stands around each is.
+    /// The same, as records are asked for there.
     points: Vec<LookupPoint>,
     /// Irradiance at each, twice.
     gathered: Vec<[Vec3; 2]>,
