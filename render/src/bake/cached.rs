@@ -14,7 +14,7 @@ use super::texel_irradiance::TexelIrradiance;
 use super::texels::Texel;
 use super::values::Values;
 use crate::cache::Cache;
-use crate::integrator::{Aim, FrozenCache, GatherSource, cleared_point, fill_for_texels};
+use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels, lookup_point};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
@@ -81,7 +81,7 @@ impl Baker<'_> {
             .par_iter()
             .map(|texel| {
                 let surface = self.surface(texel);
-                let point = cleared_point(self.world, &surface);
+                let point = lookup_point(self.world, &surface);
                 let irradiance = frozen.irradiance_at(&point, surface.shading_normal)?;
                 let (mut sums, mut weights) = ([DVec3::ZERO; 4], 0.0);
                 if !moments.is_empty() {

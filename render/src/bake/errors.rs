@@ -13,7 +13,7 @@ use super::dilate::PageTexels;
 use super::noise::{View, sigma};
 use super::texels::Texel;
 use crate::cache::Cache;
-use crate::integrator::cleared_point;
+use crate::integrator::lookup_point;
 use crate::world::World;
 
 /// Noise is told from texels that are at most so many away along u and v.
@@ -99,7 +99,7 @@ fn noise_about(view: &View, texel: u32) -> f32 {
 /// The standard error of what a texel's records say of its brightness.
 fn standard_error(world: &World, cache: &Cache, texel: &Texel) -> f32 {
     let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-    let point = cleared_point(world, &surface);
+    let point = lookup_point(world, &surface);
     let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);
     cache.weigh(&point, |record, weight| {
         let said = cache.records()[record].extrapolate(point.position, point.normal, true, true).element_sum();

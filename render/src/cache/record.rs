@@ -54,9 +54,7 @@ impl Record {
     pub(crate) fn point(&self) -> LookupPoint {
         LookupPoint { position: self.position, normal: self.normal, clearance: Some(self.clearance) }
     }
-}
 
-impl Record {
     /// Irradiance at a point that the record can see, with this normal, by the given gradients: Ward and Heckbert's
     /// (1992) `E + (n_i × n)·∇_r E + (x - x_i)·∇_t E`. May be negative.
     #[inline]

@@ -19,9 +19,9 @@
 //! each sector of azimuth). Nor may the point be higher than the nearest of what the record sees: a record of a wall
 //! behind a poster says nothing of the poster.
 //!
-//! A gap as low as that is closer on all sides than one texel is wide, and records reach at least from texel to texel. So where a
-//! point's clearance is known, the lesser clearance of record and point is as far as one serves the other, if they are far
-//! apart: light a hand's breadth outside a gap and that within it are not alike.
+//! Records reach at least from texel to texel, also those in a gap that is narrower than a texel, where light is another than outside.
+//! So if the clearances of record and point differ much, and that of the point is known, the record is used no farther away than
+//! the lesser clearance.
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Frame;
@@ -52,7 +52,7 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
-/// A clearance that is less than this part of another belongs to another world.
+/// A clearance that is less than this part of another is that of a gap, which the other point is outside of.
 const HIDDEN: f32 = 0.125;
 /// The part of the way to an occluder up to which a record can be used: occluders are not quite where rays found them.
 const BEFORE: f32 = 0.995;
@@ -114,7 +114,7 @@ fn sees(record: &Record, step: Vec3) -> bool {
     distance_squared <= occluder * occluder
 }
 
-/// Whether a record and a point a `step` away, with this clearance, lie both within a gap, or none of them, or near each other.
+/// Whether a record and a point with this clearance a `step` away are both in a gap, or both outside, or near each other.
 #[inline]
 fn shares_gap(record: &Record, step: Vec3, clearance: f32) -> bool {
     let [less, more] = [record.clearance.min(clearance), record.clearance.max(clearance)];

@@ -34,7 +34,7 @@ use crate::world::{Hit, World};
 pub use cached::CacheUse;
 pub(crate) use cached::{
     Aim, Follower, FrozenCache, GatherSource, HeldOut, IrradianceMap, MeanLight, RecordLog, SAMPLED_SHARE, Uncached,
-    cleared_point, fill_for_camera, fill_for_surfaces, fill_for_texels, max_depth,
+    fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
 };
 pub(crate) use light_paths::{LightPaths, aovs, labels_hash};
 pub(crate) use wavefront::Wavefront;

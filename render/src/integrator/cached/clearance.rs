@@ -18,18 +18,20 @@ const DIRECTIONS: [Vec3; 4] = [
     Vec3::new(0.5, -0.5, FRAC_1_SQRT_2),
 ];
 
-/// A surface's point, as records are asked for, with its clearance.
-pub(crate) fn cleared_point(world: &World, surface: &Surface) -> LookupPoint {
-    LookupPoint { clearance: Some(clearance(world, surface)), ..point(surface) }
+/// A surface's point that asks for records, with its clearance.
+pub(crate) fn lookup_point(world: &World, surface: &Surface) -> LookupPoint {
+    LookupPoint { clearance: Some(clearance(world, surface)), ..lookup_point_anywhere(surface) }
 }
 
-/// The same, whatever is around it.
-pub(super) fn point(surface: &Surface) -> LookupPoint {
+/// The same without its clearance, which takes rays.
+pub(super) fn lookup_point_anywhere(surface: &Surface) -> LookupPoint {
     LookupPoint { position: surface.position, normal: surface.smooth_normal, clearance: None }
 }
 
 /// The distance to the farthest of what a ray to each side hits; infinite if any hits nothing.
 pub(super) fn clearance(world: &World, surface: &Surface) -> f32 {
+    // Whatever maps do to its normal.
+    let surface = surface.smooth();
     let (frame, origin) = (surface.frame(), surface.origin_towards(surface.normal));
     let rays = DIRECTIONS.map(|direction| Ray::new(origin, frame.to_world(direction)));
     let mut hits = [Hit::MISS; DIRECTIONS.len()];

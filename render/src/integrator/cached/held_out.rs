@@ -11,7 +11,7 @@ use halfdome_kernel::sampling::Stream;
 use rayon::prelude::*;
 
 use super::GatherSource;
-use super::clearance::cleared_point;
+use super::clearance::lookup_point;
 use super::level::Uncached;
 use crate::cache::{Cache, LookupPoint};
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
@@ -57,7 +57,7 @@ pub(crate) enum MeanLight {
 #[derive(Debug)]
 pub(crate) struct HeldOut<'w> {
     surfaces: Vec<Surface<'w>>,
-    /// The same, as records are asked for there.
+    /// Each, as it asks for records.
     points: Vec<LookupPoint>,
     /// Irradiance at each, twice.
     gathered: Vec<[Vec3; 2]>,
@@ -98,7 +98,7 @@ impl<'w> HeldOut<'w> {
             (first + (place * (end - first) as f32) as usize).min(end - 1)
         });
         let surfaces: Vec<Surface> = chosen.map(surface).collect();
-        let points = surfaces.iter().map(|surface| cleared_point(world, surface)).collect();
+        let points = surfaces.iter().map(|surface| lookup_point(world, surface)).collect();
         let gathered = Vec::new();
         let mut found = Self { gathered, surfaces, points, rays: FIRST_RAYS, light: 0.0, accuracy, traced: 0 };
         if light != MeanLight::Direct {

@@ -218,7 +218,7 @@ impl Level<'_> {
             radii: [self.made_with * mean_distance; 2],
             axis: surface.frame().tangent,
             occluders,
-            clearance: clearance(self.world, surface),
+            clearance: site.place.point.clearance.unwrap_or_else(|| clearance(self.world, surface)),
         };
         if let Some(hessian) = hessian {
             let ellipse = hessian.radii(self.area_error(mean_distance)).to_world(&surface.frame());

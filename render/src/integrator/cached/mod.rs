@@ -28,8 +28,8 @@ use crate::cache::{Cache, Interpolated, LookupPoint};
 use crate::settings::{CachedOptions, PathOptions, Stop, Survival};
 use crate::world::{Surface, World};
 
-pub(crate) use clearance::cleared_point;
-use clearance::point;
+pub(crate) use clearance::lookup_point;
+use clearance::lookup_point_anywhere;
 pub(crate) use held_out::{HeldOut, MeanLight};
 pub(crate) use irradiance_map::IrradianceMap;
 pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
@@ -68,7 +68,7 @@ impl FrozenCache {
 
     /// Indirect irradiance at a surface's point, on the side of its normal; `None` where no record is valid.
     pub(crate) fn irradiance(&self, world: &World, surface: &Surface) -> Option<Vec3> {
-        self.irradiance_at(&cleared_point(world, surface), surface.shading_normal)
+        self.irradiance_at(&lookup_point(world, surface), surface.shading_normal)
     }
 
     /// The same at a point for the unit normal that a map tilts its own to.
@@ -80,8 +80,8 @@ impl FrozenCache {
     /// within a few pixels, records with other normals do.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
         self.count(match self.cache.options().accuracy {
-            Some(_) => self.cache.interpolate_tilted(&point(surface), surface.shading_normal),
-            None => self.cache.interpolate_wide(&point(surface), surface.shading_normal),
+            Some(_) => self.cache.interpolate_tilted(&lookup_point_anywhere(surface), surface.shading_normal),
+            None => self.cache.interpolate_wide(&lookup_point_anywhere(surface), surface.shading_normal),
         })
     }
 

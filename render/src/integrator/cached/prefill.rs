@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::clearance::cleared_point;
+use super::clearance::lookup_point;
 use super::level::RecordSite;
 use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::to_accuracy::{self, Aim};
@@ -94,13 +94,13 @@ pub(crate) fn fill_for_texels<'w>(
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
     let least_texels = LEAST_TEXELS * to_accuracy::made_with(cache.options());
-    let site = |(key, &(surface, spacing)): (u64, &(Surface<'w>, f32))| RecordSite {
-        point: GatherPoint { key, surface },
-        place: Place { point: cleared_point(world, &surface), spacing },
+    let site = |(number, &(surface, spacing)): (usize, &(Surface<'w>, f32))| RecordSite {
+        point: GatherPoint { key: number as u64, surface },
+        place: Place { point: lookup_point(world, &surface), spacing },
         bounds: Bounds { lower: least_texels * spacing, upper: MOST_TEXELS * spacing },
         floor: LEAST_FOR_ALL.min(least_texels) * spacing,
     };
-    let sites: Vec<RecordSite> = (0..).zip(texels).collect::<Vec<_>>().into_par_iter().map(site).collect();
+    let sites: Vec<RecordSite> = texels.par_iter().enumerate().map(site).collect();
     Prefill { world, seed, source: Some(source), aim, log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 

@@ -6,7 +6,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 use rayon::prelude::*;
 
-use super::clearance::{cleared_point, point};
+use super::clearance::{lookup_point, lookup_point_anywhere};
 use super::level::RecordSite;
 use super::spacing::spacings;
 use crate::cache::{Bounds, Pass, Place};
@@ -150,7 +150,7 @@ fn camera_site<'w>(pixel_width: f32, error: f32, surface: Surface<'w>, ray: &Ray
     let spacing = pixel_width / cosine.sqrt();
     RecordSite {
         point: GatherPoint { key, surface },
-        place: Place { point: point(&surface), spacing },
+        place: Place { point: lookup_point_anywhere(&surface), spacing },
         bounds: Bounds { lower: (LEAST_PIXELS * error).max(LEAST_FOR_ALL) * spacing, upper: MOST_PIXELS * spacing },
         floor: LEAST_FOR_ALL * spacing,
     }
@@ -171,7 +171,7 @@ pub(super) fn point_sites<'w>(
         let spacing = (apart / UNITS_APART).clamp(LEAST_OF_DIAGONAL * diagonal, diagonal / PARTS);
         RecordSite {
             point: GatherPoint { key: u64::from(level) << LEVEL_SHIFT | number, surface },
-            place: Place { point: cleared_point(world, &surface), spacing },
+            place: Place { point: lookup_point(world, &surface), spacing },
             bounds: Bounds { lower: least_units * spacing, upper: MOST_OF_DIAGONAL * diagonal },
             floor: 0.0,
         }

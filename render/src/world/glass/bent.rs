@@ -13,9 +13,9 @@
 //!
 //! where `T` is what the faces and the way between them leave.
 //!
-//! Deviations: of the ways on which light may come, one is found, the one next to the straight line. Between the foci of a lens' rim
-//! and of its middle several ways lead to a point (behind a ball of the radius R, from 1.006 R to some 1.5 R from its centre), and
-//! the rest of them is missing. Light that is reflected within glass is left out. A light of a size sends from each point of a disc
+//! Deviations: of the ways on which light may come, one is found, the one next to the straight line, and none where no glass is on
+//! that line. Between the foci of a lens' rim and of its middle several ways lead to a point (behind a ball of the radius R, from
+//! 1.006 R to some 1.5 R from its centre), and the others are missing, often those that bring most. Light that is reflected within glass is left out. A light of a size sends from each point of a disc
 //! that faces the glass.
 
 use glam::{Mat2, Vec2, Vec3};
