@@ -150,6 +150,7 @@ impl World {
         let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
         let scene = Scene { motion, ..scene };
         let mut world = Self::assemble(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)?;
+        world.send_photons();
         world.look(from);
         Ok(world)
     }
@@ -160,6 +161,7 @@ impl World {
     /// Those of [`new`](Self::new).
     pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let mut world = Self::assemble(scene, options, executor)?;
+        world.send_photons();
         world.look(LookFrom::Camera);
         Ok(world)
     }

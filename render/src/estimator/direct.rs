@@ -131,7 +131,7 @@ pub(crate) fn sample_light(
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
             let PunctualSample { direction, shadow, received, solid_angle } =
-                sample_punctual(world, surface, light, u)?;
+                sample_punctual(world, surface, (light, choice.index), u)?;
             let per_probability = choice.probability.recip();
             let (radiance, inv_density) = (received / choice.probability, solid_angle * per_probability);
             LightSample { shadow, direction, radiance, inv_density, is_punctual: true }

@@ -41,12 +41,13 @@ pub(super) struct Seen {
     pub solid_angle: f32,
 }
 
-/// The sample of `light` for a point of a surface that the two numbers in [0, 1) mean; `None` if glass keeps it off.
+/// The sample of `light`, which has this number, for a point of a surface that the two numbers in [0, 1) mean; `None` if glass keeps
+/// it off. Of several ways of the light one is chosen by what it brings.
 #[inline(never)]
 pub(super) fn sample_punctual(
     world: &World,
     surface: &Surface,
-    light: &PunctualLight,
+    (light, number): (&PunctualLight, u32),
     u: Vec2,
 ) -> Option<PunctualSample> {
     let (end, per_intensity) = match *light {
@@ -76,20 +77,40 @@ pub(super) fn sample_punctual(
     if !world.has_clear_glass() {
         return Some(straight(shadow, Vec3::ONE));
     }
-    match world.glass_between(&shadow, surface.time) {
+    let straight = match world.glass_between(&shadow, surface.time) {
         Between::NoGlass => Some(straight(shadow, Vec3::ONE)),
         Between::Panes(rest, left) => Some(straight(rest, left)),
-        Between::Bends => {
-            let BentLight { direction, rest, leaving, left, spread } = world.bend_light(surface, end)?;
-            let spread = match end {
-                LightEnd::Direction(_) => spread,
-                // Per area of the light in place of solid angle.
-                LightEnd::Point(end) => spread * end.distance_squared(surface.position),
-            };
-            let received = left * intensity(light, leaving) * (per_intensity * spread);
-            Some(PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 })
+        Between::Bends => None,
+    };
+    let ways = world.bend_light(surface, (end, number), straight.as_ref().map(|_| direction));
+    if ways.iter().next().is_none() {
+        return straight;
+    }
+    let straight = straight.filter(|sample| !world.occluded_at(&sample.shadow, surface.time));
+    let bent = ways.iter().map(|&BentLight { direction, rest, leaving, left, spread, .. }| {
+        let spread = match end {
+            LightEnd::Direction(_) => spread,
+            // Per area of the light in place of solid angle.
+            LightEnd::Point(end) => spread * end.distance_squared(surface.position),
+        };
+        let received = left * intensity(light, leaving) * (per_intensity * spread);
+        PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 }
+    });
+    let brought =
+        |sample: &PunctualSample| sample.received.element_sum() * surface.shading_normal.dot(sample.direction).abs();
+    let total: f32 =
+        straight.iter().map(brought).sum::<f32>() + bent.clone().map(|sample| brought(&sample)).sum::<f32>();
+    // Digits that the place on the light has not used.
+    let mut rest = (u.x * 4096.0).fract() * total;
+    for sample in straight.into_iter().chain(bent) {
+        let share = brought(&sample);
+        rest -= share;
+        if rest < 0.0 {
+            // The density of the place on the light stays what bounces take it for.
+            return Some(PunctualSample { received: sample.received * (total / share), ..sample });
         }
     }
+    None
 }
 
 /// The intensity in a unit vector that leaves a light; of a sun, its irradiance.

@@ -5,6 +5,9 @@
 //!
 //! `f = |wo·h| |wi·h| / (|wo_z| |wi_z|) n_i² (1 - F) G₂ D / d`.
 //!
+//! A microfacet is drawn first, and whether it reflects then with the probability of its own `F`: inside, some reflect all and others
+//! next to nothing.
+//!
 //! A thin wall's two faces reflect `2F/(1 + F)`, all passages between them summed; what is left goes straight on, spread
 //! as the reflection is.
 //!
@@ -51,8 +54,6 @@ struct Side {
     full: Blend<2>,
     reflection: Blend<4>,
     all: Blend<4>,
-    /// How much of the rest is transmitted.
-    tint: f32,
     /// `τ`.
     through: f32,
 }
@@ -60,8 +61,8 @@ struct Side {
 /// A refractive index this near to 1 has no half vector that rounding spares.
 const LEAST_INDEX: f32 = 1.001;
 
-/// Probabilities of reflection and transmission, which are means over microfacets, are at least this.
-const LEAST: f32 = 0.01;
+/// How much finer the digits are that choose between reflection and transmission than those that draw the microfacet.
+const FINER: f32 = 1024.0;
 
 impl Side {
     #[inline]
@@ -85,7 +86,6 @@ impl Side {
             full,
             reflection: energy::reflection(roughness, ior, is_inside),
             all,
-            tint: mean(inputs.transmission_color),
             through: 0.0,
         }
     }
@@ -96,7 +96,13 @@ impl Side {
         (1.0 - self.all.mean()).max(1e-6)
     }
 
-    /// `K(μ)`, the probability of the separable lobes, and the albedo of reflection, the greatest of the three colours.
+    /// `K(μ)`, the probability of the separable lobes.
+    #[inline]
+    fn lost(&self, cos: f32) -> f32 {
+        (1.0 - self.all.at(Node::new(cos))).max(0.0)
+    }
+
+    /// `K(μ)`, and the albedo of reflection, the greatest of the three colours.
     #[inline]
     fn albedos(&self, cos: f32) -> (f32, f32) {
         let node = Node::new(cos);
@@ -105,21 +111,19 @@ impl Side {
         let reflected = if self.is_thin { 2.0 * reflected * full / (full + reflected) } else { reflected };
         ((1.0 - self.all.at(node)).max(0.0), reflected)
     }
-
-    /// The probabilities of the separable lobes, and of reflection in the others.
-    #[inline]
-    fn probabilities(&self, cos: f32) -> (f32, f32) {
-        let (lost, reflected) = self.albedos(cos);
-        let transmitted = self.tint * (1.0 - lost - reflected).max(0.0);
-        let probability = reflected / (reflected + transmitted).max(f32::MIN_POSITIVE);
-        (lost, probability.clamp(LEAST, 1.0 - LEAST))
-    }
 }
 
 /// A direction seen from the other side, or in the mirror of a thin wall.
 #[inline]
 fn turned(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
+}
+
+/// How likely a microfacet is to reflect that reflects and transmits so much.
+#[inline]
+fn reflection_probability(reflected: Vec3, transmitted: Vec3) -> f32 {
+    let [reflected, transmitted] = [reflected, transmitted].map(mean);
+    reflected / (reflected + transmitted).max(f32::MIN_POSITIVE)
 }
 
 impl Glass {
@@ -157,14 +161,14 @@ impl Glass {
     }
 
     /// Through a thin wall: what it would reflect to the mirror image of `wi`. `forth` and `back`: the probabilities of
-    /// this lobe.
+    /// microfacets.
     #[inline]
     fn through_wall(&self, wo: Vec3, wi: Vec3, parts: &mut Parts, forth: f32, back: f32) {
         let wi = turned(wi);
         let (h, cos) = half(wo, wi);
-        let (_, transmitted, _) = self.split(cos);
-        let d = 0.25 * self.ggx.d(h);
-        parts.glossy = transmitted * (d * self.ggx.g2(wo, wi) / wo.z);
+        let (reflected, transmitted, _) = self.split(cos);
+        let d = 0.25 * self.ggx.d(h) * (1.0 - reflection_probability(reflected, transmitted));
+        parts.glossy = transmitted * (0.25 * self.ggx.d(h) * self.ggx.g2(wo, wi) / wo.z);
         parts.density += forth * d * self.ggx.g1(wo) / wo.z;
         parts.reverse_density += back * d * self.ggx.g1(wi) / wi.z;
     }
@@ -182,12 +186,14 @@ impl Glass {
         // From both cosines, as one from the other is too rough beside total reflection.
         let reflectance = fresnel::of_refraction(cos_o, cos_i, self.here.fresnel.eta);
         let cos_outside = if self.here.index > 1.0 { cos_i } else { cos_o };
-        let transmitted = self.transmitted(self.covered(self.here.fresnel.stretch(reflectance), cos_outside.min(1.0)));
+        let reflected = self.covered(self.here.fresnel.stretch(reflectance), cos_outside.min(1.0));
+        let transmitted = self.transmitted(reflected);
         let (here, beyond) = (self.here.index * self.here.index, self.beyond.index * self.beyond.index);
         let jacobian = self.ggx.d(h) * cos_o * cos_i / d2;
         parts.glossy = transmitted * (jacobian * beyond * self.ggx.g2(wo, wi) / wo.z);
-        parts.density += forth * jacobian * beyond * self.ggx.g1(wo) / wo.z;
-        parts.reverse_density += back * jacobian * here * self.ggx.g1(wi) / -wi.z;
+        let probability = 1.0 - reflection_probability(reflected, transmitted);
+        parts.density += forth * probability * jacobian * beyond * self.ggx.g1(wo) / wo.z;
+        parts.reverse_density += back * probability * jacobian * here * self.ggx.g1(wi) / -wi.z;
     }
 
     /// The direction beyond a microfacet; `None` where reflection is total.
@@ -232,31 +238,32 @@ impl Lobes for Glass {
         if self.ggx.is_delta() {
             return Parts::default();
         }
-        let (lost_o, reflected_o) = self.here.probabilities(wo.z);
+        let lost_o = self.here.lost(wo.z);
         if wi.z > 0.0 {
-            let (lost_i, reflected_i) = self.here.probabilities(wi.z);
+            let lost_i = self.here.lost(wi.z);
             let (h, cos) = half(wo, wi);
-            let (reflected, _, _) = self.split(cos);
+            let (reflected, transmitted, _) = self.split(cos);
+            let probability = reflection_probability(reflected, transmitted);
             let d = 0.25 * self.ggx.d(h);
             let wide = (1.0 - self.here.through) * FRAC_1_PI;
-            let density = |lost: f32, reflected: f32, w: Vec3, cos: f32| {
-                lost * wide * cos + (1.0 - lost) * reflected * d * self.ggx.g1(w) / w.z
+            let density = |lost: f32, w: Vec3, cos: f32| {
+                lost * wide * cos + (1.0 - lost) * probability * d * self.ggx.g1(w) / w.z
             };
             return Parts {
                 glossy: reflected * (d * self.ggx.g2(wo, wi) / wo.z),
                 wide: Vec3::splat(self.reflected_scale * lost_o * lost_i * FRAC_1_PI * wi.z),
-                density: density(lost_o, reflected_o, wo, wi.z),
-                reverse_density: density(lost_i, reflected_i, wi, wo.z),
+                density: density(lost_o, wo, wi.z),
+                reverse_density: density(lost_i, wi, wo.z),
             };
         }
-        let (lost_i, reflected_i) = self.beyond.probabilities(-wi.z);
+        let lost_i = self.beyond.lost(-wi.z);
         let mut parts = Parts {
             glossy: Vec3::ZERO,
             wide: self.tint * (self.through_scale * lost_o * lost_i * FRAC_1_PI * -wi.z),
             density: lost_o * self.here.through * FRAC_1_PI * -wi.z,
             reverse_density: lost_i * self.beyond.through * FRAC_1_PI * wo.z,
         };
-        let (forth, back) = ((1.0 - lost_o) * (1.0 - reflected_o), (1.0 - lost_i) * (1.0 - reflected_i));
+        let (forth, back) = (1.0 - lost_o, 1.0 - lost_i);
         if self.here.is_thin {
             self.through_wall(wo, wi, &mut parts, forth, back);
         } else {
@@ -267,8 +274,7 @@ impl Lobes for Glass {
 
     #[inline]
     fn choose(&self, wo: Vec3, mut u: Vec2) -> Option<Choice> {
-        let (lost, probability) = self.here.probabilities(wo.z);
-        if choose(&mut u.x, lost) {
+        if choose(&mut u.x, self.here.lost(wo.z)) {
             let is_through = choose(&mut u.x, self.here.through);
             let cosine = CosineHemisphere.map(u);
             return Some(if is_through {
@@ -278,12 +284,11 @@ impl Lobes for Glass {
             });
         }
         let is_delta = self.ggx.is_delta();
-        let (reflected, transmitted, _) = self.split(wo.z);
-        // Of a delta function all is known, so that weights are the same for both ways.
-        let exact = mean(reflected) / (mean(reflected) + mean(transmitted)).max(f32::MIN_POSITIVE);
-        let probability = if is_delta { exact } else { probability };
-        let is_reflected = choose(&mut u.x, probability);
         let h = if is_delta { Vec3::Z } else { self.ggx.sample_normal(wo, u) };
+        let (reflected, transmitted, _) = self.split(wo.dot(h).clamp(0.0, 1.0));
+        let probability = reflection_probability(reflected, transmitted);
+        let digits = if is_delta { u.x } else { (FINER * u.x).fract() };
+        let is_reflected = digits < probability;
         let (wi, side) = if is_reflected {
             (Some(reflect(wo, h)).filter(|wi| wi.z > 0.0), Event::REFLECTION)
         } else {

@@ -12,6 +12,7 @@
 
 mod bent;
 mod panes;
+mod photons;
 
 use glam::{Mat2, Vec2, Vec3};
 use halfdome_kernel::geometry::Aabb;
@@ -24,6 +25,7 @@ use crate::material::fresnel::Dielectric;
 use crate::material::ggx::Ggx;
 use crate::scene::Material;
 pub(crate) use bent::{BentLight, LightEnd};
+use photons::Photons;
 
 /// The most faces on the way to a light.
 const MOST: usize = 16;
@@ -34,6 +36,8 @@ pub(super) struct Glass {
     transmits: Vec<bool>,
     /// Where all of these are.
     bounds: Aabb,
+    /// Light that they bend.
+    photons: Photons,
 }
 
 impl Glass {
@@ -47,13 +51,13 @@ impl Glass {
         let transmits: Vec<bool> = materials.iter().map(Material::is_glass).collect();
         let is_glass = |record: &TriangleRecord| transmits[record.material as usize];
         if !has_punctual || !records.iter().any(is_glass) {
-            return Self { transmits: Vec::new(), bounds: Aabb::EMPTY };
+            return Self { transmits: Vec::new(), bounds: Aabb::EMPTY, photons: Photons::default() };
         }
         let everywhere = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
         let placed = corners.iter().zip(records).filter(|(_, record)| is_glass(record));
         let bounds = placed.fold(Aabb::EMPTY, |all, (corners, _)| all.union(&Aabb::around(corners)));
         let is_known = !records[corners.len()..].iter().any(is_glass);
-        Self { bounds: if is_known { bounds } else { everywhere }, transmits }
+        Self { bounds: if is_known { bounds } else { everywhere }, transmits, photons: Photons::default() }
     }
 
     /// Whether a ray may meet any; rounding does not hide one.

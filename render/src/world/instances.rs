@@ -21,7 +21,7 @@ use halfdome_kernel::{
 
 use super::hit::time_of;
 use super::{Hit, Motion, TriangleRecord, World, WorldError};
-use crate::scene::{Instance, Turn};
+use crate::scene::{Instance, Mesh, Turn};
 
 /// An instance, as far as shading needs to know.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -91,6 +91,14 @@ impl InstanceRecord {
         let normal = triangle_normal(&corners) * self.side;
         let offset = offset_distance(&corners, normal) + offset * self.scale + self.error;
         (corners, normal, offset)
+    }
+
+    /// The transform to the world.
+    fn to_world(&self) -> Affine3A {
+        Affine3A {
+            matrix3: Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]).into(),
+            translation: self.translation.into(),
+        }
     }
 
     /// How it turns directions.
@@ -274,6 +282,19 @@ impl World {
     #[inline(always)]
     pub(crate) fn instance_records(&self) -> Option<&[InstanceRecord]> {
         self.instances.as_ref().map(Instances::records)
+    }
+
+    /// Where a mesh is, once or as an instance many times.
+    pub(super) fn placements_of(&self, mesh: &Mesh) -> Vec<Affine3A> {
+        if mesh.object.is_none() {
+            return vec![Affine3A::IDENTITY];
+        }
+        let of_object = self.meshes.iter().zip(&self.first_faces).filter(|(other, _)| other.object == mesh.object);
+        let (Some(all), Some(first)) = (&self.instances, of_object.map(|(_, first)| *first).min()) else {
+            return Vec::new();
+        };
+        let placed = all.first_prims.iter().zip(&all.records[1..]).filter(|(number, _)| **number == first);
+        placed.map(|(_, record)| record.to_world()).collect()
     }
 
     /// The record of a hit's triangle in the world, at its time.

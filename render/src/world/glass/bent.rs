@@ -13,10 +13,11 @@
 //!
 //! where `T` is what the faces and the way between them leave.
 //!
-//! Deviations: of the ways on which light may come, one is found, the one next to the straight line, and none where no glass is on
-//! that line. Between the foci of a lens' rim and of its middle several ways lead to a point (behind a ball of the radius R, from
-//! 1.006 R to some 1.5 R from its centre), and the others are missing, often those that bring most. Light that is reflected within glass is left out. A light of a size sends from each point of a disc
-//! that faces the glass.
+//! Light may come on several ways, and to points that no glass is in front of: searches begin where [photons](super::photons) have left
+//! the glass, and if none of them finds a way, towards the light.
+//!
+//! Deviations: ways whose starts photons miss are left out (those that meet in a point, as on the axis of a ball), and light that is
+//! reflected within glass or on it. A light of a size sends from each point of a disc that faces the glass.
 
 use glam::{Mat2, Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -25,16 +26,29 @@ use halfdome_kernel::sampling::Frame;
 use super::super::{Surface, World};
 use super::{Face, MOST};
 
-/// Rays that are sent out at most for one light sample.
-const SHOTS: usize = 10;
-/// How often a step is halved.
-const HALVINGS: u32 = 3;
-/// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
-const LESS: f32 = 0.85;
+/// When a search gives up.
+#[derive(Clone, Copy)]
+struct Patience {
+    /// Rays that are sent out at most.
+    shots: usize,
+    /// How often a step is halved.
+    halvings: u32,
+    /// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
+    less: f32,
+}
+
+/// Of one that begins in the direction of the light.
+const FROM_STRAIGHT: Patience = Patience { shots: 10, halvings: 3, less: 0.85 };
+/// Of one that begins where a photon has left the glass: a way is near, or there is none.
+const FROM_PHOTON: Patience = Patience { shots: 5, halvings: 0, less: 0.5 };
 /// How far, as an angle, a ray may leave beside the light: a twentieth of the sun's width.
 const CLOSE: f32 = 2.5e-4;
 /// The most that a step turns the direction, as a tangent.
 const STEP: f32 = 0.4;
+/// The most ways to a point.
+const MOST_WAYS: usize = 8;
+/// Ways whose directions differ by less are the same.
+const SAME: f32 = 1e-3;
 /// Solids one in another of which absorption is known.
 const NESTED: usize = 4;
 
@@ -59,14 +73,45 @@ pub(crate) struct BentLight {
     pub left: Vec3,
     /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
     pub spread: f32,
+    /// How far the direction may be off, as a search ends close to the light.
+    off: f32,
+}
+
+/// All ways that were found.
+#[derive(Default)]
+pub(crate) struct BentWays {
+    ways: [Option<BentLight>; MOST_WAYS],
+    count: usize,
+}
+
+impl BentWays {
+    /// Each of them.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &BentLight> + Clone {
+        self.ways.iter().flatten()
+    }
+
+    fn add(&mut self, way: BentLight) {
+        if let Some(place) = self.ways.get_mut(self.count) {
+            *place = Some(way);
+            self.count += 1;
+        }
+    }
+}
+
+impl BentLight {
+    /// Whether a direction is that of the way, found from another start.
+    fn is_along(&self, direction: Vec3) -> bool {
+        let apart = (4.0 * self.off).max(SAME);
+        (self.direction - direction).length_squared() < apart * apart
+    }
 }
 
 /// A ray on its way, and what it becomes for a change of the direction in which it began along each of two axes.
-struct Beam {
-    ray: Ray,
-    origin_by: [Vec3; 2],
-    direction_by: [Vec3; 2],
-    left: Vec3,
+pub(super) struct Beam {
+    pub(super) ray: Ray,
+    pub(super) origin_by: [Vec3; 2],
+    pub(super) direction_by: [Vec3; 2],
+    pub(super) left: Vec3,
 }
 
 /// What a direction leads to.
@@ -76,15 +121,43 @@ struct Shot {
     beside: Vec2,
     /// What that is for a change of direction along each axis.
     jacobian: Mat2,
-    /// `beside` as an angle.
+    /// How long the way is to a point, and 1 to a sun: `beside` over the angle that it is.
+    distance: f32,
     angle: f32,
 }
 
 impl World {
-    /// Looks for the way on which light from `end` arrives at a surface through glass, some of which is on the straight line.
+    /// The ways on which light from `end`, the light of this number, arrives at a surface through glass that bends it. Where some is
+    /// on the straight line, and photons show no way, the search begins there; `straight` is that line, if light comes along it.
     #[inline(never)]
-    pub(crate) fn bend_light(&self, from: &Surface, end: LightEnd) -> Option<BentLight> {
-        let mut direction = self.first_direction(from, end)?;
+    pub(crate) fn bend_light(&self, from: &Surface, (end, light): (LightEnd, u32), straight: Option<Vec3>) -> BentWays {
+        let mut ways = BentWays::default();
+        for start in self.glass.photons.starts(light, from.position) {
+            if let Some(way) = self.bend_light_near(from, end, start, FROM_PHOTON)
+                && straight.is_none_or(|straight| !way.is_along(straight))
+                && !ways.iter().any(|other| way.is_along(other.direction))
+            {
+                ways.add(way);
+            }
+        }
+        if ways.count == 0
+            && straight.is_none()
+            && let Some(start) = self.first_direction(from, end)
+            && let Some(way) = self.bend_light_near(from, end, start, FROM_STRAIGHT)
+        {
+            ways.add(way);
+        }
+        ways
+    }
+
+    /// Looks for the way on which light arrives whose direction is near this one.
+    fn bend_light_near(
+        &self,
+        from: &Surface,
+        end: LightEnd,
+        mut direction: Vec3,
+        patience: Patience,
+    ) -> Option<BentLight> {
         let mut frame = Frame::from_normal(direction);
         let mut shot = self.shoot(from, direction, &frame, end)?;
         let mut shots = 1;
@@ -98,7 +171,7 @@ impl World {
             // Half of a step that leads away from the light, or off the glass, and of that half again.
             let mut halvings = 0;
             (direction, frame, shot) = loop {
-                if shots == SHOTS || halvings > HALVINGS {
+                if shots == patience.shots || halvings > patience.halvings {
                     return None;
                 }
                 shots += 1;
@@ -106,12 +179,12 @@ impl World {
                 let next = frame.to_world(step.extend(1.0)).normalize();
                 let next_frame = Frame::from_normal(next);
                 match self.shoot(from, next, &next_frame, end) {
-                    Some(further) if further.angle < LESS * shot.angle => break (next, next_frame, further),
+                    Some(further) if further.angle < patience.less * shot.angle => break (next, next_frame, further),
                     _ => step *= 0.5,
                 }
             };
         }
-        let Shot { beam, jacobian, angle, .. } = shot;
+        let Shot { beam, jacobian, distance, angle, .. } = shot;
         let spread = jacobian.determinant().abs().recip();
         let rest = match end {
             LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
@@ -124,6 +197,7 @@ impl World {
             leaving: -beam.ray.direction,
             left: beam.left,
             spread,
+            off: CLOSE * distance * spread.sqrt(),
         })
     }
 
@@ -193,7 +267,7 @@ impl World {
     }
 
     /// Lets a beam through a face.
-    fn refract(&self, beam: &mut Beam, face: &Face) -> Option<()> {
+    pub(super) fn refract(&self, beam: &mut Beam, face: &Face) -> Option<()> {
         let (surface, eta) = (&face.surface, if face.surface.is_back { face.ior } else { face.ior.recip() });
         let normal = surface.smooth_normal;
         let (refracted, cos, cos_beyond) = refract(beam.ray.direction, normal, eta)?;
@@ -226,7 +300,7 @@ impl Beam {
     }
 
     /// Goes on behind a face as it came.
-    fn straight(&mut self, face: &Face) {
+    pub(super) fn straight(&mut self, face: &Face) {
         self.arrive(face);
         self.ray.origin = face.surface.origin_towards(self.ray.direction);
     }
@@ -251,7 +325,7 @@ impl Beam {
         let [x, y] = [Vec3::X, Vec3::Y].map(|axis| across.to_world(axis));
         let project = |vector: Vec3| Vec2::new(vector.dot(x), vector.dot(y));
         let (beside, jacobian) = (project(beside), Mat2::from_cols(project(by[0]), project(by[1])));
-        Some(Shot { beam: self, beside, jacobian, angle: beside.length() / distance })
+        Some(Shot { beam: self, beside, jacobian, distance, angle: beside.length() / distance })
     }
 }
 

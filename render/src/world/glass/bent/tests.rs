@@ -1,7 +1,10 @@
 //! Light through water, balls and wedges, against Snell's law in double precision and against paths.
 
-use glam::{Affine3A, DMat2, DVec2, Quat, vec3};
+use glam::{Affine3A, DMat2, DVec2, Quat, vec2, vec3};
 
+use halfdome_kernel::sampling::warp::{UniformHemisphere, Warp};
+
+use super::super::Between;
 use super::*;
 use crate::driver;
 use crate::fixtures::{self, IOR, reflectance, sloping_square, square, sun};
@@ -24,13 +27,13 @@ fn ball(center: Vec3, material: usize) -> Mesh {
     Mesh { positions, material, ..ball }
 }
 
-/// Meshes above a floor, of which the camera sees the middle. Materials: 0 glass, 1 is white, 2 emits, 3 is tinted glass.
+/// Meshes above a floor that is dark, so that nearly all of its light is direct, and of which the camera sees the middle. Materials: 0 glass, 1 is white, 2 emits, 3 is tinted glass.
 fn world(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     World::new(Scene {
         meshes: meshes.into_iter().chain([square(0.0, true, 1)]).collect(),
         materials: vec![
             glass(Vec3::ZERO),
-            Material::matte(Vec3::splat(0.5)),
+            Material::matte(Vec3::splat(0.05)),
             Material { emission: Vec3::ONE, ..Material::matte(Vec3::ZERO) },
             glass(vec3(0.5, 1.0, 2.0)),
         ],
@@ -51,6 +54,11 @@ fn floor(world: &World, x: f32, y: f32) -> Surface<'_> {
     world.surface_at(&hit).facing(-Vec3::Z)
 }
 
+/// The way that is next to the straight line.
+fn way(world: &World, from: &Surface, end: LightEnd) -> Option<BentLight> {
+    world.bend_light_near(from, end, world.first_direction(from, end)?, FROM_STRAIGHT)
+}
+
 fn is_near(found: f32, expected: f64, tolerance: f64) -> bool {
     (f64::from(found) / expected - 1.0).abs() < tolerance
 }
@@ -62,7 +70,7 @@ fn the_sun_reaches_the_ground_of_water() {
         for (material, absorption) in [(0, 0.0), (3, 0.5)] {
             let world = world(vec![sun(to_sun)], vec![sloping_square(1.0, true, 0.0, 30.0, material)]);
             let from = floor(&world, 0.1, 0.2);
-            let bent = world.bend_light(&from, LightEnd::Direction(to_sun)).unwrap();
+            let bent = way(&world, &from, LightEnd::Direction(to_sun)).unwrap();
             let sin_inside = to_sun.x / IOR;
             let cos_inside = (1.0 - sin_inside * sin_inside).sqrt();
             assert!((bent.direction - vec3(sin_inside, 0.0, cos_inside)).length() < 1e-4, "{}", bent.direction);
@@ -87,7 +95,7 @@ fn points_shine_into_and_out_of_water() {
     for (is_up, n) in [(true, f64::from(IOR)), (false, 1.0 / f64::from(IOR))] {
         let end = vec3(1.2, 0.7, 2.5);
         let world = world(vec![point(end, 1.0)], vec![sloping_square(1.0, is_up, 0.0, 30.0, 0)]);
-        let bent = world.bend_light(&floor(&world, 0.0, 0.0), LightEnd::Point(end)).unwrap();
+        let bent = way(&world, &floor(&world, 0.0, 0.0), LightEnd::Point(end)).unwrap();
         let tangents =
             DVec2::new(f64::from(bent.direction.x), f64::from(bent.direction.y)) / f64::from(bent.direction.z);
         let found = through_plane(tangents, n, 2.5);
@@ -157,6 +165,28 @@ fn seen(world: &World, integrator: Integrator, spp: u32) -> f64 {
     f64::from(picture.channel("G").unwrap().values.iter().sum::<f32>()) / 256.0
 }
 
+/// A wedge from -2.3 to -0.3 along x, which bends light by 16° to where x is more.
+fn wedge_beside() -> [Mesh; 2] {
+    [sloping_square(4.0, false, 0.0, 1.0, 0), sloping_square(5.0, true, 0.5, 1.0, 0)].map(|mut face| {
+        face.positions.iter_mut().for_each(|corner| corner.x -= 1.3);
+        face
+    })
+}
+
+#[test]
+fn light_is_found_where_no_glass_is_on_the_straight_line() {
+    let world = world(vec![sun(Vec3::Z)], wedge_beside().to_vec());
+    let [shadow, lit, outside] = [-0.8, 0.0, 2.0].map(|x| floor(&world, x, 0.05));
+    let straight = |from: &Surface| {
+        let ray = Ray::new(from.origin_towards(Vec3::Z), Vec3::Z);
+        matches!(world.glass_between(&ray, MIDDLE), Between::NoGlass).then_some(Vec3::Z)
+    };
+    let ways =
+        |from: &Surface| world.bend_light(from, (LightEnd::Direction(Vec3::Z), 0), straight(from)).iter().count();
+    assert_eq!((straight(&shadow), straight(&lit)), (None, Some(Vec3::Z)));
+    assert_eq!([ways(&shadow), ways(&lit), ways(&outside)], [1, 1, 0]);
+}
+
 /// Lamps with a surface, which bounces find, are as bright as points all over them.
 #[test]
 fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
@@ -166,6 +196,10 @@ fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
         (vec![ball(vec3(0.1, 0.0, 2.05), 0)], vec3(2.0, 0.0, 20.0)),
         (vec![ball(vec3(0.0, 0.2, 1.8), 3)], vec3(0.0, 3.0, 20.0)),
         (vec![square(1.0, false, 0), sloping_square(3.0, true, 0.2, 9.0, 0)], vec3(0.0, 0.0, 20.0)),
+        // Three ways, between the foci of the rim and of the middle.
+        (vec![ball(vec3(0.12, 0.0, 1.25), 0)], vec3(0.0, 0.0, 20.0)),
+        // Nothing is above the place that this wedge lights.
+        (wedge_beside().to_vec(), vec3(0.0, 0.0, 20.0)),
     ] {
         let mut lamp = sloping_square(0.0, false, 0.0, half, 2);
         lamp.positions.iter_mut().for_each(|corner| *corner += at);
@@ -202,10 +236,41 @@ fn walls_within_and_behind_glass_throw_shadows() {
     let end = LightEnd::Point(vec3(0.0, 0.0, 20.0));
     for z in [2.0, 4.0] {
         let world = world(vec![point(vec3(0.0, 0.0, 20.0), 1.0)], vec![ball(), wall(z)]);
-        let bent = world.bend_light(&floor(&world, 0.1, 0.0), end);
+        let bent = way(&world, &floor(&world, 0.1, 0.0), end);
         assert!(bent.is_none_or(|bent| world.occluded(&bent.rest)), "{z}");
     }
     // A lamp between floor and ball has nothing to cross.
     let world = world(vec![], vec![ball()]);
-    assert!(world.bend_light(&floor(&world, 0.1, 0.0), LightEnd::Point(vec3(0.1, 0.0, 0.5))).is_none());
+    assert!(way(&world, &floor(&world, 0.1, 0.0), LightEnd::Point(vec3(0.1, 0.0, 0.5))).is_none());
+}
+
+/// What the ways of light bring to a surface that faces up.
+fn brought<'a>(ways: impl Iterator<Item = &'a BentLight>) -> f32 {
+    ways.map(|way| way.spread * way.left.x * way.direction.z).sum()
+}
+
+#[test]
+fn photons_find_nearly_all_ways() {
+    const STARTS: u16 = 48;
+    let light = vec3(0.1, 0.03, 20.0);
+    let end = LightEnd::Point(light);
+    // With one way, with three, and with both; so many lights that they share photons.
+    for height in [1.1, 1.25, 1.6, 2.5] {
+        let world = world(vec![point(light, 1.0); 64], vec![ball(vec3(0.0, 0.0, height), 0)]);
+        let (mut found, mut there) = (0.0, 0.0);
+        for i in 13..60u16 {
+            // Nearer to the axis there are too many to count.
+            let place = 0.3 * (0.03 * f32::from(i)).powi(2) * Vec2::from_angle(2.4 * f32::from(i));
+            let from = floor(&world, place.x, place.y);
+            found += brought(world.bend_light(&from, (end, 0), None).iter());
+            let mut all: Vec<BentLight> = Vec::new();
+            for start in 0..STARTS * STARTS {
+                let place = (vec2(f32::from(start % STARTS), f32::from(start / STARTS)) + 0.5) / f32::from(STARTS);
+                let way = world.bend_light_near(&from, end, UniformHemisphere.map(place), FROM_STRAIGHT);
+                all.extend(way.filter(|way| !all.iter().any(|other| way.direction.distance(other.direction) < 0.01)));
+            }
+            there += brought(all.iter());
+        }
+        assert!((found / there - 1.0).abs() < 0.03, "{height}: {found}, not {there}");
+    }
 }

@@ -1,0 +1,377 @@
+//! Where light arrives that glass bends, and from where on the glass: starts for the search of its ways.
+//!
+//! A search finds the way next to its start, and light may come to a point on several, or to points in no shadow of glass at all. So
+//! rays are sent from points, spots and suns at each body of glass, refracted at every face, as photons are (Jensen, "Global
+//! illumination using photon maps", 1996), with the footprint that ray differentials give them (Schjøth et al., "Photon
+//! differentials", 2007). With `x(u, v) = o + t d + u (∂o/∂u + t ∂d/∂u) + v (∂o/∂v + t ∂d/∂v)` as the rays around a photon that has
+//! left the glass, a point within its footprint has `u` and `v` in [-1, 1], and a search begins where that ray has left the glass.
+//!
+//! Deviations: photons carry no light, and their number says nothing. Their cells are around the surface where they arrive: what is
+//! smaller than a footprint, before that surface, may be missed, and what faces between two photons alone do to light.
+
+use glam::{IVec3, Mat2, Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::geometry::Aabb;
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::sampling::warp::{PolarDisc, UniformSphere, Warp};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::f32::consts::PI;
+
+use super::super::{MIDDLE, World};
+use super::MOST;
+use super::bent::Beam;
+use crate::light::Light;
+use crate::scene::PunctualLight;
+
+/// Photons for all lights and bodies of glass, ...
+const PHOTONS: usize = 1 << 18;
+/// ... and for one light and one body, at least and at most.
+const OF_BODY: [usize; 2] = [64, 8192];
+/// The least and the greatest extent of a footprint, as a part of the body's radius: what is spread more widely is faint.
+const EXTENTS: [f32; 2] = [0.01, 0.5];
+/// How far beside a footprint's plane a point may be, as a part of its length: where it folds, the second derivative counts.
+const FOLD: f32 = 0.25;
+/// The least cosine with a surface that a photon's footprint on it is taken for.
+const LEAST_SLANT: f32 = 0.1;
+/// The least cosine, of 0.06°, between directions of light that a pane has not bent.
+const STRAIGHT: f32 = 1.0 - 5e-7;
+/// The most photons of a cell, ...
+const OF_CELL: usize = 48;
+/// ... and the most starts for a point.
+const MOST_STARTS: usize = 16;
+
+/// Where light of points, spots and suns arrives.
+#[derive(Debug, Default)]
+pub(in crate::world) struct Photons {
+    /// By the number of the light.
+    lights: HashMap<u32, OfLight>,
+}
+
+/// Photons of one light, and the cells around where they arrive.
+#[derive(Debug, Default)]
+struct OfLight {
+    photons: Vec<Photon>,
+    /// In a cell, of photons whose starts are close to each other there, one; by level and place.
+    cells: HashMap<(i32, IVec3), Vec<u32>>,
+    /// Cells of a level are `2^level` wide: this, by level.
+    levels: Vec<(i32, f32)>,
+    /// Around all footprints.
+    bounds: Option<Aabb>,
+}
+
+/// A ray that has left the glass, and what it is for one sent beside it, along each of two axes.
+#[derive(Clone, Copy, Debug)]
+struct Photon {
+    origin: Vec3,
+    direction: Vec3,
+    origin_by: [Vec3; 2],
+    direction_by: [Vec3; 2],
+    sent: Sent,
+    /// How far light from elsewhere on its source arrives beside it, by how far it has come since.
+    blur: f32,
+}
+
+/// Where a photon has been sent: of a sun, its origin, and of others its direction.
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    at: Vec3,
+    /// For one sent beside it.
+    by: [Vec3; 2],
+}
+
+/// Where a search begins.
+#[derive(Clone, Copy, Debug, Default)]
+struct Start {
+    direction: Vec3,
+    /// Where a photon that comes from there would have been sent, ...
+    sent: Vec3,
+    /// ... and how far apart photons were.
+    apart: f32,
+    /// Whether the footprint is turned over: light that has come through a focus.
+    is_flipped: bool,
+    /// How far the point is from the middle of the footprint: the less, the likelier is a way near the start.
+    off: f32,
+}
+
+/// A ball around glass.
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    center: Vec3,
+    radius: f32,
+}
+
+/// A photon that has arrived.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    photon: Photon,
+    point: Vec3,
+    /// Half of the extent of its footprint.
+    extent: Vec3,
+}
+
+impl Photon {
+    /// The start for a point that is within the footprint, or so far beside it.
+    fn start(&self, point: Vec3, beside: f32) -> Option<Start> {
+        let t = (point - self.origin).dot(self.direction);
+        if t <= 0.0 {
+            return None;
+        }
+        let offset = point - (self.origin + t * self.direction);
+        let [a, b] = [0, 1].map(|axis| self.across(axis, t));
+        let lengths = Vec2::new(a.length(), b.length());
+        let (longest, beside) = (lengths.max_element(), beside + self.blur * t);
+        // The least squares, as footprints that fold have no area.
+        let least = (1e-2 * longest) * (1e-2 * longest);
+        let (dot, squares) = (a.dot(b), lengths * lengths + least);
+        let gram = Mat2::from_cols_array(&[squares.x, dot, dot, squares.y]);
+        let place = gram.inverse() * Vec2::new(a.dot(offset), b.dot(offset));
+        let rest = (offset - a * place.x - b * place.y).length();
+        // Not of NaN either.
+        if !(place.abs().cmple(1.0 + beside / lengths).all() && rest <= FOLD * longest + beside) {
+            return None;
+        }
+        let off = place.abs().max_element().max(rest / (FOLD * longest));
+        let exit = self.origin + place.x * self.origin_by[0] + place.y * self.origin_by[1];
+        Some(Start {
+            direction: (exit - point).normalize_or_zero(),
+            sent: self.sent.at + place.x * self.sent.by[0] + place.y * self.sent.by[1],
+            apart: self.sent.by[0].length(),
+            is_flipped: a.cross(b).dot(self.direction) < 0.0,
+            off,
+        })
+    }
+
+    /// The change of the place where the photon is after a way, across it.
+    fn across(&self, axis: usize, t: f32) -> Vec3 {
+        let moved = self.origin_by[axis] + t * self.direction_by[axis];
+        moved - self.direction * moved.dot(self.direction)
+    }
+}
+
+impl Photons {
+    /// Unit vectors from a point in which the light of this number may come.
+    pub(super) fn starts(&self, light: u32, point: Vec3) -> impl Iterator<Item = Vec3> {
+        let (mut starts, mut count) = ([Start::default(); MOST_STARTS], 0);
+        if let Some(light) = self.lights.get(&light) {
+            for start in light.starts(point) {
+                let kept = &mut starts[..count];
+                let same = kept.iter().position(|other| start.is_beside(other));
+                let worst = || kept.iter().enumerate().max_by(|a, b| a.1.off.total_cmp(&b.1.off)).map(|(i, _)| i);
+                match same.or_else(|| if count == MOST_STARTS { worst() } else { None }) {
+                    Some(place) if start.off < kept[place].off => kept[place] = start,
+                    Some(_) => {}
+                    None => {
+                        starts[count] = start;
+                        count += 1;
+                    }
+                }
+            }
+        }
+        starts.into_iter().take(count).map(|start| start.direction)
+    }
+}
+
+impl OfLight {
+    /// Those of all photons around a point.
+    fn starts(&self, point: Vec3) -> impl Iterator<Item = Start> {
+        let is_within =
+            self.bounds.is_some_and(|bounds| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all());
+        let levels = is_within.then(|| self.levels.iter()).into_iter().flatten();
+        levels.flat_map(move |&(level, width)| {
+            let cell = self.cells.get(&(level, cell(point, width)));
+            cell.into_iter().flatten().filter_map(move |photon| self.photons[*photon as usize].start(point, width))
+        })
+    }
+
+    /// Takes note that a photon has arrived.
+    fn add(&mut self, arrival: &Arrival, radius: f32) {
+        let Arrival { photon, point, extent } = arrival;
+        let greatest = extent.max_element();
+        // Nor is NaN.
+        if !(greatest <= EXTENTS[1] * radius) {
+            return;
+        }
+        let level = greatest.max(EXTENTS[0] * radius).log2().floor() as i32;
+        let width = (level as f32).exp2();
+        if !self.levels.contains(&(level, width)) {
+            self.levels.push((level, width));
+        }
+        let number = self.photons.len() as u32;
+        self.photons.push(*photon);
+        let around = Aabb { min: *point - *extent, max: *point + *extent };
+        self.bounds = Some(self.bounds.map_or(around, |bounds| bounds.union(&around)));
+        let [min, max] = [around.min, around.max].map(|corner| cell(corner, width));
+        for z in min.z..=max.z {
+            for y in min.y..=max.y {
+                for x in min.x..=max.x {
+                    let at = IVec3::new(x, y, z);
+                    self.add_to(at, level, number);
+                }
+            }
+        }
+    }
+
+    /// Takes note of a photon in a cell that it may light, if none of the cell has a start close to its own that is better.
+    fn add_to(&mut self, at: IVec3, level: i32, number: u32) {
+        let width = (level as f32).exp2();
+        let center = width * (at.as_vec3() + 0.5);
+        let start = |number: u32| self.photons[number as usize].start(center, width);
+        let Some(own) = start(number) else {
+            return;
+        };
+        let kept = self.cells.entry((level, at)).or_default();
+        let mut others = (0..kept.len()).filter_map(|i| Some((i, start(kept[i])?)));
+        match others.find(|(_, start)| own.is_beside(start)) {
+            Some((i, start)) if own.off < start.off => kept[i] = number,
+            None if kept.len() < OF_CELL => kept.push(number),
+            _ => {}
+        }
+    }
+}
+
+impl Body {
+    /// How large it is, seen from a light.
+    fn size_from(&self, light: &PunctualLight) -> f32 {
+        light.place().map_or(self.radius, |(position, ..)| self.radius / position.distance(self.center))
+    }
+}
+
+impl Start {
+    /// Whether a search from it finds what one from the other does.
+    fn is_beside(&self, other: &Self) -> bool {
+        self.is_flipped == other.is_flipped && self.sent.distance(other.sent) < self.apart.min(other.apart)
+    }
+}
+
+/// The cell of this width that a point is in.
+fn cell(point: Vec3, width: f32) -> IVec3 {
+    let scaled = point / width;
+    let towards_zero = scaled.as_ivec3();
+    towards_zero.saturating_sub(IVec3::from(scaled.cmplt(towards_zero.as_vec3())))
+}
+
+impl World {
+    /// Finds where the light of points, spots and suns arrives that glass bends.
+    pub(in crate::world) fn send_photons(&mut self) {
+        self.glass.photons = Photons::default();
+        if !self.has_clear_glass() {
+            return;
+        }
+        let bodies = self.glass_bodies();
+        let lights = self.lights.lights().iter().zip(0u32..);
+        let lights: Vec<(&PunctualLight, u32)> = lights
+            .filter_map(|(light, number)| if let Light::Punctual(light) = light { Some((light, number)) } else { None })
+            .collect();
+        let of_light = PHOTONS / lights.len().max(1);
+        let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
+        let follow = |&(light, number): &(&PunctualLight, u32)| {
+            let mut arrived = OfLight::default();
+            // Those that are largest from the light.
+            let mut bodies = bodies.clone();
+            bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
+            for body in bodies.iter().take(of_light / count) {
+                for arrival in (0..count).filter_map(|i| self.follow(self.photon(light, *body, i, count)?)) {
+                    arrived.add(&arrival, body.radius);
+                }
+            }
+            (number, arrived)
+        };
+        self.glass.photons = Photons { lights: lights.par_iter().map(follow).collect() };
+    }
+
+    /// Balls around meshes of smooth glass, and around their instances.
+    fn glass_bodies(&self) -> Vec<Body> {
+        let mut bodies = Vec::new();
+        for mesh in self.meshes.iter().filter(|mesh| self.glass.transmits[mesh.material]) {
+            let bounds = Aabb::around(&mesh.positions);
+            if bounds.is_empty() {
+                continue;
+            }
+            let (center, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+            bodies.extend(self.placements_of(mesh).into_iter().map(|placement| {
+                let [x, y, z] = placement.matrix3.to_cols_array_2d().map(Vec3::from);
+                let extent = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+                Body { center: placement.transform_point3(center), radius: extent.length() }
+            }));
+        }
+        bodies.retain(|body| body.center.is_finite() && body.radius > 0.0 && body.radius.is_finite());
+        bodies
+    }
+
+    /// One of so many photons from the middle of a light towards the disc that a body is from there, or to all sides from within; and
+    /// the angle within which the rest of the light is.
+    fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(Beam, f32)> {
+        // Fibonacci's lattice.
+        let of_count = (photon as f32 + 0.5) / count as f32;
+        let place = Vec2::new(of_count, (photon as f64 * 0.618_033_988_749_894_9).fract() as f32);
+        let disc = body.radius * PolarDisc.map(place);
+        let apart = body.radius * (PI / count as f32).sqrt();
+        let beam = |origin: Vec3, direction: Vec3, by_origin: f32, by_direction: f32| {
+            let frame = Frame::from_normal(direction);
+            let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
+            Beam {
+                ray: Ray::new(origin, direction),
+                origin_by: axes.map(|axis| by_origin * axis),
+                direction_by: axes.map(|axis| by_direction * axis),
+                left: Vec3::ONE,
+            }
+        };
+        Some(match *light {
+            PunctualLight::Directional { direction, half_angle, .. } => {
+                let away = self.diagonal() + (body.center - self.bounds.center()).length();
+                let across = Frame::from_normal(direction).to_world(disc.extend(0.0));
+                (beam(body.center + across - away * direction, direction, apart, 0.0), half_angle)
+            }
+            _ => {
+                let (position, _, radius) = light.place()?;
+                let axis = body.center - position;
+                let angle = radius / axis.length();
+                if axis.length() <= body.radius {
+                    return Some((beam(position, UniformSphere.map(place), 0.0, 2.0 * apart / body.radius), angle));
+                }
+                let frame = Frame::from_normal(axis.normalize());
+                let way = body.center + frame.to_world(disc.extend(0.0)) - position;
+                (beam(position, way.normalize_or_zero(), 0.0, apart / axis.length()), angle)
+            }
+        })
+    }
+
+    /// Where a photon arrives behind glass that has bent it.
+    fn follow(&self, (mut beam, blur): (Beam, f32)) -> Option<Arrival> {
+        let is_sun = beam.origin_by[0] != Vec3::ZERO;
+        let sent = if is_sun {
+            Sent { at: beam.ray.origin, by: beam.origin_by }
+        } else {
+            Sent { at: beam.ray.direction, by: beam.direction_by }
+        };
+        let (first, mut is_behind) = (beam.ray.direction, false);
+        for _ in 0..MOST {
+            let Some(face) = self.face(&beam.ray, MIDDLE) else {
+                let hit = self.intersect_at(&beam.ray, MIDDLE);
+                let Ray { origin, direction, .. } = beam.ray;
+                if !is_behind || direction.dot(first) >= STRAIGHT || !hit.is_hit() {
+                    return None;
+                }
+                let Beam { origin_by, direction_by, .. } = beam;
+                let photon = Photon { origin, direction, origin_by, direction_by, sent, blur };
+                let normal = self.surface_at(&hit).normal;
+                let slant = direction.dot(normal).abs().max(LEAST_SLANT);
+                // Where rays beside it meet the surface, along it.
+                let [a, b] = [0, 1].map(|axis| {
+                    let across = photon.across(axis, hit.t);
+                    across.abs() + direction.abs() * (across.dot(normal).abs() / slant)
+                });
+                let around = FOLD * a.length().max(b.length()) + blur * hit.t / slant;
+                return Some(Arrival { photon, point: beam.ray.at(hit.t), extent: a + b + around });
+            };
+            if face.is_thin {
+                beam.straight(&face);
+            } else {
+                self.refract(&mut beam, &face)?;
+            }
+            is_behind = true;
+        }
+        None
+    }
+}
