@@ -94,7 +94,7 @@ impl InstanceRecord {
     }
 
     /// The transform to the world.
-    fn to_world(&self) -> Affine3A {
+    fn placement(&self) -> Affine3A {
         Affine3A {
             matrix3: Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]).into(),
             translation: self.translation.into(),
@@ -294,7 +294,7 @@ impl World {
             return Vec::new();
         };
         let placed = all.first_prims.iter().zip(&all.records[1..]).filter(|(number, _)| **number == first);
-        placed.map(|(_, record)| record.to_world()).collect()
+        placed.map(|(_, record)| record.placement()).collect()
     }
 
     /// The record of a hit's triangle in the world, at its time.

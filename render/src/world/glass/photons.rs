@@ -188,8 +188,7 @@ impl OfLight {
     fn add(&mut self, arrival: &Arrival, radius: f32) {
         let Arrival { photon, point, extent } = arrival;
         let greatest = extent.max_element();
-        // Nor is NaN.
-        if !(greatest <= EXTENTS[1] * radius) {
+        if greatest.is_nan() || greatest > EXTENTS[1] * radius {
             return;
         }
         let level = greatest.max(EXTENTS[0] * radius).log2().floor() as i32;
