@@ -150,7 +150,6 @@ impl World {
         let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
         let scene = Scene { motion, ..scene };
         let mut world = Self::assemble(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)?;
-        world.send_photons();
         world.look(from);
         Ok(world)
     }
@@ -161,7 +160,6 @@ impl World {
     /// Those of [`new`](Self::new).
     pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let mut world = Self::assemble(scene, options, executor)?;
-        world.send_photons();
         world.look(LookFrom::Camera);
         Ok(world)
     }
@@ -244,7 +242,7 @@ impl World {
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
         let glass = Glass::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
-        Ok(Self {
+        let mut world = Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),
             meshes,
             materials,
@@ -274,7 +272,9 @@ impl World {
             surroundings_hash,
             plain_lit: Vec::new(),
             ray_counters: RayCounters::default(),
-        })
+        };
+        world.send_photons();
+        Ok(world)
     }
 
     /// The tree of all triangles that are in world space.

@@ -83,7 +83,7 @@ pub(super) fn sample_punctual(
         Between::Bends => None,
     };
     let ways = world.bend_light(surface, (end, number), straight.as_ref().map(|_| direction));
-    if ways.iter().next().is_none() {
+    if ways.is_empty() {
         return straight;
     }
     let straight = straight.filter(|sample| !world.occluded_at(&sample.shadow, surface.time));

@@ -160,17 +160,18 @@ impl Glass {
         self.tint * (1.0 - reflected.max_element())
     }
 
-    /// Through a thin wall: what it would reflect to the mirror image of `wi`. `forth` and `back`: the probabilities of
-    /// microfacets.
+    /// Through a thin wall: what it would reflect to the mirror image of `wi`. `forth` and `back`: the probabilities
+    /// that microfacets scatter, not the separable lobes.
     #[inline]
     fn through_wall(&self, wo: Vec3, wi: Vec3, parts: &mut Parts, forth: f32, back: f32) {
         let wi = turned(wi);
         let (h, cos) = half(wo, wi);
         let (reflected, transmitted, _) = self.split(cos);
-        let d = 0.25 * self.ggx.d(h) * (1.0 - reflection_probability(reflected, transmitted));
-        parts.glossy = transmitted * (0.25 * self.ggx.d(h) * self.ggx.g2(wo, wi) / wo.z);
-        parts.density += forth * d * self.ggx.g1(wo) / wo.z;
-        parts.reverse_density += back * d * self.ggx.g1(wi) / wi.z;
+        let d = 0.25 * self.ggx.d(h);
+        parts.glossy = transmitted * (d * self.ggx.g2(wo, wi) / wo.z);
+        let probability = 1.0 - reflection_probability(reflected, transmitted);
+        parts.density += forth * probability * d * self.ggx.g1(wo) / wo.z;
+        parts.reverse_density += back * probability * d * self.ggx.g1(wi) / wi.z;
     }
 
     /// Through a microfacet.

@@ -79,21 +79,21 @@ pub(crate) struct BentLight {
 
 /// All ways that were found.
 #[derive(Default)]
-pub(crate) struct BentWays {
-    ways: [Option<BentLight>; MOST_WAYS],
-    count: usize,
-}
+pub(crate) struct BentWays([Option<BentLight>; MOST_WAYS]);
 
 impl BentWays {
     /// Each of them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &BentLight> + Clone {
-        self.ways.iter().flatten()
+        self.0.iter().flatten()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0[0].is_none()
     }
 
     fn add(&mut self, way: BentLight) {
-        if let Some(place) = self.ways.get_mut(self.count) {
+        if let Some(place) = self.0.iter_mut().find(|place| place.is_none()) {
             *place = Some(way);
-            self.count += 1;
         }
     }
 }
@@ -140,7 +140,7 @@ impl World {
                 ways.add(way);
             }
         }
-        if ways.count == 0
+        if ways.is_empty()
             && straight.is_none()
             && let Some(start) = self.first_direction(from, end)
             && let Some(way) = self.bend_light_near(from, end, start, FROM_STRAIGHT)

@@ -3,11 +3,16 @@
 //! A search finds the way next to its start, and light may come to a point on several, or to points in no shadow of glass at all. So
 //! rays are sent from points, spots and suns at each body of glass, refracted at every face, as photons are (Jensen, "Global
 //! illumination using photon maps", 1996), with the footprint that ray differentials give them (Schjøth et al., "Photon
-//! differentials", 2007). With `x(u, v) = o + t d + u (∂o/∂u + t ∂d/∂u) + v (∂o/∂v + t ∂d/∂v)` as the rays around a photon that has
-//! left the glass, a point within its footprint has `u` and `v` in [-1, 1], and a search begins where that ray has left the glass.
+//! differentials", 2007). Beside a photon that has left the glass, rays pass
 //!
-//! Deviations: photons carry no light, and their number says nothing. Their cells are around the surface where they arrive: what is
-//! smaller than a footprint, before that surface, may be missed, and what faces between two photons alone do to light.
+//! `x(u, v) = o + t d + u (∂o/∂u + t ∂d/∂u) + v (∂o/∂v + t ∂d/∂v)`.
+//!
+//! A point within the footprint has `u` and `v` in [-1, 1], and a search begins where its ray has left the glass. Starts of rays that
+//! would have been sent from the same place are one.
+//!
+//! Deviations: photons carry no light, and their number says nothing. They are sent in the middle of the shutter's time. Their cells
+//! are around the surface where they arrive: what is smaller than a footprint, before that surface, may be missed, and what faces
+//! between two photons alone do to light. Of very many lights and solids, each light has those that are largest from there.
 
 use glam::{IVec3, Mat2, Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -45,12 +50,12 @@ const MOST_STARTS: usize = 16;
 #[derive(Debug, Default)]
 pub(in crate::world) struct Photons {
     /// By the number of the light.
-    lights: HashMap<u32, OfLight>,
+    lights: HashMap<u32, LightPhotons>,
 }
 
 /// Photons of one light, and the cells around where they arrive.
 #[derive(Debug, Default)]
-struct OfLight {
+struct LightPhotons {
     photons: Vec<Photon>,
     /// In a cell, of photons whose starts are close to each other there, one; by level and place.
     cells: HashMap<(i32, IVec3), Vec<u32>>,
@@ -68,7 +73,7 @@ struct Photon {
     origin_by: [Vec3; 2],
     direction_by: [Vec3; 2],
     sent: Sent,
-    /// How far light from elsewhere on its source arrives beside it, by how far it has come since.
+    /// How wide its source is, as an angle: by this times its way behind the glass, light from elsewhere on it arrives beside it.
     blur: f32,
 }
 
@@ -172,7 +177,7 @@ impl Photons {
     }
 }
 
-impl OfLight {
+impl LightPhotons {
     /// Those of all photons around a point.
     fn starts(&self, point: Vec3) -> impl Iterator<Item = Start> {
         let is_within =
@@ -265,7 +270,7 @@ impl World {
         let of_light = PHOTONS / lights.len().max(1);
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
         let follow = |&(light, number): &(&PunctualLight, u32)| {
-            let mut arrived = OfLight::default();
+            let mut arrived = LightPhotons::default();
             // Those that are largest from the light.
             let mut bodies = bodies.clone();
             bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));

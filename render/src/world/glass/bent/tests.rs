@@ -27,7 +27,8 @@ fn ball(center: Vec3, material: usize) -> Mesh {
     Mesh { positions, material, ..ball }
 }
 
-/// Meshes above a floor that is dark, so that nearly all of its light is direct, and of which the camera sees the middle. Materials: 0 glass, 1 is white, 2 emits, 3 is tinted glass.
+/// Meshes above a floor, of which the camera sees the middle. Materials: 0 is glass, 1 so dark that nearly all light on it is direct,
+/// 2 emits, 3 is tinted glass.
 fn world(lights: Vec<PunctualLight>, meshes: Vec<Mesh>) -> World {
     World::new(Scene {
         meshes: meshes.into_iter().chain([square(0.0, true, 1)]).collect(),
@@ -185,6 +186,15 @@ fn light_is_found_where_no_glass_is_on_the_straight_line() {
         |from: &Surface| world.bend_light(from, (LightEnd::Direction(Vec3::Z), 0), straight(from)).iter().count();
     assert_eq!((straight(&shadow), straight(&lit)), (None, Some(Vec3::Z)));
     assert_eq!([ways(&shadow), ways(&lit), ways(&outside)], [1, 1, 0]);
+}
+
+#[test]
+fn photons_go_through_every_instance() {
+    let [_, world] = balls();
+    // Below the first and the second.
+    for (x, y) in [(0.3, 0.2), (8.7, 8.8)] {
+        assert!(world.glass.photons.starts(0, floor(&world, x, y).position).count() > 0, "{x}, {y}");
+    }
 }
 
 /// Lamps with a surface, which bounces find, are as bright as points all over them.
