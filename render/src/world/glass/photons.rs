@@ -93,8 +93,6 @@ struct Start {
     sent: Vec3,
     /// ... and how far apart photons were.
     apart: f32,
-    /// Whether the footprint is turned over: light that has come through a focus.
-    is_flipped: bool,
     /// How far the point is from the middle of the footprint: the less, the likelier is a way near the start.
     off: f32,
 }
@@ -142,7 +140,6 @@ impl Photon {
             direction: (exit - point).normalize_or_zero(),
             sent: self.sent.at + place.x * self.sent.by[0] + place.y * self.sent.by[1],
             apart: self.sent.by[0].length(),
-            is_flipped: a.cross(b).dot(self.direction) < 0.0,
             off,
         })
     }
@@ -244,7 +241,7 @@ impl Body {
 impl Start {
     /// Whether a search from it finds what one from the other does.
     fn is_beside(&self, other: &Self) -> bool {
-        self.is_flipped == other.is_flipped && self.sent.distance(other.sent) < self.apart.min(other.apart)
+        self.sent.distance(other.sent) < self.apart.min(other.apart)
     }
 }
 
