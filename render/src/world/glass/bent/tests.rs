@@ -189,6 +189,14 @@ fn light_is_found_where_no_glass_is_on_the_straight_line() {
 }
 
 #[test]
+fn a_ball_is_no_pane_at_its_axis() {
+    // Its faces are parallel there.
+    let world = world(vec![sun(-Vec3::Z)], vec![ball(vec3(0.0, 0.0, 2.0), 0)]);
+    let ray = Ray::new(floor(&world, 0.0, 0.0).origin_towards(Vec3::Z), Vec3::Z);
+    assert!(matches!(world.glass_between(&ray, MIDDLE), Between::Bends));
+}
+
+#[test]
 fn photons_go_through_every_instance() {
     let [_, world] = balls();
     // Below the first and the second.
