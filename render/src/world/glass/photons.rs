@@ -44,7 +44,7 @@ const STRAIGHT: f32 = 1.0 - 5e-7;
 /// The most photons of a cell, ...
 const OF_CELL: usize = 48;
 /// ... and the most starts for a point.
-const MOST_STARTS: usize = 16;
+const MOST_STARTS: usize = 32;
 
 /// Where light of points, spots and suns arrives.
 #[derive(Debug, Default)]
