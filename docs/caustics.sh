@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes docs/caustics.png, in about four minutes on two cores: a ball, a drinking glass, a bottle and a prism, and what they
+# Makes docs/caustics.png, in about five minutes on two cores: a ball, a drinking glass, a bottle and a prism, and what they
 # do to the light of a lamp.
 set -euo pipefail
 cd "$(dirname "$0")/.."
