@@ -81,6 +81,54 @@ fn the_error_is_never_higher_and_soon_much_lower() {
     }
 }
 
+/// A wall and a darker one, which get most of their light in one pixel of 16 to 40; a lamp that has no noise.
+#[test]
+fn rare_bright_samples_keep_their_light() {
+    let (width, height) = (192, 96);
+    let wall = |x: u32| if x < 96 { (0.1, 3.0, 16) } else { (0.02, 0.6, 40) };
+    let is_lamp = |x: u32, y: u32| (40..60).contains(&x) && y < 20;
+    let mut noisy = picture(width, height, |x, y| if is_lamp(x, y) { [20.0; 3] } else { [wall(x).0; 3] });
+    let mut word = 1_u32;
+    for i in 0..(width * height) as usize {
+        let (x, y) = (i as u32 % width, i as u32 / width);
+        let (_, bright, rarity) = wall(x);
+        word = word.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        if (word >> 16) % rarity != 0 || is_lamp(x, y) {
+            continue;
+        }
+        let half = if word >> 31 == 0 { "HalfA" } else { "HalfB" };
+        for channel in &mut noisy.channels {
+            let name = &channel.name;
+            if COLORS.contains(&&**name) {
+                channel.values[i] += bright;
+            } else if name.starts_with(half) {
+                channel.values[i] += 2.0 * bright;
+            } else if name.starts_with("Variance") {
+                channel.values[i] += bright * bright;
+            }
+        }
+    }
+    let denoised = nlm(&noisy);
+    // Areas of 24 x 24 pixels, away from the lamp and the edge.
+    let area = |picture: &Picture, name: &str, left: u32, top: u32, side: u32| {
+        let values = values(picture, name);
+        let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| (y * width + x) as usize));
+        pixels.map(|i| values[i]).sum::<f32>() / (side * side) as f32
+    };
+    for name in COLORS {
+        for left in [0, 120] {
+            let (found, expected) = (area(&denoised, name, left, 30, 66), area(&noisy, name, left, 30, 66));
+            assert!((found / expected - 1.0).abs() < 0.12, "{name}: {found} of {expected}");
+            for (x, y) in [(0, 30), (24, 54), (48, 72)] {
+                let part = area(&denoised, name, left + x, y, 16);
+                assert!((part / found - 1.0).abs() < 0.2, "{name} at {left}, {x}, {y}: {part} of {found}");
+            }
+        }
+        let lamp = area(&denoised, name, 42, 2, 16);
+        assert!((lamp / 20.0 - 1.0).abs() < 0.02, "{name}: {lamp}");
+    }
+}
+
 #[test]
 fn what_is_not_a_number_is_black_and_counted() {
     let mut noisy = picture(20, 10, |_, _| [0.5; 3]);

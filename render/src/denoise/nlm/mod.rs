@@ -3,7 +3,8 @@
 //!
 //! A picture comes as the means of two halves of its samples. Each half is regressed on the features ([`regression`]) with
 //! weights that come from the other half ([`weights`]), so that noise does not choose its own neighbours. That is done for two
-//! strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and blends by that.
+//! strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and blends by that, and
+//! [`restore`](mod@restore) gives back the light that is lost over larger areas.
 //!
 //! Sources: Rousselle, Manzi and Zwicker, "Robust Denoising using Feature and Color Information", 2013; Bitterli et al.,
 //! "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", 2016.
@@ -13,6 +14,7 @@
 
 mod plane;
 mod regression;
+mod restore;
 mod select;
 mod weights;
 
@@ -55,7 +57,9 @@ pub(super) fn denoise(channels: &Channels, watch: &dyn Watch) -> Result<Rgb, Den
         passes.par_iter().map(|&(half, strength)| input.filter(half, strength, watch)).collect();
     let filtered = filtered.ok_or(DenoiseError::Stopped)?;
     let pairs: Vec<[&Rgb; 2]> = filtered.chunks(2).map(|pair| [&pair[0], &pair[1]]).collect();
-    Ok(select::blend(extent, halves, &channels.color, &pairs))
+    let mut blend = select::blend(extent, halves, &channels.color, &pairs);
+    restore::restore(extent, &mut blend, &channels.color);
+    Ok(blend)
 }
 
 /// What all passes read.
