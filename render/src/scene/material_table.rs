@@ -9,7 +9,7 @@
 //! base_color_map = "wood.png"        # multiplies it; relative to the folder of this file
 //! specular_roughness_map = { file = "wood.png", channel = "g", wrap = "clamp", set = 1, scale = [2, 2] }
 //! geometry_normal_map = { file = "wood_n.png", strength = 0.5, green = "down" }
-//! geometry_coat_normal_map = "flakes_n.png"   # or "none", for the normals of the vertices
+//! geometry_coat_normal_map = "flakes_n.png"
 //! geometry_bump_map = { file = "height.png", height = 0.01 }
 //! geometry_opacity = 0.5             # with geometry_opacity_cutoff it is a mask
 //! geometry_thin_walled = true
@@ -20,7 +20,8 @@
 //! transmission_dispersion_abbe_number = 36   # of solid glass: how little it spreads colours
 //! ```
 //!
-//! What is not named stays as the model has it.
+//! What is not named stays as the model has it. A map of `"none"` removes the model's; without one of its own a coat has the
+//! base's normals, with `"none"` those of the vertices.
 
 use std::path::{Path, PathBuf};
 
@@ -62,8 +63,7 @@ enum Change {
     LightGroup(String),
     /// Degrees.
     TangentRotation(f32),
-    /// A coat with the normals of the vertices.
-    PlainCoat,
+    NoMap(Target),
 }
 
 /// What a map varies.
@@ -172,14 +172,11 @@ impl Reader<'_> {
             "light_group" => Change::LightGroup(self.0.text_of(entry)?),
             "transmission_depth" => Change::TransmissionDepth(unit(f32::MIN_POSITIVE, f32::MAX)?),
             "transmission_dispersion_abbe_number" => Change::AbbeNumber(unit(1.0, f32::MAX)?),
-            "geometry_normal_map" => Change::Map(Target::Normal, self.map(entry)?),
-            "geometry_coat_normal_map" if matches!(entry.value, DeValue::String(text) if text == "none") => {
-                Change::PlainCoat
-            }
-            "geometry_coat_normal_map" => Change::Map(Target::CoatNormal, self.map(entry)?),
-            "geometry_bump_map" => Change::Map(Target::Bump, self.map(entry)?),
-            "geometry_opacity_map" => Change::Map(Target::Opacity, self.map(entry)?),
-            "emission_color_map" => Change::Map(Target::Emission, self.map(entry)?),
+            "geometry_normal_map" => self.map_change(Target::Normal, entry)?,
+            "geometry_coat_normal_map" => self.map_change(Target::CoatNormal, entry)?,
+            "geometry_bump_map" => self.map_change(Target::Bump, entry)?,
+            "geometry_opacity_map" => self.map_change(Target::Opacity, entry)?,
+            "emission_color_map" => self.map_change(Target::Emission, entry)?,
             name => {
                 let (input, is_map) = name.strip_suffix("_map").map_or((name, false), |input| (input, true));
                 let Some(input) = Input::ALL.into_iter().find(|it| it.name() == input) else {
@@ -188,7 +185,7 @@ impl Reader<'_> {
                     return Err(self.0.error(entry.at.start, problem, suggestion(name, &known)));
                 };
                 if is_map {
-                    return Ok(Change::Map(Target::Input(input), self.map(entry)?));
+                    return self.map_change(Target::Input(input), entry);
                 }
                 let range = input.range();
                 match input.is_color() {
@@ -206,6 +203,11 @@ impl Reader<'_> {
             _ => self.0.wrong(entry, "a list of names"),
         };
         values.into_iter().map(name).collect()
+    }
+
+    fn map_change(&self, target: Target, entry: &Entry<'_>) -> Result<Change, SceneError> {
+        let is_none = matches!(entry.value, DeValue::String(text) if text == "none");
+        Ok(if is_none { Change::NoMap(target) } else { Change::Map(target, self.map(entry)?) })
     }
 
     fn map(&self, entry: &Entry<'_>) -> Result<Box<MapFile>, SceneError> {
@@ -361,10 +363,21 @@ impl Material {
             }
             Change::AbbeNumber(abbe) => self.dispersion = 20.0 / abbe,
             Change::TangentRotation(degrees) => self.tangent_rotation = degrees.to_radians(),
-            Change::PlainCoat => self.coat_normal = CoatNormal::OfVertices,
+            Change::NoMap(target) => self.remove(target),
             Change::Map(target, ref map) => self.map(target, map, store)?,
         }
         Ok(())
+    }
+
+    fn remove(&mut self, target: Target) {
+        match target {
+            Target::Input(input) => self.remove_map(input),
+            Target::Emission => self.emission_map = None,
+            Target::Opacity => self.opacity.map = None,
+            Target::Normal => self.normal_map = None,
+            Target::CoatNormal => self.coat_normal = CoatNormal::OfVertices,
+            Target::Bump => self.bump_map = None,
+        }
     }
 
     fn map(&mut self, target: Target, map: &MapFile, store: &mut TextureStore) -> Result<(), (String, String)> {

@@ -9,11 +9,15 @@ pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     distances.filter(|&(distance, _)| distance <= allowed).min_by_key(|&(distance, _)| distance).map(|(_, word)| word)
 }
 
-/// A remedy for an unknown `word`: the nearest of `known`, or all of them when none is near.
+/// A remedy for an unknown `word`: the nearest of `known`, those that it is a part of, or all of them.
 pub(super) fn suggestion(word: &str, known: &[&str]) -> String {
-    match nearest(word, known) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("known are {}", known.join(", ")),
+    let is_part = |name: &&&str| name.split('_').any(|part| part == word);
+    let longer: Vec<String> = known.iter().filter(is_part).map(|name| format!("`{name}`")).collect();
+    match (nearest(word, known), longer.as_slice()) {
+        (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, []) => format!("known are {}", known.join(", ")),
+        (None, [names @ .., last]) if !names.is_empty() => format!("did you mean {} or {last}?", names.join(", ")),
+        (None, [name, ..]) => format!("did you mean {name}?"),
     }
 }
 
@@ -30,6 +34,9 @@ mod tests {
         assert_eq!(nearest("resolution", &known), None);
         assert_eq!(nearest("", &known), None);
         assert_eq!(suggestion("heigth", &known), "did you mean `height`?");
+        assert_eq!(suggestion("roughness", &["specular_roughness"]), "did you mean `specular_roughness`?");
+        let known_roughnesses = ["coat_roughness", "roughness_map", "weight"];
+        assert_eq!(suggestion("roughness", &known_roughnesses), "did you mean `coat_roughness` or `roughness_map`?");
         assert_eq!(suggestion("bokeh", &known), "known are width, height, filter, filter_width");
     }
 }

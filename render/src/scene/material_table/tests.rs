@@ -4,13 +4,16 @@ use crate::material::Inputs;
 
 /// A scene of two meshes and a material, after a scene file in a folder with a picture.
 fn applied(text: &str) -> Result<Scene, SceneError> {
+    applied_to(Material { name: "oak".to_owned(), ..Material::default() }, text)
+}
+
+fn applied_to(material: Material, text: &str) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("room.obj"), "").unwrap();
     image::RgbImage::from_raw(1, 1, vec![255, 51, 128]).unwrap().save(folder.path().join("a.png")).unwrap();
     let path = folder.path().join("room.toml");
     let file = SceneFile::parse(&path, &format!("[scene]\nfile = \"room.obj\"\n{text}"))?;
     let mesh = |name: &str| Mesh { name: name.to_owned(), ..Mesh::default() };
-    let material = Material { name: "oak".to_owned(), ..Material::default() };
     let meshes = vec![mesh("floor"), mesh("wall"), mesh("floor")];
     let mut scene = Scene { meshes, materials: vec![material], ..Scene::default() };
     apply(&file.materials, &[], &path, &mut scene)?;
@@ -84,6 +87,25 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_eq!(of("base_color_map = { set = 1 }").2, "expected { file = \"…\", … }");
     let (line, problem, _) = of("base_color_map = \"lost.png\"");
     assert!(line == 3 && problem.ends_with("lost.png: no such file"), "{problem}");
+}
+
+#[test]
+fn a_map_of_none_removes_the_models() {
+    let map = NormalMap { texture: TextureMap::default(), scale: Vec2::ONE };
+    let mut oak = Material { name: "oak".to_owned(), ..Material::default() };
+    oak.add_map(TextureMap::default(), Input::BaseColor, Channel::Rgb, 0.0);
+    oak.add_map(TextureMap::default(), Input::SpecularRoughness, Channel::G, 0.0);
+    oak.bump_map = Some(BumpMap { texture: TextureMap::default(), channel: Channel::R, height: 1.0 });
+    (oak.normal_map, oak.emission_map) = (Some(map), Some(TextureMap::default()));
+    oak.opacity = Opacity { map: Some((TextureMap::default(), Channel::A)), ..oak.opacity.clone() };
+    let keys =
+        ["base_color_map", "geometry_bump_map", "geometry_normal_map", "emission_color_map", "geometry_opacity_map"];
+    let text = keys.map(|key| format!("{key} = \"none\"\n")).concat();
+    let scene = applied_to(oak, &format!("[[material]]\nname = \"oak\"\n{text}")).unwrap();
+    let oak = &scene.materials[0];
+    assert_eq!((oak.map_of(Input::BaseColor), &oak.normal_map, &oak.emission_map), (None, &None, &None));
+    assert_eq!((&oak.bump_map, &oak.opacity.map), (&None, &None));
+    assert!(oak.map_of(Input::SpecularRoughness).is_some());
 }
 
 /// What a material says of itself makes the same inputs again.
