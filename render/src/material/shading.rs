@@ -1,8 +1,9 @@
 //! Shading normals: a closure at a point whose shading normal is not the surface's own.
 //!
-//! A shading normal that `wo` sees from behind is bent towards it. A direction that a closure samples on its side of the
-//! shading normal but on the other side of the surface is mirrored at the surface; so a closure that loses no energy about
-//! its own normal loses none about any. Two directions may then lead to one, and [`Shading::eval`] adds both.
+//! A shading normal that `wo` sees from behind is mirrored at the plane that `wo` is normal to: of real bumps it sees the other
+//! slopes, few of them at grazing angles. A direction that a closure samples on its side of the shading normal but on the
+//! other side of the surface is mirrored at the surface; so a closure that loses no energy about its own normal loses none
+//! about any. Two directions may then lead to one, and [`Shading::eval`] adds both.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
@@ -12,8 +13,8 @@ use super::{Bsdf, Evaluation, Sample};
 /// The least cosine between `wo` and a bent normal.
 const LEAST_COSINE: f32 = 0.01;
 
-/// The shading normal on the side of `wo`, bent towards it where it faces away. `geometric` and `wo` are on the same
-/// side; all are unit vectors.
+/// The shading normal on the side of `wo`; where it faces away, it is turned to face `wo` by as much as it faced away.
+/// `geometric` and `wo` are on the same side; all are unit vectors.
 #[inline]
 pub fn bent_normal(geometric: Vec3, shading: Vec3, wo: Vec3) -> Vec3 {
     let shading = if shading.dot(geometric) < 0.0 { -shading } else { shading };
@@ -21,9 +22,10 @@ pub fn bent_normal(geometric: Vec3, shading: Vec3, wo: Vec3) -> Vec3 {
     if cosine >= LEAST_COSINE {
         return shading;
     }
-    // Within the plane of both, to that cosine.
+    // Within the plane of both.
+    let to = (-cosine).max(LEAST_COSINE);
     let across = (shading - cosine * wo).normalize_or(Frame::from_normal(wo).tangent);
-    (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() * across + LEAST_COSINE * wo
+    ((1.0 - to) * (1.0 + to)).max(0.0).sqrt() * across + to * wo
 }
 
 /// Two normals and a tangent, on the side of `wo`.
