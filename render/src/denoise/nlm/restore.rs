@@ -32,10 +32,10 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
     let brightness: Vec<f32> = (0..extent.len()).map(brightness).collect();
     let mean = brightness.iter().map(|&value| f64::from(value)).sum::<f64>() / extent.len() as f64;
     let mean = (mean as f32).max(f32::MIN_POSITIVE.sqrt());
-    let share = |i: usize| 1.0 / (1.0 + brightness[i] / (BRIGHT * mean));
+    let scale = |i: usize| (brightness[i] + FLOOR * mean) / (1.0 + brightness[i] / (BRIGHT * mean));
     let residual = |i: usize| {
         let difference: f32 = noisy.iter().zip(&*denoised).map(|(noisy, denoised)| noisy[i] - denoised[i]).sum();
-        difference / (3.0 * share(i) * (brightness[i] + FLOOR * mean))
+        difference / (3.0 * scale(i))
     };
     let residuals: Vec<f32> = (0..extent.len()).map(residual).collect();
     let mut lost = vec![0.0_f32; extent.len()];
@@ -52,8 +52,9 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
         }
         side /= 2;
     }
+    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(f32::MIN_POSITIVE)).max(LEAST);
     for values in denoised {
-        values.iter_mut().enumerate().for_each(|(i, value)| *value *= (1.0 + lost[i] * share(i)).max(LEAST));
+        values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
     }
 }
 
