@@ -93,7 +93,7 @@ fn rare_bright_samples_keep_their_light() {
         let (x, y) = (i as u32 % width, i as u32 / width);
         let (_, bright, rarity) = wall(x);
         word = word.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        if (word >> 16) % rarity != 0 || is_lamp(x, y) {
+        if !(word >> 16).is_multiple_of(rarity) || is_lamp(x, y) {
             continue;
         }
         let half = if word >> 31 == 0 { "HalfA" } else { "HalfB" };
