@@ -191,8 +191,14 @@ impl Source for EntryOf<'_> {
 impl Parser<'_> {
     fn parse(&self) -> Result<SceneFile, SceneError> {
         let document = DeTable::parse(self.text).map_err(|error| {
-            let message = error.message().lines().next().unwrap_or("not TOML").to_owned();
-            self.error(error.span().unwrap_or(0..0).start, message, "see https://toml.io for how TOML is written")
+            let problem = error.message().lines().next().unwrap_or("not TOML");
+            let at = error.span().unwrap_or(0..0).start;
+            // What `.5` and `5.` lack, as the parser calls it.
+            let remedy = match problem.contains("mantissa") || problem.contains("fraction") {
+                true => "numbers have digits before and after the point: 0.5, 1.0",
+                false => "see https://toml.io for how TOML is written",
+            };
+            self.error(at, problem.to_owned(), remedy)
         })?;
         let mut model = None;
         let mut overrides = Overrides::default();

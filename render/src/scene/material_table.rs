@@ -306,10 +306,7 @@ impl MaterialTable {
         if known.is_none() && self.meshes.is_empty() && !used.contains(&self.name.as_str()) {
             let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
             let problem = format!("the model has no material {:?}", self.name);
-            return error(
-                problem,
-                format!("{}; or name the meshes = [\"…\"] of a new one", suggestion(&self.name, &names)),
-            );
+            return error(problem, format!("a new one names its meshes = [\"…\"]; {}", suggestion(&self.name, &names)));
         }
         let number = known.unwrap_or_else(|| {
             let inputs = crate::material::Inputs { specular_weight: 1.0, ..Default::default() };

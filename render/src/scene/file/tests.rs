@@ -373,3 +373,15 @@ fn every_key_of_the_camera_sets_its_option() {
     };
     assert_eq!(camera, expected);
 }
+
+#[test]
+fn numbers_that_begin_or_end_with_a_point_are_explained() {
+    for number in [".5", "5."] {
+        let error =
+            SceneFile::parse(Path::new("room.toml"), &format!("[sky]\nradiance = [1, {number}, 1]\n")).unwrap_err();
+        assert_eq!(
+            (error.place, error.remedy.as_str()),
+            (Place::Line(2), "numbers have digits before and after the point: 0.5, 1.0")
+        );
+    }
+}

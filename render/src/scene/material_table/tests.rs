@@ -70,7 +70,7 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_eq!(
         missing,
         (1, "the model has no material \"oka\"".into(), {
-            "did you mean `oak`?; or name the meshes = [\"…\"] of a new one".into()
+            "a new one names its meshes = [\"…\"]; did you mean `oak`?".into()
         })
     );
     assert_eq!(told("[[material]]\nbase_color = 1\n").1, "this material has no name");
