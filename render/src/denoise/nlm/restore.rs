@@ -52,7 +52,8 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
         }
         side /= 2;
     }
-    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(f32::MIN_POSITIVE)).max(LEAST);
+    // What is black stays black.
+    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(LEAST);
     for values in denoised {
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
     }
