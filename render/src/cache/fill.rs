@@ -2,8 +2,10 @@
 //!
 //! A round evaluates places in a fixed order against the frozen cache, in parallel; picks among those that no record
 //! covers, in the same order, so that no two picks are closer than the round's separation; has them gathered; and commits
-//! them by their order. Separations halve in steps of √2, so that records are about as far apart as they reach, without
-//! anybody having to guess how far that is. The last round repeats until every place is covered.
+//! them by their order. Separations shrink by √2 from round to round, so that records are about as far apart as they reach, without
+//! anybody having to guess how far that is. The last round repeats until every place is covered. Where its records cover
+//! little more than their own places, as on many things that are no larger than a texel, a distance between them saves no
+//! record and costs rounds: so it halves.
 
 use std::collections::HashMap;
 
@@ -30,6 +32,9 @@ pub(crate) struct Pass {
     pub(crate) separation: f32,
 }
 
+/// A round's records cover at least so many places each, or the next round's may be nearer to each other.
+const LEAST_COVERED: usize = 2;
+
 impl Cache {
     /// Adds records until each of `places` is covered. `gather` makes the records of places by their indices, in that
     /// order, and is told how many places are covered so far; it gives `None` to end the work early, and then so does
@@ -45,14 +50,19 @@ impl Cache {
         for (number, pass) in passes.iter().enumerate() {
             let last = number + 1 == passes.len();
             let count = pass.places.min(places.len());
+            let (mut separation, mut expected) = (pass.separation, usize::MAX);
             loop {
                 // All of them, as radii may have been clamped since the last time.
                 let is_open = |&i: &usize| !picked[i] && !self.covers(&places[i].point);
                 let open: Vec<usize> = (0..count).into_par_iter().filter(is_open).collect();
-                let picks = pick(places, &open, pass.separation);
+                if open.len() > expected {
+                    separation *= 0.5;
+                }
+                let picks = pick(places, &open, separation);
                 if picks.is_empty() {
                     break;
                 }
+                expected = open.len().saturating_sub(LEAST_COVERED * picks.len());
                 picks.iter().for_each(|&i| picked[i] = true);
                 self.commit(gather(&picks, count - open.len())?);
                 if !last {
