@@ -100,7 +100,7 @@ pub(super) fn sample_punctual(
         |sample: &PunctualSample| sample.received.element_sum() * surface.shading_normal.dot(sample.direction).abs();
     let total: f32 =
         straight.iter().map(brought).sum::<f32>() + bent.clone().map(|sample| brought(&sample)).sum::<f32>();
-    // Digits that the place on the light has not used.
+    // The low digits: place and choice depend on one number, but hardly on each other. Parts of 1/4096 and less may never be chosen.
     let mut rest = (u.x * 4096.0).fract() * total;
     for sample in straight.into_iter().chain(bent) {
         let share = brought(&sample);

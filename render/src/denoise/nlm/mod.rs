@@ -107,30 +107,25 @@ impl Input {
             bearable: &self.bearable,
         };
         let isa = Isa::detect();
-        let fit = |row: usize| -> Vec<Models> {
+        let fit = |row: usize| -> Option<Vec<Models>> {
             let tile = |column: usize| {
-                let (mut models, mut weights) = (Models::new(), Weights::new());
-                if !watch.stop() {
-                    let place = (column * TILE[0], row * TILE[1]);
-                    isa.run(Fit {
-                        models: &mut models,
-                        weights: &mut weights,
-                        noisy: &noisy,
-                        samples: &samples,
-                        place,
-                    });
+                if watch.stop() {
+                    return None;
                 }
-                models
+                let (mut models, mut weights) = (Models::new(), Weights::new());
+                let place = (column * TILE[0], row * TILE[1]);
+                isa.run(Fit { models: &mut models, weights: &mut weights, noisy: &noisy, samples: &samples, place });
+                Some(models)
             };
             (0..columns).into_par_iter().map(tile).collect()
         };
         let mut found = [0, 1, 2].map(|_| vec![0.0; self.extent.len()]);
         // A window reaches into the next row of tiles, and not beyond.
         const { assert!(WINDOW <= TILE[1] && WINDOW <= TILE[0]) };
-        let mut ring: [Vec<Models>; 3] = [Vec::new(), Vec::new(), fit(0)];
+        let mut ring: [Vec<Models>; 3] = [Vec::new(), Vec::new(), fit(0)?];
         for row in 0..rows {
             ring.rotate_left(1);
-            ring[2] = if row + 1 < rows { fit(row + 1) } else { Vec::new() };
+            ring[2] = if row + 1 < rows { fit(row + 1)? } else { Vec::new() };
             let ring = &ring;
             let tile = |column: usize| {
                 let mut weights = Weights::new();

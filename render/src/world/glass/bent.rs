@@ -223,7 +223,7 @@ impl World {
         let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
         let ray = Ray::new(from.origin_towards(direction), direction);
         let mut beam = Beam { ray, origin_by: [Vec3::ZERO; 2], direction_by: axes, left: Vec3::ONE };
-        let (mut inside, mut depth, mut way, mut begun) = ([Vec3::ZERO; NESTED], 0, 0.0, 0.0);
+        let (mut inside, mut depth, mut way, mut begun) = ([Vec3::ZERO; NESTED], 0usize, 0.0, 0.0);
         for _ in 0..MOST {
             if let LightEnd::Point(point) = end {
                 beam.ray.t_max = (point - beam.ray.origin).dot(beam.ray.direction);
@@ -232,6 +232,10 @@ impl World {
                 }
             }
             let Some(face) = self.face(&beam.ray, from.time) else {
+                // A point within a solid: of a sun no ray ends there.
+                if let (LightEnd::Point(_), Some(solid)) = (end, depth.checked_sub(1)) {
+                    beam.left *= (-beam.ray.t_max * inside[solid]).exp();
+                }
                 return beam.past(end, way);
             };
             let distance = face.hit.t;

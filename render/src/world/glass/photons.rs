@@ -35,6 +35,8 @@ const PHOTONS: usize = 1 << 18;
 const OF_BODY: [usize; 2] = [64, 8192];
 /// The least and the greatest extent of a footprint, as a part of the body's radius: what is spread more widely is faint.
 const EXTENTS: [f32; 2] = [0.01, 0.5];
+/// The least width of a cell, as a part of its distance from the origin.
+const LEAST_CELL: f32 = 1e-6;
 /// How far beside a footprint's plane a point may be, as a part of its length: where it folds, the second derivative counts.
 const FOLD: f32 = 0.25;
 /// The least cosine with a surface that a photon's footprint on it is taken for.
@@ -193,7 +195,9 @@ impl LightPhotons {
         if greatest.is_nan() || greatest > EXTENTS[1] * radius {
             return;
         }
-        let level = greatest.max(EXTENTS[0] * radius).log2().floor() as i32;
+        // Cells far from the origin are no narrower than a few roundings of their coordinates.
+        let least = (EXTENTS[0] * radius).max(LEAST_CELL * point.abs().max_element());
+        let level = greatest.max(least).log2().floor() as i32;
         let width = (level as f32).exp2();
         if !self.levels.contains(&(level, width)) {
             self.levels.push((level, width));
@@ -327,10 +331,12 @@ impl World {
             _ => {
                 let (position, _, radius) = light.place()?;
                 let axis = body.center - position;
-                let angle = radius / axis.length();
                 if axis.length() <= body.radius {
+                    // Nothing says how far the glass is from there, but about how far at most.
+                    let angle = radius / body.radius;
                     return Some((beam(position, UniformSphere.map(place), 0.0, 2.0 * apart / body.radius), angle));
                 }
+                let angle = radius / axis.length();
                 let frame = Frame::from_normal(axis.normalize());
                 let way = body.center + frame.to_world(disc.extend(0.0)) - position;
                 (beam(position, way.normalize_or_zero(), 0.0, apart / axis.length()), angle)

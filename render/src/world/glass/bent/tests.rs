@@ -93,9 +93,10 @@ fn through_plane(tangents: DVec2, n: f64, end: f64) -> DVec2 {
 
 #[test]
 fn points_shine_into_and_out_of_water() {
-    for (is_up, n) in [(true, f64::from(IOR)), (false, 1.0 / f64::from(IOR))] {
+    let (into, out) = (f64::from(IOR), 1.0 / f64::from(IOR));
+    for (is_up, n, material, absorption) in [(true, into, 0, 0.0), (false, out, 0, 0.0), (false, out, 3, 0.5)] {
         let end = vec3(1.2, 0.7, 2.5);
-        let world = world(vec![point(end, 1.0)], vec![sloping_square(1.0, is_up, 0.0, 30.0, 0)]);
+        let world = world(vec![point(end, 1.0)], vec![sloping_square(1.0, is_up, 0.0, 30.0, material)]);
         let bent = way(&world, &floor(&world, 0.0, 0.0), LightEnd::Point(end)).unwrap();
         let tangents =
             DVec2::new(f64::from(bent.direction.x), f64::from(bent.direction.y)) / f64::from(bent.direction.z);
@@ -110,6 +111,11 @@ fn points_shine_into_and_out_of_water() {
         let cos_at_light = -f64::from(bent.leaving.z);
         let expected = cos.powi(3) / (area * cos_at_light);
         assert!(is_near(bent.spread, expected, 2e-3), "{}, not {expected}", bent.spread);
+        // The light is in the solid: it absorbs on the way to its face.
+        let cos_in_air = if is_up { cos_at_light } else { cos };
+        let absorbed = (-absorption * f64::from(end.distance(bent.rest.origin))).exp();
+        let left = (1.0 - reflectance(cos_in_air)) * absorbed;
+        assert!(is_near(bent.left.x, left, 1e-3), "{}, not {left}", bent.left);
     }
 }
 
@@ -206,6 +212,31 @@ fn photons_go_through_every_instance() {
 }
 
 /// Lamps with a surface, which bounces find, are as bright as points all over them.
+/// Nothing in a light's place, at the middle of a solid or far from the origin, keeps its photons.
+#[test]
+fn photons_leave_a_solid_around_their_light() {
+    let [bottom, top] = [(1.0, false), (3.0, true)].map(|(z, is_up)| sloping_square(z, is_up, 0.0, 1.0, 0));
+    let slab = Mesh {
+        positions: [bottom.positions, top.positions].concat(),
+        triangles: bottom.triangles.iter().copied().chain(top.triangles.iter().map(|t| t.map(|i| i + 4))).collect(),
+        ..Mesh::default()
+    };
+    for (radius, scale, away) in [(0.0, 1.0, 0.0), (0.1, 1.0, 0.0), (0.0, 1e-3, 3e4)] {
+        let place = |position: Vec3| position * scale + Vec3::X * away;
+        let moved = |mesh: Mesh| Mesh { positions: mesh.positions.iter().map(|p| place(*p)).collect(), ..mesh };
+        let light = PunctualLight::Point { position: place(vec3(0.0, 0.0, 2.0)), intensity: Vec3::ONE, radius };
+        let world = World::new(Scene {
+            meshes: vec![moved(slab.clone()), moved(square(0.0, true, 1))],
+            materials: vec![glass(Vec3::ZERO), Material::matte(Vec3::splat(0.5))],
+            lights: vec![light],
+            camera: Some(CAMERA),
+            ..Scene::default()
+        });
+        let starts = world.unwrap().glass.photons.starts(0, place(vec3(0.3, 0.2, 0.0))).count();
+        assert!(starts > 0, "{radius}, {scale}, {away}");
+    }
+}
+
 #[test]
 fn bent_light_is_as_bright_as_that_of_lamps_with_a_surface() {
     let half = 0.5;
