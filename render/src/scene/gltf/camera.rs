@@ -46,7 +46,7 @@ pub(super) fn choose<'a>(
 /// Degrees; an orthographic camera has none, but an option may make a perspective one of it.
 const DEFAULT_VFOV: f32 = 40.0;
 
-/// The camera with the number `index` at a node. The target is one unit ahead.
+/// The camera with the number `index` at a node.
 pub(super) fn read(
     document: &Document,
     camera: &Camera,
@@ -81,13 +81,12 @@ pub(super) fn read(
     };
     let eye = placed.to_world.w_axis.truncate();
     let (forward, up) = (placed.direction(DVec3::NEG_Z), placed.direction(DVec3::Y));
-    let pose = CameraPose { eye: eye.as_vec3(), target: (eye + forward).as_vec3(), up: up.as_vec3(), vfov };
-    // Far from the origin, one unit ahead rounds to the eye itself.
-    if forward.cross(up).length_squared() <= 1e-12 || pose.target == pose.eye {
+    let pose = CameraPose::along(eye, forward, up, vfov);
+    if forward.cross(up).length_squared() <= 1e-12 {
         return Err(document.error(
             document.node(placed.node),
             "its camera has no direction",
-            "use a scale without shear, and stay within 1e7 units of the origin",
+            "use a scale without shear",
         ));
     }
     let aspect = aspect.filter(|aspect| aspect.is_finite() && (1e-2..=1e2).contains(aspect));

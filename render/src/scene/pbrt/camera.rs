@@ -133,12 +133,7 @@ impl Reader<'_> {
             true => DEFAULT_VFOV,
             false => 2.0 * (half_height * (0.5 * camera.fov).to_radians().tan()).atan().to_degrees(),
         };
-        self.scene.camera = Some(CameraPose {
-            eye: eye.as_vec3(),
-            target: (eye + forward * forward_step(eye)).as_vec3(),
-            up: up.as_vec3(),
-            vfov,
-        });
+        self.scene.camera = Some(CameraPose::along(eye, forward, up, vfov));
         let scale = linear.y_axis.length() as f32;
         let depth = linear.z_axis.length() as f32;
         self.scene.optics = Optics {
@@ -159,9 +154,4 @@ impl Reader<'_> {
         self.scene.camera_aspect = Some((x1 - x0) / (y1 - y0));
         self.scene.film_size = self.film_size;
     }
-}
-
-/// A distance that does not vanish beside the eye's coordinates.
-fn forward_step(eye: DVec3) -> f64 {
-    eye.abs().max_element().max(1.0)
 }
