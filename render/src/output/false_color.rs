@@ -58,6 +58,12 @@ pub(crate) fn color(x: f32) -> [u8; 3] {
     [mix(0), mix(1), mix(2)]
 }
 
+/// The hue that tells this number from others, in 0..1: steps of the golden ratio leave numbers close to each other far
+/// apart on the circle, however many there are.
+pub(crate) fn categorical_hue(number: u32) -> f64 {
+    (f64::from(number) * 0.618_033_988_749_895).fract()
+}
+
 /// The scale's right end, white: a round number of at least 10, above which hardly any value is.
 pub(crate) fn scale(values: &[f32]) -> u64 {
     let mut sorted: Vec<f32> = values.iter().copied().filter(|value| value.is_finite()).collect();
