@@ -52,6 +52,7 @@ mod tangents;
 mod texture;
 mod toml_text;
 mod turn;
+mod union_find;
 pub(crate) mod value;
 
 pub use builtin::cornell_box;
@@ -89,4 +90,5 @@ pub use sharing::Sharing;
 pub use sky::{Sky, SkyPicture};
 pub use texture::{ColorSpace, Texture, TextureFilter, TextureMap, Wrap};
 pub use turn::Turn;
+pub(crate) use union_find::UnionFind;
 pub use value::MatteKinds;
