@@ -12,6 +12,7 @@ use std::path::Path;
 use super::record::Record;
 use super::{Cache, ErrorEstimate};
 use crate::output::{OutputError, OutputFile};
+use crate::scene::fnv;
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
 
 const MAGIC: [u8; 8] = *b"halfdIRC";
@@ -222,11 +223,6 @@ impl Bytes<'_> {
     fn long(&mut self) -> Option<u64> {
         self.take().map(u64::from_le_bytes)
     }
-}
-
-/// FNV-1a with 64 bits (Fowler, Noll and Vo).
-fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// The options as words: the error's bits, gradients, metric, layout, rays, bounces, the accuracy's bits or 0.

@@ -65,6 +65,7 @@ pub(crate) use error::{count, listed};
 pub use file::{SceneFile, open, open_watched, open_with};
 pub use files::{Disk, Files};
 pub use framing::frame;
+pub(crate) use hash::fnv;
 pub use instance::{Instance, Object};
 pub use light_table::LightTable;
 pub use load_options::{LoadOptions, LoadWatch};
