@@ -11,6 +11,7 @@ use std::path::Path;
 
 use super::record::Record;
 use super::{Cache, ErrorEstimate};
+use crate::film::Bytes;
 use crate::output::{OutputError, OutputFile};
 use crate::scene::fnv;
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
@@ -203,25 +204,6 @@ impl Cache {
         let mut cache = Self { estimate, ..Self::new(options, scene) };
         cache.commit(records);
         Ok(cache)
-    }
-}
-
-/// What is left of a file.
-struct Bytes<'a>(&'a [u8]);
-
-impl Bytes<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk::<N>()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
-    fn word(&mut self) -> Option<u32> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn long(&mut self) -> Option<u64> {
-        self.take().map(u64::from_le_bytes)
     }
 }
 

@@ -3,6 +3,7 @@
 //! A film may have a part of a picture's tiles, or of their samples. Parts of one picture add up to the film of all, to
 //! the bit, whoever took them and when; as files they are checkpoints and what machines send home.
 
+mod bytes;
 mod cryptomatte;
 mod file;
 mod filter_sampler;
@@ -16,6 +17,7 @@ mod sum;
 mod tests;
 mod tile;
 
+pub(crate) use bytes::Bytes;
 pub use cryptomatte::MatteLayer;
 pub(crate) use cryptomatte::{NO_NAME, id};
 pub use file::FILM_EXTENSION;
