@@ -31,6 +31,11 @@ pub(crate) use tile::{Extras, Features, FirstHit, TILE_SIDE, Tile, tiles};
 
 use std::ops::Range;
 
+use glam::DVec3;
+
+/// The luminance of linear sRGB by its channels (Rec. 709).
+pub(crate) const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
 /// The sums of a picture's samples, of all of it or a part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {

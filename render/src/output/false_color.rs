@@ -108,16 +108,16 @@ fn print(rows: &mut [[u8; 3]], width: usize, left: usize, top: usize, number: &s
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::film::LUMINANCE;
 
     #[test]
     fn colours_grow_lighter_from_end_to_end() {
         assert_eq!((color(0.0), color(1.0), color(7.0)), (COLORS[0], COLORS[7], COLORS[7]));
         assert_eq!((color(-1.0), color(f32::NAN)), (COLORS[0], COLORS[0]));
-        let luma = |x: f32| {
-            let [r, g, b] = color(x).map(f32::from);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
-        };
+        let luma = |x: f32| DVec3::from_array(color(x).map(f64::from)).dot(LUMINANCE);
         assert!((0..100).all(|i| luma(i as f32 / 100.0) < luma((i + 1) as f32 / 100.0)));
     }
 
