@@ -137,7 +137,7 @@ impl Checkpoint {
                 let problem = format!("{name} was stopped before its end");
                 return Err(Invalid::new(problem, "go on with it: the same command with --resume"));
             }
-            shards.push((name.clone(), Shard { number, count }));
+            shards.push((name.clone(), Shard::new(number, count).ok_or_else(damaged)?));
             all.append(&mut entries);
         }
         Shard::check_all(&shards)?;
@@ -147,12 +147,12 @@ impl Checkpoint {
     /// The shard that it is of, if it is of one.
     pub fn shard(&self) -> Option<Shard> {
         let words = self.get(Stage::Shard, 0)?;
-        words.first_chunk().map(|&[number, count]| Shard { number, count })
+        words.first_chunk().and_then(|&[number, count]| Shard::new(number, count))
     }
 
     /// Takes note of which shard it is of, and whether all of that is there.
     pub(super) fn put_shard(&self, shard: Shard, is_whole: bool) {
-        self.put(Stage::Shard, 0, vec![shard.number, shard.count, is_whole.into()]);
+        self.put(Stage::Shard, 0, vec![shard.number(), shard.count(), is_whole.into()]);
     }
 
     /// Writes the file now.
