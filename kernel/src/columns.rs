@@ -145,13 +145,9 @@ mod tests {
 
     use super::*;
     use crate::sampling::Stream;
-    use crate::simd::Level;
+    use crate::simd::isas;
 
     const LANES: usize = 24;
-
-    fn isas() -> impl Iterator<Item = Isa> {
-        Level::ALL.into_iter().filter_map(Isa::new)
-    }
 
     /// Any bits: NaN of both kinds are among them.
     fn row(number: u32) -> Row {

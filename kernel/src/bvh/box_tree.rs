@@ -11,6 +11,7 @@ use super::primitive::Primitive;
 use super::{BoxTreeView, Node, WIDTH, fit, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::Aabb;
+use crate::geometry::round::RoundFault;
 
 /// A tree over boxes that owns its memory.
 #[derive(Clone, Debug)]
@@ -46,9 +47,9 @@ impl BoxTree {
             let mut prims = Vec::with_capacity(count);
             for item in 0..count {
                 if at_keys(item).any(Aabb::is_empty) {
-                    report.degenerate += 1;
+                    report.drop(item as u32, RoundFault::Degenerate);
                 } else if !at_keys(item).all(Aabb::is_usable) {
-                    report.out_of_range += 1;
+                    report.drop(item as u32, RoundFault::OutOfRange);
                 } else {
                     prims.push(Primitive::new(&mean(at_keys(item).copied(), keys), item as u32));
                 }

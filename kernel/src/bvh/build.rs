@@ -13,6 +13,9 @@ use super::options::{BuildOptions, Effort, Quality};
 use super::primitive::Primitive;
 use super::{BvhView, MAX_STACK, reinsertion, top_down};
 use crate::error::{Error, InvalidTree};
+use crate::geometry::round::RoundFault;
+#[cfg(doc)]
+use crate::geometry::round::RoundPrimitive;
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
 use crate::mesh::Mesh;
 
@@ -34,14 +37,17 @@ pub struct Bvh {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BuildReport {
-    /// Triangles in the tree.
+    /// Primitives in the tree.
     pub kept: usize,
-    /// Triangles with two equal corners, which no ray hits.
+    /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one less
+    /// than zero, discs without a normal, empty boxes.
     pub degenerate: usize,
-    /// Triangles with a coordinate that is NaN or infinite.
+    /// Primitives with a number that is NaN or infinite.
     pub not_finite: usize,
-    /// Triangles with a coordinate beyond [`MAX_COORDINATE`].
+    /// Primitives that reach beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
+    /// The first primitive that was left out; of points and curves [`RoundPrimitive::fault`] says why.
+    pub first_dropped: Option<u32>,
     /// Trees that were too deep, before one that was built with less regard for cost.
     pub too_deep: u32,
 }
@@ -68,34 +74,39 @@ pub struct TreeStatistics {
 }
 
 impl BuildReport {
-    /// Triangles that are not in the tree, for whatever reason.
+    /// Primitives that are not in the tree, for whatever reason.
     pub fn dropped(&self) -> usize {
         self.degenerate + self.not_finite + self.out_of_range
+    }
+
+    /// Counts a primitive that is left out; they come in their order.
+    pub(super) fn drop(&mut self, prim_id: u32, fault: RoundFault) {
+        self.first_dropped.get_or_insert(prim_id);
+        match fault {
+            RoundFault::NotFinite => self.not_finite += 1,
+            RoundFault::OutOfRange => self.out_of_range += 1,
+            RoundFault::Degenerate => self.degenerate += 1,
+        }
     }
 }
 
 impl fmt::Display for BuildReport {
-    /// Such as `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
+    /// Such as `12 primitives kept, 3 dropped, the first of them 7: 2 degenerate, 1 not finite`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = if self.kept == 1 { "" } else { "s" };
-        write!(f, "{} triangle{plural} kept, {} dropped", self.kept, self.dropped())?;
-        let reasons = [
-            (self.degenerate, "with two equal corners"),
-            (self.not_finite, "not finite"),
-            (self.out_of_range, "too far away"),
-        ];
-        write_reasons(f, reasons)
+        write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;
+        if let Some(first) = self.first_dropped {
+            write!(f, ", the first of them {first}")?;
+        }
+        let mut separator = ": ";
+        let reasons =
+            [(self.degenerate, "degenerate"), (self.not_finite, "not finite"), (self.out_of_range, "too far away")];
+        for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
+            write!(f, "{separator}{count} {reason}")?;
+            separator = ", ";
+        }
+        Ok(())
     }
-}
-
-/// Why some were left out, and how many for each reason: `: 2 not finite, 1 too far away`.
-pub(super) fn write_reasons(f: &mut fmt::Formatter<'_>, reasons: [(usize, &str); 3]) -> fmt::Result {
-    let mut separator = ": ";
-    for (count, reason) in reasons.into_iter().filter(|&(count, _)| count > 0) {
-        write!(f, "{separator}{count} {reason}")?;
-        separator = ", ";
-    }
-    Ok(())
 }
 
 impl Bvh {
@@ -244,11 +255,11 @@ pub(super) fn usable<M: Mesh + ?Sized>(mesh: &M, report: &mut BuildReport) -> Ve
     for prim_id in 0..mesh.len() {
         let triangle = &mesh.triangle(prim_id);
         if !triangle.iter().all(|p| p.is_finite()) {
-            report.not_finite += 1;
+            report.drop(prim_id as u32, RoundFault::NotFinite);
         } else if !in_range(triangle) {
-            report.out_of_range += 1;
+            report.drop(prim_id as u32, RoundFault::OutOfRange);
         } else if is_degenerate(triangle) {
-            report.degenerate += 1;
+            report.drop(prim_id as u32, RoundFault::Degenerate);
         } else {
             prims.push(Primitive::new(&Aabb::around(triangle), prim_id as u32));
         }
@@ -294,15 +305,17 @@ mod tests {
             with(Vec3::new(0.0, f32::NEG_INFINITY, f32::MAX)),
         ];
         let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
-        let expected = BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, too_deep: 0 };
+        let first_dropped = Some(3);
+        let expected =
+            BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, first_dropped, too_deep: 0 };
         assert_eq!((report, report.dropped(), bvh.statistics().triangles), (expected, 6, 3));
         assert_eq!(
             alloc::format!("{report}"),
-            "3 triangles kept, 6 dropped: 1 with two equal corners, 3 not finite, 2 too far away"
+            "3 primitives kept, 6 dropped, the first of them 3: 1 degenerate, 3 not finite, 2 too far away"
         );
         let one = BuildReport { kept: 1, not_finite: 2, ..BuildReport::default() };
-        assert_eq!(alloc::format!("{one}"), "1 triangle kept, 2 dropped: 2 not finite");
-        assert_eq!(alloc::format!("{}", BuildReport::default()), "0 triangles kept, 0 dropped");
+        assert_eq!(alloc::format!("{one}"), "1 primitive kept, 2 dropped: 2 not finite");
+        assert_eq!(alloc::format!("{}", BuildReport::default()), "0 primitives kept, 0 dropped");
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub use refit::Refit;
 pub use round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, RoundBlocks, SphereBlock};
 pub(crate) use round_block::{used_lanes, with_blocks};
 #[cfg(any(feature = "alloc", test))]
-pub use round_tree::{RoundBuild, RoundBvh, RoundReport};
+pub use round_tree::{RoundBuild, RoundBvh};
 pub use round_view::RoundView;
 pub use view::BvhView;
 

@@ -10,6 +10,7 @@ use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::{MovingView, Node, TriangleBlock, fit, validate};
 use crate::error::{Error, InvalidTree};
+use crate::geometry::round::RoundFault;
 use crate::geometry::{Aabb, Triangle};
 
 /// A tree of moving triangles that owns its memory.
@@ -55,9 +56,9 @@ impl MovingBvh {
             for index in 0..count {
                 let at_keys = || keys.iter().map(|triangles| &triangles[index]);
                 if !at_keys().all(in_range) {
-                    report.out_of_range += 1;
+                    report.drop(index as u32, RoundFault::OutOfRange);
                 } else if never_has_area(at_keys()) {
-                    report.degenerate += 1;
+                    report.drop(index as u32, RoundFault::Degenerate);
                 } else {
                     let boxes = at_keys().map(|triangle| Aabb::around(triangle));
                     prims.push(Primitive::new(&mean(boxes, keys.len()), index as u32));

@@ -187,8 +187,9 @@ mod tests {
 
     use super::*;
     use crate::BvhView;
+    use crate::simd::isas;
     use crate::traverse::reference;
-    use crate::traverse::tests::{Random, isas, rays_at, soup};
+    use crate::traverse::tests::{Random, rays_at, soup};
 
     fn boxes(triangles: &[Triangle]) -> Vec<::obvhs::aabb::Aabb> {
         let aabb = |corners: &Triangle| {

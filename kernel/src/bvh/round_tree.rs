@@ -1,9 +1,8 @@
 //! Builds a tree over points or curves and owns it.
 
 use alloc::vec::Vec;
-use core::fmt;
 
-use super::build::{build_tree, write_reasons};
+use super::build::{BuildReport, build_tree};
 use super::contents::{Contents, LeafShape};
 use super::executor::{Executor, Serial};
 use super::node::{Child, Node, WIDTH};
@@ -12,7 +11,7 @@ use super::primitive::Primitive;
 use super::round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, SphereBlock, leaf_bounds};
 use super::{Bvh, RoundBlocks, RoundView, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::round::{RoundFault, RoundPrimitive};
+use crate::geometry::round::RoundPrimitive;
 use crate::geometry::{Aabb, CubicCurve, Disc, LinearCurve, Sphere};
 
 /// A tree over spheres, discs or round curves that owns its memory.
@@ -60,48 +59,6 @@ build! {
     CubicCurve: CubicCurveBlock, CubicCurves, 2.0;
 }
 
-/// What a build left out, and why.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct RoundReport {
-    /// Primitives in the tree.
-    pub kept: usize,
-    /// Primitives without a radius that is more than zero, with one that is less, or without a normal.
-    pub degenerate: usize,
-    /// Primitives with a number that is NaN or infinite.
-    pub not_finite: usize,
-    /// Primitives that reach beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE).
-    pub out_of_range: usize,
-    /// The first primitive that was left out; [`RoundPrimitive::fault`] says why.
-    pub first_dropped: Option<u32>,
-    /// Trees that were too deep, before one that was built with less regard for cost.
-    pub too_deep: u32,
-}
-
-impl RoundReport {
-    /// Primitives that are not in the tree, for whatever reason.
-    pub fn dropped(&self) -> usize {
-        self.degenerate + self.not_finite + self.out_of_range
-    }
-}
-
-impl fmt::Display for RoundReport {
-    /// Such as `12 primitives kept, 3 dropped, the first of them 7: 2 without a radius or normal, 1 not finite`.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = if self.kept == 1 { "" } else { "s" };
-        write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;
-        if let Some(first) = self.first_dropped {
-            write!(f, ", the first of them {first}")?;
-        }
-        let reasons = [
-            (self.degenerate, "without a radius or normal"),
-            (self.not_finite, "not finite"),
-            (self.out_of_range, "too far away"),
-        ];
-        write_reasons(f, reasons)
-    }
-}
-
 impl RoundBvh {
     /// Builds a tree over `primitives` on this thread; a hit's `prim_id` is an index into them.
     ///
@@ -112,7 +69,7 @@ impl RoundBvh {
     /// # Errors
     /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold: up to
     /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), if few share a block fewer.
-    pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, RoundReport), Error> {
+    pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, primitives, options)
     }
 
@@ -125,11 +82,11 @@ impl RoundBvh {
         executor: &E,
         primitives: &[P],
         options: &BuildOptions,
-    ) -> Result<(Self, RoundReport), Error> {
+    ) -> Result<(Self, BuildReport), Error> {
         if primitives.len() > Bvh::MAX_TRIANGLES {
             return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
         }
-        let mut report = RoundReport::default();
+        let mut report = BuildReport::default();
         let prims = || usable(primitives, &mut report);
         let tree = build_tree(executor, &Rounds(primitives), prims, options.quality)?;
         report.too_deep = tree.too_deep;
@@ -173,19 +130,13 @@ impl RoundBvh {
 }
 
 /// The primitives that a ray can hit; counts them and the others.
-fn usable<P: RoundPrimitive>(primitives: &[P], report: &mut RoundReport) -> Vec<Primitive> {
-    *report = RoundReport { too_deep: report.too_deep, ..RoundReport::default() };
+fn usable<P: RoundPrimitive>(primitives: &[P], report: &mut BuildReport) -> Vec<Primitive> {
+    *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
     let mut prims = Vec::with_capacity(primitives.len());
     for (prim_id, primitive) in (0..).zip(primitives) {
-        let Some(fault) = primitive.fault() else {
-            prims.push(Primitive::new(&primitive.bounds(), prim_id));
-            continue;
-        };
-        report.first_dropped.get_or_insert(prim_id);
-        match fault {
-            RoundFault::NotFinite => report.not_finite += 1,
-            RoundFault::OutOfRange => report.out_of_range += 1,
-            RoundFault::Degenerate => report.degenerate += 1,
+        match primitive.fault() {
+            Some(fault) => report.drop(prim_id, fault),
+            None => prims.push(Primitive::new(&primitive.bounds(), prim_id)),
         }
     }
     report.kept = prims.len();

@@ -2,8 +2,8 @@
 
 use super::scenes::Scene;
 use super::{Checksum, compare};
+use crate::simd::isas;
 use crate::traverse::reference::intersect_all;
-use crate::traverse::tests::isas;
 use crate::traverse::{PacketWidth, Width};
 use crate::{Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket};
 

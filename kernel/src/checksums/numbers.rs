@@ -10,7 +10,7 @@ use crate::sampling::warp::{
 use crate::sampling::{
     Address, AliasEntry, AliasTable, Frame, Pattern, Strata, Stream, fill2, fill4, sin_cos_turns, unit_double,
 };
-use crate::traverse::tests::isas;
+use crate::simd::isas;
 use crate::{Isa, offset_origin, triangle_normal};
 use glam::{Vec2, Vec3};
 

@@ -279,8 +279,8 @@ mod tests {
     use super::super::setup::{Line, RaySetup, Slabs};
     use super::*;
     use crate::geometry::Ray;
-    use crate::simd::{Work, dispatch};
-    use crate::traverse::tests::{Random, isas};
+    use crate::simd::{Work, dispatch, isas};
+    use crate::traverse::tests::Random;
 
     /// Eight rays, each alone and all in lanes.
     struct Compare<'a>(&'a [Ray; 8], &'a Aabb);

@@ -3,9 +3,8 @@
 use glam::{Vec2, Vec3};
 
 use super::*;
-use crate::Level;
 use crate::sampling::{Strata, Stream};
-use crate::simd::Isa;
+use crate::simd::{Isa, isas};
 
 /// Noise of radiance, and distances with misses among them.
 fn noise(cells: usize, misses: bool) -> (Vec<Vec3>, Vec<f32>) {
@@ -34,7 +33,7 @@ fn close(a: &Gather, b: &Gather, tolerance: f32) {
 
 fn with_all_isas(layout: impl Fn(Isa) -> Gather) -> Gather {
     let expected = layout(Isa::PORTABLE);
-    for isa in Level::ALL.into_iter().filter_map(Isa::new) {
+    for isa in isas() {
         assert_eq!(layout(isa), expected, "{}", isa.level());
     }
     expected
@@ -94,7 +93,7 @@ fn hessians_are_equal_on_all_instruction_sets() {
         let hemicube = Hemicube::new(size, vec![0.0; Hemicube::table_len(size)]).unwrap();
         let expected = [&stratified as &dyn Layout, &hemicube].map(found);
         assert!(expected.iter().all(|hessian| hessian.xx.is_finite() && hessian.irradiance > 0.0), "{expected:?}");
-        for isa in Level::ALL.into_iter().filter_map(Isa::new) {
+        for isa in isas() {
             let (stratified, hemicube) = (stratified.clone().with_isa(isa), hemicube.clone().with_isa(isa));
             assert_eq!([found(&stratified), found(&hemicube)], expected, "{}", isa.level());
         }

@@ -75,7 +75,7 @@ impl Function for Uniform4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::statistics::isas;
+    use crate::simd::isas;
 
     #[test]
     fn batches_equal_samplers_bit_for_bit() {

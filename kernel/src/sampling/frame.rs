@@ -70,9 +70,9 @@ impl Function for FromNormal {
 mod tests {
     use super::*;
     use crate::checksums::Checksum;
-    use crate::sampling::statistics::isas;
     use crate::sampling::warp::{UniformSphere, Warp};
     use crate::sampling::{Pattern, Sampler};
+    use crate::simd::isas;
 
     fn normals() -> impl Iterator<Item = Vec3> {
         let special = [0.0, -0.0, 1.0, -1.0, 1e-20, -1e-20];

@@ -29,9 +29,9 @@ mod heuristic;
 mod rng;
 mod sampler;
 mod sequence;
-#[cfg(test)]
-mod statistics;
 mod strata;
+#[cfg(test)]
+mod tests;
 pub mod warp;
 
 use glam::Vec2;

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::checksums::Checksum;
     use crate::sampling::ONE_MINUS_EPSILON;
-    use crate::sampling::statistics::chi_squared;
+    use crate::sampling::tests::statistics::chi_squared;
 
     const PI_WORDS: [u32; 6] = [0x243F_6A88, 0x85A3_08D3, 0x1319_8A2E, 0x0370_7344, 0xA409_3822, 0x299F_31D0];
 

@@ -92,7 +92,7 @@ impl Sampler {
 mod tests {
     use super::*;
     use crate::checksums::Checksum;
-    use crate::sampling::statistics::chi_squared;
+    use crate::sampling::tests::statistics::chi_squared;
 
     const PATTERNS: [Pattern; 3] = [Pattern::Random, Pattern::Sobol, Pattern::R2];
 

@@ -68,6 +68,7 @@
 //!
 //! Nothing here allocates or panics while tracing.
 
+mod answers;
 pub mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
@@ -117,9 +118,10 @@ use core::slice;
 
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
+use answers::{Answers, Nearest, Occluded};
 use search::Judged;
-use stream::{Nearest, Occluded, StreamAll};
-use walk::{IntersectAll, OccludedAll, Trace};
+use stream::StreamAll;
+use walk::{Trace, TraceAll};
 
 impl SceneView<'_> {
     /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.
@@ -232,8 +234,7 @@ impl SceneView<'_> {
                     *hit = reference::intersect(self, ray).unwrap_or(SceneHit::MISS);
                 }
             }
-            _ if is_few(rays, self.levels()) => dispatch(self.isa(), IntersectAll { scene: self, rays, hits }),
-            _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Nearest(hits) }),
+            _ => trace_many(self, rays, Nearest(hits)),
         }
     }
 
@@ -246,13 +247,17 @@ impl SceneView<'_> {
                     *occluded = reference::intersect(self, ray).is_some();
                 }
             }
-            _ if is_few(rays, self.levels()) => dispatch(self.isa(), OccludedAll { scene: self, rays, occluded }),
-            _ => dispatch(self.isa(), StreamAll { scene: self, rays, answers: Occluded(occluded) }),
+            _ => trace_many(self, rays, Occluded(occluded)),
         }
     }
 }
 
-/// Whether rays are too few for a stream, or there is no room for one on the stack, as where scenes in scenes recurse.
-fn is_few(rays: &[SceneRay], levels: usize) -> bool {
-    cfg!(target_os = "none") || rays.len() < stream::LEAST || levels > 0
+/// Traces as many rays as there are answers: one by one if they are too few for a stream, or if there is no room for one
+/// on the stack, as where scenes in scenes recurse.
+fn trace_many<A: Answers>(scene: &SceneView, rays: &[SceneRay], answers: A) {
+    if cfg!(target_os = "none") || rays.len() < stream::LEAST || scene.levels() > 0 {
+        dispatch(scene.isa(), TraceAll { scene, rays, answers });
+    } else {
+        dispatch(scene.isa(), StreamAll { scene, rays, answers });
+    }
 }

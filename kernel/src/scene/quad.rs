@@ -13,7 +13,8 @@ pub struct Quads<'a>(pub &'a [[Vec3; 4]]);
 
 impl Shape for Quads<'_> {
     fn count(&self) -> u32 {
-        self.0.len() as u32
+        // More are refused, as no tree has room for so many.
+        u32::try_from(self.0.len()).unwrap_or(u32::MAX)
     }
 
     fn bounds(&self, prim_id: u32) -> Aabb {

@@ -11,7 +11,8 @@ pub struct Spheres<'a>(pub &'a [Sphere]);
 
 impl Shape for Spheres<'_> {
     fn count(&self) -> u32 {
-        self.0.len() as u32
+        // More are refused, as no tree has room for so many.
+        u32::try_from(self.0.len()).unwrap_or(u32::MAX)
     }
 
     fn bounds(&self, prim_id: u32) -> Aabb {

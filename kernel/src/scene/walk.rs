@@ -2,8 +2,9 @@
 
 use core::ops::{ControlFlow, Range};
 
+use super::answers::Answers;
 use super::object::Target;
-use super::search::{Any, Closest, ItemCollector, Judged, Search};
+use super::search::{Closest, ItemCollector, Judged, Search};
 use super::{Item, SceneHit, SceneRay, SceneView};
 use super::{round, shape};
 use crate::geometry::Hit;
@@ -72,42 +73,24 @@ impl<Q: Search> Work for MeetItem<'_, Q> {
     }
 }
 
-/// Rays whose nearest hits are written to `hits`, of which there are as many.
-pub(super) struct IntersectAll<'a> {
+/// Rays to trace one by one, and their answers, of which there are as many.
+pub(super) struct TraceAll<'a, A> {
     pub scene: &'a SceneView<'a>,
     pub rays: &'a [SceneRay],
-    pub hits: &'a mut [SceneHit],
+    pub answers: A,
 }
 
-impl Work for IntersectAll<'_> {
+impl<A: Answers> Work for TraceAll<'_, A> {
     type Output = ();
     #[inline(always)]
-    fn run<S: Simd>(self) {
+    fn run<S: Simd>(mut self) {
         let mut memory = Memory::new();
-        for (ray, hit) in self.rays.iter().zip(self.hits) {
-            let mut search = Closest::new(ray.ray.t_max);
+        for (number, ray) in self.rays.iter().enumerate() {
+            self.answers.begin(number, ray.ray.t_max);
+            let mut search = self.answers.search(number, ray.ray.t_max);
             memory.trace::<S, _>(self.scene, ray, &mut search);
-            *hit = if search.best.is_hit() { search.best } else { SceneHit::MISS };
-        }
-    }
-}
-
-/// Rays of which is written to `occluded` whether they hit anything; there are as many.
-pub(super) struct OccludedAll<'a> {
-    pub scene: &'a SceneView<'a>,
-    pub rays: &'a [SceneRay],
-    pub occluded: &'a mut [bool],
-}
-
-impl Work for OccludedAll<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Simd>(self) {
-        let mut memory = Memory::new();
-        for (ray, occluded) in self.rays.iter().zip(self.occluded) {
-            let mut search = Any { t_max: ray.ray.t_max, found: false };
-            memory.trace::<S, _>(self.scene, ray, &mut search);
-            *occluded = search.found;
+            self.answers.advance(number, search);
+            self.answers.end(number);
         }
     }
 }

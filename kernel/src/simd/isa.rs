@@ -73,6 +73,12 @@ impl fmt::Display for UnknownLevel {
 
 impl core::error::Error for UnknownLevel {}
 
+/// Every instruction set of this machine.
+#[cfg(test)]
+pub(crate) fn isas() -> impl Iterator<Item = Isa> {
+    Level::ALL.into_iter().filter_map(Isa::new)
+}
+
 /// A level that this processor has: proof that its instructions may run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Level);

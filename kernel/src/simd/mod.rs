@@ -23,6 +23,8 @@ mod uninit;
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
+#[cfg(test)]
+pub(crate) use isa::isas;
 pub use isa::{Isa, Level, Task, UnknownLevel};
 pub(crate) use isa::{Work, dispatch};
 pub(crate) use portable::Portable;

@@ -102,12 +102,7 @@ impl BvhView<'_> {
                 *hit = reference::intersect(self, ray).unwrap_or(Hit::MISS);
             }
         } else {
-            let write = |number: usize, hit: Hit| {
-                if let Some(place) = hits.get_mut(number) {
-                    *place = hit;
-                }
-            };
-            trace_many::<false>(self, rays, write);
+            trace_many::<false>(self, rays, write_hits(hits));
         }
     }
 
@@ -119,12 +114,7 @@ impl BvhView<'_> {
                 *occluded = reference::occluded(self, ray);
             }
         } else {
-            let write = |number: usize, hit: Hit| {
-                if let Some(place) = occluded.get_mut(number) {
-                    *place = hit.is_hit();
-                }
-            };
-            trace_many::<true>(self, rays, write);
+            trace_many::<true>(self, rays, write_occluded(occluded));
         }
     }
 
@@ -162,12 +152,7 @@ impl BvhView<'_> {
         if self.isa().level() == Level::Scalar {
             return self.intersect_many(rays, hits);
         }
-        let write = |number: usize, hit: Hit| {
-            if let Some(place) = hits.get_mut(number) {
-                *place = hit;
-            }
-        };
-        trace_gather::<false>(self, rays, write);
+        trace_gather::<false>(self, rays, write_hits(hits));
     }
 
     /// Like [`occluded_many`](Self::occluded_many), and quicker for rays that share an origin, likewise.
@@ -176,12 +161,25 @@ impl BvhView<'_> {
         if self.isa().level() == Level::Scalar {
             return self.occluded_many(rays, occluded);
         }
-        let write = |number: usize, hit: Hit| {
-            if let Some(place) = occluded.get_mut(number) {
-                *place = hit.is_hit();
-            }
-        };
-        trace_gather::<true>(self, rays, write);
+        trace_gather::<true>(self, rays, write_occluded(occluded));
+    }
+}
+
+/// Writes the hit of the ray of a number.
+fn write_hits(hits: &mut [Hit]) -> impl FnMut(usize, Hit) {
+    |number, hit| {
+        if let Some(place) = hits.get_mut(number) {
+            *place = hit;
+        }
+    }
+}
+
+/// Writes whether the ray of a number has a hit.
+fn write_occluded(occluded: &mut [bool]) -> impl FnMut(usize, Hit) {
+    |number, hit| {
+        if let Some(place) = occluded.get_mut(number) {
+            *place = hit.is_hit();
+        }
     }
 }
 

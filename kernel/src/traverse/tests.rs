@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use glam::{Vec3, vec3};
 
 use super::reference;
-use crate::{BuildOptions, Bvh, BvhView, Hit, HitPacket, Isa, Quality, Ray, RayPacket, Triangle};
+use crate::simd::isas;
+use crate::{BuildOptions, Bvh, BvhView, Hit, HitPacket, Quality, Ray, RayPacket, Triangle};
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
 pub(crate) struct Random(pub u64);
@@ -46,14 +47,6 @@ fn check(triangles: &[Triangle], rays: &[Ray]) -> usize {
         isas().for_each(|isa| check_isa(&bvh.view().with_isa(isa), rays, &expected));
     }
     found
-}
-
-/// Every level that this machine has.
-pub(crate) fn isas() -> impl Iterator<Item = Isa> {
-    #[cfg(feature = "std")]
-    return crate::Level::ALL.into_iter().filter_map(Isa::new);
-    #[cfg(not(feature = "std"))]
-    [Isa::SCALAR, Isa::PORTABLE].into_iter()
 }
 
 fn check_isa(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {

@@ -28,7 +28,7 @@ fn what_cannot_be_hit_is_left_out_and_told() {
     assert_eq!((counts, report.first_dropped, report.dropped()), ((3, 3, 4, 2), Some(1), 9));
     assert_eq!(
         format!("{report}"),
-        "3 primitives kept, 9 dropped, the first of them 1: 3 without a radius or normal, 4 not finite, 2 too far away"
+        "3 primitives kept, 9 dropped, the first of them 1: 3 degenerate, 4 not finite, 2 too far away"
     );
     for (prim_id, sphere) in (0..).zip(&spheres) {
         let ray = Ray::new(sphere.center - Vec3::Z * 3.0, Vec3::Z);

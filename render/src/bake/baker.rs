@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::ao::AmbientOcclusion;
 use super::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
-use super::footprint::footprint;
+use super::footprint::direct_points;
 use super::moments::{DirectionalBasis, Moments};
 use super::options::{BakeOptions, Directional, Mode};
 use super::texels::{Surfaces, Texel};
@@ -286,7 +286,7 @@ impl Baker<'_> {
             let surface = self.surface(texel);
             let (normal, basis) = (surface.shading_normal, self.basis(texel, &surface));
             let mut sums = Sums { normal, basis, irradiance: DVec3::ZERO, moments: [DVec3::ZERO; 4] };
-            let (surfaces, traced) = footprint(world, self.surfaces, texel);
+            let (surfaces, traced) = direct_points(world, self.surfaces, texel);
             rays += traced;
             let mut sample = |seed, samples, share| {
                 let address = (seed, *number as u32);

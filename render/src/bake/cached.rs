@@ -14,14 +14,13 @@ use super::texel_irradiance::TexelIrradiance;
 use super::texels::Texel;
 use super::values::Values;
 use crate::cache::Cache;
+use crate::estimator::salts;
 use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels, lookup_point};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
 /// How many times as far the records of the rough cache reach.
 const ROUGH: f32 = 3.0;
-/// Keeps the numbers of the rough cache apart.
-const SALT: u64 = 0xbb67_ae85_84ca_a73b;
 
 impl Baker<'_> {
     /// Whether gathers look at a map that is there before.
@@ -42,7 +41,7 @@ impl Baker<'_> {
         let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Rough };
         let source = GatherSource::paths(&rough);
         let (frozen, rays) =
-            self.fill(texels, (rough, self.options.seed ^ SALT), (source, aim.of_means()), &records)?;
+            self.fill(texels, (rough, self.options.seed ^ salts::ROUGH), (source, aim.of_means()), &records)?;
         let indirect = |texel: &Texel| frozen.irradiance(self.world, &self.surface(texel));
         let indirect: Vec<Option<Vec3>> = texels.par_iter().map(indirect).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));

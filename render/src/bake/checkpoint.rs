@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 
 use super::manifest::Hash;
 use crate::cache::Record;
+use crate::film::Bytes;
 use crate::integrator;
 use crate::output::{OutputError, OutputFile};
 use crate::settings::{Invalid, Shard};
@@ -136,7 +137,7 @@ impl Checkpoint {
                 let problem = format!("{name} was stopped before its end");
                 return Err(Invalid::new(problem, "go on with it: the same command with --resume"));
             }
-            shards.push((name.clone(), Shard { number, count }));
+            shards.push((name.clone(), Shard::new(number, count).ok_or_else(damaged)?));
             all.append(&mut entries);
         }
         Shard::check_all(&shards)?;
@@ -146,12 +147,12 @@ impl Checkpoint {
     /// The shard that it is of, if it is of one.
     pub fn shard(&self) -> Option<Shard> {
         let words = self.get(Stage::Shard, 0)?;
-        words.first_chunk().map(|&[number, count]| Shard { number, count })
+        words.first_chunk().and_then(|&[number, count]| Shard::new(number, count))
     }
 
     /// Takes note of which shard it is of, and whether all of that is there.
     pub(super) fn put_shard(&self, shard: Shard, is_whole: bool) {
-        self.put(Stage::Shard, 0, vec![shard.number, shard.count, is_whole.into()]);
+        self.put(Stage::Shard, 0, vec![shard.number(), shard.count(), is_whole.into()]);
     }
 
     /// Writes the file now.
@@ -239,28 +240,18 @@ fn encode(hash: u64, entries: &Entries) -> Vec<u8> {
 /// The hash and the entries of a file.
 fn decode(bytes: &[u8]) -> Option<(u64, Entries)> {
     let (contents, checksum) = bytes.split_last_chunk::<CHECKSUM>()?;
-    let mut rest = contents;
-    let mut take = |length: usize| {
-        let (first, others) = rest.split_at_checked(length)?;
-        rest = others;
-        Some(first)
-    };
-    let mut header = [0; HEADER];
-    header.copy_from_slice(take(HEADER)?);
-    let is_ours = header.starts_with(&MAGIC) && header[8..12] == VERSION.to_le_bytes();
+    let mut rest = Bytes(contents);
+    let is_ours = rest.array()? == MAGIC && rest.word()? == VERSION;
     if !is_ours || u64::from_le_bytes(*checksum) != Hash::of(contents).0 {
         return None;
     }
-    let hash = u64::from_le_bytes(header[12..20].try_into().ok()?);
-    let count = u64::from_le_bytes(header[20..28].try_into().ok()?);
+    let (hash, count) = (rest.long()?, rest.long()?);
     let mut entries = BTreeMap::new();
     for _ in 0..count {
-        let stage = take(1)?[0];
-        let number = u64::from_le_bytes(take(8)?.try_into().ok()?);
-        let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
-        let words = take((length as usize).checked_mul(4)?)?.chunks_exact(4);
+        let ([stage], number, length) = (rest.array()?, rest.long()?, rest.word()?);
+        let words = rest.slice((length as usize).checked_mul(4)?)?.chunks_exact(4);
         let words = words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
         entries.insert((stage, number), words.collect());
     }
-    rest.is_empty().then_some((hash, entries))
+    rest.0.is_empty().then_some((hash, entries))
 }

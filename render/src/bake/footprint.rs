@@ -13,7 +13,7 @@ use crate::world::{Surface, World};
 const SIDE: u32 = 4;
 
 /// The points of a texel, its own alone if nothing else will do; and the number of rays that it took.
-pub(super) fn footprint<'w>(world: &'w World, surfaces: &Surfaces, texel: &Texel) -> (Vec<Surface<'w>>, u64) {
+pub(super) fn direct_points<'w>(world: &'w World, surfaces: &Surfaces, texel: &Texel) -> (Vec<Surface<'w>>, u64) {
     let own = world.receiver(texel.point.prim_id, texel.point.barycentric);
     if texel.is_moved {
         return (vec![own], 0);

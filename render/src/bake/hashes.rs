@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 
 use super::options::BakeOptions;
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Scene, fnv};
 
 /// Hashes, 64 bits each, of what a bake depends on.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,8 +97,7 @@ fn by_name(meshes: &[(String, Hash)]) -> BTreeMap<&str, Vec<Hash>> {
 impl Hash {
     /// FNV-1a of these bytes (Fowler, Noll and Vo).
     pub fn of(bytes: &[u8]) -> Self {
-        let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        Self(bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+        Self(fnv(bytes))
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use super::atlas::{Chart, NO_CHART, Page, Part};
 use super::left_out::LeftOut;
 use super::raster::Polygon;
-use crate::scene::Scene;
+use crate::scene::{Scene, UnionFind};
 
 /// A triangle of less than this many square texels is no part of a chart.
 const NO_AREA: f64 = 1e-9;
@@ -25,10 +25,11 @@ pub(crate) fn islands(scene: &Scene, pages: &[Page], parts: &mut [Part], left_ou
         part.charts.fill(NO_CHART);
         let mut chart_of_root = vec![NO_CHART; roots.len()];
         for triangle in (0..roots.len()).filter(|&triangle| has_area[triangle]) {
-            let mut chart = chart_of_root[roots[triangle]];
+            let root = roots[triangle] as usize;
+            let mut chart = chart_of_root[root];
             if chart == NO_CHART {
                 chart = charts.len() as u32;
-                chart_of_root[roots[triangle]] = chart;
+                chart_of_root[root] = chart;
                 let (min, max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
                 charts.push(Chart { part: number, triangles: Vec::new(), min, max, area: 0.0, texels: 0.0 });
             }
@@ -53,7 +54,7 @@ pub(crate) fn area(corners: [Vec3; 3]) -> f64 {
 }
 
 /// For each triangle the least one that it is connected with.
-fn connect(scene: &Scene, part: &Part, has_area: &[bool]) -> Vec<usize> {
+fn connect(scene: &Scene, part: &Part, has_area: &[bool]) -> Vec<u32> {
     let mesh = &scene.meshes[part.mesh];
     let corner = |triangle: usize, corner: usize| -> Corner {
         let vertex = part.vertices[part.triangles[triangle][corner] as usize];
@@ -61,35 +62,20 @@ fn connect(scene: &Scene, part: &Part, has_area: &[bool]) -> Vec<usize> {
         // Both zeros are one.
         [x, y, z, vertex.uv.x, vertex.uv.y].map(|value| (value + 0.0).to_bits())
     };
-    let mut sides: Vec<([Corner; 2], usize)> = Vec::with_capacity(3 * part.triangles.len());
+    let mut sides: Vec<([Corner; 2], u32)> = Vec::with_capacity(3 * part.triangles.len());
     for triangle in (0..part.triangles.len()).filter(|&triangle| has_area[triangle]) {
         for side in 0..3 {
             let mut ends = [corner(triangle, side), corner(triangle, (side + 1) % 3)];
             ends.sort_unstable();
-            sides.push((ends, triangle));
+            sides.push((ends, triangle as u32));
         }
     }
     sides.sort_unstable();
-    let mut parents: Vec<usize> = (0..part.triangles.len()).collect();
+    let mut sets = UnionFind::new(part.triangles.len());
     for pair in sides.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        join(&mut parents, [pair[0].1, pair[1].1]);
+        sets.join(pair[0].1, pair[1].1);
     }
-    (0..parents.len()).map(|triangle| root(&mut parents, triangle)).collect()
-}
-
-/// Connects two triangles.
-pub(crate) fn join(parents: &mut [usize], triangles: [usize; 2]) {
-    let [a, b] = triangles.map(|triangle| root(parents, triangle));
-    parents[a.max(b)] = a.min(b);
-}
-
-/// The least triangle that one is connected with; the way there becomes shorter.
-pub(crate) fn root(parents: &mut [usize], mut triangle: usize) -> usize {
-    while parents[triangle] != triangle {
-        parents[triangle] = parents[parents[triangle]];
-        triangle = parents[triangle];
-    }
-    triangle
+    sets.roots()
 }
 
 /// Steps in space for a texel's steps on the page along u and v; not finite for a triangle without area there.

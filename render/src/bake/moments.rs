@@ -16,15 +16,13 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use super::options::Directional;
-use crate::estimator::{AimedFrom, AimedRays, Follow, Hemisphere};
+use crate::estimator::{AimedFrom, AimedRays, Follow, Hemisphere, salts};
 use crate::integrator::{Follower, GatherSource};
 use crate::settings::{CachedOptions, HemisphereSampling};
 use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that a direction comes from.
 const DIRECTION_SET: u32 = 0;
-/// Keeps these numbers apart from others.
-const SALT: u64 = 0xa54f_f53a_5f1d_36f1;
 /// Rays that are traced together, about.
 const BATCH: usize = 2048;
 
@@ -98,7 +96,7 @@ impl Moments {
         Self {
             hemisphere: Hemisphere::new(HemisphereSampling::StratifiedUniform, options.rays),
             max_depth: options.bounces.map(|bounces| bounces + 1),
-            seed: seed ^ SALT,
+            seed: seed ^ salts::MOMENTS,
             samplers: Vec::new(),
             rays: Vec::new(),
             hits: Vec::new(),

@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use super::edges::{SharedEdge, shared_edges};
 use super::inside::{RAYS, Search, Viewpoint, around};
-use super::islands::{area, join, root};
+use super::islands::area;
 use super::left_out::LeftOut;
 use super::texels::first_prims;
-use crate::scene::Scene;
+use crate::scene::{Scene, UnionFind};
 use crate::settings::Invalid;
 use crate::world::World;
 
@@ -40,9 +40,9 @@ impl LeftOut {
         look_at_pieces(world, &search, &viewpoints, &pieces, &mut is_seen);
         let mut piece_is_seen = vec![false; is_seen.len()];
         for (&piece, _) in pieces.iter().zip(&is_seen).filter(|(_, is_seen)| **is_seen) {
-            piece_is_seen[piece] = true;
+            piece_is_seen[piece as usize] = true;
         }
-        let is_left_out = |prim: u32| !piece_is_seen[pieces[prim as usize]];
+        let is_left_out = |prim: u32| !piece_is_seen[pieces[prim as usize] as usize];
         let of_mesh = |ends: &[u32]| (ends[0]..ends[1]).map(is_left_out).collect();
         Ok(Self::new(first_prims.windows(2).map(of_mesh).collect()))
     }
@@ -64,13 +64,13 @@ impl LeftOut {
 }
 
 /// For each triangle the least one of its piece, which ends at creases.
-fn pieces(edges: &[SharedEdge], first_prims: &[u32]) -> Vec<usize> {
-    let count = first_prims.last().map_or(0, |&count| count as usize);
-    let mut parents: Vec<usize> = (0..count).collect();
+fn pieces(edges: &[SharedEdge], first_prims: &[u32]) -> Vec<u32> {
+    let mut sets = UnionFind::new(first_prims.last().map_or(0, |&count| count as usize));
     for edge in edges.iter().filter(|edge| edge.is_smooth) {
-        join(&mut parents, edge.sides.map(|side| (first_prims[side.mesh as usize] + side.face) as usize));
+        let [a, b] = edge.sides.map(|side| first_prims[side.mesh as usize] + side.face);
+        sets.join(a, b);
     }
-    (0..count).map(|triangle| root(&mut parents, triangle)).collect()
+    sets.roots()
 }
 
 /// Marks what is seen from all viewpoints, in all directions.
@@ -88,7 +88,7 @@ fn look_around(search: &Search, viewpoints: &[Viewpoint], is_seen: &mut [bool]) 
 }
 
 /// Marks pieces of which nothing is seen yet, if rays from viewpoints to points on them hit any of their triangles.
-fn look_at_pieces(world: &World, search: &Search, viewpoints: &[Viewpoint], pieces: &[usize], is_seen: &mut [bool]) {
+fn look_at_pieces(world: &World, search: &Search, viewpoints: &[Viewpoint], pieces: &[u32], is_seen: &mut [bool]) {
     let mut order: Vec<u32> = (0..pieces.len() as u32).collect();
     order.sort_by_key(|&prim| pieces[prim as usize]);
     let unseen = order.chunk_by(|&a, &b| pieces[a as usize] == pieces[b as usize]);

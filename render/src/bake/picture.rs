@@ -3,6 +3,7 @@
 use super::atlas::{Atlas, NO_CHART};
 use super::check::Check;
 use super::raster::rasterize;
+use crate::output::false_color::categorical_hue;
 
 /// Outside of all charts.
 const BACKGROUND: [u8; 3] = [24, 24, 28];
@@ -35,11 +36,10 @@ pub fn charts_picture(atlas: &Atlas, check: &Check, page: usize) -> Vec<u8> {
     pixels.concat()
 }
 
-/// A colour for a chart, never red: hues a golden angle apart.
+/// A colour for a chart, never red, which shows overlaps.
 pub(crate) fn color(chart: u32) -> [u8; 3] {
-    let hue = f64::from(chart) * 0.618_033_988_749_895;
     // From 40 to 320 degrees.
-    let hue = (hue - hue.floor()) * 280.0 + 40.0;
+    let hue = categorical_hue(chart) * 280.0 + 40.0;
     let value = [1.0, 0.8, 0.6][chart as usize / 7 % 3];
     [5.0, 3.0, 1.0].map(|shift: f64| {
         let k = (shift + hue / 60.0) % 6.0;

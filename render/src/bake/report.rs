@@ -7,6 +7,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use crate::output::false_color;
 use crate::output::html::{Html, Plane, escaped, percentile};
 use crate::output::{OutputError, ToneMapping};
 
@@ -120,9 +121,9 @@ impl ReportPage {
     }
 }
 
-/// A colour for chart `number`: hues far apart for numbers side by side, by the golden ratio.
+/// A colour for chart `number`, of any hue.
 fn color(number: u32) -> [u8; 3] {
-    let hue = (f64::from(number) * 0.618_033_988_749_895).fract() * 6.0;
+    let hue = false_color::categorical_hue(number) * 6.0;
     let channel = |offset: f64| {
         let distance = ((hue + offset) % 6.0 - 3.0).abs() - 1.0;
         (70.0 + 170.0 * distance.clamp(0.0, 1.0)).round() as u8
@@ -136,7 +137,6 @@ mod tests {
     use base64::engine::general_purpose::STANDARD;
 
     use super::*;
-    use crate::output::false_color;
 
     fn page(width: u32, height: u32) -> ReportPage {
         let texels = (width * height) as usize;

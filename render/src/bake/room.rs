@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::options::BakeOptions;
-use crate::scene::{Key, Scene, count, key};
+use crate::scene::{Key, Scene, UnionFind, count, key};
 use crate::settings::Invalid;
 
 /// The most texels of all pages together.
@@ -40,14 +40,7 @@ pub(super) fn pieces(
     cuts: Option<&[[bool; 3]]>,
 ) -> usize {
     let mesh = &scene.meshes[mesh];
-    let mut roots: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    fn root(roots: &mut [u32], mut face: u32) -> u32 {
-        while roots[face as usize] != face {
-            roots[face as usize] = roots[roots[face as usize] as usize];
-            face = roots[face as usize];
-        }
-        face
-    }
+    let mut sets = UnionFind::new(mesh.triangles.len());
     let mut first_faces: HashMap<[Key; 2], u32> = HashMap::new();
     let mut pieces = 0;
     for (face, triangle) in mesh.triangles.iter().enumerate().filter(|(face, _)| has_chart(*face)) {
@@ -57,11 +50,7 @@ pub(super) fn pieces(
             let mut ends = [keys[side], keys[(side + 1) % 3]];
             ends.sort_unstable();
             let other = *first_faces.entry(ends).or_insert(face as u32);
-            let (a, b) = (root(&mut roots, face as u32), root(&mut roots, other));
-            if a != b {
-                roots[a.max(b) as usize] = a.min(b);
-                pieces -= 1;
-            }
+            pieces -= usize::from(sets.join(face as u32, other));
         }
     }
     pieces

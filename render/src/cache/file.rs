@@ -11,7 +11,9 @@ use std::path::Path;
 
 use super::record::Record;
 use super::{Cache, ErrorEstimate};
+use crate::film::Bytes;
 use crate::output::{OutputError, OutputFile};
+use crate::scene::fnv;
 use crate::settings::{CachedOptions, GatherLayout, Gradients, Invalid, Metric};
 
 const MAGIC: [u8; 8] = *b"halfdIRC";
@@ -203,30 +205,6 @@ impl Cache {
         cache.commit(records);
         Ok(cache)
     }
-}
-
-/// What is left of a file.
-struct Bytes<'a>(&'a [u8]);
-
-impl Bytes<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk::<N>()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
-    fn word(&mut self) -> Option<u32> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn long(&mut self) -> Option<u64> {
-        self.take().map(u64::from_le_bytes)
-    }
-}
-
-/// FNV-1a with 64 bits (Fowler, Noll and Vo).
-fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// The options as words: the error's bits, gradients, metric, layout, rays, bounces, the accuracy's bits or 0.

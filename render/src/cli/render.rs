@@ -148,7 +148,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     report.print_start(style);
 
     interrupt::catch()?;
-    let progress = Progress::start(style, samples(&settings) / u64::from(arguments.film.share().count));
+    let progress = Progress::start(style, samples(&settings) / u64::from(arguments.film.shard().count()));
     if let Some(film) = &before {
         crate::watch::Watch::advance(&progress, film.total_samples(), 0);
     }
@@ -164,7 +164,8 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         recorder: (!reports.is_empty()).then_some(&recorder),
         tev: tev.as_ref(),
     };
-    let plan = Plan { cache, film: before, share: arguments.film.share(), noise: arguments.film.noise };
+    let (shard, first_sample) = (arguments.film.shard(), arguments.film.first_sample);
+    let plan = Plan { cache, film: before, shard, first_sample, noise: arguments.film.noise };
     let mut result = pool.install(|| driver::render_plan(&world, &settings, plan, &watch)).map_err(CliError::input)?;
     let mut end = match result.finished {
         true if result.is_precise => End::Done,

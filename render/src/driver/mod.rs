@@ -3,7 +3,7 @@
 //! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
 //! are already, so that a render which is stopped leaves a picture without holes, unless nobody wants it. The first wave can be watched from
 //! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
-//! threads, on no shares and no interruption.
+//! threads, on no shards and no interruption.
 
 mod features;
 mod frame;
@@ -28,7 +28,7 @@ use frame::{FrameRender, TileScratch};
 pub use crate::integrator::CacheUse;
 pub use crate::watch::{MAX_PREVIEW_SIDE, Watch};
 pub use history::{LightPath, SampleHistory, pixel_history};
-pub use plan::{Plan, Share, film_header};
+pub use plan::{Plan, film_header};
 pub use worker::{Step, TileWorker};
 
 /// What a render gives.
@@ -91,12 +91,12 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
 /// Like [`render`], but what the plan says of the picture.
 ///
 /// # Errors
-/// If the plan's film is not of this picture, or has other samples than the plan's; if the light path expressions are too
+/// If the plan's film is not of this picture, or has other samples than the plan's; if these begin at the end; if the light path expressions are too
 /// complex.
 pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &dyn Watch) -> Result<Render, FilmError> {
     let start = Instant::now();
     let header = film_header(world, settings, plan.cache.as_ref());
-    let mut film = plan.begin(header)?;
+    let mut film = plan.begin(header, settings.spp)?;
     let light_paths = LightPaths::new(world, &integrator::aovs(world, settings)).map_err(FilmError::from)?;
     let (prepared, prefill_rays) = integrator::prepare(world, settings, plan.cache.take(), watch);
     let renderer =
@@ -104,13 +104,13 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
     let before = film.seconds;
     let counts_before = world.ray_counts();
     let mut rays = prefill_rays;
-    if !film.has_first_samples(|number| plan.share.has(number)) {
+    if !film.has_first_samples(|number| plan.shard.has(number)) {
         rays += renderer.first_wave(&mut film, start);
     }
     let level = film.header.level;
     let mut is_done: Vec<bool> = film.tiles.iter().map(|tile| plan.is_enough(tile, level, settings.spp)).collect();
     loop {
-        let is_open = |tile: &(usize, &Tile)| plan.share.has(tile.0) && !is_done[tile.0];
+        let is_open = |tile: &(usize, &Tile)| plan.shard.has(tile.0) && !is_done[tile.0];
         let open = film.tiles.iter().enumerate().filter(is_open);
         let Some(least) = open.map(|(_, tile)| tile.samples.len() as u32).min() else { break };
         if watch.stop() {
@@ -118,9 +118,9 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
         }
         let target = plan::next_wave(least);
         let tiles = film.tiles.par_iter_mut().zip(&mut is_done).enumerate();
-        let open = tiles.filter(|(number, (_, is_done))| plan.share.has(*number) && !**is_done);
+        let open = tiles.filter(|(number, (_, is_done))| plan.shard.has(*number) && !**is_done);
         let sample = |scratch: &mut TileScratch, (_, (tile, is_done)): (usize, (&mut Tile, &mut bool))| {
-            let rays = renderer.sample(scratch, tile, plan.share.first_sample.saturating_add(target));
+            let rays = renderer.sample(scratch, tile, plan.first_sample.saturating_add(target));
             *is_done = plan.is_enough(tile, level, settings.spp);
             rays
         };
@@ -132,7 +132,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
         }
     }
     film.seconds = before + start.elapsed().as_secs_f64();
-    let is_precise = |(number, tile): (usize, &Tile)| !plan.share.has(number) || plan.is_precise(tile, level);
+    let is_precise = |(number, tile): (usize, &Tile)| !plan.shard.has(number) || plan.is_precise(tile, level);
     let frozen = match &renderer.frame.prepared {
         Prepared::Cache(frozen) => Some(frozen),
         Prepared::Guide(_) | Prepared::Nothing => None,
@@ -141,7 +141,7 @@ pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &d
     let cache = frozen.map(FrozenCache::usage);
     Ok(Render {
         picture: film.picture(),
-        finished: (0..film.tiles.len()).all(|number| !plan.share.has(number) || is_done[number]),
+        finished: (0..film.tiles.len()).all(|number| !plan.shard.has(number) || is_done[number]),
         is_precise: film.tiles.iter().enumerate().all(is_precise),
         film,
         rays,
@@ -169,11 +169,11 @@ impl Renderer<'_> {
     /// Takes the first sample of every pixel that has none, which cannot be stopped, level by level; gives the rays traced.
     fn first_wave(&self, film: &mut Film, start: Instant) -> u64 {
         let coarsest = levels::sides(self.watch.coarsest()).next().unwrap_or(1);
-        let first = self.plan.share.first_sample;
+        let first = self.plan.first_sample;
         // Errors are compared with all of the picture.
         let is_for_all = film.header.halves && first == 0;
         let is_new: Vec<bool> = (film.tiles.iter().enumerate())
-            .map(|(number, tile)| tile.samples.is_empty() && (is_for_all || self.plan.share.has(number)))
+            .map(|(number, tile)| tile.samples.is_empty() && (is_for_all || self.plan.shard.has(number)))
             .collect();
         let mut rays = 0;
         for side in levels::sides(coarsest) {
@@ -202,7 +202,7 @@ impl Renderer<'_> {
         }
         if is_for_all && film.header.level.is_none() {
             film.header.level = film.level();
-            film.keep(|number| self.plan.share.has(number));
+            film.keep(|number| self.plan.shard.has(number));
         }
         rays
     }
@@ -214,7 +214,7 @@ impl Renderer<'_> {
         let target = target.min(self.frame.settings.spp);
         while tile.samples.end < target && !self.watch.stop() && !self.watch.wants_film() {
             let count = (BATCH / pixels.len()).max(1) as u32;
-            let next = tile.samples.end..target.min(tile.samples.end + count);
+            let next = tile.samples.end..target.min(tile.samples.end.saturating_add(count));
             let rays = self.frame.sample(self.world, scratch, tile, &pixels, next.clone());
             self.watch.advance(next.len() as u64 * pixels.len() as u64, rays);
             tile.samples.end = next.end;

@@ -9,7 +9,7 @@
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, FilmHeader, MatteLayer, Tile};
 use crate::integrator;
-use crate::settings::{Integrator, Settings};
+use crate::settings::{Integrator, Settings, Shard};
 use crate::world::World;
 
 /// The most samples a pixel that one wave takes, and so the most by which tiles differ after an interruption.
@@ -24,34 +24,13 @@ pub struct Plan {
     pub cache: Option<Cache>,
     /// Samples taken before.
     pub film: Option<Film>,
-    /// The part of the picture.
-    pub share: Share,
+    /// The tiles that are rendered.
+    pub shard: Shard,
+    /// The first sample of each pixel; the settings' samples per pixel are the end.
+    pub first_sample: u32,
     /// The relative error, more than 0, at which a tile has had enough, if it comes to that before all its samples are
     /// taken. The settings must ask for halves.
     pub noise: Option<f64>,
-}
-
-/// The part of a picture that is taken: of the tiles, and of their samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Share {
-    /// Every tile whose number leaves this when divided by `count`.
-    pub number: u32,
-    /// In how many parts the tiles are dealt out, at least 1.
-    pub count: u32,
-    /// The first sample of each pixel; the settings' samples per pixel are the end.
-    pub first_sample: u32,
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self { number: 0, count: 1, first_sample: 0 }
-    }
-}
-
-impl Share {
-    pub(super) fn has(&self, tile: usize) -> bool {
-        tile % self.count.max(1) as usize == self.number as usize
-    }
 }
 
 /// What the film of a picture is told by: equal for all parts of it.
@@ -125,11 +104,15 @@ fn is_end_of_wave(samples: u32) -> bool {
 }
 
 impl Plan {
-    /// The film to go on with.
-    pub(super) fn begin(&mut self, header: FilmHeader) -> Result<Film, FilmError> {
+    /// The film to go on with, up to `spp` samples a pixel.
+    pub(super) fn begin(&mut self, header: FilmHeader, spp: u32) -> Result<Film, FilmError> {
+        if self.first_sample > 0 && self.first_sample >= spp {
+            let problem = format!("the first sample is {}, and a pixel has {spp}", self.first_sample);
+            return Err(FilmError::new(problem, "begin with an earlier sample, or take more a pixel"));
+        }
         let Some(film) = self.film.take() else { return Ok(Film::new(header)) };
         film.header().check(&header)?;
-        film.check_first_sample(self.share.first_sample)?;
+        film.check_first_sample(self.first_sample)?;
         Ok(film)
     }
 

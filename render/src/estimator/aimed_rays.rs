@@ -11,14 +11,13 @@ use halfdome_kernel::sampling::{Sampler, power, unit_double};
 
 use super::follow::Follow;
 use super::lit::{aim, aimed_density};
+use super::salts;
 use crate::light::Receiver;
 use crate::world::{Hit, Surface, World};
 
 /// The set of random numbers that says where a ray is aimed. Those after it are for whoever
 /// follows the ray.
 const AIM_SET: u32 = 0;
-/// Keeps the numbers of aimed rays apart from others.
-const SALT: u64 = 0x1f83_d9ab_fb41_bd6b;
 
 /// How one point aims.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +98,7 @@ impl AimedRays {
         others: impl Fn(Vec3) -> f32,
     ) {
         for i in 0..from.count {
-            let sampler = sampler(seed ^ SALT, i);
+            let sampler = sampler(seed ^ salts::AIMED, i);
             let [a, b, c, _] = sampler.uniform4(AIM_SET);
             let numbers = (unit_double(glam::Vec2::new(a, b)), c);
             let Some(aimed) = aim(world, surface, &from.receiver, numbers) else { continue };

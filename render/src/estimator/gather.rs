@@ -18,6 +18,7 @@ use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
 use super::aimed_rays::{AimedFrom, AimedRays};
 use super::follow::Follow;
 use super::occluders::OccluderSectors;
+use super::salts;
 use crate::settings::GatherLayout;
 use crate::world::{Hit, Surface, World};
 
@@ -25,8 +26,6 @@ use crate::world::{Hit, Surface, World};
 const JITTER_SET: u32 = 0;
 /// The first set of random numbers that is free for whoever follows the rays.
 pub(crate) const GATHER_FIRST_SET: u32 = 1;
-/// Keeps the numbers of gathers apart from those of pixels.
-const SALT: u64 = 0x6a09_e667_f3bc_c908;
 /// Rays that are traced together, about.
 const BATCH: usize = 2048;
 
@@ -98,7 +97,7 @@ impl Gatherer {
                 Box::new(Hemicube::new(size, table).expect("an even size and a table as long as needed"))
             }
         };
-        Self { layout, with_hessian, seed: seed ^ SALT }
+        Self { layout, with_hessian, seed: seed ^ salts::GATHER }
     }
 
     /// The rays of a gather.

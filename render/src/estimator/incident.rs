@@ -11,6 +11,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 
 use super::direct::{sample_direct, scattered_weight};
+use super::salts;
 use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
@@ -21,8 +22,6 @@ const LIGHT_SET: u32 = 0;
 const DIRECTION_SET: u32 = 1;
 /// The set that says at which of the surfaces.
 const PLACE_SET: u32 = 2;
-/// Keeps the numbers of direct light apart from those of gathers.
-const SALT: u64 = 0x3c6e_f372_fe94_f82b;
 /// Samples that are traced together, about.
 const BATCH: u32 = 2048;
 
@@ -65,7 +64,7 @@ impl IncidentSampler {
             self.rays.clear();
             self.scattered.clear();
             for sample in first..samples.end.min(first.saturating_add(BATCH)) {
-                let sampler = Sampler::new(Pattern::Sobol, seed ^ SALT, number, sample);
+                let sampler = Sampler::new(Pattern::Sobol, seed ^ salts::INCIDENT, number, sample);
                 let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
                 self.push_sample(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);
             }

@@ -12,6 +12,7 @@ mod lit;
 mod occluders;
 mod punctual;
 mod rounds;
+pub(crate) mod salts;
 mod seen_lights;
 mod weight;
 

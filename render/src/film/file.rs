@@ -7,6 +7,7 @@
 //! and sums; in the end the XXH3 hash of all that. A file that is cut off, changed or of another
 //! kind is refused.
 
+use super::bytes::Bytes;
 use super::cryptomatte::Coverage;
 use super::sum::{PositiveSum, Sum};
 use super::tile::{BadSamples, FEATURE_NAMES, FirstHit, Pixel, Tile};
@@ -69,7 +70,7 @@ impl Film {
         if !bytes.starts_with(&MAGIC) {
             return Err(FilmError::new("is no film", AGAIN));
         }
-        let mut reader = Reader(&bytes[MAGIC.len()..]);
+        let mut reader = Bytes(&bytes[MAGIC.len()..]);
         let version = reader.word().ok_or_else(cut)?;
         if version != VERSION {
             let problem = format!("is a film of format {version}, and this program reads format {VERSION}");
@@ -79,7 +80,7 @@ impl Film {
         if xxhash_rust::xxh3::xxh3_64(contents) != u64::from_le_bytes(*checksum) {
             return Err(cut());
         }
-        let mut reader = Reader(&contents[MAGIC.len() + 4..]);
+        let mut reader = Bytes(&contents[MAGIC.len() + 4..]);
         reader.film().ok_or_else(|| FilmError::new("is damaged: its contents do not fit together", AGAIN))
     }
 
@@ -90,29 +91,14 @@ impl Film {
     }
 }
 
-/// What is left of a file.
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn bytes<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
-    fn word(&mut self) -> Option<u32> {
-        self.bytes().map(u32::from_le_bytes)
-    }
-
+impl Bytes<'_> {
     fn film(&mut self) -> Option<Film> {
         let length = self.word()? as usize;
-        let (header, rest) = self.0.split_at_checked(length)?;
-        self.0 = rest;
-        let mut header: FilmHeader = serde_json::from_slice(header).ok()?;
-        header.level = Some(f64::from_le_bytes(self.bytes()?)).filter(|level| !level.is_nan());
+        let mut header: FilmHeader = serde_json::from_slice(self.slice(length)?).ok()?;
+        header.level = Some(f64::from_le_bytes(self.array()?)).filter(|level| !level.is_nan());
         Settings::check_pixels(header.width, header.height).ok().filter(|()| header.width > 0 && header.height > 0)?;
         let mut film = Film::new(header);
-        film.seconds = f64::from(f32::from_le_bytes(self.bytes()?));
+        film.seconds = f64::from(f32::from_le_bytes(self.array()?));
         let mut next = 0;
         for _ in 0..self.word()? {
             let number = self.word()?;
@@ -127,14 +113,14 @@ impl Reader<'_> {
     fn tile(&mut self, tile: &mut Tile) -> Option<()> {
         let [start, end, row, column, has_blind] =
             [self.word()?, self.word()?, self.word()?, self.word()?, self.word()?];
-        let count = self.bytes().map(u64::from_le_bytes)?;
+        let count = self.long()?;
         tile.samples = (start < end).then_some(start..end)?;
         tile.bad = BadSamples { count, first: (row != NONE).then_some((row, column)) };
         if has_blind == 1 {
             tile.blind = vec![Sum::default(); tile.pixels.len()];
         }
         let mut is_whole = true;
-        tile.visit(&mut |sum| match self.bytes() {
+        tile.visit(&mut |sum| match self.array() {
             Some(bytes) => *sum = i128::from_le_bytes(bytes),
             None => is_whole = false,
         });
@@ -146,7 +132,7 @@ impl Reader<'_> {
         }
         for Coverage(names) in tile.mattes.iter_mut().flatten() {
             for _ in 0..self.word()? {
-                let (id, weight) = (self.word()?, Sum(i128::from_le_bytes(self.bytes()?)));
+                let (id, weight) = (self.word()?, Sum(i128::from_le_bytes(self.array()?)));
                 // In their order, so that each is there once.
                 names.last().is_none_or(|&(last, _)| last < id).then(|| names.push((id, weight)))?;
             }

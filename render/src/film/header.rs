@@ -58,7 +58,7 @@ impl From<Invalid> for FilmError {
 }
 
 impl FilmError {
-    pub(super) fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+    pub(crate) fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self(Invalid::new(problem, remedy))
     }
 

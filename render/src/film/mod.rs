@@ -3,6 +3,7 @@
 //! A film may have a part of a picture's tiles, or of their samples. Parts of one picture add up to the film of all, to
 //! the bit, whoever took them and when; as files they are checkpoints and what machines send home.
 
+mod bytes;
 mod cryptomatte;
 mod file;
 mod filter_sampler;
@@ -16,6 +17,7 @@ mod sum;
 mod tests;
 mod tile;
 
+pub(crate) use bytes::Bytes;
 pub use cryptomatte::MatteLayer;
 pub(crate) use cryptomatte::{NO_NAME, id};
 pub use file::FILM_EXTENSION;
@@ -28,6 +30,11 @@ pub use tile::BadSamples;
 pub(crate) use tile::{Extras, Features, FirstHit, TILE_SIDE, Tile, tiles};
 
 use std::ops::Range;
+
+use glam::DVec3;
+
+/// The luminance of linear sRGB by its channels (Rec. 709).
+pub(crate) const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// The sums of a picture's samples, of all of it or a part.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,16 +6,16 @@
 //! excuse its own error, and to no less than a tenth of the film's level: the squared mean of the roots of the first
 //! samples' luminance, which bright lamps hardly move.
 
-use super::Film;
-use super::tile::Tile;
+use glam::DVec3;
 
-/// Rec. 709.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+use super::tile::Tile;
+use super::{Film, LUMINANCE};
+
 /// Below this part of the film's level errors are as visible as at it.
 const FLOOR: f64 = 0.1;
 
 fn luminance(color: [f64; 3]) -> f64 {
-    color.iter().zip(LUMINANCE).map(|(value, weight)| value * weight).sum()
+    DVec3::from_array(color).dot(LUMINANCE)
 }
 
 impl Film {

@@ -5,6 +5,7 @@
 //! from an even one by a factor of two at most.
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 
 use super::GuideSample;
 
@@ -55,7 +56,8 @@ impl DirectionTrees {
             let reach = BLUR * size_at(nodes, tree, place);
             for (x, y) in [-1.0, 0.0, 1.0].into_iter().flat_map(|x| [-1.0, 0.0, 1.0].map(|y| (x, y))) {
                 let place = place + reach * Vec2::new(x, y);
-                let place = Vec2::new(place.x.clamp(0.0, BELOW_ONE), place.y.rem_euclid(1.0).min(BELOW_ONE));
+                let place =
+                    Vec2::new(place.x.clamp(0.0, ONE_MINUS_EPSILON), place.y.rem_euclid(1.0).min(ONE_MINUS_EPSILON));
                 blur(nodes, tree, place, light);
             }
         }
@@ -118,7 +120,7 @@ impl DirectionTrees {
             u = Vec2::new(x, y);
             corner += size * Vec2::new(f32::from(right), f32::from(up));
             match node.children[usize::from(right) + 2 * usize::from(up)] {
-                0 => return (corner + size * u).min(Vec2::splat(BELOW_ONE)),
+                0 => return (corner + size * u).min(Vec2::splat(ONE_MINUS_EPSILON)),
                 child => node = &self.nodes[child as usize],
             }
         }
@@ -168,13 +170,11 @@ fn blur(nodes: &mut [Node], tree: u32, mut place: Vec2, light: f32) {
     }
 }
 
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
-
 /// Whether a number in [0, 1) chooses the second of two parts, and what is left of it.
 fn choose(first: f32, second: f32, u: f32) -> (bool, f32) {
     let from = first / (first + second);
     let (is_second, rest) = if u < from { (false, u / from) } else { (true, (u - from) / (1.0 - from)) };
-    (is_second, rest.clamp(0.0, BELOW_ONE))
+    (is_second, rest.clamp(0.0, ONE_MINUS_EPSILON))
 }
 
 /// The coordinates of a vector whose last one is along the axis of a [side](super::cells::side).
@@ -209,7 +209,7 @@ pub(super) fn to_square(direction: Vec3, side: u8) -> (Vec2, f32) {
         (true, true) => 2.0 - along,
         (false, true) => 4.0 + along,
     };
-    let place = Vec2::new(0.5 + 0.5 * v.z, 0.25 * angle).clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE));
+    let place = Vec2::new(0.5 + 0.5 * v.z, 0.25 * angle).clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON));
     let squared = (v.x * v.x + v.y * v.y).max(f32::MIN_POSITIVE);
     (place, 0.125 * squared / (sum * sum).max(f32::MIN_POSITIVE))
 }

@@ -60,9 +60,10 @@ impl SensorPart {
 
     /// The file.
     pub fn encode(&self) -> String {
-        let Self { shard: Shard { number, count }, sensors, key, lines } = self;
+        let Self { shard, sensors, key, lines } = self;
+        let (number, count) = (shard.number() + 1, shard.count());
         let sum = xxh3_64(lines.as_bytes());
-        format!("{TITLE} {VERSION}: shard {}/{count} of {sensors} sensors, {key:016x} {sum:016x}\n{lines}", number + 1)
+        format!("{TITLE} {VERSION}: shard {number}/{count} of {sensors} sensors, {key:016x} {sum:016x}\n{lines}")
     }
 
     /// Reads a file.
@@ -92,7 +93,7 @@ impl SensorPart {
         let [_, shard, _, sensors, _, key, _] = words.split(' ').collect::<Vec<_>>().try_into().ok()?;
         let (number, count) = shard.split_once('/')?;
         let (number, count): (u32, u32) = (number.parse().ok()?, count.parse().ok()?);
-        let shard = (1..=count).contains(&number).then(|| Shard { number: number - 1, count })?;
+        let shard = Shard::new(number.checked_sub(1)?, count)?;
         let key = u64::from_str_radix(key, 16).ok()?;
         Some(Self { shard, sensors: sensors.parse().ok()?, key, lines: lines.to_owned() })
     }
@@ -110,7 +111,7 @@ pub fn join(parts: &[(String, SensorPart)]) -> Result<String, Invalid> {
     }
     let shards: Vec<_> = parts.iter().map(|(name, part)| (name.clone(), part.shard)).collect();
     Shard::check_all(&shards)?;
-    let mut in_order: Vec<_> = parts.iter().map(|(_, part)| (part.shard.number, part.lines.lines())).collect();
+    let mut in_order: Vec<_> = parts.iter().map(|(_, part)| (part.shard.number(), part.lines.lines())).collect();
     in_order.sort_by_key(|(number, _)| *number);
     let mut text = String::new();
     for sensor in 0..*sensors {
@@ -130,7 +131,7 @@ mod tests {
     }
 
     fn part(number: u32, count: u32) -> (String, SensorPart) {
-        (format!("{number}.txt"), SensorPart::new(Shard { number: number - 1, count }, 7, &values()))
+        (format!("{number}.txt"), SensorPart::new(Shard::new(number - 1, count).unwrap(), 7, &values()))
     }
 
     #[test]

@@ -18,7 +18,7 @@ mod tree;
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use halfdome_kernel::{Aabb, Triangle};
 
 pub(crate) use self::choice::{LightChoice, SampledLight};
@@ -31,6 +31,7 @@ pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
 pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};
+use crate::film::LUMINANCE;
 use crate::scene::{Material, PunctualLight};
 use crate::settings::LightSampling;
 
@@ -75,9 +76,9 @@ pub(crate) enum Light {
     Sky,
 }
 
-/// Linear sRGB to luminance (Rec. 709).
+/// Linear sRGB to luminance.
 fn luminance(rgb: Vec3) -> f64 {
-    rgb.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    rgb.as_dvec3().dot(LUMINANCE)
 }
 
 impl LightSampler {

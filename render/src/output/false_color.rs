@@ -58,6 +58,12 @@ pub(crate) fn color(x: f32) -> [u8; 3] {
     [mix(0), mix(1), mix(2)]
 }
 
+/// The hue that tells this number from others, in 0..1: steps of the golden ratio leave numbers close to each other far
+/// apart on the circle, however many there are.
+pub(crate) fn categorical_hue(number: u32) -> f64 {
+    (f64::from(number) * 0.618_033_988_749_895).fract()
+}
+
 /// The scale's right end, white: a round number of at least 10, above which hardly any value is.
 pub(crate) fn scale(values: &[f32]) -> u64 {
     let mut sorted: Vec<f32> = values.iter().copied().filter(|value| value.is_finite()).collect();
@@ -102,16 +108,16 @@ fn print(rows: &mut [[u8; 3]], width: usize, left: usize, top: usize, number: &s
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::film::LUMINANCE;
 
     #[test]
     fn colours_grow_lighter_from_end_to_end() {
         assert_eq!((color(0.0), color(1.0), color(7.0)), (COLORS[0], COLORS[7], COLORS[7]));
         assert_eq!((color(-1.0), color(f32::NAN)), (COLORS[0], COLORS[0]));
-        let luma = |x: f32| {
-            let [r, g, b] = color(x).map(f32::from);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
-        };
+        let luma = |x: f32| DVec3::from_array(color(x).map(f64::from)).dot(LUMINANCE);
         assert!((0..100).all(|i| luma(i as f32 / 100.0) < luma((i + 1) as f32 / 100.0)));
     }
 

@@ -6,6 +6,10 @@
 //! Sources: IEC 61966-2-1 for sRGB; Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002; the
 //! Khronos Group's "PBR Neutral Tone Mapper" specification, 2024.
 
+use glam::Vec3;
+
+use crate::film::LUMINANCE;
+
 /// Above this, a channel is as good as infinite: every curve shows it at full strength, and its arithmetic stays finite.
 const BRIGHTEST: f32 = 1e30;
 
@@ -86,7 +90,7 @@ fn srgb_oetf(linear: f64) -> f64 {
 }
 
 fn reinhard(rgb: [f32; 3]) -> [f32; 3] {
-    let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    let luminance = Vec3::from_array(rgb).dot(LUMINANCE.as_vec3());
     rgb.map(|channel| channel / (1.0 + luminance))
 }
 

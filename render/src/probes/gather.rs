@@ -15,14 +15,12 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 use super::Options;
 use super::harmonics::basis;
 use super::quadrature::Quadrature;
-use crate::estimator::{AimedFrom, AimedRays, Follow, IncidentSampler, IncidentSink};
+use crate::estimator::{AimedFrom, AimedRays, Follow, IncidentSampler, IncidentSink, salts};
 use crate::integrator::{Follower, GatherSource};
 use crate::world::{Hit, World};
 
 /// The set of random numbers by which a probe's directions are turned.
 const TURN_SET: u32 = 0;
-/// Keeps these numbers apart from others.
-const SALT: u64 = 0x510e_527f_ade6_82d1;
 /// Rays that are traced together, at most.
 const BATCH: usize = 2048;
 
@@ -106,7 +104,7 @@ impl<'a> ProbeGatherer<'a> {
 
     /// The light at a point, and the number of rays. `number` selects the random numbers.
     pub(super) fn light(&mut self, position: Vec3, number: u32) -> (ProbeLight, u64) {
-        let seed = self.options.seed ^ SALT;
+        let seed = self.options.seed ^ salts::PROBE;
         let turn = turn(Sampler::new(Pattern::Random, seed, number, 0).uniform4(TURN_SET));
         let mut sums = Sums::default();
         let mut traced = 0;

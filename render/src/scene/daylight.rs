@@ -152,9 +152,10 @@ fn perez([a, b, c, d, e]: [f64; 5], cos_theta: f64, gamma: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::LUMINANCE;
 
     pub(super) fn luminance(radiance: DVec3) -> f64 {
-        radiance.dot(DVec3::new(0.2126, 0.7152, 0.0722)) / RADIANCE
+        radiance.dot(LUMINANCE) / RADIANCE
     }
 
     /// Illuminance of a horizontal plane by a picture of the sky, klx.

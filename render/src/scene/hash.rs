@@ -17,7 +17,7 @@ impl Scene {
 
     /// The same without the camera.
     pub fn surroundings_hash(&self) -> u64 {
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+        let mut hash = Fnv::new();
         let Self { meshes, instances, materials, textures, lights, sky: Sky { radiance, picture }, .. } = self;
         hash.count(meshes.len());
         for mesh in meshes {
@@ -116,9 +116,20 @@ impl Optics {
     }
 }
 
+/// FNV-1a of these bytes.
+pub(crate) fn fnv(bytes: &[u8]) -> u64 {
+    let mut hash = Fnv::new();
+    hash.bytes(bytes);
+    hash.0
+}
+
 struct Fnv(u64);
 
 impl Fnv {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
     fn bytes(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);

@@ -3,15 +3,34 @@
 /// Every `count`-th item of a list, from `number` on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shard {
-    /// From 0 up to `count`.
-    pub number: u32,
-    /// At least 1.
-    pub count: u32,
+    number: u32,
+    count: u32,
+}
+
+impl Default for Shard {
+    fn default() -> Self {
+        Self::ALL
+    }
 }
 
 impl Shard {
     /// All items.
     pub const ALL: Self = Self { number: 0, count: 1 };
+
+    /// The shard `number` of `count`; `None` if there is no such one, as numbers begin with 0.
+    pub fn new(number: u32, count: u32) -> Option<Self> {
+        (number < count).then_some(Self { number, count })
+    }
+
+    /// From 0 up to [`count`](Self::count).
+    pub fn number(self) -> u32 {
+        self.number
+    }
+
+    /// How many shards there are, at least 1.
+    pub fn count(self) -> u32 {
+        self.count
+    }
 
     /// Whether an item is in it.
     pub fn has(&self, item: usize) -> bool {
@@ -20,7 +39,7 @@ impl Shard {
 
     /// How many of so many items are in it.
     pub fn items(&self, of: usize) -> usize {
-        (of + self.count as usize - 1 - self.number as usize) / self.count as usize
+        of.saturating_sub(self.number as usize).div_ceil(self.count as usize)
     }
 
     /// Which shards are there, twice, or not at all.
@@ -60,18 +79,26 @@ mod tests {
     #[test]
     fn every_item_is_in_one_shard() {
         for (count, of) in [(1, 5), (2, 5), (3, 9), (16, 5), (4, 0)] {
-            let shards = (0..count).map(|number| Shard { number, count });
+            let shards = (0..count).map(|number| Shard::new(number, count).unwrap());
             let items: Vec<usize> = shards.map(|shard| (0..of).filter(|&item| shard.has(item)).count()).collect();
-            let counts: Vec<usize> = (0..count).map(|number| Shard { number, count }.items(of)).collect();
+            let counts: Vec<usize> = (0..count).map(|number| Shard::new(number, count).unwrap().items(of)).collect();
             assert_eq!((items.iter().sum::<usize>(), &items), (of, &counts));
         }
+    }
+
+    #[test]
+    fn shards_that_do_not_exist_are_none() {
+        assert_eq!([Shard::new(0, 0), Shard::new(2, 2), Shard::new(u32::MAX, 1)], [None; 3]);
+        assert_eq!(Shard::new(0, 1), Some(Shard::default()));
+        let last = Shard::new(u32::MAX - 1, u32::MAX).unwrap();
+        assert_eq!((last.items(5), last.has(5), last.items(usize::MAX)), (0, false, usize::MAX / u32::MAX as usize));
     }
 
     #[test]
     fn shards_that_are_missing_twice_there_or_of_another_number_are_named() {
         let of = |list: &[(u32, u32)]| {
             let shard = |(place, &(number, count)): (usize, &(u32, u32))| {
-                (format!("part{place}"), Shard { number: number - 1, count })
+                (format!("part{place}"), Shard::new(number - 1, count).unwrap())
             };
             let named: Vec<_> = list.iter().enumerate().map(shard).collect();
             Shard::check_all(&named).map_err(|error| error.problem)

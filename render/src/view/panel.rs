@@ -6,6 +6,7 @@ use super::keys::HELP;
 use super::pick::{Pick, PickedSurface};
 use super::session::{Page, Session};
 use crate::driver::SampleHistory;
+use crate::film::LUMINANCE;
 use crate::lpe::Event;
 use crate::settings::Settings;
 
@@ -209,7 +210,7 @@ fn wrap(text: &str, columns: usize) -> Vec<String> {
 }
 
 fn luminance(light: Vec3) -> f32 {
-    light.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    light.dot(LUMINANCE.as_vec3())
 }
 
 /// Four digits that matter.

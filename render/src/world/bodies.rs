@@ -15,7 +15,7 @@ use halfdome_kernel::{Aabb, Ray};
 
 use super::{Hit, World};
 use crate::light::Light;
-use crate::scene::{Key, Material, PunctualLight, key};
+use crate::scene::{Key, Material, PunctualLight, UnionFind, key};
 
 /// Corners of a mesh that must be inside of another, spread over it.
 const PROBES: usize = 4;
@@ -104,34 +104,18 @@ impl World {
     /// All triangles by what they hang together with, in the order of the least x.
     fn pieces(&self) -> Vec<Piece> {
         let mut numbers: HashMap<Key, u32> = HashMap::new();
-        let mut roots: Vec<u32> = Vec::new();
-        fn root(roots: &mut [u32], mut number: u32) -> u32 {
-            while roots[number as usize] != number {
-                roots[number as usize] = roots[roots[number as usize] as usize];
-                number = roots[number as usize];
-            }
-            number
-        }
+        let mut sets = UnionFind::default();
         let mut first_corners = Vec::with_capacity(self.placed_records().len());
         for record in self.placed_records() {
-            let corners = record.corners.map(|corner| {
-                let next = roots.len() as u32;
-                let number = *numbers.entry(key(corner)).or_insert(next);
-                if number == next {
-                    roots.push(number);
-                }
-                number
-            });
-            let [a, b, c] = corners.map(|corner| root(&mut roots, corner));
-            // The least stays, so that nothing depends on the map's order.
-            let least = a.min(b).min(c);
-            [a, b, c].into_iter().for_each(|corner| roots[corner as usize] = least);
-            first_corners.push(corners[0]);
+            let [a, b, c] = record.corners.map(|corner| *numbers.entry(key(corner)).or_insert_with(|| sets.push()));
+            sets.join(a, b);
+            sets.join(a, c);
+            first_corners.push(a);
         }
         let mut of_root: HashMap<u32, usize> = HashMap::new();
         let mut pieces: Vec<Piece> = Vec::new();
         for ((prim, record), corner) in (0..).zip(self.placed_records()).zip(first_corners) {
-            let place = *of_root.entry(root(&mut roots, corner)).or_insert(pieces.len());
+            let place = *of_root.entry(sets.root(corner)).or_insert(pieces.len());
             if place == pieces.len() {
                 pieces.push(Piece { triangles: Vec::new(), bounds: Aabb::EMPTY });
             }

@@ -191,6 +191,7 @@ fn what_does_not_fit_is_named() {
         1,
         &["--noise needs all samples of a pixel"],
     );
+    desk.refuses(&format!("{scene} --first-sample 2 -o a.hdf"), 1, &["the first sample is 2, and a pixel has 2"]);
     desk.refuses(&format!("{scene} -o a.hdf -o b.hdf"), 1, &["b.hdf is a second film"]);
     desk.refuses(
         &format!("{scene} --seed 5 --resume -o one.hdf"),

@@ -78,7 +78,9 @@ fn what_was_written_and_dropped_is_told() {
     assert_eq!((&end["bytes"], &end["files"]), (&json!(640), &json!(["d.bvh"])));
     let outcome = desk.run("tree d.obj -o d.bvh --progress bar");
     assert!(
-        outcome.stderr.ends_with("1 triangle kept, 1 dropped: 1 with two equal corners\nwrote d.bvh, 640 B\n"),
+        outcome
+            .stderr
+            .ends_with("1 primitive kept, 1 dropped, the first of them 1: 1 degenerate\nwrote d.bvh, 640 B\n"),
         "{}",
         outcome.stderr
     );

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::checksums::Checksum;
-use crate::sampling::statistics::{chi_squared, isas};
+use crate::sampling::tests::statistics::chi_squared;
 use crate::sampling::{ONE_MINUS_EPSILON, Stream, unit_double};
+use crate::simd::isas;
 
 fn table(weights: &[f32]) -> AliasTable<Vec<AliasEntry>> {
     AliasTable::build(weights, vec![AliasEntry::default(); weights.len()]).unwrap()

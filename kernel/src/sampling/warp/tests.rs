@@ -6,8 +6,9 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::*;
 use crate::checksums::Checksum;
-use crate::sampling::statistics::{chi_squared, integrate, isas};
+use crate::sampling::tests::statistics::{chi_squared, integrate};
 use crate::sampling::{ONE_MINUS_EPSILON, Pattern, Sampler, Strata, Stream};
+use crate::simd::isas;
 
 /// A parametrisation of a domain by the unit square in double precision, made independently of the warps.
 trait Chart: Copy {

@@ -7,14 +7,13 @@
 //! one. Points, curves and shapes it meets alone, as a single ray does. Scenes with scenes in them are not traced as
 //! streams: a stack of 32 KiB has no room for a stream below their recursion.
 
-mod answers;
 mod entering;
 mod items;
 mod trees;
 
-pub(super) use answers::{Answers, Nearest, Occluded};
 use trees::PlaceTrees;
 
+use super::answers::Answers;
 use super::search::Search;
 use super::walk::Trace;
 use super::widening::Widening;

@@ -20,8 +20,9 @@ use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, vec3};
 
 use super::*;
 use crate::bvh::{MovingBvh, Node};
+use crate::simd::isas;
 use crate::traverse::reference as trees;
-use crate::traverse::tests::{Random, fewer, isas, rays_at, soup};
+use crate::traverse::tests::{Random, fewer, rays_at, soup};
 use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Triangle};
 
 fn bvh(triangles: &[Triangle]) -> Bvh {

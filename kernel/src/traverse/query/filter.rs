@@ -83,8 +83,9 @@ mod tests {
 
     use super::*;
     use crate::geometry::intersect_triangle;
+    use crate::simd::isas;
     use crate::traverse::reference;
-    use crate::traverse::tests::{Random, isas, rays_at, soup};
+    use crate::traverse::tests::{Random, rays_at, soup};
     use crate::{Bvh, Quality, Triangle};
 
     /// A verdict that looks arbitrary, and depends on the hit alone.

@@ -9,7 +9,8 @@ use glam::{DVec3, Vec3, vec3};
 
 use super::Facing;
 use crate::geometry::{intersect_triangle, overlaps};
-use crate::traverse::tests::{Random, isas, rays_at, soup, sphere};
+use crate::simd::isas;
+use crate::traverse::tests::{Random, rays_at, soup, sphere};
 use crate::{Aabb, Bvh, Hit, Quality, Ray, SurfacePoint, Triangle};
 
 const GO_ON: ControlFlow<()> = ControlFlow::Continue(());

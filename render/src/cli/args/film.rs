@@ -6,7 +6,6 @@ use std::time::Duration;
 use clap::Args;
 
 use super::with_extension;
-use crate::driver::Share;
 use crate::film::FILM_EXTENSION;
 use crate::settings::{Invalid, Shard};
 
@@ -44,19 +43,18 @@ pub(in crate::cli) struct FilmArguments {
     /// Begin with sample number N of each pixel, in a film (-o PART.hdf) that goes with others, which have the samples
     /// before; --spp is the end
     #[arg(long, value_name = "N", default_value = "0")]
-    first_sample: u32,
+    pub(in crate::cli) first_sample: u32,
 }
 
 impl FilmArguments {
-    /// The part of the picture to render.
-    pub(in crate::cli) fn share(&self) -> Share {
-        let Shard { number, count } = self.shard.unwrap_or(Shard::ALL);
-        Share { number, count, first_sample: self.first_sample }
+    /// The tiles to render.
+    pub(in crate::cli) fn shard(&self) -> Shard {
+        self.shard.unwrap_or_default()
     }
 
     /// The part's name for people, if it is one.
     pub(in crate::cli) fn part(&self) -> Option<String> {
-        let shard = self.shard.map(|Shard { number, count }| format!("part {} of {count}", number + 1));
+        let shard = self.shard.map(|shard| format!("part {} of {}", shard.number() + 1, shard.count()));
         let samples = (self.first_sample > 0).then(|| format!("from sample {}", self.first_sample));
         let words: Vec<String> = shard.into_iter().chain(samples).collect();
         (!words.is_empty()).then(|| words.join(" "))
@@ -125,8 +123,7 @@ fn duration(text: &str) -> Result<Duration, String> {
 pub(in crate::cli) fn shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
     parts
-        .filter(|&(number, count): &(u32, u32)| (1..=count).contains(&number))
-        .map(|(number, count)| Shard { number: number - 1, count })
+        .and_then(|(number, count): (u32, u32)| Shard::new(number.checked_sub(1)?, count))
         .ok_or_else(|| "expected K/N with K from 1 to N, for example 3/16".to_owned())
 }
 
@@ -141,7 +138,7 @@ mod tests {
         let seconds = |text| duration(text).map(|duration| duration.as_secs_f64());
         assert_eq!(["90", "90s", "1.5m", "2h", "1d"].map(seconds), [90.0, 90.0, 90.0, 7200.0, 86_400.0].map(Ok));
         assert!(["", "m", "-1s", "1w", "inf", "0"].iter().all(|text| duration(text).is_err()));
-        assert_eq!((shard("1/1"), shard("3/16")), (Ok(Shard::ALL), Ok(Shard { number: 2, count: 16 })));
+        assert_eq!((shard("1/1"), shard("3/16")), (Ok(Shard::ALL), Ok(Shard::new(2, 16).unwrap())));
         assert!(["0/4", "5/4", "1", "a/b", "1/0"].iter().all(|text| shard(text).is_err()));
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn run(
     let file = OutputFile::check(output).map_err(CliError::input)?;
     let checkpoint = if resume { Checkpoint::read(output, hash)? } else { None };
     if let Some(other) = checkpoint.as_ref().and_then(Checkpoint::shard).filter(|other| *other != shard) {
-        let problem = format!("{} is of the shard {}/{}", output.display(), other.number + 1, other.count);
+        let problem = format!("{} is of the shard {}/{}", output.display(), other.number() + 1, other.count());
         return Err(invalid(problem, "give each shard a file of its own"));
     }
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(file, STATE_INTERVAL);
@@ -78,6 +78,6 @@ pub(super) fn run(
         print_text(style, &format!("interrupted; continue with --resume from {}", output.display()));
         return Ok(EXIT_INTERRUPTED);
     }
-    print_text(style, &format!("shard {}/{} is in {}", shard.number + 1, shard.count, output.display()));
+    print_text(style, &format!("shard {}/{} is in {}", shard.number() + 1, shard.count(), output.display()));
     Ok(EXIT_DONE)
 }

@@ -14,7 +14,7 @@ use super::GatherSource;
 use super::clearance::lookup_point;
 use super::level::Uncached;
 use crate::cache::{Cache, LookupPoint};
-use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink};
+use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, salts};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -35,8 +35,6 @@ const KNOWN_TO: f64 = 0.25;
 const LIGHT_SAMPLES: u32 = 32;
 /// Points that a thread takes at once.
 const CHUNK: usize = 4;
-/// Keep the numbers of these gathers apart from those of records and of each other.
-const SALTS: [u64; 2] = [0x510e_527f_ade6_82d1, 0x9b05_688c_2b3e_6c1f];
 /// The fewest and the most rays of records at first.
 const RAYS_OF_RECORDS: [f32; 2] = [256.0, 2048.0];
 /// The median of the squares of a normal distribution with a variance of 1.
@@ -94,7 +92,7 @@ impl<'w> HeldOut<'w> {
         // One of each part of the list.
         let chosen = (0..some).map(|part| {
             let [first, end] = [part, part + 1].map(|part| part * count / some);
-            let place = Stream::new(seed ^ SALTS[0], part as u32, 0).uniform2(0).x;
+            let place = Stream::new(seed ^ salts::HELD_OUT[0], part as u32, 0).uniform2(0).x;
             (first + (place * (end - first) as f32) as usize).min(end - 1)
         });
         let surfaces: Vec<Surface> = chosen.map(surface).collect();
@@ -181,7 +179,7 @@ impl<'w> HeldOut<'w> {
             if watch.stop() {
                 return None;
             }
-            let [(a, first), (b, second)] = SALTS.map(|salt| {
+            let [(a, first), (b, second)] = salts::HELD_OUT.map(|salt| {
                 Uncached::new(world, &options, GatherSource::paths(&options), seed ^ salt).irradiance(points)
             });
             watch.advance(0, first + second);
@@ -198,7 +196,7 @@ impl<'w> HeldOut<'w> {
         let sample = |incident: &mut IncidentSampler, (number, surface): (u32, &Surface)| {
             let mut sum = Sum(DVec3::ZERO);
             let samples = (0..LIGHT_SAMPLES, 1.0 / LIGHT_SAMPLES as f32);
-            let rays = incident.sample(world, &[*surface], (seed ^ SALTS[1], number), samples, &mut sum);
+            let rays = incident.sample(world, &[*surface], (seed ^ salts::HELD_OUT[1], number), samples, &mut sum);
             (sum.0.element_sum() / 3.0, rays)
         };
         let numbered: Vec<(u32, &Surface)> = (0..).zip(&self.surfaces).collect();

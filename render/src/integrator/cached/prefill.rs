@@ -15,7 +15,7 @@ use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::to_accuracy::{self, Aim};
 use super::{FrozenCache, GatherSource, HeldOut, Level, MeanLight, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
-use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer};
+use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer, salts};
 use crate::settings::{CachedOptions, Gradients, Metric, Settings};
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -38,8 +38,6 @@ const FEWER: u32 = 4;
 const MORE: u32 = 8;
 /// ... but no more than these.
 const MOST_RAYS: u32 = 1 << 16;
-/// Keeps the random numbers apart of gathers that are made again.
-const SALT_AGAIN: u64 = 0x3c6e_f372_fe94_f82b;
 
 /// Adds to `cache` what a camera needs, and freezes it; gives the rays traced. If the cache's options ask for an accuracy,
 /// it is for this.
@@ -202,7 +200,7 @@ impl Prefill<'_> {
         let rays = (MORE * options.rays).min(MOST_RAYS);
         let with_hessian = options.metric == Metric::Hessian;
         (matches!(self.aim, Aim::Options) && rays > options.rays)
-            .then(|| Gatherer::new(options.layout, rays, with_hessian, self.seed ^ SALT_AGAIN).into())
+            .then(|| Gatherer::new(options.layout, rays, with_hessian, self.seed ^ salts::AGAIN).into())
     }
 }
 

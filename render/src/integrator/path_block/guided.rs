@@ -2,6 +2,7 @@
 //! changed where there is a guide.
 
 use glam::{Vec2, Vec3};
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays};
@@ -10,9 +11,6 @@ use crate::guide::{Guide, GuideCell};
 use crate::integrator::state::survive;
 use crate::settings::{LightSampling, Survival};
 use crate::world::{Surface, WHITE};
-
-/// The largest number below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The guide of each path.
 pub(in crate::integrator) struct GuidedBlock<'a> {
@@ -95,7 +93,7 @@ impl<'a> GuidedBlock<'a> {
             let weight = scattered / density;
             return (Bounce { direction, weight, density }, weight.max_element() > 0.0);
         }
-        let u = Vec2::new(((u.x - cell.fraction) / (1.0 - cell.fraction)).min(BELOW_ONE), u.y);
+        let u = Vec2::new(((u.x - cell.fraction) / (1.0 - cell.fraction)).min(ONE_MINUS_EPSILON), u.y);
         let (bounce, scatters) = closures.sample(i, surface, u, CosineHemisphere.map(u));
         if bounce.density == f32::INFINITY {
             return (Bounce { weight: bounce.weight / (1.0 - cell.fraction), ..bounce }, scatters);

@@ -12,7 +12,7 @@ use super::Reader;
 use super::parameters::Parameters;
 use super::round::area;
 use super::sky;
-use super::spectrum::Spectrum;
+use super::spectrum::{LUMINANCE, Spectrum};
 use crate::scene::description::unit;
 use crate::scene::nearest::suggestion;
 use crate::scene::{Mesh, PunctualLight, SceneError, SpotEdge, TextureMap};
@@ -153,9 +153,7 @@ impl Reader<'_> {
             None => None,
         };
         let picture = texture.map(|texture| TextureMap { texture, ..TextureMap::default() });
-        let mean = texture.map_or(1.0, |texture| {
-            self.textures.list[texture].mean().truncate().dot(Vec3::new(0.2126729, 0.7151522, 0.072175))
-        });
+        let mean = texture.map_or(1.0, |texture| self.textures.list[texture].mean().truncate().dot(LUMINANCE));
         let two_sided = parameters.flag("twosided", false)?;
         let power = parameters.optional_float("power")?.filter(|power| *power > 0.0);
         Ok(Rc::new(AreaLight { radiance, power, two_sided, picture, mean }))

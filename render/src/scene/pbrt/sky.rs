@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
+use super::spectrum::LUMINANCE;
 use crate::scene::{ColorSpace, SkyPicture, Texture, TextureFilter, TextureMap, Wrap};
 
 /// Places along each side of a texel.
@@ -58,7 +59,6 @@ pub(super) fn resample(square: &Texture, to_light: DMat3, scale: Vec3) -> SkyPic
 /// What pbrt takes for the irradiance of a plane that faces +z of the light, by luminance: half of what it is, as it takes
 /// 2π for the solid angle of all directions. `illuminance` is divided by it, so that pictures are as bright as pbrt's.
 pub(super) fn illuminance(square: &Texture) -> f64 {
-    const LUMINANCE: Vec3 = Vec3::new(0.2126729, 0.7151522, 0.072175);
     let (side, _) = square.size();
     let map = TextureMap { filter: TextureFilter::Nearest, ..TextureMap::default() };
     let texel = |index: u32| {

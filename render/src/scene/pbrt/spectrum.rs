@@ -13,6 +13,9 @@ use super::parameters::{Parameter, Parameters, Values};
 use super::tokens::At;
 use crate::scene::{Files, SceneError};
 
+/// The luminance of linear sRGB by its channels, with as many digits as pbrt has.
+pub(super) const LUMINANCE: Vec3 = Vec3::new(0.2126729, 0.7151522, 0.072175);
+
 /// A colour as a file has it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Spectrum {
@@ -260,8 +263,6 @@ fn of_luminance_1(spectrum: impl Fn(f64) -> f64) -> Vec3 {
 mod tests {
     use super::*;
     use crate::material::fresnel::complex_index_colors;
-
-    const LUMINANCE: Vec3 = Vec3::new(0.2126729, 0.7151522, 0.072175);
 
     #[test]
     fn black_bodies_have_their_published_chromaticities() {

@@ -1,15 +1,11 @@
 //! Streams that meshoptimizer's own encoder (1.x, its JavaScript build) made, and what its decoder makes of them.
 
 use super::*;
+use crate::scene::fnv;
 
 fn bytes(hex: &str) -> Vec<u8> {
     let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
     digits.chunks(2).map(|pair| u8::from_str_radix(str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
-}
-
-/// FNV-1a, 64 bits.
-fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 fn compression(mode: Mode, count: usize, byte_stride: usize, filter: Filter) -> Compression {
@@ -30,7 +26,7 @@ const TRIANGLES: &str = "\
 fn attributes_are_differences_of_bytes() {
     let it = compression(Mode::Attributes, 40, 8, Filter::None);
     let decoded = decode(&it, &bytes(ATTRIBUTES)).unwrap();
-    assert_eq!((decoded.len(), hash(&decoded)), (320, 0xb05bed7fc1f56a3));
+    assert_eq!((decoded.len(), fnv(&decoded)), (320, 0xb05bed7fc1f56a3));
     // The first byte counts vertices, the last one backwards.
     assert!((0..40).all(|vertex| (decoded[8 * vertex], decoded[8 * vertex + 7]) == (vertex as u8, 255 - vertex as u8)));
 }
@@ -38,7 +34,7 @@ fn attributes_are_differences_of_bytes() {
 #[test]
 fn triangles_share_edges() {
     let decoded = decode(&compression(Mode::Triangles, 165, 4, Filter::None), &bytes(TRIANGLES)).unwrap();
-    assert_eq!(hash(&decoded), 0xecc2b31a1ef71ec8);
+    assert_eq!(fnv(&decoded), 0xecc2b31a1ef71ec8);
     let short = decode(&compression(Mode::Triangles, 165, 2, Filter::None), &bytes(TRIANGLES)).unwrap();
     assert!(decoded.chunks(4).zip(short.chunks(2)).all(|(long, short)| long[..2] == *short));
 }

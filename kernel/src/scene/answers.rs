@@ -1,11 +1,11 @@
-//! What becomes of the rays of a stream: their nearest hits, or whether they have any.
+//! What becomes of many rays: their nearest hits, or whether they have any.
 
-use super::super::SceneHit;
-use super::super::search::{Any, Closest, Search};
+use super::SceneHit;
+use super::search::{Any, Closest, Search};
 use crate::geometry::Hit;
 
 /// What is known of rays by their numbers in the batch.
-pub(in crate::scene) trait Answers {
+pub(super) trait Answers {
     /// What a ray looks for.
     type Search: Search;
     /// Whether any hit is as good as another.
@@ -32,7 +32,7 @@ pub(in crate::scene) trait Answers {
 }
 
 /// The nearest hits.
-pub(in crate::scene) struct Nearest<'a>(pub(in crate::scene) &'a mut [SceneHit]);
+pub(super) struct Nearest<'a>(pub(super) &'a mut [SceneHit]);
 
 impl Nearest<'_> {
     #[inline(always)]
@@ -90,7 +90,7 @@ impl Answers for Nearest<'_> {
 }
 
 /// Whether there are hits.
-pub(in crate::scene) struct Occluded<'a>(pub(in crate::scene) &'a mut [bool]);
+pub(super) struct Occluded<'a>(pub(super) &'a mut [bool]);
 
 impl Occluded<'_> {
     #[inline(always)]

@@ -1,21 +1,9 @@
-//! What the tests of the samplers share: the χ² test, quadrature, a checksum of bits, and the instruction sets.
-
-use crate::simd::Isa;
-#[cfg(feature = "std")]
-use crate::simd::Level;
-
-/// Every instruction set of this machine.
-pub(super) fn isas() -> Vec<Isa> {
-    #[cfg(feature = "std")]
-    return Level::ALL.into_iter().filter_map(Isa::new).collect();
-    #[cfg(not(feature = "std"))]
-    return vec![Isa::PORTABLE];
-}
+//! The χ² test, and quadrature.
 
 /// The z-score of a χ² test of `counts` against `expected`, by Wilson and Hilferty's cube-root approximation: standard
 /// normal if the counts follow the expectation. Cells are pooled until each expects at least 10; a cell that expects
 /// nothing must hold nothing.
-pub(super) fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
+pub(in crate::sampling) fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut statistic, mut cells) = (0.0, 0.0);
     let (mut count, mut expect) = (0.0, 0.0);
     let total: f64 = expected.iter().sum();
@@ -36,7 +24,7 @@ pub(super) fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// ∫ f over [x0, x1] × [y0, y1] by Gauss and Legendre's rule with 5 × 5 nodes.
-pub(super) fn integrate([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], f: impl Fn(f64, f64) -> f64) -> f64 {
+pub(in crate::sampling) fn integrate([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], f: impl Fn(f64, f64) -> f64) -> f64 {
     const NODES: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189),
         (-0.538_469_310_105_683, 0.478_628_670_499_366),

@@ -1,0 +1,3 @@
+//! What the tests of the samplers share.
+
+pub(super) mod statistics;
