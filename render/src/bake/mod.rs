@@ -1,49 +1,20 @@
 //! Lightmaps: irradiance at every texel of the pages that a level's surfaces are laid out on.
 //!
 //! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture coordinates
-//! ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers it (`covered`),
-//! its light (`light`), then what makes a map of it: less noise (`denoise`), gutters (`dilate`) and borders of charts that
-//! cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
+//! ([`atlas`]), the point on a surface that stands for each texel (`layout::texels`), moved where something covers it
+//! (`visibility::covered`), its light (`light`), then what makes a map of it (`finish`): less noise, gutters and borders of
+//! charts that cannot be seen. A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
 //! reflects the radiance E/π.
 //!
 //! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
 //! with the same bytes.
 
-mod ao;
-pub mod atlas;
-mod baker;
-mod cached;
-pub mod check;
-mod checkpoint;
-mod covered;
-mod denoise;
-mod dilate;
-mod edges;
-mod errors;
-mod filter;
-mod footprint;
-pub mod gltf;
-mod hashes;
-mod inside;
-mod islands;
+mod files;
+mod finish;
 mod layout;
-mod left_out;
-pub mod manifest;
-mod moments;
-mod noise;
-pub mod obj;
+mod light;
 mod options;
-mod outside;
-mod picture;
-mod raster;
-pub mod report;
-mod room;
-mod seams;
-mod t_junctions;
-mod texel_irradiance;
-mod texels;
-mod unwrap;
-mod values;
+mod visibility;
 mod warnings;
 
 use glam::{Vec2, Vec3};
@@ -54,26 +25,28 @@ use crate::settings::{Invalid, Shard};
 use crate::watch::Watch;
 use crate::world::World;
 
-use atlas::{Atlas, NO_CHART};
-use baker::Baker;
-use covered::{Uncovered, uncover};
-use denoise::denoise;
-use dilate::PageTexels;
-use edges::shared_edges;
-pub use errors::ErrorSummary;
-use errors::errors;
-use moments::DirectionalBasis;
-use seams::{Seams, cuts};
-use texels::{Surfaces, Texel};
+use finish::denoise::denoise;
+use finish::dilate::PageTexels;
+pub use finish::errors::ErrorSummary;
+use finish::errors::errors;
+use finish::seams::{Seams, cuts};
+use layout::atlas::{Atlas, NO_CHART};
+use layout::edges::shared_edges;
+use layout::texels::{Surfaces, Texel};
+use light::baker::Baker;
+use light::moments::DirectionalBasis;
+use visibility::covered::{Uncovered, uncover};
 use warnings::warnings;
 
-pub use checkpoint::{Checkpoint, STATE_EXTENSION};
-pub use dilate::TexelSource;
-pub use hashes::{combined, hashes};
-pub use left_out::LeftOut;
+pub use files::checkpoint::{Checkpoint, STATE_EXTENSION};
+pub use files::hashes::{combined, hashes};
+pub use files::picture::charts_picture;
+pub use files::{gltf, manifest, obj, report};
+pub use finish::dilate::TexelSource;
+pub use layout::left_out::LeftOut;
+pub use layout::room::{LayoutStep, LayoutWatch};
+pub use layout::{atlas, check};
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
-pub use picture::charts_picture;
-pub use room::{LayoutStep, LayoutWatch};
 pub use warnings::model_warnings;
 
 /// Light for every page of an atlas.

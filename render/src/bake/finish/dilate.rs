@@ -3,7 +3,7 @@
 //! Each takes the mean of its neighbours of the same chart that have a value, ring by ring; what belongs to another chart
 //! never enters.
 
-use super::atlas::{NO_CHART, Page};
+use crate::bake::layout::atlas::{NO_CHART, Page};
 
 /// The texels of a page.
 #[derive(Clone, Debug)]

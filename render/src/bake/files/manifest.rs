@@ -75,7 +75,7 @@ pub struct DirectionalEntry {
     /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those of
     /// `sh`, which have signs, are coefficients of radiance.
     pub file: String,
-    /// The names of its layers, as [`Layer::name`](super::Layer::name) has them.
+    /// The names of its layers, as [`Layer::name`](crate::bake::Layer::name) has them.
     pub layers: Vec<String>,
 }
 

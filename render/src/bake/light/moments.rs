@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
-use super::options::Directional;
+use crate::bake::options::Directional;
 use crate::estimator::{AimedFrom, AimedRays, Follow, Hemisphere};
 use crate::integrator::{Follower, GatherSource};
 use crate::settings::{CachedOptions, HemisphereSampling};
@@ -30,7 +30,7 @@ const BATCH: usize = 2048;
 
 /// The moments of light at a point, as functions of directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DirectionalBasis {
+pub(crate) struct DirectionalBasis {
     kind: Directional,
     /// The normals of `hl2`.
     basis: [Vec3; 3],
@@ -38,7 +38,7 @@ pub(super) struct DirectionalBasis {
 
 impl DirectionalBasis {
     /// The names of the layers, after that of irradiance.
-    pub(super) fn layers(kind: Directional) -> &'static [&'static str] {
+    pub(crate) fn layers(kind: Directional) -> &'static [&'static str] {
         match kind {
             Directional::None => &[],
             Directional::Hl2 => &["hl2.0", "hl2.1", "hl2.2"],
@@ -47,7 +47,7 @@ impl DirectionalBasis {
     }
 
     /// The moments at a point with this shading normal, where u grows along `tangent` and v along `bitangent`.
-    pub(super) fn new(kind: Directional, normal: Vec3, tangent: Vec3, bitangent: Vec3) -> Self {
+    pub(crate) fn new(kind: Directional, normal: Vec3, tangent: Vec3, bitangent: Vec3) -> Self {
         // Into the plane of the shading normal.
         let x = (tangent - normal * normal.dot(tangent)).normalize_or(normal.any_orthonormal_vector());
         let y = normal.cross(x);
@@ -73,7 +73,7 @@ impl DirectionalBasis {
     }
 
     /// Adds `flux`, radiance times solid angle, that comes from a direction.
-    pub(super) fn add(&self, direction: Vec3, flux: Vec3, sums: &mut [DVec3; 4]) {
+    pub(crate) fn add(&self, direction: Vec3, flux: Vec3, sums: &mut [DVec3; 4]) {
         for (sum, factor) in sums.iter_mut().zip(self.at(direction)) {
             *sum += (flux * factor).as_dvec3();
         }
@@ -81,7 +81,7 @@ impl DirectionalBasis {
 }
 
 /// Gathers of moments, and their memory.
-pub(super) struct Moments {
+pub(crate) struct Moments {
     hemisphere: Hemisphere,
     max_depth: Option<u32>,
     seed: u64,
@@ -94,7 +94,7 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Gathers with as many rays as records have, and with as many bounces.
-    pub(super) fn new(options: &CachedOptions, seed: u64) -> Self {
+    pub(crate) fn new(options: &CachedOptions, seed: u64) -> Self {
         Self {
             hemisphere: Hemisphere::new(HemisphereSampling::StratifiedUniform, options.rays),
             max_depth: options.bounces.map(|bounces| bounces + 1),
@@ -109,7 +109,7 @@ impl Moments {
 
     /// Adds the moments of all but direct light at a point; gives the number of rays. `number` selects the random
     /// numbers.
-    pub(super) fn gather(
+    pub(crate) fn gather(
         &mut self,
         world: &World,
         surface: &Surface,

@@ -1,8 +1,8 @@
 //! How noisy a map is: the relative noise σ of each chart, from the second differences along its rows and columns, whose
 //! median is hardly moved by the edges of shadows.
 
-use super::atlas::Page;
 use super::dilate::{PageTexels, TexelSource};
+use crate::bake::layout::atlas::Page;
 
 /// The median of |x| of a normal distribution is this part of its σ; a second difference has √6 times the σ.
 const MEDIAN: f32 = 0.6745 * 2.449_49;

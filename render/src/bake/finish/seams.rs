@@ -11,12 +11,12 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::atlas::{Atlas, NO_CHART};
 use super::dilate::{PageTexels, TexelSource};
-use super::edges::{SharedEdge, Side};
 use super::filter::{Footprint, footprint};
 use super::noise::{View, sigma};
-use super::options::Sampling;
+use crate::bake::layout::atlas::{Atlas, NO_CHART};
+use crate::bake::layout::edges::{SharedEdge, Side};
+use crate::bake::options::Sampling;
 
 /// What a change of a texel costs, relative to a step of the same size at a seam.
 const LIGHT: f64 = 0.001;

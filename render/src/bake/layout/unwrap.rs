@@ -12,8 +12,8 @@ use uvunwrap::{Atlas, Density, Error, MeshInput, Options, Packing, Progress, Sta
 use super::atlas::{Layout, NO_CHART, Page, Part, Vertex, mesh_name};
 use super::edges::SharedEdge;
 use super::left_out::LeftOut;
-use super::options::BakeOptions;
 use super::room::{LayoutStep, LayoutWatch, least_pages, many_pages, pieces};
+use crate::bake::options::BakeOptions;
 use crate::scene::Scene;
 use crate::settings::Invalid;
 
@@ -256,7 +256,7 @@ mod tests {
     use halfdome_kernel::sampling::Stream;
 
     use super::*;
-    use crate::bake::atlas::Atlas as Pages;
+    use crate::bake::layout::atlas::Atlas as Pages;
     use crate::scene::{Material, Mesh};
 
     fn mesh(name: &str, positions: Vec<Vec3>) -> Mesh {

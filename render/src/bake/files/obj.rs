@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::atlas::Atlas;
+use crate::bake::layout::atlas::Atlas;
 use crate::scene::Scene;
 
 /// The text of the file: an object for each part, named after its mesh.

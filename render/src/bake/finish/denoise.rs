@@ -20,7 +20,7 @@ const STRENGTH: f32 = 0.7;
 const FACING: f32 = 0.95;
 
 /// Smooths `layers` of a page, guided by the first one; `normals` has those of the texels with light.
-pub(super) fn denoise(grid: &PageTexels, normals: &[Vec3], layers: &mut [Vec<Vec3>], charts: usize) {
+pub(crate) fn denoise(grid: &PageTexels, normals: &[Vec3], layers: &mut [Vec<Vec3>], charts: usize) {
     let Some(guide) = layers.first() else { return };
     let brightness: Vec<f32> = guide.iter().map(|value| value.element_sum()).collect();
     let view = View { grid, brightness: &brightness };
@@ -87,8 +87,8 @@ impl Filter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::atlas::Page;
-    use crate::bake::dilate::TexelSource;
+    use crate::bake::finish::dilate::TexelSource;
+    use crate::bake::layout::atlas::Page;
     use halfdome_kernel::sampling::Stream;
 
     /// Two charts side by side, one ten times as bright, with a shadow's edge across both and noise of 5%.

@@ -11,7 +11,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 use rayon::prelude::*;
 
-use super::texels::{Point, Surfaces, Texel};
+use crate::bake::layout::texels::{Point, Surfaces, Texel};
 use crate::world::{Bodies, Hit, World};
 
 /// Rays of a point.

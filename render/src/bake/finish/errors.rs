@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::dilate::PageTexels;
 use super::noise::{View, sigma};
-use super::texels::Texel;
+use crate::bake::layout::texels::Texel;
 use crate::cache::Cache;
 use crate::integrator::lookup_point;
 use crate::world::World;
@@ -38,7 +38,7 @@ pub struct ErrorSummary {
 
 impl ErrorSummary {
     /// That of a list of errors; zeros of none.
-    pub(super) fn of(mut errors: Vec<f32>) -> Self {
+    pub(crate) fn of(mut errors: Vec<f32>) -> Self {
         let Some(last) = errors.len().checked_sub(1) else { return Self::default() };
         errors.sort_unstable_by(f32::total_cmp);
         let squares: f64 = errors.iter().map(|&error| f64::from(error).powi(2)).sum();
@@ -60,7 +60,7 @@ impl ErrorSummary {
 }
 
 /// The relative error of each texel with light, page by page; 0 for others. `light` is that of all pages.
-pub(super) fn errors(
+pub(crate) fn errors(
     world: &World,
     page_texels: &[PageTexels],
     texels: &[Texel],

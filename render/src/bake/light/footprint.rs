@@ -6,7 +6,7 @@
 
 use halfdome_kernel::Ray;
 
-use super::texels::{Surfaces, Texel};
+use crate::bake::layout::texels::{Surfaces, Texel};
 use crate::world::{Surface, World};
 
 /// Points across and down a texel.

@@ -1,4 +1,4 @@
-//! Triangles that get no light of their own. The module `outside` finds them.
+//! Triangles that get no light of their own. The module `visibility::outside` finds them.
 
 /// Triangles that get no light of their own.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct LeftOut {
 
 impl LeftOut {
     /// Of a list for each mesh, which says of each triangle whether it is left out.
-    pub(super) fn new(meshes: Vec<Vec<bool>>) -> Self {
+    pub(crate) fn new(meshes: Vec<Vec<bool>>) -> Self {
         Self { meshes }
     }
 
@@ -19,7 +19,7 @@ impl LeftOut {
     }
 
     /// The triangles of a mesh, if any is left out anywhere.
-    pub(super) fn of_mesh(&self, mesh: usize) -> Option<&[bool]> {
+    pub(crate) fn of_mesh(&self, mesh: usize) -> Option<&[bool]> {
         self.meshes.get(mesh).map(Vec::as_slice)
     }
 }

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::texels::{Surfaces, Texel};
+use crate::bake::layout::texels::{Surfaces, Texel};
 use crate::integrator::IrradianceMap;
 use crate::world::Hit;
 

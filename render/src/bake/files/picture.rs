@@ -1,8 +1,8 @@
 //! A page's charts as a picture: each in a colour of its own, what overlaps in red, gutters darker.
 
-use super::atlas::{Atlas, NO_CHART};
-use super::check::Check;
-use super::raster::rasterize;
+use crate::bake::layout::atlas::{Atlas, NO_CHART};
+use crate::bake::layout::check::Check;
+use crate::bake::layout::raster::rasterize;
 
 /// Outside of all charts.
 const BACKGROUND: [u8; 3] = [24, 24, 28];

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::options::BakeOptions;
+use crate::bake::options::BakeOptions;
 use crate::scene::{Key, Scene, count, key};
 use crate::settings::Invalid;
 

@@ -1,17 +1,28 @@
 //! Lays out an atlas: which meshes keep the coordinates that they have, which get new places for their charts, and
 //! which are unwrapped.
 
-use super::atlas::{Atlas, Layout, NO_CHART, Page, Part, Vertex, mesh_name};
-use super::check::{Check, check};
-use super::edges::SharedEdge;
-use super::islands::{area, islands};
-use super::left_out::LeftOut;
+pub mod atlas;
+pub mod check;
+pub(super) mod edges;
+pub(super) mod islands;
+pub(super) mod left_out;
+pub(super) mod raster;
+pub(super) mod room;
+mod t_junctions;
+pub(super) mod texels;
+mod unwrap;
+
 use super::options::{BakeOptions, Coordinates};
-use super::raster::Polygon;
-use super::room::{LayoutWatch, MAX_TEXELS};
-use super::unwrap::{Request, Unwrapped, unwrap};
 use crate::scene::{Scene, count};
 use crate::settings::Invalid;
+use atlas::{Atlas, Layout, NO_CHART, Page, Part, Vertex, mesh_name};
+use check::{Check, check};
+use edges::SharedEdge;
+use islands::{area, islands};
+use left_out::LeftOut;
+use raster::Polygon;
+use room::{LayoutWatch, MAX_TEXELS};
+use unwrap::{Request, Unwrapped, unwrap};
 
 impl Atlas {
     /// Pages for all meshes of a scene whose shared edges are known.

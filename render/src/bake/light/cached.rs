@@ -8,11 +8,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::baker::{Baker, Found};
-use super::checkpoint::{CheckpointedRecords, Stage};
-use super::options::Directional;
 use super::texel_irradiance::TexelIrradiance;
-use super::texels::Texel;
 use super::values::Values;
+use crate::bake::files::checkpoint::{CheckpointedRecords, Stage};
+use crate::bake::layout::texels::Texel;
+use crate::bake::options::Directional;
 use crate::cache::Cache;
 use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels, lookup_point};
 use crate::settings::CachedOptions;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::options::BakeOptions;
+use crate::bake::options::BakeOptions;
 use crate::scene::{Mesh, Scene};
 
 /// Hashes, 64 bits each, of what a bake depends on.

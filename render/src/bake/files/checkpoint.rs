@@ -27,7 +27,7 @@ const CHECKSUM: usize = 8;
 
 /// What a key is of; the least significant bits are a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
+pub(crate) enum Stage {
     /// Blocks of texels with light that needs no cache.
     Texels = 1,
     /// Blocks of texels with what a cache could not tell.
@@ -150,7 +150,7 @@ impl Checkpoint {
     }
 
     /// Takes note of which shard it is of, and whether all of that is there.
-    pub(super) fn put_shard(&self, shard: Shard, is_whole: bool) {
+    pub(crate) fn put_shard(&self, shard: Shard, is_whole: bool) {
         self.put(Stage::Shard, 0, vec![shard.number, shard.count, is_whole.into()]);
     }
 
@@ -178,12 +178,12 @@ impl Checkpoint {
     }
 
     /// The value of a key.
-    pub(super) fn get(&self, stage: Stage, number: u64) -> Option<Vec<u32>> {
+    pub(crate) fn get(&self, stage: Stage, number: u64) -> Option<Vec<u32>> {
         self.state().entries.get(&(stage as u8, number)).cloned()
     }
 
     /// Takes note of a value.
-    pub(super) fn put(&self, stage: Stage, number: u64, words: Vec<u32>) {
+    pub(crate) fn put(&self, stage: Stage, number: u64, words: Vec<u32>) {
         let mut state = self.state();
         state.entries.insert((stage as u8, number), words);
         let Some((file, interval)) = &self.file else { return };
@@ -201,10 +201,10 @@ impl Checkpoint {
 }
 
 /// Irradiance records in a checkpoint.
-pub(super) struct CheckpointedRecords<'a> {
-    pub(super) checkpoint: &'a Checkpoint,
+pub(crate) struct CheckpointedRecords<'a> {
+    pub(crate) checkpoint: &'a Checkpoint,
     /// Of which cache they are.
-    pub(super) stage: Stage,
+    pub(crate) stage: Stage,
 }
 
 impl integrator::RecordLog for CheckpointedRecords<'_> {

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::atlas::Page;
-use super::options::Sampling;
+use crate::bake::layout::atlas::Page;
+use crate::bake::options::Sampling;
 
 /// The texels that a sample mixes, as indices into a page, with weights that add up to 1.
 pub(crate) type Footprint = Vec<(u32, f64)>;

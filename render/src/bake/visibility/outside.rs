@@ -9,11 +9,11 @@ use halfdome_kernel::sampling::warp::{Triangle, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 use rayon::prelude::*;
 
-use super::edges::{SharedEdge, shared_edges};
 use super::inside::{RAYS, Search, Viewpoint, around};
-use super::islands::{area, join, root};
-use super::left_out::LeftOut;
-use super::texels::first_prims;
+use crate::bake::layout::edges::{SharedEdge, shared_edges};
+use crate::bake::layout::islands::{area, join, root};
+use crate::bake::layout::left_out::LeftOut;
+use crate::bake::layout::texels::first_prims;
 use crate::scene::Scene;
 use crate::settings::Invalid;
 use crate::world::World;

@@ -9,12 +9,12 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::ao::AmbientOcclusion;
-use super::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
 use super::footprint::footprint;
 use super::moments::{DirectionalBasis, Moments};
-use super::options::{BakeOptions, Directional, Mode};
-use super::texels::{Surfaces, Texel};
 use super::values::Values;
+use crate::bake::files::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
+use crate::bake::layout::texels::{Surfaces, Texel};
+use crate::bake::options::{BakeOptions, Directional, Mode};
 use crate::cache::Cache;
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, RoundsMean, mean_in_rounds};
 use crate::integrator::CacheUse;
@@ -27,45 +27,45 @@ use crate::world::{Surface, World};
 const CHUNK: usize = 64;
 
 /// What a bake works with.
-pub(super) struct Baker<'a> {
-    pub(super) world: &'a World,
-    pub(super) surfaces: &'a Surfaces<'a>,
-    pub(super) options: &'a BakeOptions,
-    pub(super) checkpoint: &'a Checkpoint,
-    pub(super) watch: &'a dyn Watch,
+pub(crate) struct Baker<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) surfaces: &'a Surfaces<'a>,
+    pub(crate) options: &'a BakeOptions,
+    pub(crate) checkpoint: &'a Checkpoint,
+    pub(crate) watch: &'a dyn Watch,
 }
 
 /// The light of texels.
-pub(super) struct BakedTexels {
+pub(crate) struct BakedTexels {
     /// For each texel irradiance, then the moments that are asked for.
     values: Values,
     /// Rays traced now.
-    pub(super) rays: u64,
+    pub(crate) rays: u64,
     /// Gathers: of the texels, or of the cache's records.
-    pub(super) gathers: u64,
+    pub(crate) gathers: u64,
     /// The cache with its use.
-    pub(super) cache: Option<(Cache, CacheUse)>,
+    pub(crate) cache: Option<(Cache, CacheUse)>,
     /// An estimate of the root mean square error, relative to the mean, if an accuracy was asked for.
-    pub(super) error: Option<f32>,
+    pub(crate) error: Option<f32>,
 }
 
 /// What texels of a chunk get, and what it took.
 #[derive(Default)]
-pub(super) struct Found {
-    pub(super) values: Values,
-    pub(super) rays: u64,
+pub(crate) struct Found {
+    pub(crate) values: Values,
+    pub(crate) rays: u64,
     /// The sum of the variances of irradiance, as far as they are known, in W²/m⁴.
-    pub(super) variance: f64,
+    pub(crate) variance: f64,
 }
 
 impl BakedTexels {
     /// Vectors for each texel.
-    pub(super) fn layers(&self) -> usize {
+    pub(crate) fn layers(&self) -> usize {
         self.values.layers()
     }
 
     /// Those of each texel.
-    pub(super) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
+    pub(crate) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
         self.values.texels()
     }
 }
@@ -113,7 +113,7 @@ fn direct_noise(held_out: &HeldOut) -> f64 {
 
 impl Baker<'_> {
     /// The light of `texels`; `None` if the watcher says stop.
-    pub(super) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
+    pub(crate) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
         let held_out = self.held_out(texels)?;
         let noise = held_out.as_ref().map(direct_noise);
         let found = self.chunks(Stage::Texels, texels, |texels| self.without_cache(texels, noise))?;
@@ -163,12 +163,12 @@ impl Baker<'_> {
     }
 
     /// What is kept of directions.
-    pub(super) fn directional(&self) -> Directional {
+    pub(crate) fn directional(&self) -> Directional {
         if self.options.mode == Mode::Ao { Directional::None } else { self.options.directional }
     }
 
     /// Vectors for each texel.
-    pub(super) fn layers(&self) -> usize {
+    pub(crate) fn layers(&self) -> usize {
         1 + DirectionalBasis::layers(self.directional()).len()
     }
 
@@ -176,7 +176,7 @@ impl Baker<'_> {
         matches!(self.options.mode, Mode::Full | Mode::Indirect)
     }
 
-    pub(super) fn needs_cache(&self) -> bool {
+    pub(crate) fn needs_cache(&self) -> bool {
         self.options.has_cache()
     }
 
@@ -184,7 +184,7 @@ impl Baker<'_> {
         self.is_indirect() && self.options.brute
     }
 
-    pub(super) fn surface(&self, texel: &Texel) -> Surface<'_> {
+    pub(crate) fn surface(&self, texel: &Texel) -> Surface<'_> {
         self.world.receiver(texel.point.prim_id, texel.point.barycentric)
     }
 
@@ -193,7 +193,7 @@ impl Baker<'_> {
     }
 
     /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher says stop.
-    pub(super) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
+    pub(crate) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
         self.checkpoint.put_shard(shard, false);
         let held_out = self.held_out(texels)?;
         let noise = held_out.as_ref().map(direct_noise);
@@ -203,7 +203,7 @@ impl Baker<'_> {
     }
 
     /// The values of texels, found in chunks on all threads, or known from before; and the rays of those that were not.
-    pub(super) fn chunks(
+    pub(crate) fn chunks(
         &self,
         stage: Stage,
         texels: &[Texel],
@@ -314,7 +314,7 @@ impl Baker<'_> {
     }
 
     /// What texels gather.
-    pub(super) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> Found {
+    pub(crate) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> Found {
         let Self { world, options, .. } = self;
         let point =
             |(number, texel): &(usize, Texel)| GatherPoint { key: *number as u64, surface: self.surface(texel) };
@@ -326,7 +326,7 @@ impl Baker<'_> {
     }
 
     /// The moments that texels gather; zeros if there is nothing to keep.
-    pub(super) fn gather_moments(&self, texels: &[(usize, Texel)]) -> (Vec<[DVec3; 4]>, u64) {
+    pub(crate) fn gather_moments(&self, texels: &[(usize, Texel)]) -> (Vec<[DVec3; 4]>, u64) {
         let mut moments = vec![[DVec3::ZERO; 4]; texels.len()];
         if self.directional() == Directional::None {
             return (moments, 0);
