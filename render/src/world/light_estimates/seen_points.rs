@@ -6,9 +6,9 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle, UniformSphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
-use super::{Hit, Surface, World};
 use crate::camera::FilmPoint;
 use crate::light::area;
+use crate::world::{Hit, Surface, World};
 
 /// Camera rays, along each side of the picture.
 const SIDE: u32 = 32;
@@ -29,7 +29,7 @@ pub enum LookFrom<'a> {
 }
 
 /// Such points.
-pub(super) struct SeenPoints {
+pub(crate) struct SeenPoints {
     seen: Vec<SeenPoint>,
     next: Vec<SeenPoint>,
     last: Vec<SeenPoint>,
@@ -54,7 +54,7 @@ enum SeenPoint {
 
 impl SeenPoints {
     /// Those from which rays were scattered, with normals that face whoever sees them.
-    pub(super) fn all<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
+    pub(crate) fn all<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.seen.iter().chain(&self.next).map(|point| point.surface(world))
     }
 
@@ -75,7 +75,7 @@ impl SeenPoint {
 
 impl World {
     /// Points that paths come to; `None` if nothing is seen.
-    pub(super) fn seen_points(&self, from: LookFrom) -> Option<SeenPoints> {
+    pub(crate) fn seen_points(&self, from: LookFrom) -> Option<SeenPoints> {
         let seen = match from {
             LookFrom::Camera => {
                 let camera = self.camera_on(SIDE, SIDE);

@@ -6,9 +6,9 @@
 use glam::Mat3;
 use halfdome_kernel::Triangle;
 
-use super::{Hit, InstanceRecord, Motion, TriangleRecord, World};
 use crate::light::area;
 use crate::scene::{PunctualLight, Turn};
+use crate::world::{Hit, InstanceRecord, Motion, TriangleRecord, World};
 
 /// How a triangle has turned; `None` if it was or is a line.
 fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
@@ -50,7 +50,7 @@ impl World {
     }
 
     /// How directions on the surface of a hit's triangle have turned: with its instance, or by itself since the middle.
-    pub(super) fn turn_at(&self, hit: &Hit) -> Option<Turn> {
+    pub(crate) fn turn_at(&self, hit: &Hit) -> Option<Turn> {
         if let Some(motion) = &self.motion {
             if let Some(corners) = motion.corners(hit.prim_id, hit.time) {
                 return turn_between(&self.triangle_records[hit.prim_id as usize].corners, &corners);

@@ -2,10 +2,10 @@
 
 use glam::{Vec3, Vec4};
 
-use super::World;
 use super::names::SKY;
 use crate::light::Light;
 use crate::settings::MatteKind;
+use crate::world::World;
 
 /// The golden ratio's fractional part: hues in steps of it lie as far apart as they can, however many there are.
 const HUE_STEP: f32 = 0.618_034;

@@ -14,8 +14,8 @@ use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use rayon::prelude::*;
 
 use super::seen_points::SeenPoints;
-use super::{Hit, World};
 use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
+use crate::world::{Hit, World};
 
 /// A lit triangle is so many times as bright as the mean.
 const FIERCE: f32 = 8.0;
@@ -37,7 +37,7 @@ const REACH_RAYS: u32 = 512;
 
 impl World {
     /// Looks for lit triangles.
-    pub(super) fn find_lit_triangles(&mut self, points: &SeenPoints) {
+    pub(crate) fn find_lit_triangles(&mut self, points: &SeenPoints) {
         let Some(lit) = self.worthy_lit_triangles(points) else { return };
         for &prim_id in lit.prims() {
             if std::mem::replace(&mut self.triangle_records[prim_id as usize].is_plain, 0) != 0 {
@@ -48,7 +48,7 @@ impl World {
     }
 
     /// Knows of none.
-    pub(super) fn forget_lit_triangles(&mut self) {
+    pub(crate) fn forget_lit_triangles(&mut self) {
         for prim_id in self.plain_lit.drain(..) {
             self.triangle_records[prim_id as usize].is_plain = 1;
         }

@@ -9,15 +9,15 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use super::seen_points::SeenPoints;
-use super::{Surface, World};
 use crate::light::SkyPart;
+use crate::world::{Surface, World};
 
 /// What lies in the shadow nearly everywhere counts as if it reached this part of the points.
 const LEAST: f32 = 0.05;
 
 impl World {
     /// Tells the lights how far they reach.
-    pub(super) fn estimate_light_visibility(&mut self, points: &SeenPoints) {
+    pub(crate) fn estimate_light_visibility(&mut self, points: &SeenPoints) {
         if !self.lights.has_distant() {
             return;
         }

@@ -32,7 +32,7 @@ pub(crate) struct Motion {
 
 impl Motion {
     /// Of the meshes that these numbers name, whose triangles have numbers from `first` on.
-    pub(super) fn new(mut motion: scene::Motion, meshes: &[Mesh], moving: &[usize], first: u32) -> Self {
+    pub(crate) fn new(mut motion: scene::Motion, meshes: &[Mesh], moving: &[usize], first: u32) -> Self {
         let at = |key: usize| {
             let corners = |number: &usize| {
                 let positions = &motion.meshes[number][key];
@@ -54,12 +54,12 @@ impl Motion {
     }
 
     /// The corners of the triangles that move by themselves at each key, and the `prim_id` of the first.
-    pub(super) fn triangles(&self) -> (Vec<&[Triangle]>, u32) {
+    pub(crate) fn triangles(&self) -> (Vec<&[Triangle]>, u32) {
         (self.corners.iter().map(Vec::as_slice).collect(), self.first)
     }
 
     /// The transforms of an instance at the keys, if it moves.
-    pub(super) fn instance(&self, number: usize) -> Option<&Arc<[Affine3A]>> {
+    pub(crate) fn instance(&self, number: usize) -> Option<&Arc<[Affine3A]>> {
         self.instances.get(&number)
     }
 
@@ -75,7 +75,7 @@ impl Motion {
 
     /// The corners of a triangle at a time, if it moves by itself.
     #[inline]
-    pub(super) fn corners(&self, prim_id: u32, time: f32) -> Option<Triangle> {
+    pub(crate) fn corners(&self, prim_id: u32, time: f32) -> Option<Triangle> {
         let index = prim_id.checked_sub(self.first).filter(|&index| (index as usize) < self.corners[0].len())?;
         let moment = self.moment(time);
         let (from, to) = Self::around(&self.corners, moment);
@@ -85,7 +85,7 @@ impl Motion {
     }
 
     /// The linear part and the translation of an instance at a time, if it moves.
-    pub(super) fn to_world(&self, instance: u32, time: f32) -> Option<[Vec3; 4]> {
+    pub(crate) fn to_world(&self, instance: u32, time: f32) -> Option<[Vec3; 4]> {
         let keys = self.instances.get(&(instance.checked_sub(1)? as usize))?;
         let moment = self.moment(time);
         let (from, to) = Self::around(keys, moment);
@@ -108,7 +108,7 @@ impl Motion {
     }
 
     /// Lets the camera stand still.
-    pub(super) fn stop_camera(&mut self) {
+    pub(crate) fn stop_camera(&mut self) {
         self.cameras.clear();
     }
 
@@ -118,7 +118,7 @@ impl Motion {
     }
 
     /// A punctual light, by its number in the scene, where it is at a time; `None` if it stands still.
-    pub(super) fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
+    pub(crate) fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
         let keys = self.lights.get(&number)?;
         let moment = self.moment(time);
         let (from, to) = Self::around(keys, moment);
@@ -128,7 +128,7 @@ impl Motion {
 
 impl scene::Motion {
     /// Each light that moves, by its number, as one that reaches wherever it does at any time: light is chosen by these.
-    pub(super) fn spread_lights(&self, lights: &[PunctualLight]) -> Vec<(usize, PunctualLight)> {
+    pub(crate) fn spread_lights(&self, lights: &[PunctualLight]) -> Vec<(usize, PunctualLight)> {
         let spread = |(&number, keys): (&usize, &Vec<PunctualLight>)| {
             let still = &lights[number];
             let light = match (still, still.place()) {

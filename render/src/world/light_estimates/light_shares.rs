@@ -3,8 +3,8 @@
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 
-use super::World;
 use crate::light::{Light, SkyPart, area};
+use crate::world::World;
 
 /// Points of the scene's surfaces that are asked.
 const POINTS: u32 = 8192;

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 
-use super::{Hit, World};
 use crate::scene::{LightLabel, Mesh};
 use crate::settings::MatteKind;
+use crate::world::{Hit, World};
 
 impl World {
     /// The names of all objects or materials, by their numbers. Without a name of its own each has its number.

@@ -6,6 +6,11 @@
 //! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
 //! pieces and read in large ones, which processors are slow at.
 
+pub(super) mod closures;
+mod inputs;
+pub(super) mod rounding;
+pub(super) mod shading_records;
+
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
@@ -13,10 +18,10 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{offset_distance, offset_point};
 
 use super::hit::MIDDLE;
-use super::rounding::rounded;
 use super::{Bulge, Hit, Rounding, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
+use rounding::rounded;
 
 /// The material of whatever measures light, or just scatters it.
 pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material::matte(Vec3::ONE));
@@ -39,7 +44,7 @@ pub(crate) struct Surface<'w> {
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
-    /// How far from the triangle's plane rays start, or from the point where it is [rounded](super::rounding).
+    /// How far from the triangle's plane rays start, or from the point where it is [rounded](rounding).
     pub offset: f32,
     /// How far the front and the back are rounded.
     pub rounding: Rounding,

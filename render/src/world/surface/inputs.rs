@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::{Hit, Surface, World};
 use crate::material::{Inputs, Kind, Shading, bent_normal};
 use crate::scene::{CoatNormal, MeshPoint};
+use crate::world::{Hit, Surface, World};
 
 impl World {
     /// What kind of closure a triangle's material needs.
@@ -58,9 +58,9 @@ mod tests {
     use glam::{Affine3A, Vec2, vec3};
     use halfdome_kernel::Ray;
 
-    use super::super::Hit;
     use super::*;
     use crate::scene::{ColorSpace, Instance, Material, Mesh, NormalMap, Object, Scene, Texture, TextureMap};
+    use crate::world::Hit;
 
     /// Texels without a slope, and of a normal that leans by 45° along the tangent.
     const FLAT: [u8; 4] = [128, 128, 255, 255];

@@ -19,9 +19,9 @@ use halfdome_kernel::{
     triangle_normal,
 };
 
-use super::hit::time_of;
-use super::{Hit, Motion, TriangleRecord, World, WorldError};
 use crate::scene::{Instance, Mesh, Turn};
+use crate::world::hit::time_of;
+use crate::world::{Hit, Motion, TriangleRecord, World, WorldError};
 
 /// An instance, as far as shading needs to know.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -41,7 +41,7 @@ pub(crate) struct InstanceRecord {
 
 /// All instances of a world.
 #[derive(Debug)]
-pub(super) struct Instances {
+pub(crate) struct Instances {
     scene: Scene<'static>,
     /// For each item of the scene the number of its object's first triangle.
     first_prims: Vec<u32>,
@@ -50,7 +50,7 @@ pub(super) struct Instances {
     /// The item that has the triangles that move by themselves, in the world's coordinates.
     moving: Option<u32>,
     /// How many reach beyond what coordinates may be, and are not seen.
-    pub(super) out_of_range: usize,
+    pub(crate) out_of_range: usize,
 }
 
 /// Rays whose hits with instances are looked for at once.
@@ -77,7 +77,7 @@ impl InstanceRecord {
     }
 
     /// The same instance elsewhere; `error` stays, as that of the greatest coordinates.
-    pub(super) fn moved(self, axes: [Vec3; 3], translation: Vec3) -> Self {
+    pub(crate) fn moved(self, axes: [Vec3; 3], translation: Vec3) -> Self {
         let scale = axes.iter().map(|axis| axis.length_squared()).sum::<f32>().sqrt();
         let side = if Mat3::from_cols(axes[0], axes[1], axes[2]).determinant() < 0.0 { -1.0 } else { 1.0 };
         Self { axes, translation, scale, side, ..self }
@@ -102,14 +102,14 @@ impl InstanceRecord {
     }
 
     /// How it turns directions.
-    pub(super) fn turn(&self) -> Turn {
+    pub(crate) fn turn(&self) -> Turn {
         Turn::new(Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]))
     }
 }
 
 impl Instances {
     /// Objects, by their triangles, each with the number of its first one; and where they are.
-    pub(super) fn build<E: Executor>(
+    pub(crate) fn build<E: Executor>(
         executor: &E,
         objects: &[(Vec<Triangle>, u32)],
         instances: Vec<Instance>,
@@ -151,17 +151,17 @@ impl Instances {
         Ok(Self { scene, first_prims, records, moving, out_of_range: report.out_of_range })
     }
 
-    pub(super) fn records(&self) -> &[InstanceRecord] {
+    pub(crate) fn records(&self) -> &[InstanceRecord] {
         &self.records
     }
 
     /// See [`World::instance_bytes`].
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.scene.bytes() + size_of_val(&self.first_prims[..]) + size_of_val(&self.records[..])
     }
 
     /// The box around all instances; empty if there are none.
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         self.scene.view().bounds()
     }
 
@@ -172,7 +172,7 @@ impl Instances {
     }
 
     /// Replaces hits by those with instances that are nearer.
-    pub(super) fn intersect_nearer(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
+    pub(crate) fn intersect_nearer(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         let (view, reach) = (self.scene.view(), Reach::of(&self.scene));
         let mut found = [SceneHit::MISS; BATCH];
         let mut first = 0;
@@ -190,7 +190,7 @@ impl Instances {
     }
 
     /// Adds to what is known of each ray whether it hits an instance.
-    pub(super) fn occlude(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
+    pub(crate) fn occlude(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
         let (view, reach) = (self.scene.view(), Reach::of(&self.scene));
         let mut found = [false; BATCH];
         let mut first = 0;
@@ -204,13 +204,13 @@ impl Instances {
     }
 
     /// The nearest hit with an instance that is accepted.
-    pub(super) fn intersect_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> Option<Hit> {
+    pub(crate) fn intersect_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let verdict = |hit: &SceneHit| if accepts(&self.hit(hit)) { Verdict::Accept } else { Verdict::Reject };
         self.scene.view().intersect_filtered(&SceneRay::new(*ray).at_time(time), verdict).map(|hit| self.hit(&hit))
     }
 
     /// Whether an instance is hit and accepted.
-    pub(super) fn occluded_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> bool {
+    pub(crate) fn occluded_filtered(&self, ray: &Ray, time: f32, accepts: impl Fn(&Hit) -> bool) -> bool {
         let verdict = |hit: &SceneHit| if accepts(&self.hit(hit)) { Verdict::Accept } else { Verdict::Reject };
         self.scene.view().occluded_filtered(&SceneRay::new(*ray).at_time(time), verdict)
     }
@@ -285,7 +285,7 @@ impl World {
     }
 
     /// Where a mesh is, once or as an instance many times.
-    pub(super) fn placements_of(&self, mesh: &Mesh) -> Vec<Affine3A> {
+    pub(crate) fn placements_of(&self, mesh: &Mesh) -> Vec<Affine3A> {
         if mesh.object.is_none() {
             return vec![Affine3A::IDENTITY];
         }
@@ -299,7 +299,7 @@ impl World {
 
     /// The record of a hit's triangle in the world, at its time.
     #[inline(always)]
-    pub(super) fn placed_record(&self, hit: &Hit) -> TriangleRecord {
+    pub(crate) fn placed_record(&self, hit: &Hit) -> TriangleRecord {
         let record = self.triangle_records[hit.prim_id as usize];
         let Some(records) = self.instance_records() else { return record };
         if let Some(moved) = self.moved_record(hit) {

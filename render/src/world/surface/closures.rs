@@ -3,16 +3,16 @@
 
 use std::sync::OnceLock;
 
-use super::{Surface, World};
 use crate::material::{Closure, Prepared};
 use crate::scene::{CoatNormal, Input, Material};
+use crate::world::{Surface, World};
 
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
-pub(super) type ClosureCell = OnceLock<MaterialClosures>;
+pub(crate) type ClosureCell = OnceLock<MaterialClosures>;
 
 /// What is known of a material's closures before its surfaces are.
 #[derive(Debug)]
-pub(super) struct MaterialClosures {
+pub(crate) struct MaterialClosures {
     varies: Varies,
     /// From outside and from inside, without maps.
     sides: [Closure; 2],

@@ -8,9 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Triangle, offset_distance, triangle_normal};
 
-use super::World;
 use crate::material::Kind;
 use crate::scene::Material;
+use crate::world::World;
 
 /// A triangle, with what most hits need to know of it in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -21,8 +21,8 @@ pub(crate) struct TriangleRecord {
     pub(crate) normal: Vec3,
     /// How far from its plane rays start.
     pub(crate) offset: f32,
-    pub(super) mesh: u32,
-    pub(super) material: u32,
+    pub(crate) mesh: u32,
+    pub(crate) material: u32,
     /// Whether it has neither vertex normals nor textures nor holes: 1, else 0.
     pub(crate) is_plain: u32,
 }
@@ -61,7 +61,7 @@ pub(crate) struct EmitterRecord {
 
 impl TriangleRecord {
     /// The same triangle elsewhere.
-    pub(super) fn with_corners(self, corners: Triangle) -> Self {
+    pub(crate) fn with_corners(self, corners: Triangle) -> Self {
         let normal = triangle_normal(&corners);
         Self { corners, normal, offset: offset_distance(&corners, normal), ..self }
     }
@@ -69,21 +69,21 @@ impl TriangleRecord {
 
 impl MaterialRecord {
     /// What `material` says.
-    pub(super) fn of(material: &Material) -> Self {
+    pub(crate) fn of(material: &Material) -> Self {
         let Material { emission, emits_both_sides, .. } = *material;
         let (diffuse, kind) = (material.mean_diffuse(), material.kind() as u32);
         Self { diffuse, kind, emission, emits_both_sides: emits_both_sides.into() }
     }
 
     /// Whether its closure is Lambert's.
-    pub(super) fn is_matte(&self) -> bool {
+    pub(crate) fn is_matte(&self) -> bool {
         self.kind == Kind::Matte as u32
     }
 }
 
 impl EmitterRecord {
     /// What stands for lights of other kinds.
-    pub(super) const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         corners: [Vec3::ZERO; 3],
         normal: Vec3::ZERO,
         offset: 0.0,
@@ -96,7 +96,7 @@ impl EmitterRecord {
 
     /// The light that a triangle of this material is, with the unit normal of its front if that is the same side
     /// everywhere.
-    pub(super) fn of(face: &TriangleRecord, front: Option<Vec3>, material: &Material, area: f32) -> Self {
+    pub(crate) fn of(face: &TriangleRecord, front: Option<Vec3>, material: &Material, area: f32) -> Self {
         let TriangleRecord { corners, normal, offset, .. } = *face;
         let is_plain = front.is_some() && material.is_uniform() && !material.has_holes();
         let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);

@@ -11,9 +11,9 @@ use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 
 use super::seen_points::SeenPoints;
-use super::{Surface, World};
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, luminance_weight};
 use crate::scene::PunctualLight;
+use crate::world::{Surface, World};
 
 /// By which one finds out how much of the light arrives at a triangle.
 const SHADOW_RAYS: u32 = 16;

@@ -15,9 +15,9 @@
 use glam::Vec3;
 use halfdome_kernel::{Ray, Triangle, triangle_normal};
 
-use super::{Hit, World};
 use crate::material::bent_normal;
 use crate::scene::{Material, Mesh};
+use crate::world::{Hit, World};
 
 /// The least cosine between a triangle and its vertex normals, of 30°.
 const STEEPEST: f32 = 0.866;
@@ -28,7 +28,7 @@ const UNSEEN: f32 = 1e-4;
 
 /// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bulge {
+pub(crate) enum Bulge {
     /// On neither, or it is to stay flat.
     None,
     /// On the side of the normals.
@@ -39,7 +39,7 @@ pub(super) enum Bulge {
 
 impl Bulge {
     /// That of each triangle of a mesh.
-    pub(super) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
+    pub(crate) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
         let can_round = !mesh.normals.is_empty() && material.is_opaque_and_dark();
         mesh.triangles.iter().enumerate().map(move |(face, triangle)| {
             if can_round {
@@ -82,7 +82,7 @@ impl Rounding {
     pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
 
     /// At the point with these weights of a triangle with unit normals at its corners, on the side of its own.
-    pub(super) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
+    pub(crate) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
         let side = match bulge {
             Bulge::None => return Self::FLAT,
             Bulge::Front => 1.0,
@@ -97,7 +97,7 @@ impl Rounding {
 
     /// On its round side no higher than `free` says of a height there, if that is any: the side is 1 for the front, or -1.
     #[inline]
-    pub(super) fn below(self, free: impl FnOnce(f32, f32) -> f32) -> Self {
+    pub(crate) fn below(self, free: impl FnOnce(f32, f32) -> f32) -> Self {
         let Self { front, back } = self;
         if front > 0.0 {
             Self { front: free(front, 1.0), back }
@@ -110,7 +110,7 @@ impl Rounding {
 
     /// The height on a side, if that is round.
     #[inline(always)]
-    pub(super) fn lift(self, is_back: bool) -> Option<f32> {
+    pub(crate) fn lift(self, is_back: bool) -> Option<f32> {
         let lift = if is_back { self.back } else { self.front };
         (lift >= 0.0).then_some(lift)
     }
