@@ -21,7 +21,8 @@ use super::print::print;
 use super::progress::Progress;
 use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping, Options, Paths, Seams, measure};
 use crate::output::{ToneCurve, ToneMapping};
-use crate::scene::{PunctualLight, Scene, Sky, value};
+use crate::scene::scene_file::value;
+use crate::scene::{PunctualLight, Scene, Sky};
 use crate::world::LookFrom;
 use files::Files;
 

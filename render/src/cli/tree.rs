@@ -20,7 +20,8 @@ use super::stage_progress::StageProgress;
 use super::{interrupt, memory};
 use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
-use crate::scene::{MomentOverrides, Overrides, Place, SceneError, Sharing, value};
+use crate::scene::scene_file::value;
+use crate::scene::{MomentOverrides, Overrides, Place, SceneError, Sharing};
 
 /// What `halfdome tree` takes.
 #[derive(Args, Clone, Debug)]

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::super::error::{CliError, invalid};
 use super::super::messages::{Style, print_text};
 use crate::bake::{BakeOptions, LeftOut};
-use crate::scene::{Scene, count, value};
+use crate::scene::scene_file::value;
+use crate::scene::{Scene, count};
 use crate::world::World;
 
 /// A place inside.

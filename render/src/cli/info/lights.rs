@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn profiles_have_the_power_of_their_integral() {
         let text = "IESNA91\nTILT=NONE\n1 1 1 2 1 1 2 0 0 0\n1 1 1\n0 180\n0\n683 0\n";
-        let profile = crate::scene::ies::parse(std::path::Path::new("lamp.ies"), text.as_bytes()).unwrap();
+        let profile = crate::scene::formats::ies::parse(std::path::Path::new("lamp.ies"), text.as_bytes()).unwrap();
         let frame = crate::scene::ProfileFrame::new(Vec3::NEG_Y, 0.0);
         let (position, intensity) = (Vec3::ZERO, Vec3::splat(1.0 / 683.0));
         let mut scene = cornell_box();

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::data::Data;
 use super::text;
 use crate::scene::SceneError;
-use crate::scene::gltf::{Document, container::Chunks};
+use crate::scene::formats::gltf::Document;
+use crate::scene::formats::gltf::container::Chunks;
 
 /// Where new binary data go.
 #[derive(Clone, Copy, PartialEq)]

@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3};
 use serde_json::json;
 
 use crate::scene::SceneError;
-use crate::scene::gltf::{Document, accessor};
+use crate::scene::formats::gltf::{Document, accessor};
 
 /// `bufferView.target` of vertices and of indices.
 const VERTICES: u32 = 34962;

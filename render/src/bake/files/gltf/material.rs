@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::data::Data;
 use super::{Page, Parts, text};
-use crate::scene::gltf::Document;
+use crate::scene::formats::gltf::Document;
 
 /// The file's materials, and what becomes of them.
 pub(super) struct Materials<'a> {

@@ -26,7 +26,7 @@ use glam::Vec2;
 use self::assembly::Home;
 use self::data::Data;
 use self::material::Materials;
-use crate::scene::gltf::{Document, open};
+use crate::scene::formats::gltf::{Document, open};
 use crate::scene::{Mesh, SceneError};
 
 /// What of a mesh lies on one page of the lightmap.

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::data::Data;
 use super::{Part, text};
 use crate::scene::SceneError;
-use crate::scene::gltf::Document;
+use crate::scene::formats::gltf::Document;
 
 /// Holds all of a primitive's attributes in a form of its own, which would hide the new ones.
 const DRACO: &str = "KHR_draco_mesh_compression";

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::assembly::container;
 use super::*;
-use crate::scene::gltf::{read_binary, read_json};
+use crate::scene::formats::gltf::{read_binary, read_json};
 use crate::scene::{Disk, LoadOptions, Scene};
 
 /// Four positions at byte 0, colours of three bytes at a stride of four from 48 on, and a strip of 16-bit indices
