@@ -29,7 +29,9 @@ mod meshopt;
 mod morph;
 mod pose;
 mod primitive;
+mod required;
 mod skin;
+mod skipped;
 mod texture;
 mod variants;
 
@@ -42,12 +44,13 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::notes::Notes;
-use crate::scene::error::count;
 use crate::scene::{
     Animation, Disk, Files, LightLabel, LightUnits, LoadOptions, Material, Moment, Place, Scene, SceneError,
 };
 use mesh::Meshes;
 use pose::Pose;
+use required::{NOT_EDITED, check_required, note_extensions};
+use skipped::Skipped;
 
 /// Reads glTF as JSON text.
 pub(crate) fn read_json(
@@ -122,19 +125,6 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
 
 /// As many elements are worth a thread's while.
 const PARALLEL: usize = 1 << 14;
-
-/// What was left out, for the warnings.
-#[derive(Default)]
-struct Skipped {
-    points_and_lines: usize,
-    /// Primitives.
-    skinless: usize,
-    /// Vertices.
-    weightless: usize,
-    /// Primitives.
-    miscounted: usize,
-    ranges: usize,
-}
 
 impl Document<'_> {
     /// An error about a part of the file.
@@ -333,62 +323,6 @@ fn pose(
     Ok(Pose::at(&playing, moment.time))
 }
 
-/// What is read, or is here for programs that edit the file.
-const KNOWN: [&str; 25] = [
-    "EXT_lights_ies",
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-];
-
-/// Those whose geometry is not where accessors and nodes say: files with them are read, but not edited.
-const NOT_EDITED: [&str; 3] = ["EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_draco_mesh_compression"];
-
-/// Refuses extensions that the file requires and that would change its shape; those about surfaces are left to the
-/// notes.
-fn check_required(path: &Path, root: &Root) -> Result<(), SceneError> {
-    const HARMLESS: [&str; 4] = ["KHR_animation_", "KHR_materials_", "KHR_texture_", "EXT_texture_"];
-    let is_known = |name: &&str| KNOWN.contains(name) || HARMLESS.iter().any(|prefix| name.starts_with(prefix));
-    let required = root.extensions_required.iter().map(String::as_str);
-    let refused: Vec<&str> = required.filter(|name| !is_known(name)).collect();
-    if refused.is_empty() {
-        return Ok(());
-    }
-    let (names, remedy) = (refused.join(", "), "export the model without these extensions");
-    let problem = format!("the file requires {names}, which cannot be read");
-    Err(SceneError::new(path, Place::Part("extensionsRequired".to_owned()), problem, remedy))
-}
-
-/// Notes the extensions that the file uses and that are not read.
-fn note_extensions(root: &Root, notes: &mut Notes) {
-    for name in root.extensions_used.iter().chain(&root.extensions_required) {
-        if !KNOWN.contains(&name.as_str()) {
-            notes.add_unless_told(&format!("{name} is not read"));
-        }
-    }
-}
-
 /// Nodes that show nothing, hold nothing and move nothing.
 fn empty_nodes(document: &Document) -> Vec<String> {
     let nodes = &document.root.nodes;
@@ -403,27 +337,6 @@ fn empty_nodes(document: &Document) -> Vec<String> {
         node.mesh.is_none() && node.camera.is_none() && !light && !has_children && !joints.contains(&index)
     };
     (0..nodes.len()).filter(is_empty).map(|index| document.node(index)).collect()
-}
-
-impl Skipped {
-    fn warnings(&self, path: &Path) -> Vec<String> {
-        let counts = [
-            (
-                self.points_and_lines,
-                "primitive of points or lines is",
-                "primitives of points or lines are",
-                "skipped: --point-radius shows them",
-            ),
-            (self.skinless, "primitive is", "primitives are", "shown without the skin, for want of JOINTS_0"),
-            (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
-            (self.weightless, "vertex is", "vertices are", "moved by the first joint named, for want of weights"),
-            (self.ranges, "light has", "lights have", "a range, which is ignored"),
-        ];
-        let counts = counts.iter().filter(|(number, ..)| *number > 0);
-        counts
-            .map(|&(number, one, many, what)| format!("{}: {} {what}", path.display(), count(number, one, many)))
-            .collect()
-    }
 }
 
 #[cfg(test)]
