@@ -1,5 +1,6 @@
 //! `halfdome render`: from a scene to pictures on disk.
 
+mod pictures;
 mod report;
 mod statistics;
 mod summary;
@@ -23,11 +24,13 @@ use crate::cli::{denoiser, inputs, interrupt, memory};
 use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
-use crate::film::{BadSamples, Film, Picture, is_for_denoising};
+use crate::film::{BadSamples, Film};
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
+use pictures::{is_black, is_exr, shown_name, without_aov};
+pub(crate) use pictures::{refuse_failures, write_all};
 use statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
 use summary::{End, RenderReport};
 use watch::RenderWatch;
@@ -260,16 +263,6 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     })
 }
 
-/// Whether a path is that of an EXR, which alone has all channels.
-fn is_exr(path: &Path) -> bool {
-    output::Format::from_path(path) == Ok(output::Format::Exr)
-}
-
-/// What a viewer calls the picture: by its file, or the scene.
-fn shown_name(paths: &[PathBuf], scene: &Path) -> String {
-    paths.first().map_or(scene, PathBuf::as_path).display().to_string()
-}
-
 /// The film that was begun, if there is one; refuses that of another picture.
 fn begun(
     path: &Path,
@@ -328,43 +321,6 @@ fn without_light(scene: &Scene) -> String {
         false => "",
     };
     format!("the scene has no light, so the picture is black; give it a --sky{export}")
-}
-
-/// Writes every picture that can be written, for it may have taken hours to make: paths written, errors of the others.
-pub(crate) fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping) -> (Vec<PathBuf>, Vec<String>) {
-    let mut written = Vec::new();
-    let mut failures = Vec::new();
-    for path in paths {
-        match output::write(path, picture, tone) {
-            Ok(()) => written.push(path.clone()),
-            Err(error) => failures.push(error.to_string()),
-        }
-    }
-    (written, failures)
-}
-
-/// An error if there are failures, which says what was written all the same.
-pub(crate) fn refuse_failures(written: &[PathBuf], mut failures: Vec<String>) -> Result<(), CliError> {
-    if failures.is_empty() {
-        return Ok(());
-    }
-    // An end that names files would look like success.
-    failures.extend(written.iter().map(|path| format!("{} was written", path.display())));
-    Err(CliError::System(failures.join("\n")))
-}
-
-/// The picture without what only denoising needed.
-fn without_aov(mut picture: Picture) -> Picture {
-    picture.channels.retain(|channel| !is_for_denoising(&channel.name));
-    picture
-}
-
-/// Whether no pixel has any light.
-fn is_black(picture: &Picture) -> bool {
-    ["R", "G", "B"]
-        .iter()
-        .filter_map(|name| picture.channel(name))
-        .all(|channel| channel.values.iter().all(|&v| v == 0.0))
 }
 
 /// Camera samples of the whole picture.
