@@ -23,9 +23,12 @@
 //! What is not named stays as the model has it. A map of `"none"` removes the model's; without one of its own a coat has the
 //! base's normals, with `"none"` those of the vertices.
 
-use std::path::{Path, PathBuf};
+mod apply;
+mod maps;
 
-use glam::{Affine2, Vec2, Vec3};
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
 use toml::de::{DeTable, DeValue};
 
 use super::table_reader::TableReader;
@@ -34,10 +37,11 @@ use super::value::Value;
 use crate::scene::Scene;
 use crate::scene::description::Mesh;
 use crate::scene::error::{Place, SceneError};
-use crate::scene::files::{Disk, Recorded};
 use crate::scene::material::{BumpMap, Channel, CoatNormal, Input, Material, NormalMap, Opacity};
 use crate::scene::nearest::suggestion;
-use crate::scene::texture::{ColorSpace, TextureFilter, TextureMap, TextureStore, Wrap};
+use crate::scene::texture::{ColorSpace, TextureMap, Wrap};
+pub(super) use apply::apply;
+use maps::MapFile;
 
 /// A `[[material]]` table.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,31 +81,6 @@ enum Target {
     Bump,
 }
 
-/// A texture file with all that may be said of it.
-#[derive(Clone, Debug, PartialEq)]
-struct MapFile {
-    file: PathBuf,
-    channel: Option<Channel>,
-    set: u32,
-    wrap: Wrap,
-    filter: TextureFilter,
-    space: Option<ColorSpace>,
-    scale: Vec2,
-    offset: Vec2,
-    rotation: f32,
-    zero: f32,
-    strength: f32,
-    green_is_down: bool,
-    height: f32,
-}
-
-impl MapFile {
-    fn normal_map(&self, texture: TextureMap) -> NormalMap {
-        let scale = self.strength * Vec2::new(1.0, if self.green_is_down { -1.0 } else { 1.0 });
-        NormalMap { texture, scale }
-    }
-}
-
 /// Keys besides the inputs and their maps.
 const KEYS: [&str; 18] = [
     "light_group",
@@ -122,12 +101,6 @@ const KEYS: [&str; 18] = [
     "transmission_dispersion_abbe_number",
     "base_weight",
     "specular_anisotropy",
-];
-
-/// Keys of a map.
-const MAP_KEYS: [&str; 13] = [
-    "file", "channel", "set", "wrap", "filter", "space", "scale", "offset", "rotation", "zero", "strength", "green",
-    "height",
 ];
 
 /// The tables in an array called `material`, of a scene file at `path` with this text.
@@ -208,194 +181,6 @@ impl Reader<'_> {
     fn map_change(&self, target: Target, entry: &Entry<'_>) -> Result<Change, SceneError> {
         let is_none = matches!(entry.value, DeValue::String(text) if text == "none");
         Ok(if is_none { Change::NoMap(target) } else { Change::Map(target, self.map(entry)?) })
-    }
-
-    fn map(&self, entry: &Entry<'_>) -> Result<Box<MapFile>, SceneError> {
-        let mut map = MapFile {
-            file: PathBuf::new(),
-            channel: None,
-            set: 0,
-            wrap: Wrap::Repeat,
-            filter: TextureFilter::Bilinear,
-            space: None,
-            scale: Vec2::ONE,
-            offset: Vec2::ZERO,
-            rotation: 0.0,
-            zero: 0.0,
-            strength: 1.0,
-            green_is_down: false,
-            height: 1.0,
-        };
-        match entry.value {
-            DeValue::String(_) => map.file = self.0.file(entry)?,
-            DeValue::Table(table) => {
-                for part in entries(table) {
-                    self.map_part(&mut map, &part)?;
-                }
-            }
-            _ => return self.0.wrong(entry, "the name of a file, or { file = \"…\", … }"),
-        }
-        if map.file.as_os_str().is_empty() {
-            return self.0.wrong(entry, "{ file = \"…\", … }");
-        }
-        Ok(Box::new(map))
-    }
-
-    fn map_part(&self, map: &mut MapFile, part: &Entry<'_>) -> Result<(), SceneError> {
-        match part.name {
-            "file" => map.file = self.0.file(part)?,
-            "channel" => map.channel = Some(self.0.one_of(part, &CHANNELS)?),
-            "set" => map.set = self.one_of_numbers(part)?,
-            "wrap" => map.wrap = self.0.one_of(part, &WRAPS)?,
-            "filter" => map.filter = self.0.one_of(part, &FILTERS)?,
-            "space" => map.space = Some(self.0.one_of(part, &SPACES)?),
-            "scale" => map.scale = self.0.pair(part, "two numbers, across and down")?,
-            "offset" => map.offset = self.0.pair(part, "two numbers, across and down")?,
-            "rotation" => map.rotation = self.0.number(part, f32::MIN, f32::MAX)?,
-            "zero" => map.zero = self.0.number(part, 0.0, f32::MAX)?,
-            "strength" => map.strength = self.0.number(part, f32::MIN, f32::MAX)?,
-            "green" => map.green_is_down = self.0.one_of(part, &[("up", false), ("down", true)])?,
-            "height" => map.height = self.0.number(part, f32::MIN, f32::MAX)?,
-            name => {
-                let problem = format!("unknown key {name:?} of a map");
-                return Err(self.0.error(part.at.start, problem, suggestion(name, &MAP_KEYS)));
-            }
-        }
-        Ok(())
-    }
-
-    fn one_of_numbers(&self, entry: &Entry<'_>) -> Result<u32, SceneError> {
-        match value_of(entry.value) {
-            Value::Integer(set @ 0..=1) => Ok(set as u32),
-            _ => self.0.wrong(entry, "0 or 1, the number of a set of texture coordinates"),
-        }
-    }
-}
-
-const CHANNELS: [(&str, Channel); 5] =
-    [("rgb", Channel::Rgb), ("r", Channel::R), ("g", Channel::G), ("b", Channel::B), ("a", Channel::A)];
-const WRAPS: [(&str, Wrap); 3] = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
-const FILTERS: [(&str, TextureFilter); 2] =
-    [("bilinear", TextureFilter::Bilinear), ("nearest", TextureFilter::Nearest)];
-const SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
-
-/// Does to the scene what the tables of the scene file at `path` say. Those whose names are `used` may be new ones.
-pub(super) fn apply(tables: &[MaterialTable], used: &[&str], path: &Path, scene: &mut Scene) -> Result<(), SceneError> {
-    let files = Recorded::new(&Disk);
-    let mut store = TextureStore::new(&files, core::mem::take(&mut scene.textures));
-    for table in tables {
-        let number = table.material(used, path, scene)?;
-        for (line, change) in &table.changes {
-            let material = &mut scene.materials[number];
-            material.change(change, &mut store).map_err(|(problem, remedy)| {
-                let problem = format!("material {:?}: {problem}", table.name);
-                SceneError::new(path, Place::Line(*line), problem, remedy)
-            })?;
-        }
-    }
-    scene.textures = store.list;
-    scene.files.extend(files.into_paths());
-    Ok(())
-}
-
-impl MaterialTable {
-    /// The number of the material that is meant, which becomes that of the meshes that are named.
-    fn material(&self, used: &[&str], path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
-        let error = |problem, remedy| Err(SceneError::new(path, Place::Line(self.line), problem, remedy));
-        let known = scene.materials.iter().position(|material| material.name == self.name);
-        if known.is_none() && self.meshes.is_empty() && !used.contains(&self.name.as_str()) {
-            let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
-            let problem = format!("the model has no material {:?}", self.name);
-            return error(problem, format!("a new one names its meshes = [\"…\"]; {}", suggestion(&self.name, &names)));
-        }
-        let number = known.unwrap_or_else(|| {
-            let inputs = crate::material::Inputs { specular_weight: 1.0, ..Default::default() };
-            scene.materials.push(Material { name: self.name.clone(), inputs, ..Material::default() });
-            scene.materials.len() - 1
-        });
-        for name in &self.meshes {
-            let named = |mesh: &&mut Mesh| mesh.name == *name;
-            let mut found = false;
-            for mesh in scene.meshes.iter_mut().filter(named) {
-                (mesh.material, found) = (number, true);
-            }
-            if !found {
-                let names: Vec<&str> = scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
-                let problem = format!("material {:?}: the model has no mesh {name:?}", self.name);
-                return error(problem, suggestion(name, &names));
-            }
-        }
-        Ok(number)
-    }
-}
-
-impl Material {
-    fn change(&mut self, change: &Change, store: &mut TextureStore) -> Result<(), (String, String)> {
-        match *change {
-            Change::Input(input, value) => {
-                input.set(&mut self.inputs, value);
-                match input {
-                    Input::TransmissionColor => self.base_color_tints_transmission = false,
-                    Input::SpecularAnisotropy | Input::SpecularRoughness => self.anisotropy = None,
-                    _ => {}
-                }
-            }
-            Change::LightGroup(ref group) => self.light_group = group.clone(),
-            Change::Opacity(value) => self.opacity.value = value,
-            Change::Cutoff(cutoff) => self.opacity.cutoff = Some(cutoff),
-            Change::ThinWalled(thin) => self.inputs.thin_walled = thin,
-            Change::EmissionColor(color) => {
-                let luminance = self.emission.max_element();
-                self.emission = color * if luminance > 0.0 { luminance } else { 1.0 };
-            }
-            Change::EmissionLuminance(luminance) => {
-                let greatest = self.emission.max_element();
-                let color = if greatest > 0.0 { self.emission / greatest } else { Vec3::ONE };
-                self.emission = color * luminance;
-            }
-            Change::TransmissionDepth(depth) => {
-                let color = self.inputs.transmission_color.max(Vec3::splat(1e-6));
-                self.inputs.absorption = -color.map(f32::ln) / depth;
-                (self.inputs.transmission_color, self.base_color_tints_transmission) = (Vec3::ONE, false);
-            }
-            Change::AbbeNumber(abbe) => self.dispersion = 20.0 / abbe,
-            Change::TangentRotation(degrees) => self.tangent_rotation = degrees.to_radians(),
-            Change::NoMap(target) => self.remove(target),
-            Change::Map(target, ref map) => self.map(target, map, store)?,
-        }
-        Ok(())
-    }
-
-    fn remove(&mut self, target: Target) {
-        match target {
-            Target::Input(input) => self.remove_map(input),
-            Target::Emission => self.emission_map = None,
-            Target::Opacity => self.opacity.map = None,
-            Target::Normal => self.normal_map = None,
-            Target::CoatNormal => self.coat_normal = CoatNormal::OfVertices,
-            Target::Bump => self.bump_map = None,
-        }
-    }
-
-    fn map(&mut self, target: Target, map: &MapFile, store: &mut TextureStore) -> Result<(), (String, String)> {
-        let texture = store.load(&map.file).map_err(|it| (it.problem, it.remedy))?;
-        let is_color = matches!(target, Target::Emission) || matches!(target, Target::Input(input) if input.is_color());
-        let space = map.space.unwrap_or(if is_color { ColorSpace::Srgb } else { ColorSpace::Linear });
-        let transform = Affine2::from_scale_angle_translation(map.scale, -map.rotation.to_radians(), map.offset);
-        let texture = TextureMap { texture, set: map.set, transform, wrap: [map.wrap; 2], filter: map.filter, space };
-        let channel = map.channel.unwrap_or(if is_color { Channel::Rgb } else { Channel::R });
-        match target {
-            Target::Input(input) => self.add_map(texture, input, channel, map.zero),
-            Target::Emission => self.emission_map = Some(texture),
-            Target::Opacity => {
-                let map = Some((texture, map.channel.unwrap_or(Channel::A)));
-                self.opacity = Opacity { map, ..self.opacity.clone() };
-            }
-            Target::Normal => self.normal_map = Some(map.normal_map(texture)),
-            Target::CoatNormal => self.coat_normal = CoatNormal::Map(map.normal_map(texture)),
-            Target::Bump => self.bump_map = Some(BumpMap { texture, channel, height: map.height }),
-        }
-        Ok(())
     }
 }
 
