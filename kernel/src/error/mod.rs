@@ -10,8 +10,6 @@ pub use mesh::InvalidMesh;
 pub use scene::InvalidScene;
 pub use tree::{InvalidTree, RefitError};
 
-use crate::geometry::MAX_COORDINATE;
-
 /// Why there is no tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Error, InvalidTree};
+use super::Error;
 
 /// What is wrong with an item or a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::Error;
+use crate::geometry::MAX_COORDINATE;
 
 /// What is wrong with a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
