@@ -28,18 +28,15 @@ mod maps;
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use toml::de::{DeTable, DeValue};
 
 use super::table_reader::TableReader;
 use super::toml_text::{Entry, entries, value_of};
 use super::value::Value;
-use crate::scene::Scene;
-use crate::scene::description::Mesh;
-use crate::scene::error::{Place, SceneError};
-use crate::scene::material::{BumpMap, Channel, CoatNormal, Input, Material, NormalMap, Opacity};
+use crate::scene::error::SceneError;
+use crate::scene::material::Input;
 use crate::scene::nearest::suggestion;
-use crate::scene::texture::{ColorSpace, TextureMap, Wrap};
 pub(super) use apply::apply;
 use maps::MapFile;
 

@@ -1,6 +1,11 @@
+use glam::Vec2;
+
 use super::*;
 use crate::material::Inputs;
-use crate::scene::SceneFile;
+use crate::scene::{
+    BumpMap, Channel, CoatNormal, ColorSpace, Material, Mesh, NormalMap, Opacity, Place, Scene, SceneFile, TextureMap,
+    Wrap,
+};
 
 /// A scene of two meshes and a material, after a scene file in a folder with a picture.
 fn applied(text: &str) -> Result<Scene, SceneError> {

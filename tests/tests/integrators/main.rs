@@ -1,5 +1,9 @@
 //! Every integrator where the answer is known, and where two of them must agree.
 
+mod heat;
+mod openness;
+mod stopping;
+
 use std::sync::Mutex;
 
 use glam::{DVec3, Vec3};
@@ -94,85 +98,6 @@ fn mean(scene: &Scene, settings: &Settings, renders: u64) -> Estimate {
 }
 
 #[test]
-fn a_lamp_over_a_floor_lights_it_by_cosine_and_distance() {
-    let intensity = Vec3::new(9.0, 6.0, 3.0);
-    let lamp = PunctualLight::Point { position: Vec3::new(0.0, 0.0, 2.0), intensity, radius: 0.0 };
-    let reflectance = Vec3::new(0.5, 0.25, 1.0);
-    for distance in [0.0, 1.0, 3.0] {
-        let at = Vec3::new(distance, 0.0, 0.0);
-        let scene = Scene {
-            meshes: vec![mesh(&floor(10.0), 0)],
-            materials: vec![material(reflectance, Vec3::ZERO)],
-            lights: vec![lamp.clone()],
-            camera: peephole(at + Vec3::new(0.5, 0.7, 3.0), at),
-            ..Scene::default()
-        };
-        let squared = 4.0 + distance * distance;
-        let expected = reflectance * intensity * (2.0 / squared.sqrt() / squared / std::f32::consts::PI);
-        let direct = Integrator::Direct(DirectOptions::default());
-        let gathered = Integrator::MonteCarlo(MonteCarloOptions { bounces: 2, ..MonteCarloOptions::default() });
-        let paths = ALL_LIGHTS.map(|lights| path(lights, Stop::default()));
-        for integrator in [direct, gathered].into_iter().chain(paths) {
-            let what = format!("{integrator:?} at {distance}");
-            all_are(&render(&scene, &settings(integrator, 4)), expected, 1e-3, &what);
-        }
-    }
-}
-
-#[test]
-fn an_open_floor_sends_back_its_share_of_the_sky() {
-    let (reflectance, sky) = (Vec3::new(0.5, 0.25, 0.9), Vec3::new(1.0, 2.0, 4.0));
-    let mut scene = Scene {
-        meshes: vec![mesh(&floor(1.0), 0)],
-        materials: vec![material(reflectance, Vec3::ZERO)],
-        camera: peephole(Vec3::new(0.3, 0.2, 1.0), Vec3::new(0.25, 0.1, 0.0)),
-        ..Scene::default()
-    };
-    scene.sky.radiance = sky;
-    let direct = Integrator::Direct(DirectOptions::default());
-    let gathered = Integrator::MonteCarlo(MonteCarloOptions::default());
-    let paths = ALL_LIGHTS.map(|lights| path(lights, Stop::default()));
-    for integrator in [direct, gathered].into_iter().chain(paths) {
-        let what = format!("{integrator:?}");
-        // Both of Mis's ways have the same density here: each finds half of the light, in every sample.
-        all_are(&render(&scene, &settings(integrator, 4)), reflectance * sky, 1e-5, &what);
-    }
-    scene.camera = peephole(Vec3::Z, Vec3::Z * 2.0);
-    all_are(&render(&scene, &settings(Integrator::Flat, 1)), sky, 0.0, "sky");
-    scene.camera = peephole(Vec3::Z, Vec3::ZERO);
-    all_are(&render(&scene, &settings(Integrator::Flat, 1)), reflectance, 1e-6, "floor");
-}
-
-#[test]
-fn openness_beside_a_wall_and_under_a_ceiling() {
-    let scene = |walls: &[[[Vec3; 3]; 2]]| Scene {
-        meshes: vec![mesh(&[&[floor(1.0)], walls].concat().concat(), 0)],
-        materials: vec![Material::default()],
-        camera: peephole(Vec3::new(0.3, 0.2, 0.5), Vec3::ZERO),
-        ..Scene::default()
-    };
-    let check = |scene: &Scene, options: AoOptions, expected: f64| {
-        let estimate = Estimate::of(&pixels(&render(scene, &settings(Integrator::Ao(options.clone()), 64))));
-        let off = (estimate.mean.x - expected).abs();
-        assert!(off < 0.003 && off <= 4.0 * estimate.error.x + 1e-5, "{options:?}: {estimate:?}, not {expected}");
-    };
-    // A wall as high as it is far away, and much wider: 1 - (1 - cos 45°) / 2 of the cosine is left.
-    let wall = quad([(-1e4, 0.0), (1e4, 0.0), (1e4, 1.0), (-1e4, 1.0)].map(|(y, z)| Vec3::new(1.0, y, z)));
-    for sampling in ALL_SAMPLINGS {
-        let options = AoOptions { sampling, rays: 64, ..AoOptions::default() };
-        check(&scene(&[]), options.clone(), 1.0);
-        check(&scene(&[wall]), options, 0.5 + 0.5 * 0.5f64.sqrt());
-    }
-    // A ceiling at half of the greatest distance: rays of cos θ < 1/2 end before it, which are 1/4 by the cosine; the
-    // others have the length 1 / cos θ of 2: 2 ∫ μ / 2μ dμ from 1/2 to 1.
-    let ceiling = storey(1000.0, 1.0);
-    let options = AoOptions { max_distance: Some(2.0), rays: 64, ..AoOptions::default() };
-    check(&scene(&[ceiling]), options.clone(), 0.25);
-    check(&scene(&[ceiling]), AoOptions { weighting: AoWeighting::HitLength, ..options.clone() }, 0.75);
-    check(&scene(&[]), AoOptions { weighting: AoWeighting::HitLength, ..options }, 1.0);
-}
-
-#[test]
 fn direct_light_is_a_path_of_two_surfaces() {
     let two = PathOptions { max_depth: 2, lights: LightSampling::Direct, ..PathOptions::default() };
     let [direct, path] = [Integrator::Direct(DirectOptions::default()), Integrator::Path(two)].map(|integrator| {
@@ -183,44 +108,6 @@ fn direct_light_is_a_path_of_two_surfaces() {
     let differences: Vec<DVec3> = direct.iter().zip(&path).map(|(direct, path)| direct - path).collect();
     let Estimate { mean, error } = Estimate::of(&differences);
     assert!(error.max_element() < 1e-3 && (mean.abs() - 4.0 * error).max_element() <= 0.0, "{mean} +- {error}");
-}
-
-/// Shirley's test: naive paths in a closed room have no noise at all, for there is no geometry in the series.
-#[test]
-fn each_stopping_rule_leaves_out_what_it_should() {
-    let scene = room(0.5, 0.5);
-    // The first terms of 1/2 + 1/4 + 1/8 + …
-    let series = |terms: i32| Vec3::splat(1.0 - 0.5f32.powi(terms));
-    for depth in [1, 2, 3, 7] {
-        let by_depth =
-            PathOptions { max_depth: depth, lights: LightSampling::Naive, stop: Stop::Depth, ..PathOptions::default() };
-        let picture = render(&scene, &settings(Integrator::Path(by_depth), 2));
-        all_are(&picture, series(depth as i32), 1e-6, &format!("depth {depth}"));
-    }
-    // 1/8 of the light would go on from the third surface, 1/16 from the fourth: there the path ends.
-    let threshold = |add_back| path(LightSampling::Naive, Stop::Threshold { cutoff: 0.1, add_back });
-    all_are(&render(&scene, &settings(threshold(false), 2)), series(4), 1e-6, "threshold");
-    all_are(&render(&scene, &settings(threshold(true), 2)), Vec3::ONE, 1e-6, "threshold with the error added back");
-    // Without bias, if not without noise.
-    for survival in [Survival::Constant(0.8), Survival::Throughput { max: 0.95 }] {
-        for after in [0, 3] {
-            let roulette = path(LightSampling::Naive, Stop::Roulette { after, survival });
-            let estimate = mean(&scene, &settings(roulette, 64), 12);
-            let z = estimate.z(&DVec3::ONE.into(), 1e-5);
-            assert!(z.max_element() < 4.0 && estimate.error.x < 0.02, "{survival:?} after {after}: {estimate:?}");
-        }
-    }
-}
-
-#[test]
-fn what_is_added_back_helps_where_it_is_no_more_than_an_estimate() {
-    let scene = cornell_box();
-    let estimate =
-        |stop| mean(&scene, &Settings { width: 16, height: 16, ..settings(path(LightSampling::Mis, stop), 64) }, 6);
-    let truth = estimate(Stop::default()).mean;
-    let error = |add_back| (estimate(Stop::Threshold { cutoff: 0.3, add_back }).mean - truth).abs() / truth;
-    let (without, with) = (error(false), error(true));
-    assert!(without.min_element() > 0.02 && (with / without).max_element() < 0.6, "{without} {with}");
 }
 
 #[test]
@@ -328,50 +215,6 @@ fn lamps_are_seen_in_mirrors_and_through_panes() {
     }
 }
 
-#[test]
-fn heat_counts_visits() {
-    let camera = peephole(Vec3::new(0.3, 0.2, 1.0), Vec3::ZERO);
-    let mut scene =
-        Scene { meshes: vec![mesh(&floor(1.0), 0)], materials: vec![Material::default()], camera, ..Scene::default() };
-    let heat = |max_depth| Integrator::Heat(PathOptions { max_depth, ..PathOptions::default() });
-    // The root, and its one block.
-    all_are(&render(&scene, &settings(heat(1), 3)), Vec3::splat(2.0), 0.0, "camera rays");
-    // The bounce starts on the block's box, leaves upwards, and meets the root alone or the block as well.
-    for pixel in pixels(&render(&scene, &settings(heat(2), 3))) {
-        assert!((3.0..=4.0).contains(&pixel.x), "{pixel}");
-    }
-    scene.camera = peephole(Vec3::Z, Vec3::Z * 2.0);
-    all_are(&render(&scene, &settings(heat(9), 3)), Vec3::ONE, 0.0, "the root alone");
-}
-
-#[test]
-fn heat_lights_mixes_the_colours_of_lights_as_they_are_chosen() {
-    let with_lights = |intensities: [f32; 2], height: f32, translucency: f32| {
-        let mut floor_material = Material::default();
-        floor_material.inputs.diffuse_transmission_weight = translucency;
-        let lights = intensities.map(|intensity| PunctualLight::Point {
-            position: Vec3::new(0.0, 0.0, height),
-            intensity: Vec3::splat(intensity),
-            radius: 0.0,
-        });
-        let scene = Scene {
-            meshes: vec![mesh(&floor(1.0), 0)],
-            materials: vec![floor_material],
-            lights: lights.into(),
-            camera: peephole(Vec3::new(0.3, 0.2, 1.0), Vec3::ZERO),
-            ..Scene::default()
-        };
-        let all = pixels(&render(&scene, &settings(Integrator::HeatLights, 64)));
-        all.iter().sum::<DVec3>() / all.len() as f64
-    };
-    let [first, second] = [with_lights([1.0, 0.0], 1.0, 0.0), with_lights([0.0, 1.0], 1.0, 0.0)];
-    assert!(first.distance(second) > 0.5, "{first} {second}");
-    let mixed = with_lights([1.0, 3.0], 1.0, 0.0);
-    assert!(mixed.distance((first + 3.0 * second) / 4.0) < 0.01, "{mixed} {first} {second}");
-    // A leaf receives light from behind, and a board does not.
-    assert_eq!([0.0, 0.5].map(|translucency| with_lights([1.0, 0.0], -1.0, translucency)), [DVec3::ZERO, first]);
-}
-
 /// Keeps the levels of a progressive render.
 struct Levels(Mutex<Vec<(u32, Picture)>>);
 
@@ -412,30 +255,4 @@ fn coarse_to_fine_ends_in_the_plain_picture() {
             }
         }
     }
-}
-
-/// By a small lamp on a shelf, and under a sky: light is found by bounces and by samples of every kind.
-#[test]
-fn a_clamp_dims_indirect_light_alone() {
-    let mut scene = cornell_box();
-    let intensity = Vec3::splat(0.02);
-    scene.lights.push(PunctualLight::Point { position: Vec3::new(0.1, 0.1, 0.1), intensity, radius: 0.01 });
-    scene.sky.radiance = Vec3::new(0.1, 0.2, 0.3);
-    let clamped = |clamp_indirect, max_depth| {
-        let integrator = Integrator::Path(PathOptions { clamp_indirect, max_depth, ..PathOptions::default() });
-        pixels(&render(&scene, &Settings { width: 24, height: 24, ..settings(integrator, 8) }))
-    };
-    assert_eq!(clamped(Some(1e-4), 2), clamped(None, 2), "direct light");
-    let whole = clamped(None, 8);
-    assert_eq!(clamped(Some(1e6), 8), whole, "a clamp that nothing reaches");
-    let direct = clamped(None, 2);
-    let none = clamped(Some(1e-6), 8);
-    let some = clamped(Some(0.5), 8);
-    let mut dimmed = 0;
-    for i in 0..whole.len() {
-        assert!((none[i] - direct[i]).abs().max_element() < 1e-4 * (1.0 + direct[i].max_element()), "pixel {i}");
-        assert!(some[i].cmple(whole[i] + 1e-6).all() && some[i].cmpge(direct[i] - 1e-6).all(), "pixel {i}");
-        dimmed += u32::from(some[i] != whole[i]);
-    }
-    assert!(dimmed > 20, "{dimmed}");
 }
