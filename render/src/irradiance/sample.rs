@@ -121,8 +121,8 @@ impl SensorScratch {
         }
     }
 
-    /// Adds what paths find along the scattered rays, `E = π` times the mean of their radiance, and along those that are
-    /// aimed at lit triangles.
+    /// Adds what paths find along the scattered rays, `E = π` times the mean of their radiance, and along those that
+    /// are aimed at lit triangles.
     fn follow(
         &mut self,
         world: &World,

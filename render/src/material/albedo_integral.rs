@@ -25,7 +25,8 @@ pub(super) fn interface(ggx: &Ggx, wo: Vec3, h: Vec3, cos: f32, eta: f32) -> f32
 }
 
 /// The mean of a weight over the normals that are visible from a direction with this cosine. They are symmetric about
-/// its plane: half of them do. There are more points where normals are steep: few are, but they reflect below the horizon.
+/// its plane: half of them do. There are more points where normals are steep: few are, but they reflect below the
+/// horizon.
 pub(super) fn integrate(ggx: &Ggx, cos: f32, weight: impl Fn(Vec3, Vec3, f32) -> f32) -> f32 {
     let mut sum = 0.0;
     each_visible(ggx, cos, |wo, h, share| sum += share * weight(wo, h, wo.dot(h).clamp(0.0, 1.0)));

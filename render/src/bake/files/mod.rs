@@ -1,5 +1,5 @@
-//! What a bake reads and writes besides its maps: models with lightmap coordinates, manifest, report, checkpoint, pictures of
-//! charts.
+//! What a bake reads and writes besides its maps: models with lightmap coordinates, manifest, report, checkpoint,
+//! pictures of charts.
 
 pub(super) mod checkpoint;
 pub mod gltf;

@@ -1,4 +1,5 @@
-//! From the light of texels to finished maps: less noise, gutters, borders of charts that cannot be seen, estimates of errors.
+//! From the light of texels to finished maps: less noise, gutters, borders of charts that cannot be seen, estimates of
+//! errors.
 
 pub(super) mod denoise;
 pub(super) mod dilate;

@@ -1,4 +1,5 @@
-//! What sees light and what is seen: viewpoints inside of a level, surfaces that none of them sees, texels that lie in bodies.
+//! What sees light and what is seen: viewpoints inside of a level, surfaces that none of them sees, texels that lie in
+//! bodies.
 
 pub(super) mod covered;
 mod inside;

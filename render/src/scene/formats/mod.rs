@@ -1,4 +1,5 @@
-//! The files of other programs: models, and what they name. Each format has a file or a folder; `model` chooses among them.
+//! The files of other programs: models, and what they name. Each format has a file or a folder; `model` chooses among
+//! them.
 
 mod blocks;
 mod decimal;

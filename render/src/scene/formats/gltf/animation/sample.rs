@@ -18,7 +18,8 @@ impl Channel {
         }
     }
 
-    /// The property at a time in seconds: three numbers, a quaternion, not always of length 1, or a weight for each target.
+    /// The property at a time in seconds: three numbers, a quaternion, not always of length 1, or a weight for each
+    /// target.
     pub(crate) fn at(&self, time: f64) -> Vec<f64> {
         // Keys are single precision: a frame must be at its key, not just before it.
         let time = time as f32;
