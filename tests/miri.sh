@@ -13,7 +13,7 @@ rustup component add miri rust-src --toolchain nightly
 
 filter=("$@")
 [ ${#filter[@]} -gt 0 ] || filter=(
-    bvh::blob bvh::build bvh::node geometry simd traverse::tests::an_empty_tree traverse::tests::corners_on_a_line
+    bvh::blob bvh::build bvh::node geometry simd traverse::tests::an_empty_tree traverse::tests::limits::corners_on_a_line
     traverse::visits::tests::one_node
 )
 export MIRIFLAGS=-Zmiri-strict-provenance

@@ -1,57 +1,44 @@
 //! The world: a scene made ready for tracing.
 
+mod assemble;
 mod bodies;
-mod closures;
 mod faults;
 mod glass;
 mod hit;
-mod inputs;
-mod instances;
-mod light_colors;
-mod light_shares;
-mod light_visibility;
-mod lit_triangles;
+mod labels;
+mod light_estimates;
 mod media;
-mod motion;
-mod moved;
-mod names;
+mod placement;
 mod ray_counts;
-mod reflected;
-mod rounding;
-mod seen_points;
-mod shading_records;
 mod surface;
 mod trace;
 
-use glam::Vec3;
 use halfdome_kernel::bvh::TreeStatistics;
 use halfdome_kernel::geometry::Aabb;
-use halfdome_kernel::{
-    BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa, Triangle, offset_distance, triangle_normal,
-};
+use halfdome_kernel::{BuildOptions, BuildReport, Bvh, BvhView, Error, Executor, Isa};
 
 use crate::camera::Camera;
 use crate::executor::RayonExecutor;
-use crate::light::{Light, LightSampler, SkyLight, area};
+use crate::light::LightSampler;
 use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, SceneFault, Texture};
 pub(crate) use bodies::Bodies;
-use closures::ClosureCell;
 use glass::Glass;
 pub(crate) use glass::{BentLight, Between, LightEnd};
 pub(crate) use hit::{Hit, MIDDLE, time_of};
-pub(crate) use instances::InstanceRecord;
-use instances::Instances;
+pub use light_estimates::seen_points::LookFrom;
+pub(crate) use light_estimates::seen_points::Side;
 pub(crate) use media::Boundary;
 use media::Solids;
-pub(crate) use motion::Motion;
+pub(crate) use placement::instances::InstanceRecord;
+use placement::instances::Instances;
+pub(crate) use placement::motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
-use rounding::Bulge;
-pub(crate) use rounding::Rounding;
-pub use seen_points::LookFrom;
-pub(crate) use seen_points::Side;
-pub(crate) use shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
+use surface::closures::ClosureCell;
+use surface::rounding::Bulge;
+pub(crate) use surface::rounding::Rounding;
+pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -174,109 +161,6 @@ impl World {
         }
     }
 
-    fn assemble<E: Executor>(mut scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
-        scene.check()?;
-        let camera = scene.camera.ok_or(WorldError::NoCamera)?;
-        scene.complete_tangents();
-        let surroundings_hash = scene.surroundings_hash();
-        scene.name_parts();
-        scene.place_emitters();
-        scene.place_distorted();
-        let motion = scene.motion.take();
-        let (in_world, of_objects) = scene.meshes_by_object();
-        let is_moving = |number: &usize| motion.as_ref().is_some_and(|motion| motion.meshes.contains_key(number));
-        let (moving, in_world): (Vec<usize>, Vec<usize>) = in_world.into_iter().partition(is_moving);
-        let Scene { meshes, materials, textures, lights, mut light_labels, instances, sky, optics, .. } = scene;
-        light_labels.resize(lights.len(), LightLabel::default());
-        let mut triangles = TriangleTable::new(&meshes, &materials);
-        let mut corners = triangles.add(&in_world);
-        let (bvh, report) = Bvh::build_on(executor, &corners, options)?;
-        let still = corners.len();
-        corners.extend(triangles.add(&moving));
-        let mut objects = Vec::with_capacity(of_objects.len());
-        for numbers in &of_objects {
-            let first = triangles.records.len() as u32;
-            objects.push((triangles.add(numbers), first));
-        }
-        let TriangleTable { records: mut triangle_records, bulges, first_faces, .. } = triangles;
-        let spread = motion.as_ref().map(|motion| motion.spread_lights(&lights)).unwrap_or_default();
-        let motion = motion.map(|motion| Motion::new(motion, &meshes, &moving, still as u32));
-        // What moves is shaded one by one.
-        let of_moving = objects.iter().enumerate().filter(|(object, _)| {
-            let mut all = instances.iter().enumerate().filter(|(_, instance)| instance.object == *object);
-            all.any(|(number, _)| motion.as_ref().is_some_and(|motion| motion.instance(number).is_some()))
-        });
-        let of_moving = of_moving.map(|(_, (corners, first))| *first as usize..*first as usize + corners.len());
-        for range in of_moving.chain(std::iter::once(still..corners.len())) {
-            triangle_records[range].iter_mut().for_each(|record| record.is_plain = 0);
-        }
-        let instances = match instances.is_empty() && moving.is_empty() {
-            true => None,
-            false => Some(Instances::build(executor, &objects, instances, motion.as_ref(), options)?),
-        };
-        drop(objects);
-        let even: Vec<Material> = materials.iter().map(|material| material.without_maps(&textures)).collect();
-        let material = |prim: usize| &even[triangle_records[prim].material as usize];
-        let front = |prim: usize| front(&triangle_records[prim], &meshes, &first_faces, prim);
-        let bounds = instances.as_ref().map_or(bvh.view().bounds(), |all| all.bounds().union(&bvh.view().bounds()));
-        let mut shown = lights;
-        let moved: Vec<_> =
-            spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
-        let mut lights = LightSampler::new(&corners, material, front, shown, SkyLight::new(sky), bounds);
-        moved.into_iter().for_each(|(number, light)| lights.replace_punctual(number, light));
-        let material_records = materials.iter().map(MaterialRecord::of).collect();
-        let emitter = |light: &Light| match *light {
-            Light::Triangle(prim_id) => {
-                let face = &triangle_records[prim_id as usize];
-                let material = &materials[face.material as usize];
-                let mut record = EmitterRecord::of(face, front(prim_id as usize), material, area(&face.corners));
-                record.is_plain &= u32::from((prim_id as usize) < still);
-                record
-            }
-            _ => EmitterRecord::NONE,
-        };
-        let emitter_records = lights.lights().iter().map(emitter).collect();
-        let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
-        let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
-        let solids = Solids::new(&materials);
-        let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
-        let glass = Glass::new(&materials, &triangle_records, &corners[..still], has_punctual);
-        let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
-        let mut world = Self {
-            closures: materials.iter().map(|_| ClosureCell::new()).collect(),
-            meshes,
-            materials,
-            textures,
-            has_holes,
-            kinds,
-            bulges,
-            has_closures,
-            solids,
-            glass,
-            triangle_records,
-            placed: corners.len(),
-            still,
-            motion,
-            material_records,
-            emitter_records,
-            first_faces,
-            isa: bvh.view().isa(),
-            bvh,
-            instances,
-            report,
-            lights,
-            bounds,
-            camera,
-            optics,
-            light_labels,
-            surroundings_hash,
-            plain_lit: Vec::new(),
-            ray_counters: RayCounters::default(),
-        };
-        world.send_photons();
-        Ok(world)
-    }
-
     /// The tree of all triangles that are in world space.
     pub fn tree(&self) -> BvhView<'_> {
         self.bvh.view()
@@ -393,79 +277,5 @@ impl World {
         let bounds = self.bounds();
         let diagonal = (bounds.max - bounds.min).length();
         if !bounds.is_empty() && diagonal > 0.0 { diagonal } else { 1.0 }
-    }
-}
-
-/// The triangles of meshes, one mesh after the other.
-struct TriangleTable<'a> {
-    meshes: &'a [Mesh],
-    materials: &'a [Material],
-    records: Vec<TriangleRecord>,
-    bulges: Vec<Bulge>,
-    /// The number of each mesh's first triangle.
-    first_faces: Vec<u32>,
-}
-
-impl<'a> TriangleTable<'a> {
-    fn new(meshes: &'a [Mesh], materials: &'a [Material]) -> Self {
-        Self { meshes, materials, records: Vec::new(), bulges: Vec::new(), first_faces: vec![0; meshes.len()] }
-    }
-
-    /// Adds the meshes of these numbers, and gives the corners of their triangles.
-    fn add(&mut self, numbers: &[usize]) -> Vec<Triangle> {
-        let corners = |&number: &usize| {
-            let mesh = &self.meshes[number];
-            (0..mesh.triangles.len()).map(|face| mesh.corners(face))
-        };
-        let triangles: Vec<Triangle> = numbers.iter().flat_map(corners).collect();
-        self.records.reserve(triangles.len());
-        let first = self.records.len();
-        for &number in numbers {
-            let mesh = &self.meshes[number];
-            self.first_faces[number] = self.records.len() as u32;
-            let own = &triangles[self.records.len() - first..][..mesh.triangles.len()];
-            let is_plain = u32::from(is_plain(mesh, self.materials));
-            self.bulges.extend(Bulge::of_mesh(mesh, &self.materials[mesh.material]));
-            self.records.extend(own.iter().map(|&corners| {
-                let normal = triangle_normal(&corners);
-                let offset = offset_distance(&corners, normal);
-                TriangleRecord {
-                    corners,
-                    normal,
-                    offset,
-                    mesh: number as u32,
-                    material: mesh.material as u32,
-                    is_plain,
-                }
-            }));
-        }
-        triangles
-    }
-}
-
-fn has_colors(mesh: &Mesh, materials: &[Material]) -> bool {
-    materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty()
-}
-
-/// Whether nothing varies over its triangles.
-fn is_plain(mesh: &Mesh, materials: &[Material]) -> bool {
-    mesh.normals.is_empty() && materials[mesh.material].is_uniform() && !has_colors(mesh, materials)
-}
-
-/// The unit normal of the side of a triangle that is its front, which its mesh's own normals say, whatever the winding;
-/// `None` if they do not agree.
-fn front(face: &TriangleRecord, meshes: &[Mesh], first_faces: &[u32], prim: usize) -> Option<Vec3> {
-    let mesh = &meshes[face.mesh as usize];
-    if mesh.normals.is_empty() {
-        return Some(face.normal);
-    }
-    let corners = mesh.triangles[prim - first_faces[face.mesh as usize] as usize];
-    let heights = corners.map(|corner| face.normal.dot(mesh.normals[corner as usize]));
-    if heights.iter().all(|&height| height > 0.0) {
-        Some(face.normal)
-    } else if heights.iter().all(|&height| height < 0.0) {
-        Some(-face.normal)
-    } else {
-        None
     }
 }

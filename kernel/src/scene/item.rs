@@ -5,8 +5,9 @@ use alloc::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
+use super::image_box::MOVING_PAD;
 use super::object::{Object, Target};
-use super::transform::{Keys, MOVING_PAD, Placement};
+use super::transform::{Keys, Placement};
 use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::geometry::moment::Moment;

@@ -73,6 +73,7 @@ pub mod blob;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
 mod image;
+mod image_box;
 mod inverse;
 mod item;
 mod near;

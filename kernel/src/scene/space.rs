@@ -5,7 +5,8 @@ use core::ops::ControlFlow;
 use glam::{DMat3, DVec3};
 
 use super::SceneHit;
-use super::transform::{Placement, image};
+use super::image_box::image;
+use super::transform::Placement;
 use crate::geometry::moment::Moment;
 use crate::geometry::{Aabb, Triangle};
 

@@ -27,6 +27,7 @@ use core::ops::Deref;
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use super::image::image_of_mesh;
+use super::image_box::{image_at, moving_pad, round_up};
 use super::inverse::{Inverse, MAX_CONDITION, inverse_norm_between, linear, norm, row_sums, translation};
 use crate::bvh::BvhView;
 use crate::error::{Error, InvalidScene};
@@ -38,10 +39,6 @@ pub(super) const MAX_ERROR: f32 = 0.25;
 
 /// Rounding in one change of spaces, and of hits within their own boxes.
 const ROUNDING: f64 = 32.0 / (1u32 << 24) as f64;
-
-/// Boxes that move are widened by this times their largest coordinate: for the rounding of fractions of time and of
-/// interpolation.
-pub(super) const MOVING_PAD: f64 = 16.0 / (1u32 << 24) as f64;
 
 /// Above this condition the elements, which are rounded to `f32`, do not tell a transform from one that flattens.
 const FLAT: f64 = (1u32 << 22) as f64;
@@ -252,48 +249,6 @@ fn between(keys: &[Affine3A], time: f32) -> Option<(DMat3, DVec3)> {
     let (a, b) = (linear(from), linear(to));
     let linear = DMat3::from_cols(mix(a.x_axis, b.x_axis), mix(a.y_axis, b.y_axis), mix(a.z_axis, b.z_axis));
     Some((linear, mix(translation(from), translation(to))))
-}
-
-/// By what boxes are widened that move with these transforms and a box.
-fn moving_pad(keys: &[Affine3A], local: &Aabb) -> f64 {
-    let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
-    let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
-    f64::from(largest.max_element()) * MOVING_PAD
-}
-
-/// A box around the image of a box, widened by `pad`.
-fn image_at(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
-    image(&linear(transform), translation(transform), local, pad)
-}
-
-/// The same by the transform's elements.
-pub(super) fn image(linear: &DMat3, translation: DVec3, local: &Aabb, pad: f64) -> Aabb {
-    if local.is_empty() {
-        return Aabb::EMPTY;
-    }
-    if !(local.min.is_finite() && local.max.is_finite()) {
-        // Zero times infinity would be no number, and the box seem empty.
-        return Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
-    }
-    let (mut min, mut max, mut size) = (translation, translation, translation.abs());
-    for axis in 0..3 {
-        let (low, high) =
-            (linear.col(axis) * f64::from(local.min[axis]), linear.col(axis) * f64::from(local.max[axis]));
-        min += low.min(high);
-        max += low.max(high);
-        size += low.abs().max(high.abs());
-    }
-    // The sums are rounded, and then once more to `f32`.
-    let pad = size * (8.0 * f64::EPSILON) + pad;
-    let (min, max) = ((min - pad).to_array(), (max + pad).to_array());
-    Aabb {
-        min: Vec3::from_array(min.map(|x| (x as f32).next_down())),
-        max: Vec3::from_array(max.map(|x| (x as f32).next_up())),
-    }
-}
-
-fn round_up(x: f64) -> f32 {
-    (x as f32).next_up()
 }
 
 #[cfg(test)]

@@ -1,49 +1,21 @@
 //! Lightmaps: irradiance at every texel of the pages that a level's surfaces are laid out on.
 //!
 //! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture coordinates
-//! ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers it (`covered`),
-//! its light (`light`), then what makes a map of it: less noise (`denoise`), gutters (`dilate`) and borders of charts that
-//! cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
+//! ([`atlas`]), the point on a surface that stands for each texel (`layout::texels`), moved where something covers it
+//! (`visibility::covered`), its light (`light`), then what makes a map of it (`finish`): less noise, gutters and borders of
+//! charts that cannot be seen. A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
 //! reflects the radiance E/π.
 //!
 //! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
 //! with the same bytes.
 
-mod ao;
-pub mod atlas;
-mod baker;
-mod cached;
-pub mod check;
-mod checkpoint;
-mod covered;
-mod denoise;
-mod dilate;
-mod edges;
-mod errors;
-mod filter;
-mod footprint;
-pub mod gltf;
-mod hashes;
-mod inside;
-mod islands;
+mod files;
+mod finish;
 mod layout;
-mod left_out;
-pub mod manifest;
-mod moments;
-mod noise;
-pub mod obj;
+mod light;
 mod options;
-mod outside;
-mod picture;
-mod raster;
-pub mod report;
-mod room;
-mod seams;
-mod t_junctions;
-mod texel_irradiance;
-mod texels;
-mod unwrap;
-mod values;
+mod result;
+mod visibility;
 mod warnings;
 
 use glam::{Vec2, Vec3};
@@ -54,103 +26,30 @@ use crate::settings::{Invalid, Shard};
 use crate::watch::Watch;
 use crate::world::World;
 
-use atlas::{Atlas, NO_CHART};
-use baker::Baker;
-use covered::{Uncovered, uncover};
-use denoise::denoise;
-use dilate::PageTexels;
-use edges::shared_edges;
-pub use errors::ErrorSummary;
-use errors::errors;
-use moments::DirectionalBasis;
-use seams::{Seams, cuts};
-use texels::{Surfaces, Texel};
+use finish::denoise::denoise;
+use finish::dilate::PageTexels;
+pub use finish::errors::ErrorSummary;
+use finish::errors::errors;
+use finish::seams::{Seams, cuts};
+use layout::atlas::{Atlas, NO_CHART};
+use layout::edges::shared_edges;
+use layout::texels::{Surfaces, Texel};
+use light::baker::Baker;
+use light::moments::DirectionalBasis;
+use visibility::covered::{Uncovered, uncover};
 use warnings::warnings;
 
-pub use checkpoint::{Checkpoint, STATE_EXTENSION};
-pub use dilate::TexelSource;
-pub use hashes::{combined, hashes};
-pub use left_out::LeftOut;
+pub use files::checkpoint::{Checkpoint, STATE_EXTENSION};
+pub use files::hashes::{combined, hashes};
+pub use files::picture::charts_picture;
+pub use files::{gltf, manifest, obj, report};
+pub use finish::dilate::TexelSource;
+pub use layout::left_out::LeftOut;
+pub use layout::room::{LayoutStep, LayoutWatch};
+pub use layout::{atlas, check};
 pub use options::{BakeOptions, Coordinates, Directional, Mode, Preset, Sampling};
-pub use picture::charts_picture;
-pub use room::{LayoutStep, LayoutWatch};
+pub use result::{Bake, Layer, Map, Statistics};
 pub use warnings::model_warnings;
-
-/// Light for every page of an atlas.
-#[derive(Clone, Debug)]
-pub struct Bake {
-    /// What the pages show.
-    pub atlas: Atlas,
-    /// A map for each page.
-    pub maps: Vec<Map>,
-    /// Where the cache's records are: the page, and the place there from 0 to 1.
-    pub record_places: Vec<(usize, Vec2)>,
-    /// What it took.
-    pub statistics: Statistics,
-    /// What the user should know about the light, a line each.
-    pub warnings: Vec<String>,
-    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was asked for.
-    pub accuracy: Option<f32>,
-}
-
-/// The map of a page.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Map {
-    /// Irradiance, and what else was asked for.
-    pub layers: Vec<Layer>,
-    /// The chart of each texel, [`NO_CHART`] outside of all; gutters belong to their chart.
-    pub owners: Vec<u32>,
-    /// Where each texel's value comes from.
-    pub sources: Vec<TexelSource>,
-    /// An estimate of the error of irradiance at each texel with light of its own, 0 for others, relative to its
-    /// irradiance or to a tenth of the mean of all, whichever is more. It knows noise, and how far the cache's records
-    /// disagree, but no bias.
-    pub errors: Vec<f32>,
-}
-
-/// A value for each texel, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// Empty for irradiance; `hl2.0` to `hl2.2` or `sh.0`, `sh.1-1`, `sh.10` and `sh.11` for what is kept of
-    /// directions.
-    pub name: &'static str,
-    /// In linear sRGB; of ambient occlusion, how open it is in all channels.
-    pub texels: Vec<Vec3>,
-}
-
-/// What a bake took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Texels on surfaces.
-    pub texels: u64,
-    /// Hemispheres gathered: by texels, or by records and by texels without any.
-    pub gathers: u64,
-    /// Rays traced; of a bake that was resumed, since then.
-    pub rays: u64,
-    /// Texels that something covers, with a free point beside.
-    pub moved: u64,
-    /// Texels that something covers as a whole: they took the light of others.
-    pub covered: u64,
-    /// Texels of gutters.
-    pub gutter: u64,
-    /// Points along seams where samples were made to agree.
-    pub seams: u64,
-    /// Points along seams where they were not, as charts are too close.
-    pub mixed: u64,
-    /// Texels without a valid record.
-    pub misses: u64,
-    /// Records whose extrapolation had a negative channel, which counted as 0.
-    pub negative: u64,
-}
-
-impl Bake {
-    /// The relative errors that are estimated for texels with light of their own.
-    pub fn error(&self) -> ErrorSummary {
-        let texels = self.maps.iter().flat_map(|map| map.errors.iter().zip(&map.sources));
-        let own = texels.filter(|(_, source)| **source == TexelSource::Light).map(|(error, _)| *error);
-        ErrorSummary::of(own.collect())
-    }
-}
 
 impl Atlas {
     /// Lays a scene's surfaces out on pages.

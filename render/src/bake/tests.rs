@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DVec3, Vec3, vec3};
 
-use super::filter::footprint;
+use super::finish::filter::footprint;
 use super::*;
 use crate::scene::{Material, Mesh, cornell_box};
 use crate::settings::GatherLayout;

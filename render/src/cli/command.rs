@@ -2,23 +2,23 @@
 
 use clap::{Parser, Subcommand};
 
-use super::args::{InfoArguments, MaterialsArguments, RenderArguments};
-use super::bake::BakeArguments;
-use super::cache::CacheCommand;
-use super::cubemap::CubemapArguments;
-use super::denoise::DenoiseArguments;
-use super::help::{
+use super::args::help::{
     BAKE_EXAMPLES, CUBEMAP_EXAMPLES, DENOISE_EXAMPLES, EXAMPLES, EXIT_CODES, MERGE_EXAMPLES, PROBES_EXAMPLES,
     RENDER_EXAMPLES, VALIDATE_EXAMPLES, VIEW_EXAMPLES,
 };
-use super::irradiance::IrradianceArguments;
-use super::manual::{CompletionsArguments, ManArguments};
-use super::merge::MergeArguments;
+use super::args::{InfoArguments, MaterialsArguments, RenderArguments};
+use super::commands::bake::BakeArguments;
+use super::commands::cache::CacheCommand;
+use super::commands::cubemap::CubemapArguments;
+use super::commands::denoise::DenoiseArguments;
+use super::commands::irradiance::IrradianceArguments;
+use super::commands::manual::{CompletionsArguments, ManArguments};
+use super::commands::merge::MergeArguments;
+use super::commands::probes::ProbesArguments;
+use super::commands::tree::TreeArguments;
+use super::commands::validate::ValidateArguments;
+use super::commands::view::ViewArguments;
 use super::prepare::CORNELL;
-use super::probes::ProbesArguments;
-use super::tree::TreeArguments;
-use super::validate::ValidateArguments;
-use super::view::ViewArguments;
 
 /// Renders scenes with global illumination, and bakes lightmaps, cube maps and light probes
 ///

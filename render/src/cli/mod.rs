@@ -1,42 +1,20 @@
 //! The command line: arguments, progress, summaries, exit codes.
 
 mod args;
-mod bake;
-mod cache;
 mod checkpoint;
 mod command;
-mod cubemap;
-mod denoise;
+mod commands;
 mod denoiser;
 mod error;
-mod help;
-mod info;
 mod inputs;
 mod interrupt;
-mod irradiance;
-mod job;
-mod light;
-mod manual;
-mod materials;
 mod memory;
-mod merge;
 mod messages;
-mod pace;
 mod prepare;
 mod print;
-mod probes;
 mod progress;
-mod render;
-mod render_report;
-mod render_statistics;
-mod render_watch;
-mod stage_progress;
-mod summary;
 mod tev;
-mod tree;
 mod usage;
-mod validate;
-mod view;
 
 use std::process::ExitCode;
 
@@ -45,6 +23,9 @@ use halfdome_kernel::{Isa, Level};
 use clap::{CommandFactory, Parser};
 
 use command::{Arguments, Command};
+use commands::{
+    bake, cache, cubemap, denoise, info, irradiance, manual, materials, merge, probes, render, tree, validate, view,
+};
 use error::{CliError, EXIT_DONE, EXIT_INPUT};
 use messages::Mode;
 

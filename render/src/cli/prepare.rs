@@ -9,7 +9,7 @@ use super::args::CommonArguments;
 use super::error::CliError;
 use super::inputs;
 use super::messages::{Style, print_warning};
-use super::stage_progress::LoadProgress;
+use super::progress::stages::LoadProgress;
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
 use crate::world::{LookFrom, World};

@@ -284,7 +284,7 @@ fn points_and_spots_are_never_without_a_chance() {
 fn profiles_are_never_without_a_chance() {
     let path = std::path::Path::new("lamp.ies");
     let text = "IESNA91\nTILT=NONE\n1 1 1 4 2 1 2 0 0 0\n1 1 1\n0 30 60 90\n0 180\n0 9 2 0\n1 4 0 0\n";
-    let profile = std::sync::Arc::new(crate::scene::ies::parse(path, text.as_bytes()).unwrap());
+    let profile = std::sync::Arc::new(crate::scene::formats::ies::parse(path, text.as_bytes()).unwrap());
     let punctual: Vec<PunctualLight> = (0..60)
         .map(|i| {
             let (position, frame) = (place(4, i), crate::scene::ProfileFrame::new(direction(4, i), i as f32));

@@ -24,7 +24,8 @@ use std::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::{self, Blend, Node};
+use super::column::{Blend, Node};
+use super::energy;
 use super::film::Film;
 use super::fresnel::{self, Dielectric};
 use super::ggx::{Ggx, half, reflect};

@@ -19,7 +19,8 @@ use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::{self, Blend, Column, Node};
+use super::column::{Blend, Column, Node};
+use super::energy;
 use super::eon::Eon;
 use super::film::Film;
 use super::fresnel::{Dielectric, Metal};

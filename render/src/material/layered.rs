@@ -17,7 +17,8 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::{self, Column};
+use super::column::Column;
+use super::energy;
 use super::fresnel::Dielectric;
 use super::ggx::{Ggx, half, reflect};
 use super::lobes::{Choice, Lobes, Parts, choose, mean};

@@ -41,7 +41,9 @@
 
 use glam::{Vec2, Vec3};
 
+mod albedo_integral;
 mod closure;
+mod column;
 mod energy;
 mod eon;
 pub mod film;

@@ -19,7 +19,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::r2;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::energy::Column;
+use super::column::Column;
 
 /// Fuzz that is white and covers all.
 #[derive(Clone, Copy, Debug)]

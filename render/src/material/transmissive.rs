@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::energy::Column;
+use super::column::Column;
 use super::glass::Glass;
 use super::lobes::{Choice, Lobes, Parts, choose};
 use super::{Glossy, Inputs};

@@ -12,6 +12,8 @@ use halfdome_tests::program::Program;
 use halfdome_tests::render::{mesh, quad, render};
 use tempfile::TempDir;
 
+mod light_paths;
+mod masks;
 mod motion;
 
 fn values<'a>(picture: &'a Picture, name: &str) -> &'a [f32] {
@@ -42,143 +44,6 @@ fn slats() -> Scene {
     }
 }
 
-#[test]
-fn coverage_is_what_does_not_show_the_sky() {
-    let scene = slats();
-    for filter in [Filter::default(), Filter::from_name("gaussian", None, None).unwrap()] {
-        let cryptomatte = Cryptomatte { kinds: MatteKind::ALL.to_vec(), levels: 6 };
-        let settings = Settings { width: 48, height: 40, spp: 16, filter, cryptomatte, ..Settings::default() };
-        let plain = render(&scene, &Settings { cryptomatte: Cryptomatte::default(), ..settings.clone() });
-        let picture = render(&scene, &settings);
-        let radiance = values(&picture, "R");
-        assert_eq!(radiance, values(&plain, "R"), "the picture is the same");
-        let mut partly = 0;
-        for kind in MatteKind::ALL {
-            let channel = |pair: usize, c: &str| values(&picture, &format!("{}{pair:02}.{c}", kind.layer()));
-            for (pixel, radiance) in radiance.iter().enumerate() {
-                let covers: Vec<f32> = (0..3).flat_map(|pair| ["G", "A"].map(|c| channel(pair, c)[pixel])).collect();
-                let sum: f32 = covers.iter().sum();
-                assert!((sum - (1.0 - radiance)).abs() < 1e-6, "{kind:?}, {pixel}: {sum} and {radiance}");
-                assert!(covers.is_sorted_by(|a, b| a >= b), "{covers:?}");
-                partly += usize::from(covers[1] > 0.0);
-                for (pair, [id, cover]) in (0..3).flat_map(|pair| [(pair, ["R", "G"]), (pair, ["B", "A"])]) {
-                    let id = channel(pair, id)[pixel];
-                    assert_eq!(id == 0.0, channel(pair, cover)[pixel] == 0.0);
-                }
-            }
-        }
-        assert!(partly > 100, "{partly} pixels have more than one name");
-        let ids = |layer: &str| {
-            let mut ids: Vec<u32> =
-                values(&picture, layer).iter().map(|id| id.to_bits()).filter(|&id| id != 0).collect();
-            ids.sort_unstable();
-            ids.dedup();
-            ids.len()
-        };
-        assert_eq!((ids("CryptoObject00.R"), ids("CryptoMaterial00.R")), (3, 2));
-    }
-}
-
-#[test]
-fn an_instance_has_the_name_of_its_object_also_where_it_emits() {
-    let glowing = || {
-        let mut scene = slats();
-        scene.materials[1].emission = Vec3::splat(0.5);
-        scene
-    };
-    // Five slats of an object, and one of an object without a name, which keeps its own.
-    let mut instanced = glowing();
-    instanced.objects = vec![Object { name: "fan".to_owned() }, Object::default()];
-    for (number, mesh) in instanced.meshes[..6].iter_mut().enumerate() {
-        mesh.object = Some(usize::from(number == 5));
-    }
-    let ups = [(0, 0.0), (0, 0.25), (1, 0.0)];
-    let instance = |(object, up)| Instance { object, to_world: Affine3A::from_translation(Vec3::Y * up) };
-    instanced.instances = ups.map(instance).into();
-    // The same as meshes of their own.
-    let mut copied = glowing();
-    copied.meshes[..5].iter_mut().for_each(|mesh| mesh.name = "fan".to_owned());
-    let mut higher = copied.meshes[..5].to_vec();
-    higher.iter_mut().flat_map(|mesh| &mut mesh.positions).for_each(|position| position.y += 0.25);
-    copied.meshes.append(&mut higher);
-    let cryptomatte = Cryptomatte { kinds: vec![MatteKind::Object], levels: 6 };
-    let aovs = aovs(&[("fan", "C.*<O.'fan'>"), ("rest", "C.*<[OB].[^'fan']>")]);
-    let settings = Settings { width: 48, height: 40, spp: 8, cryptomatte, aovs, ..Settings::default() };
-    let [instanced, copied] = [instanced, copied].map(|scene| render(&scene, &settings));
-    let covered = |picture: &Picture| {
-        let mut covered = BTreeMap::new();
-        for (id, cover) in [("00.R", "00.G"), ("00.B", "00.A"), ("01.R", "01.G"), ("01.B", "01.A")] {
-            let [id, cover] = [id, cover].map(|channel| values(picture, &format!("CryptoObject{channel}")));
-            for (id, cover) in id.iter().zip(cover).filter(|(id, _)| **id != 0.0) {
-                *covered.entry(id.to_bits()).or_insert(0.0) += f64::from(*cover);
-            }
-        }
-        covered
-    };
-    let (found, expected) = (covered(&instanced), covered(&copied));
-    assert_eq!(expected.len(), 4, "fan and three of slats");
-    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
-    for (id, expected) in expected {
-        assert!((found[&id] - expected).abs() < 0.5, "{id:x}: {} and {expected}", found[&id]);
-    }
-    for picture in [&instanced, &copied] {
-        assert_sum(picture, &["fan", "rest"]);
-    }
-    let [found, expected] = [&instanced, &copied].map(|picture| mean(picture, "fan")[0]);
-    assert!(expected > 0.01 && (found - expected).abs() < 0.01 * expected, "{found}, {expected}");
-}
-
-/// A room with every kind of light and lobe: a layered floor, a rough metal and a clear glass ball's worth of panes, a
-/// lamp and a glowing panel with names, a point light, and a sky.
-fn mixed() -> Scene {
-    let gloss = Inputs { base_color: Vec3::new(0.7, 0.2, 0.1), specular_weight: 1.0, ..Inputs::default() };
-    let coated = Inputs { coat_weight: 0.5, coat_roughness: 0.1, fuzz_weight: 0.3, specular_roughness: 0.4, ..gloss };
-    let metal = Inputs { base_metalness: 1.0, specular_roughness: 0.5, base_color: Vec3::new(0.9, 0.6, 0.3), ..gloss };
-    let glass = Inputs { transmission_weight: 1.0, specular_roughness: 0.0, thin_walled: true, ..gloss };
-    let frosted = Inputs { transmission_weight: 0.7, specular_roughness: 0.3, ..gloss };
-    let leaf = Inputs { diffuse_transmission_weight: 0.5, ..Inputs::default() };
-    let named = |name: &str, inputs: Inputs| Material { name: name.to_owned(), inputs, ..Material::default() };
-    let mut panel = named("panel", Inputs::default());
-    (panel.emission, panel.emits_both_sides) = (Vec3::new(1.0, 2.0, 4.0), true);
-    let mut lamp = Material { light_group: "key".to_owned(), ..panel.clone() };
-    lamp.emission = Vec3::new(9.0, 6.0, 3.0);
-    let materials = vec![
-        named("floor", coated),
-        named("metal", metal),
-        named("glass", glass),
-        named("frosted", frosted),
-        named("leaf", leaf),
-        panel,
-        lamp,
-    ];
-    let place = |name: &str, material: usize, center: Vec3, side: f32, across: [Vec3; 2]| {
-        let corner = |x: f32, y: f32| center + 0.5 * side * (x * across[0] + y * across[1]);
-        let triangles = quad([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-        Mesh { name: name.to_owned(), ..mesh(&triangles, material) }
-    };
-    let (level, upright) = ([Vec3::X, Vec3::NEG_Z], [Vec3::X, Vec3::Y]);
-    let mut lamp = place("lamp", 6, Vec3::new(-0.5, 1.8, 0.0), 0.4, level);
-    lamp.is_added = true;
-    let meshes = vec![
-        place("floor", 0, Vec3::ZERO, 4.0, level),
-        place("back", 1, Vec3::new(0.0, 1.0, -1.5), 3.0, upright),
-        place("pane", 2, Vec3::new(-0.6, 0.6, 0.3), 0.7, upright),
-        place("frosted", 3, Vec3::new(0.2, 0.5, 0.2), 0.6, upright),
-        place("leaf", 4, Vec3::new(0.9, 0.5, 0.0), 0.6, upright),
-        place("panel", 5, Vec3::new(0.25, 0.4, -0.8), 0.6, upright),
-        lamp,
-    ];
-    let camera =
-        CameraPose { eye: Vec3::new(0.2, 1.1, 3.2), target: Vec3::new(0.0, 0.6, 0.0), up: Vec3::Y, vfov: 50.0 };
-    let sky = Sky { radiance: Vec3::new(0.1, 0.15, 0.3), picture: None };
-    let mut scene = Scene { meshes, materials, sky, camera: Some(camera), ..Scene::default() };
-    let intensity = Vec3::new(0.5, 1.0, 0.5);
-    let point = |x: f32| PunctualLight::Point { position: Vec3::new(x, 1.5, 1.0), intensity, radius: 0.0 };
-    scene.add_light(point(1.0), LightLabel { name: "left".to_owned(), group: "key".to_owned() });
-    scene.lights.push(point(-1.0));
-    scene
-}
-
 fn aovs(expressions: &[(&str, &str)]) -> Vec<Aov> {
     expressions.iter().map(|(name, text)| Aov::new(name, text).unwrap()).collect()
 }
@@ -194,125 +59,12 @@ fn assert_sum(picture: &Picture, names: &[&str]) {
     }
 }
 
-#[test]
-fn disjoint_expressions_sum_to_the_picture() {
-    let scene = mixed();
-    let by_lobe = [("seen", "C[LB]"), ("d", "CD.*"), ("g", "CG.*"), ("s", "CS.*")];
-    let by_length = [("none", "C."), ("one", "C.."), ("two", "C..."), ("more", "C.{4,}")];
-    let by_side = [("r", "C(R.*)?[LB]"), ("t", "CT.*")];
-    let by_light = [("o", "C.*O"), ("l", "C.*<[^OB]x>"), ("b", "C.*B")];
-    let by_floor = [("on", "C.*<.[DGS]'floor'>.*"), ("off", "C<.[DGS][^'floor']>*[LB]")];
-    let all = [&by_lobe[..], &by_length, &by_side, &by_light, &by_floor].concat();
-    let base = Settings { width: 40, height: 36, spp: 8, ..Settings::default() };
-    let path = |options: PathOptions| Integrator::Path(options);
-    for integrator in [
-        path(PathOptions::default()),
-        path(PathOptions { lights: LightSampling::Naive, ..PathOptions::default() }),
-        path(PathOptions { lights: LightSampling::Direct, clamp_indirect: Some(0.5), ..PathOptions::default() }),
-        path(PathOptions {
-            stop: Stop::Threshold { cutoff: 0.01, add_back: false },
-            max_depth: 6,
-            ..PathOptions::default()
-        }),
-    ] {
-        let settings = Settings { integrator, ..base.clone() };
-        let plain = render(&scene, &settings);
-        let picture = render(&scene, &Settings { aovs: aovs(&all), light_groups: true, ..settings.clone() });
-        for c in ["R", "G", "B"] {
-            assert_eq!(values(&picture, c), values(&plain, c), "AOVs do not change the picture");
-        }
-        for group in [&by_lobe[..], &by_length, &by_side, &by_light, &by_floor] {
-            let names: Vec<&str> = group.iter().map(|(name, _)| *name).collect();
-            assert_sum(&picture, &names);
-            for name in names {
-                let is_there = values(&picture, &format!("{name}.G")).iter().any(|&value| value > 0.0);
-                assert!(is_there, "{name} has light");
-            }
-        }
-        assert_sum(&picture, &["Light_key", "Light_panel", "Light_rest", "Light_sky"]);
-        let groups = picture.channels.iter().filter(|channel| channel.name.starts_with("Light_")).count();
-        assert_eq!(groups, 4 * 3);
-    }
-}
-
 /// The mean over all pixels of each channel of an AOV, and of its square.
 fn mean(picture: &Picture, name: &str) -> [f64; 3] {
     ["R", "G", "B"].map(|c| {
         let values = values(picture, &format!("{name}.{c}"));
         values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64
     })
-}
-
-#[test]
-fn lobes_are_the_same_whether_light_is_sampled_or_found() {
-    // What light samples split among lobes, paths choose by chance: in expectation that is the same, in each channel.
-    let mut scene = mixed();
-    scene.lights.clear();
-    scene.light_labels.clear();
-    let all = [
-        ("rd", "C<RD>[LB]"),
-        ("rg", "C<RG>[LB]"),
-        ("td", "C<TD>[LB]"),
-        ("tg", "C<TG>[LB]"),
-        ("dd", "CDD[LB]"),
-        ("gd", "CGD[LB]"),
-        ("dg", "CDG[LB]"),
-    ];
-    let by = |lights: LightSampling, spp: u32| {
-        let integrator = Integrator::Path(PathOptions { lights, max_depth: 4, ..PathOptions::default() });
-        render(&scene, &Settings { width: 24, height: 20, spp, integrator, aovs: aovs(&all), ..Settings::default() })
-    };
-    let (sampled, found) = (by(LightSampling::Mis, 512), by(LightSampling::Naive, 8192));
-    for (name, _) in all {
-        let (sampled, found) = (mean(&sampled, name), mean(&found, name));
-        for (a, b) in sampled.into_iter().zip(found) {
-            assert!(b > 0.0 && (a - b).abs() < 0.03 * b, "{name}: {sampled:?}, {found:?}");
-        }
-    }
-}
-
-#[test]
-fn a_mirror_and_a_diffuse_floor_are_what_they_are_alone() {
-    // A matte scene has no glossy light; a light seen directly has no surface.
-    let picture = render(
-        &halfdome::scene::cornell_box(),
-        &Settings {
-            width: 32,
-            height: 32,
-            spp: 4,
-            aovs: aovs(&[
-                ("g", "C.*G.*"),
-                ("t", "C.*T.*"),
-                ("seen", "CO"),
-                ("direct", "CDL"),
-                ("red", "CD<RD'left wall'>.*"),
-                ("one", "C.*<L.'light'>"),
-            ]),
-            ..Settings::default()
-        },
-    );
-    for name in ["g", "t"] {
-        assert_eq!(mean(&picture, name), [0.0; 3], "{name}");
-    }
-    assert_eq!(values(&picture, "one.R"), values(&picture, "R"));
-    let [red, green, _] = mean(&picture, "red");
-    assert!(red > 4.0 * green && green > 0.0, "light by way of the red wall is red: {red}, {green}");
-    assert!(mean(&picture, "direct")[0] > 0.0 && mean(&picture, "seen")[0] > 0.0);
-}
-
-#[test]
-fn expressions_that_cannot_be_followed_are_refused() {
-    let with = |integrator: Integrator| Settings { integrator, aovs: aovs(&[("d", "CDL")]), ..Settings::default() };
-    assert!(with(Integrator::Path(PathOptions::default())).check_light_paths().is_ok());
-    let problem = |settings: &Settings| settings.check_light_paths().unwrap_err().to_string();
-    assert!(problem(&with(Integrator::named("cached").unwrap())).contains("cached follows no light paths"));
-    let stop = Stop::Threshold { cutoff: 0.1, add_back: true };
-    assert!(problem(&with(Integrator::Path(PathOptions { stop, ..PathOptions::default() }))).contains("--add-back"));
-    let twice = Settings { aovs: aovs(&[("d", "CDL"), ("d", "CGL")]), ..Settings::default() };
-    assert!(problem(&twice).contains("two AOVs are called"));
-    for name in ["", "a.b", "R", "Noisy", "CryptoObject", "Light_x", "ä"] {
-        assert!(Aov::new(name, "C.*").is_err(), "{name}");
-    }
 }
 
 fn program(folder: &TempDir) -> Program<'_> {
@@ -442,32 +194,4 @@ fn hits_of_first_samples_are_what_a_single_ray_sees() {
     assert!(hits > 100 && objects.len() == 8, "{hits}, {objects:?}");
     assert_eq!((values(&many, "UV.U"), values(&many, "UV.V")), (values(&many, "u"), values(&many, "v")));
     assert!(values(&many, "Samples.Y").iter().all(|&samples| samples == 9.0));
-}
-
-/// Groups of an OBJ file are objects, in masks and by their names in light path expressions.
-#[test]
-fn groups_of_obj_are_objects() {
-    let folder = tempfile::tempdir().unwrap();
-    let program = Program { executable: env!("CARGO_BIN_EXE_halfdome-under-test"), folder: folder.path() };
-    let square = |left: f32| format!("v {left} 0 0\nv {} 0 0\nv {} 1 0\nv {left} 1 0\n", left + 1.0, left + 1.0);
-    let faces = "o chair\nf 1 2 3 4\ng seat\nf 5 6 7 8\ng\nf 9 10 11 12\n";
-    program.put("room.obj", [square(0.0), square(2.0), square(4.0), faces.to_owned()].concat());
-    let line = "render room.obj --eye 2.5,0.5,5 --target 2.5,0.5,0 --sky 1 --size 32x16 --spp 4 --aov --cryptomatte object \
-                --lpe seat=C<..'seat'>.* --progress none -o room.exr";
-    let outcome = program.run_line(line);
-    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-    let picture = read_exr(&folder.path().join("room.exr")).unwrap();
-    let manifest = picture.metadata.attributes.iter().find(|(name, _)| name.ends_with("/manifest")).unwrap().1;
-    let names: BTreeSet<&str> = manifest.split('"').filter(|word| ["chair", "seat"].contains(word)).collect();
-    assert_eq!(names, BTreeSet::from(["chair", "seat"]), "{manifest}");
-    // The light of the seat is there where its object is, and nowhere else.
-    let objects = values(&picture, "Id.Object");
-    let seat = values(&picture, "seat.R");
-    let middle = |x: usize| 8 * 32 + x;
-    assert!(
-        seat[middle(16)] > 0.0 && seat[middle(6)] == 0.0 && seat[middle(25)] == 0.0,
-        "{:?}",
-        &seat[middle(0)..middle(32)]
-    );
-    assert!(objects[middle(16)] == 2.0 && objects[middle(6)] == 1.0 && objects[middle(25)] == 3.0);
 }

@@ -1,5 +1,8 @@
 //! What a bake writes, and how it ends.
 
+mod again;
+mod shards;
+
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -231,77 +234,6 @@ fn what_is_outside_is_left_out() {
 }
 
 #[test]
-fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
-    in_folder(|program| {
-        let talk = |options: &str| {
-            let line = format!("bake level.gltf -o out.gltf {SMALL} {options}").replace("none", "json");
-            let outcome = program.run_line(&line);
-            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-            outcome.stderr
-        };
-        assert!(!talk("").contains("up to date"));
-        let before = program.files();
-        assert!(talk("").contains("out.gltf is up to date"));
-        assert!(talk("--threads 2").contains("up to date"), "threads do not matter");
-        assert!(program.files() == before);
-        // A map that somebody changed is made again.
-        fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
-        assert!(talk("").contains("out-0.exr was changed since it was written"));
-        assert!(program.files() == before);
-        // A report is one more file, and no reason to bake again once it is there.
-        let told = talk("--report out.html");
-        assert!(
-            told.contains("out.html is missing, so the whole level is baked again") && !told.contains("options"),
-            "{told}"
-        );
-        assert!(talk("--report out.html").contains("up to date") && talk("").contains("up to date"));
-        assert!(talk("--seed 5").contains("the options changed"));
-        let mut moved = level();
-        moved["nodes"][1]["translation"] = json!([0.6, 0, 0.5]);
-        program.put("level.gltf", moved.to_string());
-        let told = talk("--seed 5");
-        assert!(
-            told.contains("mesh \\\"crate one\\\" changed") && told.contains("the whole level is baked again"),
-            "{told}"
-        );
-    });
-}
-
-#[test]
-fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
-    in_folder(|program| {
-        let long = "bake level.gltf -o out.gltf --size 512 --spp 256 --record-rays 1024 --progress json --threads 1";
-        let arguments: Vec<&str> = long.split(' ').collect();
-        for signal in ["INT", "KILL"] {
-            let mut child = program.command(&arguments).spawn().unwrap();
-            // Until it is at work.
-            let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-            let at_work = lines
-                .map_while(Result::ok)
-                .find(|line| line.contains("\"event\":\"progress\"") && line.contains("\"texels\":"));
-            assert!(at_work.is_some());
-            let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
-            assert!(kill.unwrap().success());
-            let status = child.wait().unwrap();
-            let files = names(program);
-            if signal == "INT" {
-                assert_eq!(status.code(), Some(3));
-                assert!(files.contains(&"out.gltf.state".to_owned()), "{files:?}");
-            } else {
-                assert_eq!(status.code(), None);
-            }
-            assert!(!files.iter().any(|file| file.starts_with("out") && file != "out.gltf.state"), "{files:?}");
-        }
-        let small = "bake level.gltf -o out.gltf --size 64 --spp 8 --record-rays 64 --progress none";
-        let other = program.run_line(&format!("{small} --resume"));
-        assert_eq!(other.code, Some(1), "the state is of other options");
-        assert!(other.stderr.contains("out.gltf.state: belongs to another level"), "{}", other.stderr);
-        succeed(&program.run_line(small));
-        assert!(!names(program).contains(&"out.gltf.state".to_owned()));
-    });
-}
-
-#[test]
 fn obj_and_the_built_in_scene_can_be_baked_raw() {
     in_folder(|program| {
         succeed_saying("", &program.run_line(&format!("bake cornell -o cornell.obj {SMALL} --report report.html")));
@@ -352,80 +284,5 @@ fn wrong_input_is_named() {
         let dark = program.run_line(&format!("bake dark.gltf -o out.gltf {SMALL}"));
         assert_eq!(dark.code, Some(0));
         assert!(dark.stderr.contains("all maps are black"), "{}", dark.stderr);
-    });
-}
-
-/// Any shards, one of them killed and gone on with, give the files of a single run.
-#[test]
-fn shards_make_the_bytes_of_a_single_run() {
-    for options in ["", "--mode ao", "--mode direct --directional sh1", "--brute --denoise"] {
-        let mut whole = None;
-        in_folder(|program| {
-            succeed(&bake(program, options));
-            whole = Some(program.files());
-        });
-        for (count, threads) in [(2, 1), (3, 2)] {
-            in_folder(|program| {
-                let mut parts = Vec::new();
-                // In any order.
-                for number in (1..=count).rev() {
-                    let part = format!("part{number}.state");
-                    let options = format!("{options} --shard {number}/{count} --threads {threads}");
-                    let line = format!("bake level.gltf {SMALL} {options} -o {part}");
-                    succeed(&program.run_reproducibly(&line));
-                    parts.push(part);
-                }
-                let merge = program.run_line(&format!("merge {} -o out.gltf.state", parts.join(" ")));
-                assert_eq!((merge.code, merge.stderr.as_str()), (Some(0), ""));
-                succeed(&bake(program, &format!("{options} --resume")));
-                for part in &parts {
-                    fs::remove_file(program.folder.join(part)).unwrap();
-                }
-                assert!(Some(program.files()) == whole, "{options}, {count} shards");
-            });
-        }
-    }
-}
-
-#[test]
-fn shards_that_do_not_belong_together_are_named() {
-    in_folder(|program| {
-        let shard = |name: &str, options: &str| {
-            program.run_reproducibly(&format!("bake level.gltf {SMALL} --mode direct -o {name} {options}"))
-        };
-        succeed(&shard("1.state", "--shard 1/2"));
-        succeed(&shard("2.state", "--shard 2/2"));
-        succeed(&shard("third.state", "--shard 2/3"));
-        succeed(&shard("other.state", "--shard 2/2 --seed 5"));
-        let whole = fs::read(program.folder.join("2.state")).unwrap();
-        fs::write(program.folder.join("cut.state"), &whole[..whole.len() / 2]).unwrap();
-        for (parts, problem) in [
-            ("1.state", "the shard 2/2 is missing"),
-            ("1.state 1.state 2.state", "1.state and 1.state both are shard 1/2"),
-            ("1.state third.state", "1.state is one of 2 shards, and third.state one of 3"),
-            ("1.state other.state", "other.state belongs to another level or to other options than 1.state"),
-            ("1.state cut.state", "cut.state is not the state of a bake, or is damaged"),
-            ("1.state level.gltf", "level.gltf is not the state of a bake, or is damaged"),
-            ("1.state gone.state", "gone.state: cannot be read"),
-        ] {
-            let outcome = program.run_line(&format!("merge {parts} -o out.gltf.state"));
-            assert_eq!(outcome.code, Some(1), "{parts}");
-            assert!(outcome.stderr.contains(problem), "{parts}: {}", outcome.stderr);
-        }
-        for (line, problem) in [
-            ("merge 1.state 2.state -o out.exr", "out.exr: these parts make no such file"),
-            ("bake level.gltf -o out.gltf --shard 1/2", "out.gltf: a shard is no model"),
-            (
-                "bake level.gltf -o 1.state --shard 2/2 --mode direct --resume --size 64 --spp 8 --record-rays 64",
-                "1.state is of the shard 1/2",
-            ),
-            ("bake level.gltf -o x.state --shard 1/2 --mode indirect --cache-bounces 1", "which no machines can share"),
-            ("bake level.gltf -o x.state --shard 3/2", "expected K/N"),
-        ] {
-            let outcome = program.run_line(line);
-            assert_eq!(outcome.code, Some(1), "{line}: {}", outcome.stderr);
-            assert!(outcome.stderr.contains(problem), "{line}: {}", outcome.stderr);
-        }
-        assert!(!names(program).iter().any(|name| name.starts_with("out")), "nothing is written");
     });
 }

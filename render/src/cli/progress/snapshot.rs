@@ -124,7 +124,7 @@ fn clock(seconds: f64) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::cli::pace::Pace;
+    use crate::cli::progress::pace::Pace;
 
     pub(in super::super) const HALF: Snapshot = Snapshot {
         samples: 50,

@@ -9,7 +9,8 @@ use glam::{Vec3, vec3};
 use crate::driver;
 use crate::fixtures::{self, square};
 use crate::material::Inputs;
-use crate::scene::{CameraPose, Material, Mesh, ProfileFrame, PunctualLight, Scene, SpotEdge, ies};
+use crate::scene::formats::ies;
+use crate::scene::{CameraPose, Material, Mesh, ProfileFrame, PunctualLight, Scene, SpotEdge};
 use crate::settings::{
     CachedOptions, DirectOptions, Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings,
 };

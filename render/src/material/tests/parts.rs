@@ -2,7 +2,7 @@
 
 use super::cases::COSINES;
 use super::*;
-use crate::material::energy::Column;
+use crate::material::column::Column;
 use crate::material::film::Film;
 use crate::material::fresnel::{self, Metal};
 

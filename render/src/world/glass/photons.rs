@@ -14,35 +14,18 @@
 //! are around the surface where they arrive: what is smaller than a footprint, before that surface, may be missed, and what faces
 //! between two photons alone do to light. Of very many lights and solids, each light has those that are largest from there.
 
+mod send;
+
 use glam::{IVec3, Mat2, Vec2, Vec3};
-use halfdome_kernel::Ray;
 use halfdome_kernel::geometry::Aabb;
-use halfdome_kernel::sampling::Frame;
-use halfdome_kernel::sampling::warp::{PolarDisc, UniformSphere, Warp};
-use rayon::prelude::*;
 use std::collections::HashMap;
-use std::f32::consts::PI;
 
-use super::super::{MIDDLE, World};
-use super::MOST;
-use super::bent::Beam;
-use crate::light::Light;
-use crate::scene::PunctualLight;
-
-/// Photons for all lights and bodies of glass, ...
-const PHOTONS: usize = 1 << 18;
-/// ... and for one light and one body, at least and at most.
-const OF_BODY: [usize; 2] = [64, 8192];
 /// The least and the greatest extent of a footprint, as a part of the body's radius: what is spread more widely is faint.
 const EXTENTS: [f32; 2] = [0.01, 0.5];
 /// The least width of a cell, as a part of its distance from the origin.
 const LEAST_CELL: f32 = 1e-6;
 /// How far beside a footprint's plane a point may be, as a part of its length: where it folds, the second derivative counts.
 const FOLD: f32 = 0.25;
-/// The least cosine with a surface that a photon's footprint on it is taken for.
-const LEAST_SLANT: f32 = 0.1;
-/// The least cosine, of 0.06°, between directions of light that a pane has not bent.
-const STRAIGHT: f32 = 1.0 - 5e-7;
 /// The most photons of a cell, ...
 const OF_CELL: usize = 48;
 /// ... and the most starts for a point.
@@ -97,13 +80,6 @@ struct Start {
     apart: f32,
     /// How far the point is from the middle of the footprint: the less, the likelier is a way near the start.
     off: f32,
-}
-
-/// A ball around glass.
-#[derive(Clone, Copy, Debug)]
-struct Body {
-    center: Vec3,
-    radius: f32,
 }
 
 /// A photon that has arrived.
@@ -235,13 +211,6 @@ impl LightPhotons {
     }
 }
 
-impl Body {
-    /// How large it is, seen from a light.
-    fn size_from(&self, light: &PunctualLight) -> f32 {
-        light.place().map_or(self.radius, |(position, ..)| self.radius / position.distance(self.center))
-    }
-}
-
 impl Start {
     /// Whether a search from it finds what one from the other does.
     fn is_beside(&self, other: &Self) -> bool {
@@ -254,131 +223,4 @@ fn cell(point: Vec3, width: f32) -> IVec3 {
     let scaled = point / width;
     let towards_zero = scaled.as_ivec3();
     towards_zero.saturating_sub(IVec3::from(scaled.cmplt(towards_zero.as_vec3())))
-}
-
-impl World {
-    /// Finds where the light of points, spots and suns arrives that glass bends.
-    pub(in crate::world) fn send_photons(&mut self) {
-        self.glass.photons = Photons::default();
-        if !self.has_clear_glass() {
-            return;
-        }
-        let bodies = self.glass_bodies();
-        let lights = self.lights.lights().iter().zip(0u32..);
-        let lights: Vec<(&PunctualLight, u32)> = lights
-            .filter_map(|(light, number)| if let Light::Punctual(light) = light { Some((light, number)) } else { None })
-            .collect();
-        let of_light = PHOTONS / lights.len().max(1);
-        let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
-        let follow = |&(light, number): &(&PunctualLight, u32)| {
-            let mut arrived = LightPhotons::default();
-            // Those that are largest from the light.
-            let mut bodies = bodies.clone();
-            bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
-            for body in bodies.iter().take(of_light / count) {
-                for arrival in (0..count).filter_map(|i| self.follow(self.photon(light, *body, i, count)?)) {
-                    arrived.add(&arrival, body.radius);
-                }
-            }
-            (number, arrived)
-        };
-        self.glass.photons = Photons { lights: lights.par_iter().map(follow).collect() };
-    }
-
-    /// Balls around meshes of smooth glass, and around their instances.
-    fn glass_bodies(&self) -> Vec<Body> {
-        let mut bodies = Vec::new();
-        for mesh in self.meshes.iter().filter(|mesh| self.glass.transmits[mesh.material]) {
-            let bounds = Aabb::around(&mesh.positions);
-            if bounds.is_empty() {
-                continue;
-            }
-            let (center, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
-            bodies.extend(self.placements_of(mesh).into_iter().map(|placement| {
-                let [x, y, z] = placement.matrix3.to_cols_array_2d().map(Vec3::from);
-                let extent = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
-                Body { center: placement.transform_point3(center), radius: extent.length() }
-            }));
-        }
-        bodies.retain(|body| body.center.is_finite() && body.radius > 0.0 && body.radius.is_finite());
-        bodies
-    }
-
-    /// One of so many photons from the middle of a light towards the disc that a body is from there, or to all sides from within; and
-    /// the angle within which the rest of the light is.
-    fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(Beam, f32)> {
-        // Fibonacci's lattice.
-        let of_count = (photon as f32 + 0.5) / count as f32;
-        let place = Vec2::new(of_count, (photon as f64 * 0.618_033_988_749_894_9).fract() as f32);
-        let disc = body.radius * PolarDisc.map(place);
-        let apart = body.radius * (PI / count as f32).sqrt();
-        let beam = |origin: Vec3, direction: Vec3, by_origin: f32, by_direction: f32| {
-            let frame = Frame::from_normal(direction);
-            let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
-            Beam {
-                ray: Ray::new(origin, direction),
-                origin_by: axes.map(|axis| by_origin * axis),
-                direction_by: axes.map(|axis| by_direction * axis),
-                left: Vec3::ONE,
-            }
-        };
-        Some(match *light {
-            PunctualLight::Directional { direction, half_angle, .. } => {
-                let away = self.diagonal() + (body.center - self.bounds.center()).length();
-                let across = Frame::from_normal(direction).to_world(disc.extend(0.0));
-                (beam(body.center + across - away * direction, direction, apart, 0.0), half_angle)
-            }
-            _ => {
-                let (position, _, radius) = light.place()?;
-                let axis = body.center - position;
-                if axis.length() <= body.radius {
-                    // Nothing says how far the glass is from there, but about how far at most.
-                    let angle = radius / body.radius;
-                    return Some((beam(position, UniformSphere.map(place), 0.0, 2.0 * apart / body.radius), angle));
-                }
-                let angle = radius / axis.length();
-                let frame = Frame::from_normal(axis.normalize());
-                let way = body.center + frame.to_world(disc.extend(0.0)) - position;
-                (beam(position, way.normalize_or_zero(), 0.0, apart / axis.length()), angle)
-            }
-        })
-    }
-
-    /// Where a photon arrives behind glass that has bent it.
-    fn follow(&self, (mut beam, blur): (Beam, f32)) -> Option<Arrival> {
-        let is_sun = beam.origin_by[0] != Vec3::ZERO;
-        let sent = if is_sun {
-            Sent { at: beam.ray.origin, by: beam.origin_by }
-        } else {
-            Sent { at: beam.ray.direction, by: beam.direction_by }
-        };
-        let (first, mut is_behind) = (beam.ray.direction, false);
-        for _ in 0..MOST {
-            let Some(face) = self.face(&beam.ray, MIDDLE) else {
-                let hit = self.intersect_at(&beam.ray, MIDDLE);
-                let Ray { origin, direction, .. } = beam.ray;
-                if !is_behind || direction.dot(first) >= STRAIGHT || !hit.is_hit() {
-                    return None;
-                }
-                let Beam { origin_by, direction_by, .. } = beam;
-                let photon = Photon { origin, direction, origin_by, direction_by, sent, blur };
-                let normal = self.surface_at(&hit).normal;
-                let slant = direction.dot(normal).abs().max(LEAST_SLANT);
-                // Where rays beside it meet the surface, along it.
-                let [a, b] = [0, 1].map(|axis| {
-                    let across = photon.across(axis, hit.t);
-                    across.abs() + direction.abs() * (across.dot(normal).abs() / slant)
-                });
-                let around = FOLD * a.length().max(b.length()) + blur * hit.t / slant;
-                return Some(Arrival { photon, point: beam.ray.at(hit.t), extent: a + b + around });
-            };
-            if face.is_thin {
-                beam.straight(&face);
-            } else {
-                self.refract(&mut beam, &face)?;
-            }
-            is_behind = true;
-        }
-        None
-    }
 }

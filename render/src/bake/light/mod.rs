@@ -1,0 +1,9 @@
+//! The light of texels: irradiance or ambient occlusion, and what is kept of where light comes from.
+
+mod ao;
+pub(super) mod baker;
+mod cached;
+mod footprint;
+pub(super) mod moments;
+mod texel_irradiance;
+mod values;

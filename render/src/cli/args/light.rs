@@ -1,0 +1,40 @@
+//! The arguments that all commands share which light a scene and have no camera.
+
+use clap::Args;
+use glam::Vec3;
+
+use crate::scene::{LightOverrides, MomentOverrides, Overrides};
+
+/// What lights a scene, besides what is in it, and by which random numbers its light is found.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct LightArguments {
+    #[command(flatten)]
+    light: LightOverrides,
+
+    /// Material variant of the model to use (glTF's KHR_materials_variants)
+    #[arg(long, value_name = "NAME", help_heading = "Model")]
+    variant: Option<String>,
+    /// The moment of the model's animations.
+    #[command(flatten)]
+    moment: MomentOverrides,
+
+    /// Seed of the random numbers [default: 0]
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub(crate) seed: Option<u64>,
+}
+
+impl LightArguments {
+    /// What these arguments say of a scene, with a camera that is not used, as the lack of one needs no warning.
+    pub(crate) fn overrides(&self) -> Overrides {
+        Overrides {
+            light: self.light.clone(),
+            variant: self.variant.clone(),
+            moment: self.moment.clone(),
+            seed: self.seed,
+            eye: Some(Vec3::ZERO),
+            target: Some(Vec3::NEG_Z),
+            up: Some(Vec3::Y),
+            ..Overrides::default()
+        }
+    }
+}

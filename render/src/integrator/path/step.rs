@@ -1,0 +1,288 @@
+//! A step of the paths of a tile, block by block.
+
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+
+use super::{Advance, SKY};
+use crate::estimator::{ShadowRay, aimed_density, sample_light};
+use crate::integrator::emission::{emission, sky};
+use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, clamp};
+use crate::integrator::state::Path;
+use crate::integrator::wavefront::first_set;
+use crate::light::SampledLight;
+use crate::settings::{LightSampling, Stop};
+use crate::world::{Hit, WHITE};
+
+impl Advance<'_, '_> {
+    /// The step of those paths, by their places in the order by kind, whose surfaces have closures of one type.
+    #[inline(always)]
+    pub(super) fn advance<C: BlockClosures>(
+        &mut self,
+        range: Range<usize>,
+        closures: &mut C,
+        block: &mut PathBlock,
+        shadows: &mut ShadowRays,
+        bounces: &mut Bounces,
+    ) {
+        let mut next = range.start;
+        while next < range.end {
+            let first = next;
+            next = range.end.min(first + LANES);
+            self.fill(first..next, block);
+            self.arrive(closures, block);
+            if self.depth < self.options.max_depth {
+                if let Some(guide) = &mut self.guide {
+                    guide.locate(closures, block);
+                }
+                self.stop(block);
+                self.draw(block);
+                self.sample_lights(closures, block, shadows);
+                self.continue_paths(closures, block, bounces);
+                if self.aims() && self.depth + 1 < self.options.max_depth {
+                    self.aim(closures, block);
+                }
+            }
+        }
+    }
+
+    /// Takes paths that have hit something into the block.
+    #[inline(always)]
+    fn fill(&mut self, range: Range<usize>, block: &mut PathBlock) {
+        block.len = range.len();
+        for (i, &source) in self.wave.order[range].iter().enumerate() {
+            block.put(i, source as usize, &self.wave.hits[source as usize]);
+        }
+    }
+
+    /// Lets the paths from this place in the order on, which hit nothing, see the sky.
+    #[inline(always)]
+    pub(super) fn miss(&mut self, first: usize) {
+        if self.world.lights.sky.mean() == Vec3::ZERO {
+            return;
+        }
+        for number in first..self.wave.order.len() {
+            let source = self.wave.order[number];
+            let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
+            let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
+            let light = self.clamped(light);
+            self.radiance[path.index as usize] += light;
+            self.record_sky(source as usize, light);
+            self.learn_found(source as usize, light);
+        }
+    }
+
+    /// Looks up where the block's paths have arrived, and collects light there.
+    #[inline(always)]
+    fn arrive<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock) {
+        block.arrive(self.world, &self.wave.paths, &self.wave.rays);
+        if self.is_absorbed() {
+            self.absorb_on_the_way(block);
+        }
+        closures.clear();
+        for i in 0..block.len {
+            if !C::IN_LANES || block.is_general(i) {
+                self.shade(closures, block, i);
+            }
+        }
+        closures.arrived(self.world.isa());
+    }
+
+    /// Collects the light that a surface emits, and tells the block what is not in its columns.
+    #[inline(never)]
+    fn shade<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock, i: usize) {
+        let (world, source) = (self.world, block.source[i] as usize);
+        let (path, ray, hit) = (&self.wave.paths[source], &self.wave.rays[source], &self.wave.hits[source]);
+        let surface = world.surface_at(hit);
+        let mut facing = surface.facing(ray.direction);
+        if facing.material.dispersion > 0.0 {
+            self.disperse(block, i, &mut facing);
+        }
+        // Directions of paths are unit vectors.
+        let albedo = closures.arrive(world, &mut facing);
+        block.set(i, &facing, albedo);
+        let mut found = Vec3::ZERO;
+        if !path.is_aimed() {
+            let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
+            found = self.clamped(block.throughput(i) * light);
+            self.radiance[path.index as usize] += found;
+        }
+        if self.aims() && world.lights.lit.contains(hit.prim_id) {
+            block.set_lit(i, self.kept_beside_aimed(path, ray, hit));
+        }
+        if found != Vec3::ZERO {
+            self.record_emission(source, found);
+            self.learn_found(source, found);
+        }
+    }
+
+    /// The part of what a path finds from a lit triangle on that is not left to those that were aimed there.
+    fn kept_beside_aimed(&self, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
+        if path.target != 0 || path.is_first() {
+            return 1.0;
+        }
+        let receiver = path.receiver(ray.origin);
+        let density = aimed_density(self.world, &receiver, ray, hit) * self.world.lights.lit.chance(&receiver);
+        LightSampling::Mis.bounce_weight(path.density, density)
+    }
+
+    /// Light that a path has found where it arrived; that was sampled at the surface before.
+    #[inline(always)]
+    pub(super) fn clamped(&self, light: Vec3) -> Vec3 {
+        match self.options.clamp_indirect {
+            Some(most) if self.depth > 2 => clamp(light, most),
+            _ => light,
+        }
+    }
+
+    /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
+    #[inline(always)]
+    fn stop(&mut self, block: &mut PathBlock) {
+        match self.options.stop {
+            Stop::Threshold { cutoff, add_back } => {
+                block.end_below_threshold(cutoff);
+                let instead = if add_back { self.world.lights.mean_radiance() } else { Vec3::ZERO };
+                for i in 0..block.len {
+                    if let Some((index, reflected)) = block.ended(i) {
+                        self.radiance[index as usize] += reflected * instead;
+                    }
+                }
+            }
+            Stop::Roulette { after, survival } if self.depth > after => match &self.guide {
+                None => block.roulette(survival),
+                Some(guide) => guide.roulette(block, survival),
+            },
+            _ => {}
+        }
+    }
+
+    /// Draws the numbers of the block's paths.
+    #[inline(always)]
+    fn draw(&self, block: &mut PathBlock) {
+        let Some(sampler) = self.batch.samplers.first() else { return };
+        let (isa, first_set, len) = (self.world.isa(), first_set(self.batch, self.depth), block.len);
+        for i in 0..len {
+            block.addresses[i] = self.wave.addresses[block.index(i)];
+        }
+        let addresses = &block.addresses[..len];
+        let draw = |set: u32, numbers: &mut [Vec2; LANES]| {
+            sampler.fill2(isa, first_set + set, addresses, &mut numbers[..len]);
+        };
+        let ends_by_chance = matches!(self.options.stop, Stop::Roulette { after, .. } if self.depth > after);
+        if ends_by_chance || self.aims() {
+            draw(2, &mut block.u_direction);
+            for i in 0..LANES {
+                let numbers = block.u_direction[i];
+                (block.u_roulette[i], block.u_aim[i]) = (if ends_by_chance { numbers.x } else { 0.0 }, numbers.y);
+            }
+        }
+        draw(0, &mut block.u_light);
+        draw(1, &mut block.u_direction);
+        CosineHemisphere.map_many(isa, &block.u_direction[..len], &mut block.cosine[..len]);
+    }
+
+    /// Samples a light for each path of the block.
+    #[inline(always)]
+    fn sample_lights<C: BlockClosures>(&mut self, closures: &C, block: &mut PathBlock, shadows: &mut ShadowRays) {
+        if !block.choose_lights(self.world, SKY) {
+            return;
+        }
+        if block.has_other_lights() {
+            for i in 0..block.len {
+                if let Some(light) = block.other_light(i) {
+                    self.sample_other_light(closures, block, i, &light);
+                }
+            }
+        }
+        block.sample_lights(closures, self.options.lights, &WHITE, shadows);
+        if let Some(guide) = &self.guide {
+            guide.reweigh_lights(block, self.options.lights, shadows);
+        }
+        if self.is_absorbed() {
+            self.absorb_light_samples(block, shadows);
+        }
+        if let Some(most) = self.clamp_at_surface() {
+            shadows.clamp(most);
+        }
+        if self.recorder.is_some() {
+            self.record_light_samples(closures, block, shadows);
+        }
+        if self.trainer.is_some() {
+            self.learn_light_samples(block, shadows);
+        }
+        self.wave.shadow_queue.extend(self.world.isa(), shadows, block.len);
+    }
+
+    /// Samples a light of which the block knows too little, for path `i`.
+    #[inline(never)]
+    fn sample_other_light<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        light: &SampledLight,
+    ) {
+        let (surface, how) = (block.surface(i, &WHITE), (self.options.lights, SKY));
+        let Some(sample) = sample_light(self.world, &surface, how, light, block.u_light[i].y) else { return };
+        let (scattered, density) = closures.eval(i, &surface, sample.direction);
+        let density = self.bounce_density(i, sample.direction, density);
+        let is_shared = C::SHARES_LIGHTS || !sample.is_punctual;
+        let inv_density = if is_shared { sample.inv_density } else { 0.0 };
+        let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
+        if radiance.cmpgt(Vec3::ZERO).any() {
+            let mut radiance = radiance;
+            if self.is_absorbed() {
+                radiance *= self.arrival(block, i).transmittance_of(&sample.shadow);
+            }
+            let (light_number, light) = (light.index, block.throughput(i) * radiance);
+            let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
+            if self.recorder.is_some() {
+                let found = (self.wave.shadow_queue.len(), light_number, sample.direction, radiance);
+                self.record_light_sample(closures, block, i, found);
+            }
+            self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
+            let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
+            self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
+        }
+    }
+
+    /// The density with which path `i` goes on in a direction, by that of its closure.
+    #[inline(always)]
+    pub(super) fn bounce_density(&self, i: usize, direction: Vec3, closure_density: f32) -> f32 {
+        self.guide.as_ref().map_or(closure_density, |guide| guide.density(i, direction, closure_density))
+    }
+
+    /// What light samples at the surfaces of this step may be at most, unless it is the first one's direct light.
+    #[inline(always)]
+    fn clamp_at_surface(&self) -> Option<f32> {
+        self.options.clamp_indirect.filter(|_| self.depth > 1)
+    }
+
+    /// Puts the paths of the block that go on behind the others that do.
+    #[inline(always)]
+    fn continue_paths<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &mut Bounces) {
+        let world = self.world;
+        block.bounce(closures, &WHITE, bounces);
+        if let Some(guide) = &self.guide {
+            guide.bounce(closures, block, bounces);
+        }
+        if world.lights.sky.has(SKY) {
+            for i in 0..block.len {
+                bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
+            }
+        }
+        if self.recorder.is_some() {
+            self.record_bounces(closures, block, bounces);
+        }
+        if self.trainer.is_some() {
+            self.learn_bounces(closures, block, bounces);
+        }
+        if self.is_absorbed() {
+            self.keep_media(block, bounces);
+        }
+        let (rays, paths) = self.wave.next_places(self.kept, LANES);
+        self.kept += bounces.keep(world.isa(), block.len, rays, paths);
+    }
+}

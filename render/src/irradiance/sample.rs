@@ -1,0 +1,153 @@
+//! Samples of the irradiance at a sensor: light samples, and paths that go on from there.
+
+use std::f32::consts::PI;
+
+use glam::{DVec3, Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
+
+use super::Component;
+use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_weight};
+use crate::integrator::{Follower, GatherSource};
+use crate::light::SkyPart;
+use crate::settings::LightSampling;
+use crate::world::{Hit, Surface, World};
+
+/// The set of random numbers that says which light is sampled, and where on it.
+const LIGHT_SET: u32 = 0;
+
+/// The set of a path's direction; those after it are for whoever follows the path.
+const DIRECTION_SET: u32 = 1;
+
+/// Where the random numbers of samples come from that are traced together.
+pub(super) struct Samples {
+    pub(super) seed: u64,
+    pub(super) sensor: u32,
+    pub(super) first: u32,
+}
+
+impl Samples {
+    pub(super) fn sampler(&self, seed: u64, i: u32) -> Sampler {
+        Sampler::new(Pattern::Sobol, seed, self.sensor, self.first + i)
+    }
+}
+
+/// Samples of one sensor that are traced together, and their memory.
+#[derive(Default)]
+pub(super) struct SensorScratch {
+    pub(super) samplers: Vec<Sampler>,
+    shadows: Vec<Ray>,
+    occluded: Vec<bool>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    values: Vec<Vec3>,
+    aimed: AimedRays,
+}
+
+impl SensorScratch {
+    /// Adds a sample of a component for each sampler; gives the number of rays.
+    pub(super) fn sample(
+        &mut self,
+        world: &World,
+        surface: &Surface,
+        component: Component,
+        samples: &Samples,
+        sum: &mut DVec3,
+    ) -> u64 {
+        let lights = match component {
+            Component::Indirect(_) => None,
+            Component::Direct => Some(world.lights.techniques_at(surface.position)),
+            // The ray is there in any case.
+            Component::All => Some(LightSampling::Mis),
+        };
+        let mut rays = lights.map_or(0, |lights| self.sample_lights(world, surface, lights, sum));
+        if component == Component::Direct && lights == Some(LightSampling::Direct) {
+            return rays;
+        }
+        rays += self.scatter(world, surface);
+        if lights.is_some() {
+            self.add_emission(world, surface, sum);
+        }
+        match component {
+            Component::Direct => rays,
+            Component::Indirect(max_depth) => rays + self.follow(world, surface, max_depth, samples, sum),
+            Component::All => rays + self.follow(world, surface, None, samples, sum),
+        }
+    }
+
+    /// Adds samples of lights.
+    fn sample_lights(&mut self, world: &World, surface: &Surface, lights: LightSampling, sum: &mut DVec3) -> u64 {
+        self.shadows.clear();
+        self.values.clear();
+        for sampler in &self.samplers {
+            let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
+            let numbers = (unit_double(Vec2::new(x, finer)), y);
+            if let Some(light) = sample_direct(world, surface, &surface.white(), (lights, SkyPart::Sun), numbers) {
+                self.shadows.push(light.ray);
+                self.values.push(light.radiance * PI);
+            }
+        }
+        self.occluded.resize(self.shadows.len(), false);
+        world.occluded_many(&self.shadows, &mut self.occluded);
+        let free = self.values.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
+        *sum += free.map(|(value, _)| value.as_dvec3()).sum::<DVec3>();
+        self.shadows.len() as u64
+    }
+
+    /// Traces rays that follow the cosine.
+    fn scatter(&mut self, world: &World, surface: &Surface) -> u64 {
+        let frame = surface.frame();
+        self.rays.clear();
+        self.rays.extend(self.samplers.iter().map(|sampler| {
+            let direction = frame.to_world(CosineHemisphere.map(sampler.uniform2(DIRECTION_SET)));
+            Ray::new(surface.origin_towards(surface.normal), direction)
+        }));
+        self.hits.resize(self.rays.len(), Hit::MISS);
+        world.intersect_many(&self.rays, &mut self.hits);
+        self.rays.len() as u64
+    }
+
+    /// Adds what lights send along the scattered rays: a cosine over its density is π.
+    fn add_emission(&self, world: &World, surface: &Surface, sum: &mut DVec3) {
+        for (ray, hit) in self.rays.iter().zip(&self.hits).filter(|(_, hit)| hit.is_hit()) {
+            let emitter = world.surface_at(hit);
+            let emitted = emitter.emitted(ray.direction);
+            if emitted != Vec3::ZERO {
+                let density = surface.normal.dot(ray.direction) / PI;
+                let weight = scattered_weight(world, &surface.receiver(), density, &emitter, ray, hit);
+                *sum += (PI * weight * emitted).as_dvec3();
+            }
+        }
+    }
+
+    /// Adds what paths find along the scattered rays, `E = π` times the mean of their radiance, and along those that
+    /// are aimed at lit triangles.
+    fn follow(
+        &mut self,
+        world: &World,
+        surface: &Surface,
+        max_depth: Option<u32>,
+        samples: &Samples,
+        sum: &mut DVec3,
+    ) -> u64 {
+        let mut follower = Follower::new(world, GatherSource::Paths(max_depth), DIRECTION_SET + 1);
+        self.values.resize(self.rays.len(), Vec3::ZERO);
+        let mut traced = follower.follow(&self.rays, &self.hits, &self.samplers, &mut self.values);
+        let count = self.rays.len();
+        let from = AimedFrom::new(world, surface, count);
+        let others = |direction: Vec3| surface.lambert(direction) * count as f32;
+        for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&self.values) {
+            let kept = if hit.is_hit() { from.kept(world, ray, hit, others(ray.direction)) } else { 1.0 };
+            *sum += (*radiance * (PI * kept)).as_dvec3();
+        }
+        self.aimed.clear();
+        self.aimed.push(world, (surface, &from), (0, samples.seed), |seed, i| samples.sampler(seed, i), others);
+        traced += self.aimed.trace(world, &mut follower);
+        for lit in self.aimed.found(world, 0) {
+            // The caller takes the mean.
+            *sum += (lit.flux * (count as f32 * PI * surface.lambert(lit.direction))).as_dvec3();
+        }
+        traced
+    }
+}

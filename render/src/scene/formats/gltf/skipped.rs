@@ -1,0 +1,39 @@
+//! What was left out of a file, counted for the warnings.
+
+use std::path::Path;
+
+use crate::scene::error::count;
+
+/// What was left out, for the warnings.
+#[derive(Default)]
+pub(super) struct Skipped {
+    pub(super) points_and_lines: usize,
+    /// Primitives.
+    pub(super) skinless: usize,
+    /// Vertices.
+    pub(super) weightless: usize,
+    /// Primitives.
+    pub(super) miscounted: usize,
+    pub(super) ranges: usize,
+}
+
+impl Skipped {
+    pub(super) fn warnings(&self, path: &Path) -> Vec<String> {
+        let counts = [
+            (
+                self.points_and_lines,
+                "primitive of points or lines is",
+                "primitives of points or lines are",
+                "skipped: --point-radius shows them",
+            ),
+            (self.skinless, "primitive is", "primitives are", "shown without the skin, for want of JOINTS_0"),
+            (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
+            (self.weightless, "vertex is", "vertices are", "moved by the first joint named, for want of weights"),
+            (self.ranges, "light has", "lights have", "a range, which is ignored"),
+        ];
+        let counts = counts.iter().filter(|(number, ..)| *number > 0);
+        counts
+            .map(|&(number, one, many, what)| format!("{}: {} {what}", path.display(), count(number, one, many)))
+            .collect()
+    }
+}

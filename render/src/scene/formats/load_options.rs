@@ -1,0 +1,55 @@
+//! How a model is read.
+
+use std::path::Path;
+
+use crate::scene::{Moment, Sharing};
+
+/// What can be chosen when a model is read.
+#[derive(Clone, Default)]
+pub struct LoadOptions<'a> {
+    /// Whether meshes that it shows several times are kept once.
+    pub sharing: Sharing,
+    /// The moment of its animations; without one it is in the pose of its nodes.
+    pub moment: Option<Moment>,
+    /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
+    pub without_pictures: bool,
+    /// Of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes. Without it they are left
+    /// out.
+    pub point_radius: Option<f32>,
+    /// The camera to use: of glTF the name of its node or its own, or its number among those of the file, from 1; the first
+    /// without it.
+    pub camera: Option<&'a str>,
+    /// Whether the model is an object of a scene file, whose lights and cameras are left out: nothing is said of them.
+    pub is_object: bool,
+    /// Hears how far the reading of a file is.
+    pub watch: Option<&'a dyn LoadWatch>,
+}
+
+/// Hears how far the reading of a file is, if it is of a format that is read in parts: OBJ and PLY.
+pub trait LoadWatch {
+    /// `done` of the `total` bytes of the file at `path` are read.
+    fn read(&self, path: &Path, done: usize, total: usize);
+}
+
+/// A file that is read in parts.
+pub(super) struct Loading<'a> {
+    path: &'a Path,
+    done: usize,
+    total: usize,
+    watch: Option<&'a dyn LoadWatch>,
+}
+
+impl<'a> Loading<'a> {
+    /// Of a file with `total` bytes.
+    pub(crate) fn new(path: &'a Path, total: usize, watch: Option<&'a dyn LoadWatch>) -> Self {
+        Self { path, done: 0, total, watch }
+    }
+
+    /// So many bytes more are read.
+    pub(super) fn advance(&mut self, bytes: usize) {
+        self.done += bytes;
+        if let Some(watch) = self.watch {
+            watch.read(self.path, self.done, self.total);
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Which triangles are so fiercely lit that paths had better aim at them.
+//!
+//! A triangle counts as lit if lights give one of its sides many times the radiance that bounces find on average where
+//! the picture's paths come, and if it is so small that they seldom find it. Of those the fiercest are kept, if they
+//! are worth it: if what they send makes much of the variance, and if most of the rays that are aimed at them arrive.
+//! As all of this only says where to aim, an error costs time and makes no bias.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, UniformHemisphere, Warp};
+use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
+use rayon::prelude::*;
+
+use super::seen_points::SeenPoints;
+use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
+use crate::world::{Hit, World};
+
+/// A lit triangle is so many times as bright as the mean.
+const FIERCE: f32 = 8.0;
+/// The part of all surfaces that one may be, and that all of them may be.
+const SMALL: f64 = 1e-3;
+const ALL_SMALL: f64 = 0.02;
+/// The part of their power that those have which are kept, and their number.
+const MOST_POWER: f64 = 0.995;
+const MOST: usize = 1 << 11;
+/// The part of the scene's light that they send, times how much brighter than the mean they are, is about the variance
+/// that bounces have by them. Where it is less than this, bounces do.
+const LEAST_GAIN: f32 = 0.5;
+/// The part of the aimed rays that must arrive.
+const LEAST_SEEN: f32 = 0.3;
+/// Paths are sure to aim from this multiple of the mean irradiance on: found by trial, as a ray has its price.
+const AIM_FROM: f32 = 8.0;
+/// By which one finds out how far light gets that leaves a triangle.
+const REACH_RAYS: u32 = 512;
+
+impl World {
+    /// Looks for lit triangles.
+    pub(crate) fn find_lit_triangles(&mut self, points: &SeenPoints) {
+        let Some(lit) = self.worthy_lit_triangles(points) else { return };
+        for &prim_id in lit.prims() {
+            if std::mem::replace(&mut self.triangle_records[prim_id as usize].is_plain, 0) != 0 {
+                self.plain_lit.push(prim_id);
+            }
+        }
+        self.lights.lit = lit;
+    }
+
+    /// Knows of none.
+    pub(crate) fn forget_lit_triangles(&mut self) {
+        for prim_id in self.plain_lit.drain(..) {
+            self.triangle_records[prim_id as usize].is_plain = 1;
+        }
+        self.lights.lit = LitTriangles::default();
+    }
+
+    /// Those that are worth aiming at.
+    fn worthy_lit_triangles(&self, points: &SeenPoints) -> Option<LitTriangles> {
+        // What is far away lights nothing fiercely.
+        let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
+        let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
+        if lit.is_empty() {
+            return None;
+        }
+        // By power.
+        let radiance = (sum(&lit, |light| light.radiance * light.radiance) / sum(&lit, |light| light.radiance)) as f32;
+        let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
+        let mut lit = LitTriangles::new(lit, reach, self.triangle_records.len());
+        let [received, reached] = self.mean_received(&lit, points);
+        // What bounces find, and how much of it and how much brighter than it lit triangles are.
+        let found = mean + received * FRAC_1_PI;
+        let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
+        lit.aim_from(AIM_FROM * PI * found, PI * mean);
+        (part * fierceness >= LEAST_GAIN && received >= LEAST_SEEN * reached).then_some(lit)
+    }
+
+    /// Triangles that reflect at least so much, with what they are as lights, as many as are to be aimed at.
+    fn fiercest(&self, least: f32) -> Vec<(u32, TriangleLight)> {
+        let areas: Vec<f32> = self.still_records().par_iter().map(|record| area(&record.corners)).collect();
+        let all: f64 = areas.iter().map(|&area| f64::from(area)).sum();
+        let is_small = |area: f32| area > 0.0 && f64::from(area) < SMALL * all;
+        let mut lit: Vec<(u32, TriangleLight)> = areas
+            .into_par_iter()
+            .enumerate()
+            .filter(|&(_, area)| is_small(area))
+            .filter_map(|(prim, area)| Some((prim as u32, self.lit(prim as u32, area, least)?)))
+            .collect();
+        // Of equals the first.
+        lit.sort_by(|(a, first), (b, second)| second.radiance.total_cmp(&first.radiance).then(a.cmp(b)));
+        let most = MOST_POWER * sum(&lit, |light| light.radiance);
+        let (mut area, mut power) = (0.0, 0.0);
+        let kept = lit.iter().take(MOST).take_while(|(_, light)| {
+            let is_needed = power < most;
+            area += f64::from(light.area);
+            power += f64::from(light.area * light.radiance);
+            is_needed && area < ALL_SMALL * all
+        });
+        let kept = kept.count();
+        lit.truncate(kept);
+        lit
+    }
+
+    /// The mean irradiance that lit triangles cause where paths come, and what it would be if aimed rays met nothing
+    /// else.
+    fn mean_received(&self, lit: &LitTriangles, points: &SeenPoints) -> [f32; 2] {
+        let (mut received, mut reached, mut count) = (0.0, 0.0, 0);
+        for point in points.all(self) {
+            let receiver = Receiver::new(point.position, point.normal, false);
+            let (each, chosen) = lit.representatives(&receiver);
+            for prim_id in chosen {
+                let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
+                let way = point.position - middle.position;
+                if !lit.may_reach(prim_id, way.normalize_or(Vec3::Z), way.length()) {
+                    continue;
+                }
+                reached += each;
+                let end = middle.end_from(point.position);
+                if !self.occluded(&Ray::between(point.origin_towards(-way), end)) {
+                    received += each;
+                }
+            }
+            count += 1;
+        }
+        [received, reached].map(|sum| sum / count.max(1) as f32)
+    }
+
+    /// How far light gets that leaves a lit triangle, and what is beyond the scene counts as far.
+    fn reach(&self, prim_id: u32, light: &TriangleLight) -> Reach {
+        let sampler = |number| Sampler::new(Pattern::Sobol, 0, prim_id, number);
+        let ray = |number: u32| {
+            let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
+            let point = TriangleWarp.map(Vec2::new(x, y));
+            let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
+            let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
+            Ray::new(self.surface(prim_id, point.x, point.y).origin_towards(direction), direction)
+        };
+        let rays: Vec<Ray> = (0..REACH_RAYS).map(ray).collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        self.intersect_many(&rays, &mut hits);
+        // A miss is as far away as anything.
+        Reach::of(rays.iter().zip(&hits).map(|(ray, hit)| (ray.direction, hit.t)))
+    }
+}
+
+/// The sum of a quantity of all lights, times area.
+fn sum(lights: &[(u32, TriangleLight)], of: impl Fn(&TriangleLight) -> f32) -> f64 {
+    lights.iter().map(|(_, light)| f64::from(of(light)) * f64::from(light.area)).sum()
+}

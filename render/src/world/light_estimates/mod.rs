@@ -1,0 +1,9 @@
+//! What is estimated of lights before tracing, at a few points that paths come to: how much of them arrives there, and
+//! where it is reflected so strongly that it is sampled as a light. Besides, which part of the light samples each light
+//! gets.
+
+mod light_shares;
+mod light_visibility;
+mod lit_triangles;
+mod reflected;
+pub(super) mod seen_points;
