@@ -28,9 +28,9 @@ pub fn load<const PARTS: usize, const LANES: usize>(
     dispatch(isa, Load { table, numbers, columns });
 }
 
-/// Writes rows of the first lanes of `columns` to the start of `rows`, as many lanes as `keeps` has elements, and of those
-/// in order the ones for which it is not 0. Gives their number; in as many rows as there are lanes, those behind the kept
-/// ones are of no meaning. Rows without a place are left out.
+/// Writes the rows of those lanes for which `keeps` is not 0 to the start of `rows`, in order. `keeps` has an element
+/// for each of the first lanes of `columns`. Returns the number of rows; the rows after them, up to the number of
+/// lanes, are unspecified. Rows beyond the end of `rows` are dropped.
 pub fn compress<const WIDTH: usize, const LANES: usize>(
     isa: Isa,
     columns: &[[f32; LANES]; WIDTH],

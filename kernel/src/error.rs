@@ -1,10 +1,10 @@
-//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked before.
+//! Errors of triangles, trees, scenes and blobs. Tracing itself has no errors: its preconditions are checked before.
 
 use core::fmt;
 
 use crate::geometry::MAX_COORDINATE;
 
-/// Why there is no tree.
+/// Why a tree or scene cannot be built, read, changed or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -23,48 +23,48 @@ pub enum Error {
     Refit(RefitError),
     /// The buffers are not a mesh.
     InvalidMesh(InvalidMesh),
-    /// The bytes do not begin as a tree's blob does.
+    /// The bytes do not begin with the magic number of a tree's blob.
     NotABlob,
-    /// The bytes do not begin as a scene's blob does.
+    /// The bytes do not begin with the magic number of a scene's blob.
     NotAScene,
-    /// The blob was written by a machine with another order of bytes.
+    /// The blob was written by a machine of the other endianness.
     OtherByteOrder,
-    /// The blob is older or newer than what can be read.
+    /// The blob's version cannot be read.
     OtherVersion {
-        /// The version that it has.
+        /// The blob's version.
         found: u32,
-        /// The only one that can be read.
+        /// The only version that can be read.
         readable: u32,
     },
-    /// The blob's end is missing.
+    /// The blob is truncated.
     Truncated {
-        /// The length that it should have, or at least that of its header, in bytes.
+        /// The blob's whole length, or at least the length of its header, in bytes.
         needed: u64,
-        /// The length that it has.
+        /// The length of the given bytes.
         found: u64,
     },
-    /// There is more than the blob.
+    /// Bytes follow the blob.
     TrailingBytes {
-        /// The length that it should have in bytes.
+        /// The blob's length in bytes.
         needed: u64,
-        /// The length that it has.
+        /// The length of the given bytes.
         found: u64,
     },
     /// The blob begins at an address where it cannot be traced.
     Misaligned {
-        /// What the address should be a multiple of.
+        /// The alignment that the address needs.
         alignment: usize,
     },
     /// The blob has changed since it was written.
     Damaged {
-        /// The checksum that it should have.
+        /// The checksum stored in the blob.
         stored: u32,
-        /// The checksum that it has.
+        /// The checksum of the given bytes.
         computed: u32,
     },
     /// The blob's header does not describe what is in it.
     BadHeader {
-        /// What is wrong in it.
+        /// The invalid field.
         field: &'static str,
     },
 }
@@ -75,7 +75,7 @@ pub enum Error {
 pub enum InvalidTree {
     /// There is no node; even an empty tree has a root.
     NoRoot,
-    /// There are more nodes or blocks than an index can tell apart.
+    /// There are more nodes or blocks than an index can address.
     TooLarge {
         /// How many there may be of each.
         limit: u32,
@@ -87,7 +87,7 @@ pub enum InvalidTree {
         /// The child's place in the node.
         slot: u32,
     },
-    /// An order of children that does not name each once.
+    /// An order of children that does not list each child once.
     BadOrder {
         /// The node that has it.
         node: u32,
@@ -109,29 +109,29 @@ pub enum InvalidTree {
         /// The child's place in the node.
         slot: u32,
     },
-    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
+    /// A triangle that is not finite or out of limits, or an unused lane that is not empty.
     BadTriangle {
         /// The block that has it.
         block: u32,
         /// Its lane.
         lane: u32,
     },
-    /// A point or curve that no ray can hit, as it is not finite, out of limits or without a radius, or an unused lane that
-    /// holds numbers.
+    /// A point or curve that no ray can hit, as it is not finite, out of limits or without a radius, or an unused lane
+    /// that is not empty.
     BadPrimitive {
         /// The block that has it.
         block: u32,
         /// Its lane.
         lane: u32,
     },
-    /// A leaf names an item that there is not, or that has no box.
+    /// A leaf refers to an item that does not exist or has no box.
     BadItem {
         /// The place in the list of items.
         place: u32,
     },
-    /// There are no keys, or they are not of one number of triangles, boxes or nodes, or not of one shape.
+    /// There are no keys, or they differ in their number of triangles, boxes or nodes, or in the tree's shape.
     BadKeys {
-        /// How many keys there are said to be.
+        /// The number of keys.
         keys: usize,
     },
     /// Traversal would need a larger stack than it has.
@@ -147,58 +147,59 @@ pub enum InvalidTree {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidScene {
-    /// A handle whose item was removed, or that is of another scene.
+    /// A handle whose item was removed, or that belongs to another scene.
     NoSuchItem {
         /// The handle's index.
         index: u32,
         /// The handle's generation.
         generation: u32,
     },
-    /// Something that moves needs a key at least.
+    /// A motion without a key.
     NoKeys,
     /// A transform with an element that is infinite or NaN.
     NotFinite {
         /// The transform's index; 0 if it stands still.
         key: usize,
     },
-    /// A transform without an inverse, or so near to one that the inverse is noise.
+    /// A transform that is singular, or so nearly that its inverse is rounding noise.
     Singular {
-        /// The transform's index; it is this one, or one on the way to the next.
+        /// The transform's index: this key, or an interpolated transform between it and the next key, is singular.
         key: usize,
     },
-    /// An item for which the bound of rounding gets out of hand: each level of scenes in scenes multiplies it, by the greatest
-    /// row sums of the item's transform and of its inverse. For rotations that is 1 to 3, however little they round.
+    /// An item whose bound of rounding is too large: each level of nested scenes multiplies it by the greatest row sums
+    /// of the item's transform and of its inverse. For rotations the factor is 1 to 3, however small their own rounding
+    /// is.
     Imprecise {
         /// The item's index.
         item: usize,
     },
-    /// More scenes lie one in the other than [`scene::MAX_LEVELS`](crate::scene::MAX_LEVELS).
+    /// Scenes are nested deeper than [`scene::MAX_LEVELS`](crate::scene::MAX_LEVELS).
     TooDeep {
-        /// The index of the item that is so deep.
+        /// The index of the item that is too deep.
         item: usize,
     },
-    /// Scenes lie in others so often that the ways through them are more than a number of 64 bits tells apart.
+    /// Nested scenes have more paths than a number of 64 bits can count.
     TooManyPaths {
         /// The index of the item with which they become too many.
         item: usize,
     },
-    /// An item is a shape of the caller's, which cannot be written as bytes.
+    /// An item is a custom shape, which cannot be written as bytes.
     NotSaved {
         /// The item's index in its scene.
         item: usize,
-        /// How many scenes that lies in.
+        /// How many scenes enclose that scene.
         depth: usize,
     },
-    /// A record in a scene's blob that names what there is not.
+    /// A record in a scene's blob that refers to something that does not exist.
     BadRecord {
-        /// What the record is of.
+        /// The kind of record.
         record: &'static str,
-        /// Its index among those.
+        /// Its index among the records of that kind.
         index: usize,
     },
-    /// There is less memory, or fewer scenes were given, than a scene's blob needs.
+    /// Less memory, or fewer scenes, were given than a scene's blob needs.
     TooFew {
-        /// What there is too few of.
+        /// What there are too few of.
         what: &'static str,
         /// How many are needed.
         needed: usize,
@@ -221,38 +222,38 @@ impl fmt::Display for InvalidScene {
             Self::NoSuchItem { index, generation } => {
                 write!(f, "there is no item {index} of generation {generation}: it was removed, or is in another scene")
             }
-            Self::NoKeys => write!(f, "what moves needs a key at least, and has none"),
+            Self::NoKeys => write!(f, "a motion needs at least one key, and has none"),
             Self::NotFinite { key } => write!(f, "transform {key} has an element that is infinite or not a number"),
             Self::Singular { key } => write!(
                 f,
-                "transform {key} has no useful inverse, or loses it on the way to the next: it should not flatten what it \
-                 moves, and keys of a rotation should be less than half a turn apart"
+                "transform {key}, or its interpolation to the next, has no useful inverse: it should not flatten its \
+                 object, and keys of a rotation should be less than half a turn apart"
             ),
             Self::Imprecise { item } => {
                 write!(
                     f,
-                    "the bound of the rounding error of item {item} is more than a quarter of the scene: transforms of scenes in \
-                     scenes multiply it, rotations by up to 3 a level and stretches by more; nest less deep, or combine \
-                     transforms into one"
+                    "item {item}: the rounding error of its nested transforms may exceed a quarter of the scene. Each level \
+                     multiplies the error: a rotation by up to 3, a stretch by its ratio. Nest fewer scenes, or combine \
+                     transforms"
                 )
             }
             Self::TooDeep { item } => write!(
                 f,
-                "with item {item} more scenes lie one in the other than tracing has stack for (scene::MAX_LEVELS); nest less deep"
+                "item {item} nests more than scene::MAX_LEVELS scenes, which is more than tracing has stack for; nest fewer"
             ),
             Self::TooManyPaths { item } => {
-                write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
+                write!(f, "with item {item} there are more than 2^64 - 1 paths through nested scenes")
             }
             Self::NotSaved { item, depth } => {
-                write!(f, "item {item} is a shape of the program's, which cannot be written as bytes")?;
+                write!(f, "item {item} is a custom shape, which cannot be written as bytes")?;
                 match depth {
                     0 => Ok(()),
-                    1 => write!(f, "; it is in a scene in the scene"),
-                    _ => write!(f, "; it is in a scene {depth} scenes down"),
+                    1 => write!(f, "; it is in a scene nested in the scene"),
+                    _ => write!(f, "; it is in a scene nested {depth} levels deep"),
                 }
             }
             Self::BadRecord { record, index } => {
-                write!(f, "the blob's {record} {index} names what there is not, or is out of order")
+                write!(f, "the blob's {record} {index} refers to something that does not exist, or is out of order")
             }
             Self::TooFew { what, needed, given } => {
                 write!(f, "the scene needs {needed} {what}, and {given} were given")
@@ -277,7 +278,7 @@ pub enum InvalidMesh {
         /// How many there are.
         count: usize,
     },
-    /// An index of a vertex that there is not.
+    /// An index of a vertex that does not exist.
     IndexOutOfRange {
         /// The index's place among the indices.
         place: usize,
@@ -302,9 +303,9 @@ impl fmt::Display for InvalidMesh {
             Self::BadStride { stride, least } => {
                 write!(f, "positions of {least} bytes cannot lie {stride} bytes apart")
             }
-            Self::NotThrees { count } => write!(f, "{count} corners are not three for each triangle"),
+            Self::NotThrees { count } => write!(f, "{count} corners are not a multiple of 3"),
             Self::IndexOutOfRange { place, index, count } => {
-                write!(f, "index {place} is {index}, and there are only {count} vertices")
+                write!(f, "index {place} is {index}, but there are only {count} vertices")
             }
         }
     }
@@ -321,12 +322,12 @@ pub enum RefitError {
         /// How many are given.
         count: usize,
     },
-    /// A triangle of the tree has now a coordinate out of limits, or two equal corners.
+    /// A triangle of the tree now has a coordinate out of limits, or two equal corners.
     Vanished {
         /// Its index.
         prim_id: u32,
     },
-    /// There are more triangles that can be hit than those in the tree.
+    /// Triangles that are not in the tree can now be hit.
     Appeared {
         /// How many more.
         count: usize,
@@ -383,7 +384,7 @@ impl fmt::Display for Error {
             Self::Damaged { stored, computed } => {
                 write!(f, "the blob is damaged: its checksum should be {stored:08x} and is {computed:08x}")
             }
-            Self::BadHeader { field } => write!(f, "the blob's header is wrong: its {field} cannot be"),
+            Self::BadHeader { field } => write!(f, "the blob's header is invalid: {field}"),
         }
     }
 }
@@ -399,11 +400,11 @@ impl fmt::Display for RefitError {
             }
             Self::Vanished { prim_id } => write!(
                 f,
-                "triangle {prim_id} is in the tree, but has now two equal corners, or a coordinate beyond \
-                 ±{MAX_COORDINATE:e} or none; build the tree again"
+                "triangle {prim_id} is in the tree, but now has two equal corners, or a coordinate that is not finite or \
+                 beyond ±{MAX_COORDINATE:e}; build the tree again"
             ),
             Self::Appeared { count } => {
-                write!(f, "there are {count} triangles that are not in the tree and could be hit; build it again")
+                write!(f, "{count} triangles that are not in the tree can now be hit; build it again")
             }
         }
     }
@@ -417,24 +418,29 @@ impl fmt::Display for InvalidTree {
             Self::BadChild { node, slot } => {
                 write!(f, "child {slot} of node {node} is out of range or out of order")
             }
-            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
+            Self::BadOrder { node } => {
+                write!(f, "an order of the children of node {node} does not list each child once")
+            }
             Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
             Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
             Self::BadBox { node, slot } => {
                 write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
             }
             Self::BadTriangle { block, lane } => {
-                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+                write!(
+                    f,
+                    "triangle {lane} of block {block} has a coordinate that is not finite or beyond ±{MAX_COORDINATE:e}"
+                )
             }
             Self::BadPrimitive { block, lane } => write!(
                 f,
-                "primitive {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none, or no radius"
+                "primitive {lane} of block {block} has a coordinate that is not finite or beyond ±{MAX_COORDINATE:e}, or no radius"
             ),
             Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
             Self::BadKeys { keys } => {
                 write!(
                     f,
-                    "a tree of {keys} keys needs one at least, and all of one shape with the same number of parts"
+                    "a moving tree of {keys} keys needs at least one, and all keys need the same shape and number of parts"
                 )
             }
             Self::TooDeep { needed, allowed } => {

@@ -71,7 +71,7 @@
 //! | [`denoise`] | denoising of pictures |
 //! | [`cache`] | irradiance caches: records, interpolation, files |
 //! | [`irradiance`] | irradiance at points |
-//! | [`bake`] | lightmaps and ambient occlusion, for glTF and OBJ |
+//! | [`bake`] | lightmaps and ambient occlusion, for glTF, OBJ and PLY |
 //! | [`cubemap`] | prefiltered cube maps |
 //! | [`probes`] | light probes and irradiance volumes |
 //! | [`lpe`] | light path expressions |

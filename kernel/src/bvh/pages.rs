@@ -42,12 +42,12 @@ fn ask<T>(memory: &mut Vec<T>) {
     let before = start.align_offset(PAGE);
     let bytes = size_of_val(memory).saturating_sub(before) / PAGE * PAGE;
     if bytes >= LEAST {
-        // SAFETY: these are whole pages of memory that is ours alone, and the advice changes none of its contents. Should it
-        // be refused, the pages stay small.
+        // SAFETY: these are whole pages of memory that this vector owns, and the advice does not change its contents.
+        // If it is refused, the pages stay small.
         let _ = unsafe { libc::madvise(start.add(before).cast(), bytes, libc::MADV_HUGEPAGE) };
     }
 }
 
-/// There is nobody to ask.
+/// No huge pages on this system.
 #[cfg(not(all(feature = "std", target_os = "linux", not(miri))))]
 fn ask<T>(_: &mut Vec<T>) {}

@@ -29,7 +29,7 @@ impl Bounds {
         self.max = self.max.max(point);
     }
 
-    /// Half the surface area; of no meaning for the box around nothing.
+    /// Half the surface area; unspecified for the empty box.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
         let d = self.max - self.min;

@@ -79,7 +79,7 @@ impl<L: Copy> Bundle<L> {
         Self { origin, direction, largest, t_min, live }
     }
 
-    /// The class of the direction of the first ray of `rays`, which are not none, and which of them share it.
+    /// The direction class of the first ray of `rays`, a non-empty mask, and which of the rays share it.
     #[inline(always)]
     pub(crate) fn class<const N: usize>(&self, rays: u32) -> (DirectionClass, u32)
     where
@@ -169,7 +169,7 @@ impl<L: Copy> Bundle<L> {
         t_max.min((far + pad) * lines.inverse[2]).max(L::splat(0.0))
     }
 
-    /// The shaft of `rays`, which are of `class` and not none, of the given lengths.
+    /// The shaft of `rays`, a non-empty mask of rays of `class`, of the given lengths.
     #[inline(always)]
     pub(crate) fn shaft<const N: usize>(&self, class: &DirectionClass, lengths: L, rays: u32, scene: &Aabb) -> Shaft
     where
@@ -210,7 +210,7 @@ impl<L: Copy> Bundle<L> {
 }
 
 impl<L: Copy> Bundle<L> {
-    /// The box around the origins of `rays`, which are not none, and whether they are one point.
+    /// The box around the origins of `rays`, a non-empty mask, and whether they are one point.
     #[inline(always)]
     fn origins<const N: usize>(&self, rays: u32) -> (Aabb, bool)
     where
@@ -232,7 +232,7 @@ impl<L: Copy> Bundle<L> {
     }
 }
 
-/// The least and the greatest of the lanes in `rays`, which are not none.
+/// The least and the greatest of the lanes in `rays`, a non-empty mask.
 #[inline(always)]
 fn range<const N: usize, L: Lanes<N>>(rays: L::Mask, lanes: L) -> (f32, f32) {
     let mut least = L::select(rays, lanes, L::splat(f32::INFINITY)).store();

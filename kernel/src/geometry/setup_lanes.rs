@@ -9,7 +9,7 @@ use super::setup::{
 use super::setup::{Line, RaySetup, Slabs};
 use crate::simd::{Lanes, Mask, Simd};
 
-/// Rays made ready. Lanes that are not `live` are of no meaning.
+/// Rays prepared for traversal. Lanes that are not `live` are unspecified.
 pub(crate) struct SetupLanes<const N: usize, L: Lanes<N>> {
     /// The rays that can hit something.
     pub live: u32,
@@ -142,7 +142,7 @@ fn reach<const N: usize, L: Lanes<N>>(o: L, min: L, max: L) -> L {
 }
 
 impl<L: Lanes<8>> BoxLanes<L> {
-    /// From rows of a lower and an upper corner, the third and the last number of each of no meaning.
+    /// The boxes from rows of a lower and an upper corner; the fourth and the last word of a row are ignored.
     #[inline(always)]
     pub(crate) fn from_rows<S: Simd<F8 = L>>(rows: [L; 8]) -> Self {
         let [ax, ay, az, _, bx, by, bz, _] = S::transpose(rows);

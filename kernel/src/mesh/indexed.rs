@@ -27,7 +27,7 @@ impl<'a> IndexedMesh<'a> {
     /// Looks at all indices once.
     ///
     /// # Errors
-    /// [`InvalidMesh::NotThrees`] if the indices, or without them the positions, are not three for each triangle, and
+    /// [`InvalidMesh::NotThrees`] if the indices, or without them the positions, are not a multiple of 3, and
     /// [`InvalidMesh::IndexOutOfRange`].
     pub fn new(positions: impl Into<Positions<'a>>, indices: Indices<'a>) -> Result<Self, InvalidMesh> {
         let positions = positions.into();

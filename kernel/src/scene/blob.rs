@@ -156,7 +156,7 @@ impl<'a> SceneBlob<'a> {
         let blocks = section(&mut rest, header.blocks)?;
         let scene_nodes = section(&mut rest, header.scene_nodes)?;
         let block_parts = section(&mut rest, header.block_parts)?;
-        // Of a transform whose zeros are others, nothing is known.
+        // A transform whose padding is not zero is invalid.
         let words: &[[u32; 16]] = bytemuck::cast_slice(&rest[..header.transforms as usize * size_of::<Affine3A>()]);
         let transforms = section(&mut rest, header.transforms)?;
         let blob = Self {

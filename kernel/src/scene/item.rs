@@ -34,7 +34,7 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    /// Those of no item.
+    /// The facts of an empty scene.
     #[cfg(any(feature = "alloc", test))]
     pub(super) const NOTHING: Self =
         Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 0, keys: 1, count: 0 };

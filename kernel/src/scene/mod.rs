@@ -192,7 +192,7 @@ impl SceneView<'_> {
     }
 
     /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives
-    /// their number. The rest of `hits` is of no meaning. The search leaves out what is behind the last of them.
+    /// their number. The rest of `hits` is unspecified. The search leaves out what is behind the last of them.
     pub fn nearest_hits(&self, ray: &SceneRay, hits: &mut [SceneHit]) -> usize {
         let mut len = 0;
         let room = hits.len();

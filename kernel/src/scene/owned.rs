@@ -52,8 +52,9 @@ pub struct Commit {
     pub changed: usize,
     /// Whether the scene's tree was built anew, or else fitted to the changes.
     pub is_rebuilt: bool,
-    /// How many items, or primitives of items that are shapes, rays can see if their masks allow; others have no
-    /// summary, as they are empty, flat or removed, or reach beyond the [numeric limits](crate#numeric-limits).
+    /// How many items, or primitives of items that are shapes, are in the tree, so that rays whose mask allows it can
+    /// hit them. Empty, flat and removed items are not, nor those that reach beyond the [numeric
+    /// limits](crate#numeric-limits).
     pub seen: usize,
     /// The expected number of the tree's nodes that a random ray visits which meets the scene's box.
     pub cost: f32,

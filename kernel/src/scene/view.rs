@@ -38,7 +38,7 @@ pub struct SceneView<'a> {
     isa: Isa,
 }
 
-/// The most scenes one in the other below a scene: tracing takes some 9 KB of stack for each.
+/// The deepest nesting of scenes below a scene: tracing takes some 9 KB of stack for each level.
 pub const MAX_LEVELS: usize = 64;
 
 /// What is known of all items together.
@@ -53,7 +53,7 @@ pub(super) struct SceneSummary {
 }
 
 impl SceneSummary {
-    /// That of nothing.
+    /// The summary of an empty scene.
     pub(super) const NOTHING: Self =
         Self { reach: Aabb::EMPTY, widening: Widening::NONE, levels: 0, paths: 1, keys: 1 };
 
@@ -85,7 +85,7 @@ impl SceneSummary {
         if item.levels > MAX_LEVELS {
             return Err(InvalidScene::TooDeep { item: index });
         }
-        // Not for a NaN either.
+        // False for NaN.
         if !item.error.cmple(Vec3::splat(MAX_ERROR)).all() {
             return Err(InvalidScene::Imprecise { item: index });
         }

@@ -83,10 +83,10 @@ pub(super) struct Widening {
 }
 
 impl Widening {
-    /// In a scene of no items.
+    /// The widening of an empty scene.
     pub(super) const NONE: Self = Self { ordinary: Vec3::ZERO, distorted: Vec3::ZERO, near: 0.0, limit: f32::INFINITY };
 
-    /// In a scene of items with these errors and this reach.
+    /// The widening of a scene whose items have these errors and this reach.
     pub(super) fn of(errors: &Errors, reach: &Aabb) -> Self {
         let may_be = may_be_distorted(errors.0.iter().map(|(count, _)| count).sum());
         // From the end, as long as not too many are distorted.

@@ -44,8 +44,8 @@ pub(crate) trait Simd: Copy {
     /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
     fn prefetch<const BYTES: usize>(start: *const u8);
 
-    /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
-    /// them is of no meaning.
+    /// Writes `base` plus the index of each set bit among the lowest eight to the start of `out`, lowest first, and
+    /// returns their count; the rest of `out` is unspecified.
     fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
 
     /// Of eight words, those whose highest bit is set, and those with all bits set: bit `i` is word `i`.
@@ -108,8 +108,8 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
 /// What traversal does with the eight children of a node.
 pub(crate) trait CompressChildren: Sized {
     /// Writes those children for which `near <= far` to the start of `kept`, and their `near` to that of `distances`,
-    /// in `order`: three bits a child, the first one lowest. Gives their number; what follows them in the arrays is of
-    /// no meaning.
+    /// in `order`: three bits a child, the first one lowest. Returns their count; the rest of the arrays is
+    /// unspecified.
     fn compress(
         near: Self,
         far: Self,

@@ -74,7 +74,8 @@ impl<'a> Search<'a> {
     pub(super) fn known(&self, positions: &[Vec3]) -> Result<Vec<Viewpoint>, Invalid> {
         let look = |&position: &Vec3| {
             let Vec3 { x, y, z } = position;
-            let problem = || format!("{x},{y},{z} is in no room: from there nothing is seen, or the backs of bodies");
+            let problem =
+                || format!("the position {x},{y},{z} is not inside a room: its rays hit nothing, or back faces");
             let seen = self.look(position, 0).filter(|seen| !seen.is_covered);
             seen.ok_or_else(|| Invalid::new(problem(), "name a place in a room: --skip-outside=X,Y,Z"))
         };

@@ -1,10 +1,10 @@
 //! Lightmaps: irradiance at every texel of the pages that a level's surfaces are laid out on.
 //!
-//! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture coordinates
-//! ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers it (`covered`),
-//! its light (`light`), then what makes a map of it: less noise (`denoise`), gutters (`dilate`) and borders of charts that
-//! cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
-//! reflects the radiance E/π.
+//! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture
+//! coordinates ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers
+//! it (`covered`), its light (`baker`, `cached`), then what makes a map of it: less noise (`denoise`), gutters
+//! (`dilate`) and borders of charts that cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the
+//! front of its surface; a white surface there reflects the radiance E/π.
 //!
 //! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
 //! with the same bytes.

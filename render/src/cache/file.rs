@@ -180,7 +180,8 @@ impl Cache {
         if Bytes(checksum).long() != Some(fnv(contents)) {
             return Err(CacheFileError::new("is damaged: its checksum is wrong", again));
         }
-        let options = from_words(options).ok_or_else(|| CacheFileError::new("has options that do not exist", again))?;
+        let options = from_words(options)
+            .ok_or_else(|| CacheFileError::new("has options that this version does not know", again))?;
         let mut records = Vec::with_capacity(count as usize);
         for _ in 0..count {
             let key = rest.long().ok_or_else(cut)?;

@@ -1,12 +1,12 @@
-//! The irradiance cache (Ward, Rubinstein and Clear 1988): indirect irradiance at few points of the surfaces, from which
-//! that of all others is interpolated,
+//! The irradiance cache (Ward, Rubinstein and Clear 1988): indirect irradiance at few points of the surfaces,
+//! interpolated at all other points,
 //!
 //! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
 //!
 //! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which records have
 //! from their neighbours as well (`regression`): what limits gradients is that irradiance curves.
 //!
-//! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
+//! This module stores and interpolates records and traces no rays: callers compute the irradiance.
 //!
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
 //! clamped (`clamp`) and shortened where records disagree (`agreement`), and the tree is built anew. Everything is in a

@@ -56,7 +56,7 @@ impl Plane {
         let pixel = 2.0 * half_height / f64::from(height);
         let [across, upwards] = shift.to_array().map(|part| f64::from(part) * f64::from(width.max(height)) * pixel);
         let middle = if is_parallel { DVec3::ZERO } else { forward };
-        // Without a shift these are the numbers that they always were: adding 0 could change the sign of a 0.
+        // The shift is added to the factors: so a zero shift changes no value, not even the sign of a 0.
         let corner = middle - right * (0.5 * pixel * f64::from(width) - across) + up * (half_height + upwards);
         Self {
             eye,

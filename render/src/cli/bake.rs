@@ -110,9 +110,9 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "PICTURE", num_args = 0..=1, require_equals = true, help_heading = "Layout")]
     check_uv: Option<Option<PathBuf>>,
 
-    /// Leave out what nobody sees who stays inside, as the outer walls of a house: it gets neither light nor room in new layouts.
-    /// Inside is where four of five rays reach something; or what can be reached from the camera (=camera) or from a place (=X,Y,Z),
-    /// which may be given several times
+    /// Skip surfaces that cannot be seen from inside, such as a house's outer walls: no light, and no texels in new
+    /// layouts. Inside is where four of five rays hit something; or what can be reached from the camera (=camera) or
+    /// from a position (=X,Y,Z), which may be given several times
     #[arg(long, value_name = "FROM", num_args = 0..=1, require_equals = true, default_missing_value = "auto")]
     #[arg(help_heading = "Layout", value_parser = Inside::parse)]
     skip_outside: Vec<Inside>,

@@ -81,8 +81,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let sensors = read_sensors(&arguments.points)?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
     if sensors.is_empty() {
-        let warning =
-            format!("{}: there are no sensors, so there is no irradiance to tell", arguments.points.display());
+        let warning = format!("{}: the file has no sensors", arguments.points.display());
         print_warning(style, &warning);
     }
     let overrides = with_cache(arguments.overrides());

@@ -1,15 +1,15 @@
-//! What stands around a point: for each sector of azimuth, how far away along the surface the nearest occluder is.
+//! The occluders around a point: for each sector of azimuth, the distance along the surface to the nearest one.
 //!
-//! Radiance keeps 32 directions of nearby occluders with a record of its ambient cache, to know where light that the
-//! record has seen may not reach. Here a gather's own flat rays tell: an occluder is what they hit under less than 30
-//! degrees above the surface and what rises more steeply than a bowl would that the point lies in, whose slope at an
-//! elevation of e is 2 e. As rays do not hit everything, an occluder counts as a plane that goes on through its sector and
-//! those beside it, and a sector without a flat ray has the occluders of these.
+//! Radiance keeps 32 directions of nearby occluders with a record of its ambient cache, to know where the record's
+//! light may not reach. Here a gather's own flat rays tell: an occluder is what they hit under less than 30 degrees
+//! above the surface and what rises more steeply than a bowl would that the point lies in, whose slope at an elevation
+//! of e is 2 e. As rays do not hit everything, an occluder counts as a plane that goes on through its sector and those
+//! beside it, and a sector without a flat ray has the occluders of these.
 //!
-//! What hangs over the surface, facing it, is no occluder, but under it is another world: a harmonic mean distance hardly
-//! notices a gap from outside of it, and a record that reached in would light it. A point under a large plane at height h
-//! has a mean distance of 3/2 h, so that as its neighbour (Křivánek et al. 2006, "neighbour clamping") a point at distance
-//! s from there has one of s + 3/2 h at most.
+//! A surface that overhangs, facing the record's surface, is not an occluder, but the light below it differs: a
+//! harmonic mean distance hardly changes before such a gap, and a record that reached into the gap would light it. A
+//! point under a large plane at height h has a mean distance of 3/2 h, so that as its neighbour (Křivánek et al. 2006,
+//! "neighbour clamping") a point at distance s from there has one of s + 3/2 h at most.
 
 use glam::{Vec2, Vec3, Vec3Swizzles as _, vec2};
 

@@ -92,7 +92,7 @@ fn overlap(tile: &Tile, common: &Range<u32>, (one, other): (&str, &str)) -> Film
         "{one} and {other} both have the samples {}..{} of the pixels {}..{} by {}..{}",
         common.start, common.end, x.start, x.end, y.start, y.end
     );
-    FilmError::new(problem, "leave one of them out, or render shards of one and the same number")
+    FilmError::new(problem, "leave one of them out, or render all shards with the same N")
 }
 
 impl Tile {

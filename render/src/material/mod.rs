@@ -1,4 +1,4 @@
-//! What a surface does with light at one point: the closures of materials.
+//! Scattering of light at a surface point: the closures (BSDFs) of materials.
 //!
 //! A material's inputs at a point, after textures, are [`Inputs`]. A [`Closure`] is made from them for one path and one
 //! bounce, and answers what integrators ask: [`eval`](Bsdf::eval), how much light is scattered from one direction to
@@ -11,26 +11,24 @@
 //!
 //! # Mirrors without a special case
 //!
-//! Shirley, who wrote his path tracer on the blackboard in 1998, found one line in it "amazingly ugly": emission counts
-//! at depth 0 only, as later surfaces get it by sampling the lights, unless the ray comes from a mirror. "Pete hopes
-//! there's a clean way to do this. A mirror is direct lighting with a delta function involved". There is one, and it is
-//! just that sentence taken at its word. A delta function's density *is* infinite where it is not zero:
+//! A path tracer usually counts emission at depth 0 or after a mirror only, as other surfaces get it by sampling the
+//! lights. Here no such case is needed, as the density of a delta function *is* infinite where it is not zero:
 //!
 //! - `sample` gives a mirror's direction with the density `∞`;
-//! - `eval` gives what the delta function is anywhere else: no light, density 0;
-//! - whoever can find light in two ways weights each by its density, and `∞` beats every light.
+//! - `eval` gives no light and the density 0, the delta function's value anywhere else;
+//! - multiple importance sampling weights each technique by its density, and `∞` exceeds that of every light.
 //!
-//! So light that a mirror shows counts in full, and light that was sampled at the mirror not at all, by the same
-//! arithmetic as for any other surface; and depth 0 is no exception either, for the camera's ray came from a pinhole,
-//! which is one more delta function. No integrator here asks whether a surface is a mirror. A microfacet lobe is a delta
-//! function where both of its α are below [`DELTA_ALPHA`].
+//! So light that a mirror reflects has the weight 1, and light that was sampled at the mirror the weight 0, by the same
+//! arithmetic as at any other surface. Depth 0 is no exception: a pinhole camera is one more delta function. No
+//! integrator tests whether a surface is a mirror. A microfacet lobe is a delta function where both of its α are below
+//! [`DELTA_ALPHA`].
 //!
 //! # Basic radiance
 //!
 //! What paths carry is basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which
-//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are the same in
-//! air, so the scale need not be lost to rounding and found again; a camera inside of glass shows `L/n²`. Weights are
-//! then the same for radiance and importance. With `n` the refractive index on the side of each direction,
+//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are equal in air,
+//! and basic radiance needs no rescaling at interfaces; a camera inside of glass shows `L/n²`. Weights are then the
+//! same for radiance and importance. With `n` the refractive index on the side of each direction,
 //!
 //! `f(wo, wi) / n(wi)² = f(wi, wo) / n(wo)²`.
 //!

@@ -1,9 +1,9 @@
 //! Photometric files (`.ies`) by IES LM-63, of 1986, 1991, 1995, 2002 and 2019, with type C photometry.
 //!
-//! Read are the angles, the candela values, and the factors on them: the multiplier, that of the ballast and, before
-//! 1995, the one of ballast and lamp (which is reserved since then). `TILT=INCLUDE` tells how a lamp dims when its
-//! luminaire is tilted out of the position of the measurement; it is read past, and so are keywords, the luminaire's
-//! size, lumens and watts.
+//! The reader takes the angles, the candela values, and their factors: the multiplier, the ballast factor and, in files
+//! older than 1995, the ballast-lamp factor (reserved in later editions). `TILT=INCLUDE` says how a lamp dims when its
+//! luminaire is tilted out of the measured position; it is skipped, and so are keywords, the luminaire's size, lumens
+//! and watts.
 
 use std::path::Path;
 

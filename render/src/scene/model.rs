@@ -128,7 +128,7 @@ fn parse(
     }
     format.check_content(path, text)?;
     if let Some(name) = options.camera.filter(|_| !matches!(format, Format::Gltf | Format::Glb)) {
-        let problem = format!("a camera {name:?} is asked for, and cameras of these files have no names");
+        let problem = format!("--model-camera {name:?}: this format has no named cameras");
         return Err(whole(&problem, "leave `model_camera` out, or export the model as glTF"));
     }
     let scene = match format {

@@ -109,8 +109,8 @@ options! {
         /// Material variant of the model to use (glTF's KHR_materials_variants)
         #[arg(value_name = "NAME", help_heading = "Model")]
         variant: String = value::text, in "scene";
-        /// Radius of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes [default: they are
-        /// left out]
+        /// Draw glTF's points and lines as spheres and cylinders of this radius, in the coordinates of their mesh
+        /// [default: skip them]
         #[arg(value_name = "R", help_heading = "Model", allow_negative_numbers = true)]
         point_radius: f32 = value::length, in "scene";
         /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have

@@ -29,16 +29,16 @@ const UNSEEN: f32 = 1e-4;
 /// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bulge {
-    /// On neither, or it is to stay flat.
+    /// On neither side, or the triangle is to stay flat.
     None,
     /// On the side of the normals.
     Front,
-    /// On the other.
+    /// On the other side.
     Back,
 }
 
 impl Bulge {
-    /// That of each triangle of a mesh.
+    /// The convexity of each triangle of a mesh.
     pub(super) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
         let can_round = !mesh.normals.is_empty() && material.is_opaque_and_dark();
         mesh.triangles.iter().enumerate().map(move |(face, triangle)| {
@@ -78,10 +78,11 @@ pub(crate) struct Rounding {
 }
 
 impl Rounding {
-    /// Of what is flat, or stays so.
+    /// A flat triangle, or one that is to stay flat.
     pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
 
-    /// At the point with these weights of a triangle with unit normals at its corners, on the side of its own.
+    /// The heights above the point with these weights in a triangle. `normals` are the unit normals of its corners, on
+    /// the side of its own.
     pub(super) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
         let side = match bulge {
             Bulge::None => return Self::FLAT,
@@ -89,13 +90,14 @@ impl Rounding {
             Bulge::Back => -1.0,
         };
         let point: Vec3 = (0..3).map(|i| weights[i] * corners[i]).sum();
-        // What the point is below each corner's plane, along the triangle's normal.
+        // The point's depth below each corner's plane, along the triangle's normal.
         let depth = |i: usize| (side * normals[i].dot(corners[i] - point)).max(0.0) * normals[i].dot(normal);
         let lift: f32 = (0..3).map(|i| weights[i] * depth(i)).sum::<f32>().max(0.0);
         if bulge == Bulge::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
     }
 
-    /// On its round side no higher than `free` says of a height there, if that is any: the side is 1 for the front, or -1.
+    /// Bounds the height on the round side, if any, by `free(height, side)`: the side is 1 for the front, -1 for the
+    /// back.
     #[inline]
     pub(super) fn below(self, free: impl FnOnce(f32, f32) -> f32) -> Self {
         let Self { front, back } = self;

@@ -339,7 +339,7 @@ fn wrong_input_is_named() {
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
             ("bake level.gltf -o out.gltf --skip-outside=camera", "the file has no camera"),
             ("bake level.gltf -o out.gltf --skip-outside=1,2", "expected a place as X,Y,Z, `camera`, or `auto`"),
-            ("bake level.gltf -o out.gltf --skip-outside=0.9,0.5,0.9", "0.9,0.5,0.9 is in no room"),
+            ("bake level.gltf -o out.gltf --skip-outside=0.9,0.5,0.9", "0.9,0.5,0.9 is not inside a room"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),
         ] {

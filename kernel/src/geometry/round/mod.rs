@@ -44,7 +44,7 @@ pub trait RoundPrimitive: LineTest + bytemuck::Pod + Send + Sync {
     /// Why no ray hits the primitive, if none does.
     fn fault(&self) -> Option<RoundFault>;
 
-    /// The box around it, rounded outwards. Of one with a fault it is of no meaning.
+    /// The box around it, rounded outwards. Unspecified for a primitive with a fault.
     fn bounds(&self) -> Aabb;
 }
 

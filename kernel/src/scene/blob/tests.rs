@@ -255,7 +255,7 @@ fn shapes_of_the_callers_are_named() {
     let said = alloc::format!("{error}");
     assert_eq!(
         said,
-        "item 2 is a shape of the program's, which cannot be written as bytes; it is in a scene in the scene"
+        "item 2 is a custom shape, which cannot be written as bytes; it is in a scene nested in the scene"
     );
 }
 

@@ -30,8 +30,8 @@ impl<'a> BvhView<'a> {
         count
     }
 
-    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives their
-    /// number. The rest of `hits` is of no meaning.
+    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives
+    /// their number. The rest of `hits` is unspecified.
     ///
     /// The search leaves out what is behind the last of them.
     pub fn nearest_hits(&self, ray: &Ray, hits: &mut [Hit]) -> usize {

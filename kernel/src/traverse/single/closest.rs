@@ -53,7 +53,7 @@ pub(super) fn trace<S: Simd>(tree: &BvhView, ray: &Ray, best: Hit) -> Hit {
     }
 }
 
-/// The nearest of the children that `hits` names, which are not none; the others go to the stack, the farthest first.
+/// The nearest of the children in the non-empty mask `hits`; the others go to the stack, the farthest first.
 #[inline(always)]
 fn nearest<S: Simd>(tree: &BvhView, node: &Node, near: S::F8, mut hits: u32, stack: &mut UninitStack<u64>) -> u32 {
     let children = &node.children;

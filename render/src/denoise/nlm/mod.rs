@@ -176,7 +176,7 @@ fn variance(extent: Extent, a: &[f32], b: &[f32], sampled: Option<&[f32]>) -> Ve
     (0..extent.len()).map(scaled).collect()
 }
 
-/// The median of the three by three values around each pixel: what a lucky pixel would have had.
+/// The median of the three by three values around each pixel: a robust variance for pixels without bright samples.
 fn median(extent: Extent, values: &[f32]) -> Vec<f32> {
     let plane = Plane::new(extent, |i| values[i]);
     let at = |x: usize, y: usize| {

@@ -49,8 +49,8 @@ options! {
         /// fireflies, less light [default: off]
         #[arg(value_name = "L", allow_negative_numbers = true)]
         clamp_indirect: f32 = value::clamp, in "render";
-        /// path: trace paths before the picture and learn from them where light comes from, for rooms that are lit through a
-        /// window or a door ajar; =N by so many paths [default: false; N is 524288]
+        /// path: path guiding: trace N paths first to learn where light comes from; for rooms lit through a small
+        /// opening [default: false; N is 524288]
         #[arg(num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "N", default_missing_value = "true")]
         guide: u32 = value::guide, in "render";

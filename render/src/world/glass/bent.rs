@@ -190,7 +190,7 @@ impl World {
             LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
             LightEnd::Point(point) => Ray::between(beam.ray.origin, point),
         };
-        // Nor is a NaN close.
+        // False for NaN.
         (spread.is_finite() && angle <= CLOSE).then_some(BentLight {
             direction,
             rest,

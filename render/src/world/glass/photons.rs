@@ -1,18 +1,19 @@
-//! Where light arrives that glass bends, and from where on the glass: starts for the search of its ways.
+//! A photon map of refracted light: where it arrives, and from where on the glass. It seeds the search for light paths.
 //!
-//! A search finds the way next to its start, and light may come to a point on several, or to points in no shadow of glass at all. So
-//! rays are sent from points, spots and suns at each body of glass, refracted at every face, as photons are (Jensen, "Global
-//! illumination using photon maps", 1996), with the footprint that ray differentials give them (Schjøth et al., "Photon
-//! differentials", 2007). Beside a photon that has left the glass, rays pass
+//! A search finds the path next to its start, and light may reach a point by several paths, or reach points outside the
+//! glass's shadow. So rays are sent from points, spots and suns at each body of glass, refracted at every face, as
+//! photons are (Jensen, "Global illumination using photon maps", 1996), with the footprint that ray differentials give
+//! them (Schjøth et al., "Photon differentials", 2007). Beside a photon that has left the glass, rays pass
 //!
 //! `x(u, v) = o + t d + u (∂o/∂u + t ∂d/∂u) + v (∂o/∂v + t ∂d/∂v)`.
 //!
-//! A point within the footprint has `u` and `v` in [-1, 1], and a search begins where its ray has left the glass. Starts of rays that
-//! would have been sent from the same place are one.
+//! A point within the footprint has `u` and `v` in [-1, 1], and a search begins where its ray has left the glass.
+//! Starts whose rays would have been sent from the same place are merged.
 //!
-//! Deviations: photons carry no light, and their number says nothing. They are sent in the middle of the shutter's time. Their cells
-//! are around the surface where they arrive: what is smaller than a footprint, before that surface, may be missed, and what faces
-//! between two photons alone do to light. Of very many lights and solids, each light has those that are largest from there.
+//! Deviations: photons carry no flux; they only seed the manifold search, so their density has no meaning. They are
+//! sent at mid-shutter. Their cells are around the surface where they arrive: objects smaller than a footprint in front
+//! of that surface may be missed, and so may refracting features smaller than the photon spacing. With very many lights
+//! and solids, each light uses the solids that look largest from it.
 
 use glam::{IVec3, Mat2, Vec2, Vec3};
 use halfdome_kernel::Ray;
