@@ -144,7 +144,7 @@ impl World {
     /// Likewise, to find light elsewhere than in a picture of its camera.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn looking_from(scene: Scene, from: LookFrom) -> Result<Self, WorldError> {
         // Only pictures are taken for a time.
         let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
@@ -157,7 +157,7 @@ impl World {
     /// Makes a scene ready, with a tree that is built where `executor` says.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let mut world = Self::assemble(scene, options, executor)?;
         world.look(LookFrom::Camera);

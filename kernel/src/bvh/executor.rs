@@ -1,4 +1,4 @@
-//! Where a build runs: the kernel splits the work, the caller brings the threads.
+//! Executors of builds: the kernel splits the work, the caller provides the threads.
 
 /// Runs the parts of a build, on as many threads as it likes, and receives the build's progress.
 ///
@@ -14,7 +14,7 @@ pub trait Executor: Sync {
     }
 }
 
-/// One thread: the caller's.
+/// Runs everything on the caller's thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Serial;
 
@@ -24,7 +24,7 @@ impl Executor for Serial {
     }
 }
 
-/// The threads of the pool of rayon that it is called in.
+/// Runs on the current pool of rayon.
 #[cfg(feature = "rayon")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayonExecutor;

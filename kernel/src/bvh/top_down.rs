@@ -41,7 +41,8 @@ struct Builder<'a, E> {
     share: f32,
 }
 
-/// Builds a tree over `prims`, of which there is at least one and `lanes` fill a block; this is `work` of the whole build.
+/// Builds a tree over `prims`, of which there is at least one and `lanes` fill a block; `work` is its part of the whole
+/// build.
 pub(super) fn build<E: Executor>(
     executor: &E,
     mut prims: Vec<Primitive>,

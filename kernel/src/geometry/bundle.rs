@@ -1,10 +1,10 @@
-//! Rays in lanes made ready together: the numbers of [`RaySetup`](super::setup::RaySetup), bit for bit, where their
-//! directions are of one class, and a shaft that no ray of them leaves.
+//! Setup of a packet of rays in lanes: equal to [`RaySetup`](super::setup::RaySetup) bit for bit, for directions of one
+//! class, and a shaft that encloses all rays.
 //!
 //! The shaft (Haines and Wallace 1991) is swept by a box that grows or shrinks from around the rays' origins to around
-//! their ends, which are at `t_max` or where they leave the scene: at the part `s` of their way all are in
-//! `(1 - s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It
-//! is as tight for rays that run together, to a light, as for those that spread.
+//! their ends, which are at `t_max` or where they leave the scene: at the fraction `s` of their length all are in `(1 -
+//! s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It is
+//! as tight for rays that converge at a light as for diverging ones.
 //!
 //! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's own
 //! box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
@@ -35,7 +35,7 @@ pub(crate) struct Bundle<L> {
     largest: L,
     /// Their least `t`.
     pub t_min: L,
-    /// The active rays that can hit something.
+    /// The active rays that can hit anything.
     pub live: u32,
 }
 
@@ -43,10 +43,10 @@ pub(crate) struct Bundle<L> {
 /// `plane * inverse - shift`, and so does the lower side.
 #[derive(Clone, Copy)]
 pub(crate) struct Shaft {
-    /// Of the upper sides, along each axis, and of the lower ones.
+    /// The values of the upper sides along each axis, then of the lower ones.
     pub inverse: [[f32; 3]; 2],
     pub shift: [[f32; 3]; 2],
-    /// Whether the side rises on its way.
+    /// Whether the side's coordinate increases along the rays.
     pub rises: [[bool; 3]; 2],
     /// What the box around the origins was widened by.
     pub pad: [f32; 3],

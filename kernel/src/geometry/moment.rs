@@ -12,16 +12,16 @@ use super::Aabb;
 /// interpolated for a ray's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// The key before.
+    /// The key at or before the time.
     pub key: usize,
-    /// How far it is to the next key: 0 at the key itself, never 1.
+    /// The fraction of the interval to the next key: 0 at the key itself, never 1.
     pub fraction: f32,
 }
 
 impl Moment {
     /// The moment of `time`, clamped to 0..=1, where there are `keys`, at least one; `None` if it is NaN.
     ///
-    /// The product is exact, so that keys of different numbers agree on a time. Then it is rounded once.
+    /// The product is exact and then rounded once, so that different numbers of keys agree on a time.
     #[inline(always)]
     pub fn new(time: f32, keys: usize) -> Option<Self> {
         if time.is_nan() {

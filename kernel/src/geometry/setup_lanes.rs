@@ -1,5 +1,5 @@
-//! Rays in lanes made ready together, each with a direction of its own class: the numbers of [`RaySetup`], bit for bit, and where
-//! the rays meet a box.
+//! Setup of rays in lanes, each with its own direction class: equal to [`RaySetup`] bit for bit; and the rays' test
+//! against a box.
 
 use super::Aabb;
 use super::setup::{
@@ -115,7 +115,7 @@ impl<L> BoxLanes<L> {
         Self { min, max }
     }
 
-    /// The lanes in which something is inside.
+    /// The lanes whose boxes are not empty.
     #[inline(always)]
     fn not_empty<const N: usize>(&self) -> u32
     where

@@ -1,6 +1,6 @@
 //! The triangle test in lanes: one ray against several triangles, or several rays against one.
 //!
-//! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
+//! It equals the scalar [`intersect_triangle`](super::intersect_triangle) bit for bit.
 
 #[cfg(doc)]
 use super::setup::Line;
@@ -91,8 +91,8 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     Some(Crossing { bits, front, t, u: unit(v), v: unit(w) })
 }
 
-/// The lanes whose lines cross their triangles in their intervals: [`cross`] and `t` within, but quicker, as where a line is
-/// in the triangle's box is mostly enough to tell.
+/// The lanes whose lines cross their triangles in their intervals: [`cross`] and `t` within, but faster, as the line's
+/// interval in the triangle's box mostly decides.
 #[inline(always)]
 pub(crate) fn occludes<const N: usize, L: Lanes<N>>(
     ray: &LineLanes<L>,

@@ -69,7 +69,7 @@ impl<T: AsRef<[f32]> + AsMut<[f32]>> Stratified<T> {
 }
 
 impl<T> Stratified<T> {
-    /// The same, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
+    /// The layout, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }

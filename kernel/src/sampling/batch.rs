@@ -12,8 +12,8 @@ pub(super) trait Function {
     fn apply(&self, input: Self::Input) -> Self::Output;
 }
 
-/// Writes the function of each input with the instructions of `isa`. Of slices of unequal length the ends are left
-/// alone.
+/// Writes the function of each input with the instructions of `isa`. Elements beyond the end of the shorter slice are
+/// left unchanged.
 ///
 /// Never a part of its caller: where the compiler sees both slices as parts of one value, it makes no lanes of the loop.
 #[inline(never)]

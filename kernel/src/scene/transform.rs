@@ -1,9 +1,10 @@
-//! Where an item is: an affine transform from its own space to the scene's, `p = M q + T`, standing still or moving.
+//! The transform of an item: an affine map from its own space to the scene's, `p = M q + T`, static or moving.
 //!
-//! A ray goes the other way: `o' = M⁻¹ (o - T)` and `d' = M⁻¹ d`, computed in `f64` and rounded once. Its direction keeps
-//! the length that this gives it, so `t` is the same in both spaces. Between two keys the elements of `M` and `T` are
-//! interpolated, and the result inverted, in `f64` too; every point of the item then moves in a straight line, and a box that
-//! is interpolated between boxes that enclose the item at the keys encloses it in between.
+//! A ray is transformed the other way: `o' = M⁻¹ (o - T)` and `d' = M⁻¹ d`, computed in `f64` and rounded once. Its
+//! direction keeps the length that this gives it, so `t` is the same in both spaces. Between two keys the elements of
+//! `M` and `T` are interpolated, and the result inverted, in `f64` too; every point of the item then moves in a
+//! straight line, and a box that is interpolated between boxes that enclose the item at the keys encloses it in
+//! between.
 //!
 //! # Error bounds
 //! With `u = 2⁻²⁴`, the local ray's point at `t` is off by `u (|o'| + t |d'|)`, and a hit there lies in the item's local
@@ -16,9 +17,9 @@
 //! error_k = (Σ_j |M_kj|) ‖M⁻¹‖ (e' + 32 u)          ‖.‖: greatest row sum of absolute values
 //! ```
 //!
-//! and by so much boxes are widened, in the tree or by the ray (see [`widening`](super::widening)): no hit is lost at an
-//! instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
-//! 6e-6 at most.
+//! so boxes are widened by this amount, in the tree or by the ray (see [`widening`](super::widening)), and no hit is
+//! lost at an instance's box. A scene where this bound exceeds a [quarter](MAX_ERROR) is refused; a rotation's is 6e-6
+//! at most.
 
 #[cfg(any(feature = "alloc", test))]
 use alloc::sync::Arc;
@@ -88,21 +89,21 @@ impl Packed {
     }
 }
 
-/// Where an item is.
+/// The transform of an item.
 #[derive(Clone, Debug)]
 pub(super) enum Placement<'a> {
-    /// Where its own coordinates say.
+    /// No transform.
     AsItIs,
-    /// Where a transform takes it that makes it flat: nowhere to be hit.
+    /// A transform that flattens the item: it cannot be hit.
     Flat { to_scene: Packed },
-    /// Where a transform takes it.
+    /// A static transform.
     Still { to_scene: Packed, to_local: Inverse, inverse_norm: f32 },
-    /// Where transforms at evenly spaced times take it; the inverse's norm is a bound for all times.
+    /// Transforms at evenly spaced times; the inverse's norm is a bound for all times.
     Moving { keys: Keys<'a>, inverse_norm: f32 },
 }
 
 impl<'a> Placement<'a> {
-    /// By a transform that stands still.
+    /// A placement by a static transform.
     ///
     /// # Errors
     /// [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`].
@@ -123,7 +124,7 @@ impl<'a> Placement<'a> {
         Ok(Self::Still { to_scene: Packed::new(to_scene), to_local, inverse_norm: round_up(inverse_norm) })
     }
 
-    /// By transforms at evenly spaced times.
+    /// A placement by transforms at evenly spaced times.
     ///
     /// # Errors
     /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is singular
@@ -217,7 +218,7 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// What a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
+    /// The box that a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
         match self {
             Self::AsItIs => return *local,
@@ -254,7 +255,7 @@ fn between(keys: &[Affine3A], time: f32) -> Option<(DMat3, DVec3)> {
     Some((linear, mix(translation(from), translation(to))))
 }
 
-/// By what boxes are widened that move with these transforms and a box.
+/// The widening of boxes that move with these transforms and a box.
 fn moving_pad(keys: &[Affine3A], local: &Aabb) -> f64 {
     let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
     let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
@@ -266,7 +267,7 @@ fn image_at(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
     image(&linear(transform), translation(transform), local, pad)
 }
 
-/// The same by the transform's elements.
+/// A box around the image of a box, by the transform's elements.
 pub(super) fn image(linear: &DMat3, translation: DVec3, local: &Aabb, pad: f64) -> Aabb {
     if local.is_empty() {
         return Aabb::EMPTY;

@@ -1,4 +1,4 @@
-//! Walks through scenes: the scene's own tree, and in its leaves whatever lies there, in its own space.
+//! Traversal of scenes: the scene's own tree, and in its leaves the objects, in their own spaces.
 
 use core::ops::{ControlFlow, Range};
 
@@ -37,7 +37,7 @@ pub(super) fn filtered(
     best.is_hit().then_some(best)
 }
 
-/// One ray, and what it looks for.
+/// One ray and its search.
 pub(super) struct Trace<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
@@ -52,7 +52,7 @@ impl<Q: Search> Work for Trace<'_, Q> {
     }
 }
 
-/// One ray, and what has the box of a number in the scene's tree.
+/// One ray, and the entry with the box of an index in the scene's tree.
 pub(super) struct MeetItem<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
@@ -72,7 +72,7 @@ impl<Q: Search> Work for MeetItem<'_, Q> {
     }
 }
 
-/// Rays whose nearest hits are written to `hits`, of which there are as many.
+/// Rays whose nearest hits are written to `hits`, which has as many elements.
 pub(super) struct IntersectAll<'a> {
     pub scene: &'a SceneView<'a>,
     pub rays: &'a [SceneRay],
@@ -92,7 +92,7 @@ impl Work for IntersectAll<'_> {
     }
 }
 
-/// Rays of which is written to `occluded` whether they hit anything; there are as many.
+/// Rays whose occlusion is written to `occluded`, which has as many elements.
 pub(super) struct OccludedAll<'a> {
     pub scene: &'a SceneView<'a>,
     pub rays: &'a [SceneRay],
@@ -133,7 +133,7 @@ impl Memory {
     }
 }
 
-/// A ray in a scene, on the way to which it went through others.
+/// A ray in a nested scene.
 struct Visit<'a, 's, Q> {
     scene: &'a SceneView<'a>,
     isa: Isa,
@@ -159,7 +159,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
     }
 }
 
-/// What the boxes of a scene's tree are tested with, and when; `None` if the ray can hit nothing.
+/// The setup for the boxes of a scene's tree, and the moment; `None` if the ray can hit nothing.
 #[inline(always)]
 fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(Slabs, Moment)> {
     let mut setup = RaySetup::new(ray, &scene.reach())?;
@@ -170,7 +170,7 @@ fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(S
     Some((setup.slabs, moment))
 }
 
-/// Enters a scene that lies in another. Not inlined: this is where the recursion turns.
+/// Enters a nested scene. Not inlined: this is the recursive call.
 #[inline(never)]
 fn enter<Q: Search>(visit: Visit<Q>) -> ControlFlow<()> {
     dispatch(visit.isa, visit)
@@ -219,7 +219,7 @@ impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
 }
 
 impl<Q: Search> Visit<'_, '_, Q> {
-    /// Traces the ray through what has the box of this number, if it sees that.
+    /// Traces the ray through the entry with the box of this index, if its mask allows.
     #[inline(always)]
     fn meet_number<S: Simd>(&mut self, number: u32) -> ControlFlow<()> {
         match self.scene.item_of(number) {

@@ -1,11 +1,11 @@
-//! Which instruction set to run on, and running a kernel on it.
+//! Selection of an instruction set, and dispatch of kernels to it.
 
 use core::fmt;
 use core::str::FromStr;
 
 use super::{Portable, Simd};
 
-/// Whether this processor is known to have a feature: detected if that is possible, else what the compiler was told.
+/// Whether this processor has a feature: detected if possible, else as the program was compiled.
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use std::arch::is_x86_feature_detected as has;
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
@@ -61,7 +61,7 @@ impl FromStr for Level {
     }
 }
 
-/// A name that is none of a [`Level`].
+/// A name that is not the name of a [`Level`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownLevel;
 

@@ -1,5 +1,5 @@
-//! Lanes of `f32`: the few operations that the kernels are written in, and their backends. All of the kernel's `unsafe`
-//! is in this folder.
+//! SIMD lanes of `f32`: the operations that the kernels use, and their backends. All of the kernel's `unsafe` is in
+//! this folder.
 //!
 //! Code in lanes is written in `#[inline(always)]` functions, never in closures or `array::map`: intrinsics are inlined
 //! only into code that is compiled for their instruction set, which the kernels are once all of their parts have become

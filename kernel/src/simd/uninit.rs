@@ -1,4 +1,4 @@
-//! A stack in memory that is not initialised: to fill it for each ray would take longer than some rays do.
+//! A stack in uninitialised memory: initialising it for each ray would take longer than tracing some rays.
 
 use core::mem::MaybeUninit;
 

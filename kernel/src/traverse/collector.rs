@@ -1,10 +1,10 @@
-//! What becomes of the hits that a ray finds.
+//! Collectors: receivers of the hits that a ray finds.
 
 use core::ops::ControlFlow;
 
 use crate::geometry::Hit;
 
-/// What becomes of the hits that a ray finds.
+/// Receives the hits that a ray finds.
 pub(crate) trait Collector {
     /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
     fn t_max(&self) -> f32;

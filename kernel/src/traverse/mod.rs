@@ -92,9 +92,10 @@ impl BvhView<'_> {
         }
     }
 
-    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.
+    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Elements beyond the end of the shorter slice are left
+    /// unchanged.
     ///
-    /// The quickest way for many rays that do not run side by side: 64 of them are traced at the same time, as a stream.
+    /// The fastest way for many rays that do not run side by side: 64 of them are traced at the same time, as a stream.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
@@ -111,7 +112,7 @@ impl BvhView<'_> {
         }
     }
 
-    /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
+    /// Writes for each ray whether it hits anything. Elements beyond the end of the shorter slice are left unchanged.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
         let rays = &rays[..rays.len().min(occluded.len())];
         if self.isa().level() == Level::Scalar {

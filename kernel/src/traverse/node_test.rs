@@ -1,5 +1,5 @@
-//! The node test: eight boxes against a ray, or against eight rays, by the slab test of Kay and Kajiya 1986. Which of a
-//! node's planes are near, the signs of the direction say.
+//! The node test: eight boxes against a ray, or against eight rays, by the slab test of Kay and Kajiya 1986. The signs
+//! of the direction determine which of a node's planes are near.
 
 use core::hint::select_unpredictable;
 

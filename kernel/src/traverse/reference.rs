@@ -1,5 +1,5 @@
-//! Traversal as plain as it can be: one ray, one box or triangle at a time, in the tree's order, and a loop over all
-//! triangles without any tree. Slow; every other path gives the same hits bit for bit.
+//! The reference traversal: one ray, one box or triangle at a time, in the tree's order, and a loop over all triangles
+//! without any tree. Slow; all other code paths give the same hits bit for bit.
 
 use core::ops::ControlFlow;
 

@@ -127,7 +127,7 @@ impl Method {
     /// besides, which count as black.
     ///
     /// # Errors
-    /// Those of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.
+    /// The errors of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.
     pub fn denoise(&self, picture: Picture, watch: &dyn Watch) -> Result<(Picture, usize), DenoiseError> {
         self.check(&picture)?;
         let channels = Channels::of(&picture)?;

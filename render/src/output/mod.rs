@@ -64,7 +64,7 @@ impl Format {
 /// Checks before a render that [`write()`] will find a format it knows and a place where it can write.
 ///
 /// # Errors
-/// Those of [`Format::from_path`] and [`OutputFile::check`].
+/// The errors of [`Format::from_path`] and [`OutputFile::check`].
 pub fn check(path: &Path) -> Result<(), OutputError> {
     Format::from_path(path)?;
     OutputFile::check(path)?;
@@ -74,7 +74,7 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
 /// Writes `picture` in the format of the path's extension; `tone_mapping` matters to PNG alone.
 ///
 /// # Errors
-/// Those of [`check`]; a picture whose channels do not fit its size or cannot be stored; what the operating system
+/// The errors of [`check`]; a picture whose channels do not fit its size or cannot be stored; what the operating system
 /// reports. After any of them the file is as it was before.
 pub fn write(path: &Path, picture: &Picture, tone_mapping: &ToneMapping) -> Result<(), OutputError> {
     let format = Format::from_path(path)?;

@@ -82,7 +82,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// Reads the model at `path` as [`load`] does, in the way that `options` say.
 ///
 /// # Errors
-/// Those of [`load`], and if the model has no animation with a name of the moment's.
+/// The errors of [`load`], and if the model has no animation with a name of the moment's.
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let metadata = std::fs::metadata(path).map_err(|error| SceneError::unreadable(path, &error))?;
@@ -99,7 +99,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError
 /// Reads the model at `path` as [`load`] does, from `files`.
 ///
 /// # Errors
-/// Those of [`load`].
+/// The errors of [`load`].
 pub fn load_from(files: &dyn Files, path: &Path) -> Result<Scene, SceneError> {
     read(files, path, Format::of(path)?, &LoadOptions::default())
 }

@@ -1,5 +1,5 @@
 //! A coherent packet, whose rays share octant and fastest axis: the boxes of a node, and those of a block's triangles,
-//! against a shaft of all rays first, then what it meets against the rays, one a lane.
+//! against a shaft of all rays first, then those that the shaft hits against the rays, one a lane.
 
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;

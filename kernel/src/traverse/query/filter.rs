@@ -1,8 +1,8 @@
-//! Searches in which the caller decides what counts as a hit: cut-out leaves, the triangle that a ray comes from,
+//! Searches with a filter that decides which hits count: for cut-out leaves, the triangle that a ray leaves,
 //! selections.
 //!
-//! A search never shows its filter a triangle twice, as every triangle lies in one leaf. What it shows, and in what order,
-//! [`Verdict`] and the two searches say.
+//! A search never passes a triangle to its filter twice, as every triangle is in one leaf. [`Verdict`] and the two
+//! searches define which hits it passes, and in which order.
 
 use core::ops::ControlFlow;
 

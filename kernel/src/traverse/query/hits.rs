@@ -12,8 +12,8 @@ use crate::geometry::{Hit, Ray};
 use crate::traverse::collector::Collector;
 
 impl<'a> BvhView<'a> {
-    /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; tells whether it
-    /// did.
+    /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; returns
+    /// whether it did.
     pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut all = Each { t_max: ray.t_max, visit, flow: ControlFlow::Continue(()) };
         self.collect(ray, &mut all);

@@ -1,4 +1,4 @@
-//! What a ray costs: the nodes and blocks that it visits, front to back, with what lies behind its nearest hit left out.
+//! The cost of a ray: the nodes and blocks that it visits, front to back, up to its nearest hit.
 //!
 //! It is counted by a walk of its own, one box at a time, so that it is the same number on every machine. A batch visits
 //! the same subtrees, save those whose boxes the ray only grazes: each backend widens boxes by its own rounding.
