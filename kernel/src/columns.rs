@@ -128,7 +128,7 @@ fn compress_rows<S: Simd, const WIDTH: usize>(
     mut kept: usize,
 ) -> usize {
     for (row, &keep) in rows.iter().zip(keeps) {
-        // Written in any case, and kept or written over: nobody can foresee which.
+        // Written in any case, and kept or written over: it is unpredictable which.
         if let Some(place) = places.get_mut(kept)
             && let Some(numbers) = row.store().first_chunk()
         {

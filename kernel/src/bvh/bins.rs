@@ -166,7 +166,7 @@ impl Split {
             front.swap_with_slice(&mut back[rest..]);
             return (left + more, centers);
         }
-        // Without a branch on the side, which nobody could predict.
+        // Without a branch on the side, which would be unpredictable.
         let mut centers = [Bounds::EMPTY; 2];
         let mut middle = 0;
         for i in 0..prims.len() {

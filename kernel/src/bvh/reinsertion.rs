@@ -51,7 +51,7 @@ pub(super) fn optimize<E: Executor>(executor: &E, tree: &mut BinaryTree, patienc
         let before = optimizer.area();
         optimizer.search_all(executor, 1, &mut moves);
         optimizer.apply(&moves);
-        // Nobody knows how many rounds there will be.
+        // The number of rounds is not known beforehand.
         work *= 0.5;
         executor.advance(work);
         if optimizer.area() > before * (1.0 - f64::from(patience.least_gain)) {

@@ -65,7 +65,7 @@ impl<L: Copy> Bundle<L> {
         let (t_min, t_max) = (L::load(&rays.t_min), L::load(&rays.t_max));
         let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
         let largest = size[0].max(size[1]).max(size[2]);
-        // Each component by itself: a maximum may lose a NaN.
+        // Each component on its own: a maximum may lose a NaN.
         let (coordinate, length) = (L::splat(MAX_COORDINATE), L::splat(MAX_DIRECTION));
         let valid = origin[0].abs().le(coordinate)
             & origin[1].abs().le(coordinate)

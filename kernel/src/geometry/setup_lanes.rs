@@ -187,7 +187,7 @@ impl DirectionClasses {
     #[inline(always)]
     pub(crate) fn fastest(&self, lane: usize) -> usize {
         let (x, y) = (self.fastest[0] >> lane & 1, self.fastest[1] >> lane & 1);
-        // Without a branch, which would be as good as random.
+        // Without a branch, which would be unpredictable.
         ((1 - x) * (2 - y)) as usize
     }
 
@@ -237,15 +237,15 @@ impl SetupRows {
 pub(crate) const FORWARD: [[Axis; 3]; 3] =
     [Axis::permutation(0, false), Axis::permutation(1, false), Axis::permutation(2, false)];
 
-/// Eight rows of lanes mirrored, and in memory.
+/// Eight rows of lanes, transposed and stored.
 #[inline(always)]
 pub(crate) fn rows<S: Simd>(lanes: [S::F8; 8]) -> [[f32; 8]; 8] {
     let [a, b, c, d, e, f, g, h] = S::transpose(lanes);
     [a.store(), b.store(), c.store(), d.store(), e.store(), f.store(), g.store(), h.store()]
 }
 
-/// The lanes that are within the [numeric limits](crate#numeric-limits). Each component by itself: a maximum may lose a
-/// NaN.
+/// The lanes that are within the [numeric limits](crate#numeric-limits). Each component on its own: a maximum may lose
+/// a NaN.
 #[inline(always)]
 fn in_limits<const N: usize, L: Lanes<N>>(o: &[L; 3], size: &[L; 3], largest: L) -> u32 {
     let (coordinate, length) = (L::splat(MAX_COORDINATE), L::splat(MAX_DIRECTION));

@@ -81,7 +81,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
         (u, v, w) = (L::load(&weights[0]), L::load(&weights[1]), L::load(&weights[2]));
     }
     let (u, v, w) = refine([ax, ay], [bx, by], [cx, cy], [u, v, w]);
-    // Adding zero makes a negative zero positive: which one comes out is up to the backend.
+    // Adding zero makes a negative zero positive: backends differ in which one they give.
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2] + zero;
 
     let (near, far) = own_box(ray, [a, b, c]);

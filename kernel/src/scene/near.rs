@@ -60,7 +60,7 @@ impl SceneView<'_> {
     }
 
     fn search(&self, search: &mut impl Proximity, time: f32, mask: u32) {
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = match self.isa().level() {
             Level::Scalar => reference::search(self, &Space::OWN, (time, mask), (0, 0), search),
             _ => Visit { time, mask, search }.scene(self, &Space::OWN, 0, 0),

@@ -67,7 +67,7 @@ impl<Q: Search> Work for MeetItem<'_, Q> {
         let Self { scene, ray, number, search } = self;
         let triangles = &mut TraversalStack::new();
         let mut visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = visit.meet_number::<S>(number);
     }
 }
@@ -128,7 +128,7 @@ impl Memory {
     fn trace<S: Simd, Q: Search>(&mut self, scene: &SceneView, ray: &SceneRay, search: &mut Q) {
         let triangles = &mut self.triangles;
         let visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = visit.walk::<S>(&mut self.items);
     }
 }
@@ -147,8 +147,8 @@ struct Visit<'a, 's, Q> {
 }
 
 impl<Q: Search> Visit<'_, '_, Q> {
-    /// Shows the search the hits of the ray that are not behind its `t_max`. `Break` if the search was ended. `stack` is
-    /// memory, whatever is in it.
+    /// Shows the search the hits of the ray that are not behind its `t_max`. `Break` if the search was ended. `stack`
+    /// is memory with any contents.
     #[inline(always)]
     fn walk<S: Simd>(self, stack: &mut TraversalStack) -> ControlFlow<()> {
         let Visit { scene, ray, .. } = self;

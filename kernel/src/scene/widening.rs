@@ -100,7 +100,7 @@ impl Widening {
         let (ordinary, distorted) = (errors.greatest(0..last + 1), errors.greatest(last + 1..LIMITS));
         let near = NEAR * (reach.max - reach.min).max_element();
         let farthest = reach.min.abs().max(reach.max.abs()).max_element();
-        // Not for what is infinite or NaN either.
+        // False for infinity and NaN.
         let has_room = near <= MAX_COORDINATE / 4.0 && farthest <= MAX_COORDINATE / 4.0;
         let widening = Self { ordinary, distorted, near, limit: limit(last) };
         if distorted == Vec3::ZERO || !has_room { widening.by_rays() } else { widening }
@@ -123,7 +123,7 @@ impl Widening {
 
     /// The box in the tree for a box in an item with this error.
     pub(super) fn in_tree(&self, aabb: Aabb, error: Vec3) -> Aabb {
-        // What cannot be hit stays so.
+        // Boxes that cannot be hit stay empty.
         if self.is_by_rays() || error.max_element() <= self.limit || !aabb.is_usable() {
             return aabb;
         }

@@ -17,7 +17,7 @@ pub enum Facing {
     Both,
     /// The side from which the corners run counter-clockwise.
     Front,
-    /// The other one.
+    /// The other side.
     Back,
 }
 

@@ -16,7 +16,7 @@ impl RoundView<'_> {
         self.trace(ray, ClosestHit { best: Hit::none_before(ray.t_max) }).best.found()
     }
 
-    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
+    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but faster.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.trace(ray, AnyHit { t_max: ray.t_max, found: false }).found
     }
@@ -40,7 +40,7 @@ impl RoundView<'_> {
         match self.isa().level() {
             Level::Scalar => {
                 let mut collector = collector;
-                // Whether it was ended early, the collector knows.
+                // The collector itself records whether it was ended early.
                 let _ = reference::walk_round(self, ray, &mut collector);
                 collector
             }

@@ -25,12 +25,12 @@ impl Visits {
 }
 
 impl BvhView<'_> {
-    /// What [`intersect`](Self::intersect) visits. Slow: for pictures of the cost, not for tracing.
+    /// The visits of [`intersect`](Self::intersect). Slow: for pictures of the cost, not for tracing.
     pub fn intersect_visits(&self, ray: &Ray) -> Visits {
         walk(self, ray, false).0
     }
 
-    /// What [`occluded`](Self::occluded) visits, likewise.
+    /// The visits of [`occluded`](Self::occluded), likewise.
     pub fn occluded_visits(&self, ray: &Ray) -> Visits {
         walk(self, ray, true).0
     }

@@ -39,11 +39,11 @@ pub(super) fn trace<S: Simd>(tree: &BvhView, ray: &Ray, best: Hit) -> Hit {
             }
         } else {
             for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                // This collector never breaks off.
+                // This collector never ends the search.
                 let _ = intersect_block(block, &lines, line.axes, ray.t_min, &mut closest);
             }
         }
-        // As near is not nearer: there may be a tie to decide.
+        // Equal distances are kept: ties are decided by `prim_id`.
         child = loop {
             let Some(entry) = stack.pop() else { return closest.best };
             if f32::from_bits((entry >> 32) as u32) <= closest.best.t {
