@@ -3,8 +3,8 @@
 //!
 //! # What one can do
 //!
-//! Render a scene and write the picture. A [`scene::Scene`] is a description, read from a file or made by you; a
-//! [`world::World`] is that made ready for tracing; a [`film::Picture`] is what comes out. It depends on the scene and the
+//! Render a scene and write the picture. A [`scene::Scene`] is a description, read from a file or built in memory; a
+//! [`world::World`] is a scene prepared for tracing; a [`film::Picture`] is the result. It depends on the scene and the
 //! settings alone, not on threads.
 //!
 //! ```

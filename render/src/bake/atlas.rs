@@ -1,8 +1,8 @@
 //! The atlas: which texels belong to which triangles.
 //!
-//! A *page* is a map. A *part* is what of a mesh lies on one page, with vertices of its own where the border of a chart
-//! cuts the mesh; a *chart* is a connected piece of a part in the plane of the page. Texture coordinates are glTF's:
-//! from the top left corner, v down, so that texel row 0 is the first row of a picture.
+//! A *page* is a map. A *part* is the portion of a mesh on one page, with vertices of its own where the border of a
+//! chart cuts the mesh; a *chart* is a connected piece of a part in the plane of the page. Texture coordinates are
+//! glTF's: from the top left corner, v down, so that texel row 0 is the first row of a picture.
 
 use glam::{DVec2, Vec2};
 

@@ -1,7 +1,8 @@
 //! The light of every texel.
 //!
-//! Direct light is sampled at every texel, and with it the sun of a sky's picture. What surfaces reflect, and the rest of the
-//! sky, comes from an irradiance cache in space: texels of different charts that lie side by side there share records, which a cache in the plane of the map could not.
+//! Direct light, with the sun of a sky picture, is sampled at every texel. Light reflected by surfaces, and the rest of
+//! the sky, comes from an irradiance cache in space: neighbouring texels of different charts share records, which a
+//! cache in the plane of the map could not do.
 //!
 //! Without a cache every texel gathers for itself, by paths, with as many rays as a record would have.
 

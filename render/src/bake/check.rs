@@ -1,4 +1,4 @@
-//! What is right and wrong with the coordinates of an atlas: overlaps, lost and stretched charts, fill.
+//! Checks the coordinates of an atlas: overlaps, lost and stretched charts, fill.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,8 +1,8 @@
-//! What a bake has found so far, so that one that was stopped can go on: values of blocks of texels, and irradiance records.
+//! The results of a bake so far, so that a stopped bake can resume: values of blocks of texels, and irradiance records.
 //!
-//! Everything has a key and a value of 32-bit words, and does not depend on when it was found. A bake that goes on asks the
-//! checkpoint before it traces a ray; as all else follows from the answers, it ends with the same bytes as one that was never
-//! stopped.
+//! Everything has a key and a value of 32-bit words, and does not depend on when it was computed. A resumed bake looks
+//! up the checkpoint before it traces rays; as everything else follows from these values, it ends with the same bytes
+//! as an uninterrupted one.
 //!
 //! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key, number
 //! of words, words), and the FNV-1a hash of all that, everything little-endian. It is replaced in one step.

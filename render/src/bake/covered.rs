@@ -1,9 +1,9 @@
-//! Texels that something covers: a point inside of another body, as of a floor under a crate, sees nothing but the backs of
-//! surfaces. Light from there would bleed out of the crate's foot, so it is taken from a free point of the same texel and
-//! chart; where there is none, the texel is left out, and is filled later from others of its chart.
+//! Covered texels: a point inside another body, such as on a floor under a crate, sees only the backs of surfaces.
+//! Light from there would bleed out of the crate's foot, so it is taken from a free point of the same texel and chart;
+//! where there is none, the texel is left out, and is filled later from others of its chart.
 //!
-//! Castaño tells such texels of a hemicube by the backs that it sees. Here rays tell, evenly spread over the hemisphere.
-//! What a body is the world says ([`Bodies`]).
+//! Castaño detects such texels by the backs in a hemicube. Here rays spread evenly over the hemisphere detect them.
+//! [`Bodies`] of the world defines what a body is.
 
 use glam::Vec2;
 use halfdome_kernel::Ray;

@@ -1,7 +1,7 @@
-//! Texels that have no light of their own: those of a chart that nothing free was found in, and its gutter.
+//! Fills texels without light of their own: covered texels of a chart, and its gutter.
 //!
-//! Each takes the mean of its neighbours of the same chart that have a value, ring by ring; what belongs to another chart
-//! never enters.
+//! Each takes the mean of its neighbours of the same chart that have a value, ring by ring; texels of other charts are
+//! never used.
 
 use super::atlas::{NO_CHART, Page};
 

@@ -1,7 +1,8 @@
-//! Edges that two of the scene's triangles share, and whether light goes on smoothly over them.
+//! Edges that two of the scene's triangles share, and whether light is continuous across them.
 //!
-//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. What is not shared so may be
-//! shared piece by piece: where corners lie in the middle of a side ([`t_junctions`](super::t_junctions)), it is cut there.
+//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. Other sides may be
+//! shared piece by piece: where corners lie in the middle of a side ([`t_junctions`](super::t_junctions)), it is cut
+//! there.
 
 use glam::Vec3;
 

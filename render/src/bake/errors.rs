@@ -1,10 +1,9 @@
-//! An estimate of each texel's relative error, for people to look at, of what is known without a ray more: by how much the
-//! records that a texel is interpolated from differ in what they say of it, and the noise between neighbours, from second
-//! differences around it ([`noise`](super::noise)). The two add up as squares. What all records have wrong alike stays
-//! unseen.
+//! An estimate of each texel's relative error for reports, without further rays: the disagreement of the records that
+//! the texel is interpolated from, and the noise between neighbours, from second differences around it
+//! ([`noise`](super::noise)). The two are added in quadrature. Errors common to all records are not detected.
 //!
-//! Errors are relative to a texel's irradiance, or to a tenth of the level's mean where that is more: nobody sees by how
-//! much a black texel is wrong in proportion.
+//! Errors are relative to a texel's irradiance, or to a tenth of the level's mean where that is more: relative errors
+//! of black texels are not visible.
 
 use glam::Vec3;
 use rayon::prelude::*;

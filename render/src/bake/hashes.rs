@@ -1,4 +1,4 @@
-//! Hashes of what a bake depends on: whether anything changed, and what.
+//! Hashes of a bake's inputs, to detect what has changed.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,9 +1,9 @@
-//! Viewpoints inside of a level: where one may stand who does not leave its rooms.
+//! Viewpoints inside a level's rooms.
 //!
-//! They are found step by step. A viewpoint is inside if at most a fifth of all rays from there reach nothing, glass passed (at
-//! the foot of an outer wall it is a quarter), and at most half end on backs of bodies. The search begins with positions that the
-//! caller knows, which may be open, or with positions in front of surfaces that are not narrow beside the widest; from each
-//! viewpoint the next are sought along its rays, until they lie as close as a third of the way to what stands around.
+//! A viewpoint is inside if at most a fifth of its rays, passing through glass, hit nothing (at the foot of an outer
+//! wall a quarter do), and at most half hit backs of bodies. The search begins with given positions, which may be open,
+//! or with positions in front of surfaces whose surroundings are not narrow beside the widest; from each viewpoint the
+//! next are sought along its rays, until they are as close as a third of the distance to the surroundings.
 
 use std::ops::Range;
 

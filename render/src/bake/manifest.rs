@@ -1,7 +1,7 @@
-//! What a bake made, for programs: JSON beside the maps.
+//! The manifest of a bake for programs: JSON beside the maps.
 //!
-//! It says which part of which page belongs to which surface, in what unit the texels are, and by hashes from what it was
-//! all made: a bake whose hashes are those of the manifest need not be done again.
+//! It maps parts of pages to surfaces, names the unit of the texels, and holds hashes of all inputs: a bake with the
+//! same hashes need not be repeated.
 
 use std::path::Path;
 

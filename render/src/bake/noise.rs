@@ -1,5 +1,5 @@
-//! How noisy a map is: the relative noise σ of each chart, from the second differences along its rows and columns, whose
-//! median is hardly moved by the edges of shadows.
+//! The noise of a map: the relative noise σ of each chart, from the second differences along its rows and columns,
+//! whose median is hardly moved by the edges of shadows.
 
 use super::atlas::Page;
 use super::dilate::{PageTexels, TexelSource};

@@ -1,4 +1,4 @@
-//! What a bake depends on besides the scene.
+//! The options of a bake.
 
 use glam::Vec3;
 

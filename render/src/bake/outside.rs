@@ -1,7 +1,7 @@
-//! Surfaces that nobody sees who stays inside, as the outer walls of a house: they need no texels of their own.
+//! Surfaces that cannot be seen from inside, such as the outer walls of a house: they need no texels.
 //!
-//! What rays from all viewpoints inside ([`Search`]) hit is seen. Of what they did not hit, the pieces are asked once more, by rays
-//! to points on them. A surface without creases is left out as a whole, or not at all.
+//! Surfaces hit by rays from the viewpoints inside ([`Search`]) are visible. The others are tested again, piece by
+//! piece, by rays to points on them. A surface without creases is left out as a whole, or not at all.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

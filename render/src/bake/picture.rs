@@ -1,4 +1,4 @@
-//! A page's charts as a picture: each in a colour of its own, what overlaps in red, gutters darker.
+//! A page's charts as a picture: each in its own colour, overlaps in red, gutters darker.
 
 use super::atlas::{Atlas, NO_CHART};
 use super::check::Check;

@@ -1,4 +1,4 @@
-//! What a bake made, for people, as HTML.
+//! The HTML report of a bake.
 //!
 //! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
 //! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.

@@ -1,4 +1,4 @@
-//! How much room new charts need at least, known before they are made and packed, which may take minutes.
+//! A lower bound of the space that new charts need, before they are made and packed, which may take minutes.
 
 use std::collections::HashMap;
 

@@ -1,11 +1,11 @@
-//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree. Along a crease they
-//! must as far as noise alone sets them apart: where they differ by more, light itself does.
+//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree. Along a
+//! crease they must agree only as far as the difference is noise: a greater difference is in the light itself.
 //!
-//! At points along each cut the map is sampled on both sides, as engines will; the texels around are changed as little as
-//! possible so that the differences vanish: `min Σ (s_a - s_b)²/m² + Σ λ (x - x₀)²/m²`, a sparse least squares problem
-//! (Iwanicki 2013 has it for bilinear sampling), solved by conjugate gradients on its normal equations in a fixed order. `m`
-//! is the brightness there, for a step is seen relative to it. Texels that only filters need may change more than those that
-//! stand for a place.
+//! At points along each cut the map is sampled on both sides, as engines will; the texels around are changed as little
+//! as possible so that the differences vanish: `min Σ (s_a - s_b)²/m² + Σ λ (x - x₀)²/m²`, a sparse least squares
+//! problem (Iwanicki 2013 has it for bilinear sampling), solved by conjugate gradients on its normal equations in a
+//! fixed order. `m` is the brightness there, for a step is seen relative to it. Gutter texels may change more than
+//! texels on surfaces.
 
 use std::collections::BTreeSet;
 

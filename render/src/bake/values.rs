@@ -1,4 +1,4 @@
-//! What texels get: irradiance, and behind it the moments that are asked for.
+//! The values of texels: irradiance, followed by the requested moments.
 
 use glam::{DVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! What the user should know of a bake's model and light.
+//! Warnings about a bake's model and light.
 
 use std::path::PathBuf;
 

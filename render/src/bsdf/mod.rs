@@ -1,7 +1,7 @@
-//! What a surface of the world does with light: its closure in world space.
+//! BSDFs of surfaces: closures in world space.
 //!
-//! A closure ([`material`](crate::material)) knows the shading frame alone, and [`Shading`] what becomes of light that a
-//! shading normal sends through the surface. [`Scattering`] puts both into the world.
+//! A closure ([`material`](crate::material)) works in the shading frame alone, and [`Shading`] handles light that a
+//! shading normal sends through the surface. [`Scattering`] combines both in world space.
 
 mod lambert;
 

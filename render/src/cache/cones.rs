@@ -1,9 +1,8 @@
-//! Finds the least of `radius + slope * distance` over many points, as it seems from one of them: the lower envelope of
-//! cones.
+//! Finds the least `radius + slope * distance` over many points, for each of them: the lower envelope of cones.
 //!
-//! The points lie along a space-filling curve, so that eight neighbours in their order are near each other, as are eight
-//! such groups, and so on: a tree without pointers. A group can be left out if its least radius and the distance of its
-//! box say so, of which few are left where radii do not grow faster than the cones.
+//! The points lie along a space-filling curve, so that eight neighbours in their order are near each other, as are
+//! eight such groups, and so on: a tree without pointers. A group is skipped by its least radius and the distance of
+//! its box; few groups remain where radii do not grow faster than the cones.
 
 use glam::Vec3;
 

@@ -1,9 +1,10 @@
-//! Which records are to be gathered again, with more rays: those that a few bright rays made, and those that such rays
-//! have missed.
+//! Outlier records, which are gathered again with more rays: records dominated by a few bright rays, and records whose
+//! rays have missed that light.
 //!
-//! A record is doubtful if its standard error is large beside the light around, `σ_i > ε Ē`, as that of one is in which a
-//! single ray found much. Where those have been gathered again, their neighbours are doubtful that disagree with one by more
-//! than both standard errors allow: `|E_i - E_j| > 3 √(σ_i² + σ_j²)`. One that has missed the light knows nothing of it.
+//! A record is an outlier if its standard error is large relative to the surrounding light, `σ_i > ε Ē`, as when a
+//! single ray found most of the light. After these have been gathered again, neighbours that disagree with one by more
+//! than both standard errors allow are outliers too: `|E_i - E_j| > 3 √(σ_i² + σ_j²)`. The standard error of a record
+//! that has missed the light does not show it.
 
 use std::collections::HashSet;
 

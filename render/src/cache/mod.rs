@@ -3,8 +3,8 @@
 //!
 //! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
 //!
-//! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which records have
-//! from their neighbours as well (`regression`): what limits gradients is that irradiance curves.
+//! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, fitted to the
+//! neighbours too (`regression`): the curvature of irradiance limits the reach of gradients.
 //!
 //! This module stores and interpolates records and traces no rays: callers compute the irradiance.
 //!

@@ -1,8 +1,9 @@
-//! Finds the spheres that a point is in.
+//! Finds the spheres that contain a point.
 //!
-//! A sphere lies in all the cells that its box meets, at the depth where half a cell would be less wide than its radius.
-//! So a query walks down one path and looks at the spheres of the cells on it, four at a time; nothing is locked, as a tree is
-//! built at once and never changed. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to eight.)
+//! A sphere is stored in all cells that its box overlaps, at the depth where half a cell would be narrower than its
+//! radius. So a query descends one path and tests the spheres of its cells, four at a time; nothing is locked, as a
+//! tree never changes after its build. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to
+//! eight.)
 
 use glam::{Vec3, Vec4};
 

@@ -1,4 +1,4 @@
-//! A record: the irradiance at a point of a surface, how it changes around, and how far that can be trusted.
+//! A record: the irradiance at a point of a surface, its derivatives, and the radii within which it is valid.
 
 use glam::Vec3;
 

@@ -1,19 +1,20 @@
-//! What a record and its neighbours say together: irradiance around a record as a polynomial of the second degree.
+//! Local regression over a record and its neighbours: irradiance around a record as a polynomial of the second degree.
 //!
-//! A gather is noisy, and its gradient leaves out how irradiance curves. Its neighbours know more of both: around record
-//! i, with x and y along and across its ellipse's axis, `E(x, y) = E + g·(x, y) + ½ (x, y) H (x, y)` is the polynomial that
-//! minimizes
+//! A gather is noisy, and its gradient does not include curvature. Its neighbours add information on both: around
+//! record i, with x and y along and across its ellipse's axis, `E(x, y) = E + g·(x, y) + ½ (x, y) H (x, y)` is the
+//! polynomial that minimizes
 //!
 //! `Σ_j w_j [ (E(x_j) - E_j)² + (β R_j)² |∇E(x_j) - ∇_t E_j|² ]`,
 //!
-//! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is what record j is worth at
-//! record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of what it sees: `β R_j` is the way over
-//! which a gradient is about as uncertain as irradiance is. It is short, as a gather's gradient is that of the few walls
-//! between its cells where something changes; gradients decide where there are too few neighbours to tell. So noise is
-//! shared among neighbours without a ray, and what is left of the bias is of the third order in their distance.
+//! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is the weight of record j
+//! at record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of its surroundings: `β
+//! R_j` is the distance over which a gradient is about as uncertain as irradiance is. It is short, as a gather's
+//! gradient depends on the few walls between cells with different radiance; gradients decide where there are too few
+//! neighbours. So noise is averaged among neighbours without further rays, and the remaining bias is of the third order
+//! in their distance.
 //!
-//! A polynomial of few neighbours can be anything a little farther away, so it is limited: no channel is less or more than
-//! all of what the record alone says there and the neighbours say at the record, where the polynomial was found.
+//! A polynomial fitted to few neighbours may extrapolate to any value, so it is clamped: each channel stays within the
+//! range of the record's own extrapolation there and of the neighbours' values at the record.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

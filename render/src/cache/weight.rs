@@ -1,27 +1,27 @@
-//! What a record is worth at a point: a weight that is 0 where the record is no longer valid.
+//! The weight of a record at a point, which is 0 where the record is not valid.
 //!
-//! With `t` the distance in units of how far the record reaches, `a` the error, and `c = n·n_i`:
+//! With `t` the distance in units of the record's radius, `a` the error, and `c = n·n_i`:
 //!
 //! - split-sphere (Ward, Rubinstein and Clear 1988): `1/e - 1` with `e = t + sqrt(1 - c)/a`. The shift by 1 takes away the
 //!   jump at the end, a cap the pole at the record.
 //! - bounded (Tabellion and Lamorlette 2004): the tent `1 - max(t, sqrt(1 - c)/sqrt(1 - cos 10°))`.
 //! - Hessian (Schwarzhaupt, Wann Jensen and Jarosz 2012): `(1 - t)(c - cos 10°)/(1 - cos 10°)`.
 //!
-//! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count half
-//! (Tabellion and Lamorlette again), or of √2 with the Hessian. So a record's neighbours reach over it, and a point
-//! between points that had records has some, too. Where a surface turns by more than these angles within a few pixels, as a
+//! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count
+//! half (Tabellion and Lamorlette again), or of √2 with the Hessian. So records overlap their neighbours, and points
+//! between covered points are covered, too. Where a surface turns by more than these angles within a few pixels, as a
 //! thin column does, pictures take records with any normal up to 45° away (`wide`).
 //!
-//! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
-//! own: the point must not be above or below the surface that the record and it could share, by the mean of the
-//! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no occluder that
-//! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
-//! each sector of azimuth). Nor may the point be higher than the nearest of what the record sees: a record of a wall
-//! behind a poster says nothing of the poster.
+//! A record is not used where its surroundings differ from the point's. All these tests are in the record's units: the
+//! point must not be above or below the surface that the record and it could share, by the mean of the normals, like
+//! Ward's in-front test, here in both directions, which separates shelves; and no occluder of the record may be in
+//! between (deviation: Radiance traces a ray, here the record stores the nearest occluder for each sector of azimuth).
+//! Nor may the point be higher than the record's nearest hit: a record of a wall behind a poster is not valid on the
+//! poster.
 //!
-//! Records reach at least from texel to texel, also those in a gap that is narrower than a texel, where light is another than outside.
-//! So if the clearances of record and point differ much, and that of the point is known, the record is used no farther away than
-//! the lesser clearance.
+//! Radii are at least the distance of texels, even in a gap narrower than a texel, where light differs from outside. So
+//! if the clearances of record and point differ much, and that of the point is known, the record is used no farther
+//! away than the lesser clearance.
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Frame;

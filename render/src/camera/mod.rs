@@ -1,7 +1,7 @@
 //! Cameras: from points of the film to rays, and from points in space to the film.
 //!
-//! Kinds of cameras are an enum, matched once for many rays. A pinhole's rays are made in lanes; those of the others one by
-//! one, which is little beside tracing them.
+//! Kinds of cameras are an enum, matched once for many rays. A pinhole's rays are computed in lanes, the rays of other
+//! kinds one by one, which costs little beside tracing them.
 
 mod aperture;
 mod basis;

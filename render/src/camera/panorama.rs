@@ -1,7 +1,7 @@
 //! Equirectangular panoramas, of one eye or two.
 //!
-//! The azimuth runs from -180° at the left border over the view in the middle to 180°, to the right; the elevation from 90°
-//! at the top to -90°. So a camera that looks along -z with +y up writes what a sky picture is read from.
+//! The azimuth runs from -180° at the left border over the view in the middle to 180°, to the right; the elevation from
+//! 90° at the top to -90°. So a camera that looks along -z with +y up writes a valid sky picture.
 //!
 //! For two eyes (omni-directional stereo) rays start on a circle about the eye, of which they are tangents: wherever the
 //! viewer looks horizontally, the eyes are beside each other. The left eye's picture is above the right one's.

@@ -1,4 +1,4 @@
-//! A render's film on disk: read to go on with it, written now and then and in the end, by one run at a time.
+//! A render's film on disk: read to resume it, written periodically and at the end, by one run at a time.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `halfdome cubemap`: an environment, or what a point in a scene sees, as a prefiltered cube map.
+//! `halfdome cubemap`: an environment, or the view from a point in a scene, as a prefiltered cube map.
 
 mod files;
 

@@ -1,4 +1,4 @@
-//! Denoising as commands do it: the method is made ready before hours of rendering, and shown at work.
+//! Denoising in commands: the method is set up before a long render starts, and its progress is shown.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! What ends a run before it is done, and the exit code that it has.
+//! Errors that end a run early, and their exit codes.
 
 use std::fmt::Display;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! What help says after the options.
+//! The help text after the options.
 
 /// What the codes mean.
 pub(super) const EXIT_CODES: &str = "\

@@ -1,4 +1,4 @@
-//! `halfdome info`: what is in a scene.
+//! `halfdome info`: the contents of a scene.
 
 mod camera;
 mod lights;

@@ -1,4 +1,4 @@
-//! No output may be an input: whoever mistypes a name must not lose the file.
+//! Refuses outputs that are inputs, so that a mistyped name does not overwrite a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

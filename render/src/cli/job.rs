@@ -1,4 +1,4 @@
-//! What commands without a picture say on stderr before and after their work, as text or as lines of JSON.
+//! Messages on stderr before and after the work of commands without a picture, as text or as lines of JSON.
 
 use std::path::Path;
 use std::time::Instant;

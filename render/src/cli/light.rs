@@ -1,4 +1,4 @@
-//! The arguments that all commands share which light a scene and have no camera.
+//! The shared arguments of commands that light a scene and have no camera.
 
 use clap::Args;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! Refuses what the machine cannot hold, before hours are spent on it.
+//! Refuses work that exceeds the machine's memory, before it starts.
 
 use super::error::CliError;
 use crate::denoise::Method;

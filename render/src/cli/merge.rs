@@ -1,4 +1,4 @@
-//! `halfdome merge`: parts put together: films to a picture, states of a bake to one, sensors' irradiance to a table.
+//! `halfdome merge`: joins parts: films to a picture, states of a bake to one, sensors' irradiance to a table.
 
 use std::path::{Path, PathBuf};
 

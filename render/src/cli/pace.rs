@@ -1,4 +1,4 @@
-//! What is done of work whose parts begin anew, and how fast the rest goes.
+//! Progress and pace of work in several stages.
 
 use std::time::Duration;
 

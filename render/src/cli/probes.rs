@@ -1,4 +1,4 @@
-//! `halfdome probes`: what arrives from all directions at points in a scene.
+//! `halfdome probes`: light from all directions at points in a scene.
 
 mod files;
 

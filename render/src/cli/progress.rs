@@ -1,6 +1,6 @@
 //! Progress on stderr while a render runs: a bar for people, lines of JSON for programs.
 //!
-//! The render's threads add to two counters and never wait; a thread of its own looks at them now and then.
+//! The render's threads add to two counters and never wait; a separate thread reads them periodically.
 
 mod snapshot;
 

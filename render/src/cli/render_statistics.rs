@@ -1,6 +1,6 @@
-//! What a render took and gave, as JSON (`--stats-json`): the scene, the options, times, rays, samples, errors.
+//! Statistics of a render as JSON (`--stats-json`): the scene, the options, times, rays, samples, errors.
 //!
-//! Times, rates and memory are the machine's and differ from run to run; the rest does not.
+//! Times, rates and memory depend on the machine and differ from run to run; the rest does not.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! Watches a render: shows how far it is, writes early pictures (`--progressive`) and checkpoints, keeps to a time limit.
+//! Watches a render: shows progress, writes early pictures (`--progressive`) and checkpoints, enforces a time limit.
 
 use std::path::PathBuf;
 use std::time::Instant;

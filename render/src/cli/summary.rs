@@ -1,4 +1,4 @@
-//! What is said on stderr before and after a render, as text or as lines of JSON.
+//! Messages on stderr before and after a render, as text or as lines of JSON.
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `halfdome tree`: the kernel's tree of a scene as a file, and what `halfdome info` tells of one.
+//! `halfdome tree`: the kernel's tree of a scene as a file, and its description by `halfdome info`.
 
 use std::fmt::Write as _;
 use std::fs;

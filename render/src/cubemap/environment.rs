@@ -1,4 +1,4 @@
-//! Where a cube map's light comes from: the sky alone, or a point in a scene, where it is found by path tracing.
+//! The radiance of a cube map: the sky alone, or the view from a point in a scene by path tracing.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What engines look up in a cube map for a direction of the world.
+//! The lookup of engines in a cube map for a direction of the world.
 
 use glam::DVec3;
 

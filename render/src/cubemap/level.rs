@@ -1,4 +1,4 @@
-//! One level of a cube map: its texels, and what a lookup reads.
+//! One level of a cube map: its texels and lookups.
 
 use glam::{DVec3, Vec3};
 

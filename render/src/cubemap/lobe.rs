@@ -1,14 +1,14 @@
-//! What a level of a prefiltered cube map is filtered by, and which level a shader looks up.
+//! The lobes that filter the levels of a prefiltered cube map, and the level that a shader looks up.
 //!
 //! - `ggx`: the split sum's first half (Karis, "Real Shading in Unreal Engine 4", 2013) with normal, view and reflection the
 //!   same: light from an angle `θ` to the reflection counts `D(h) cos θ`, `h = θ/2`, with the distribution of Trowbridge and
 //!   Reitz, `D ∝ (α² cos² h + sin² h)⁻²`, and `α` the square of the roughness that artists set.
 //! - `phong`: `cosᵖ θ`.
 //!
-//! With `n` levels, the roughness of level `i` is `i/(n - 1)`, so that the level is `roughness (n - 1)`: so looks Bevy.
-//! Or it is the square of that, so that the level is `√roughness (n - 1)`: so does Godot, which has more levels for what is
-//! smooth. (three.js filters what it gets once more, for a layout of its own.) A power falls to a quarter from one level to
-//! the next, as the lobe's width doubles with the texels', and ends at 1: the level is `n - 1 - log₂(power)/2`. The first
+//! With `n` levels, the roughness of level `i` is `i/(n - 1)`, so that the level is `roughness (n - 1)`, as in Bevy. Or
+//! it is the square of that, so that the level is `√roughness (n - 1)`, as in Godot, which has more levels for smooth
+//! surfaces. (three.js filters its input again for its own layout.) A power falls to a quarter from one level to the
+//! next, as the lobe's width doubles with the texels', and ends at 1: the level is `n - 1 - log₂(power)/2`. The first
 //! level is not filtered.
 
 use crate::settings::named;

@@ -1,8 +1,8 @@
-//! How well seams are treated: what a lookup reads on both sides of every edge and corner, and how far it is from the truth.
+//! Measures the treatment of seams: the difference of lookups on both sides of every edge and corner, and their error.
 //!
-//! The filter is bilinear and knows one face alone. *Seam* is the greatest difference between the faces that meet at a point
-//! of an edge, *error* that between a lookup anywhere and the function that was stored, both relative to the mean. They are
-//! measured on a smooth function of the direction, for which every treatment has the same texels to work with.
+//! The filter is bilinear within one face. *Seam* is the greatest difference between the faces that meet at a point of
+//! an edge, *error* that between a lookup anywhere and the function that was stored, both relative to the mean. They
+//! are measured on a smooth function of the direction, so that all treatments start from the same function.
 
 use glam::{DVec3, Vec3};
 use serde::Serialize;

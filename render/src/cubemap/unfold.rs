@@ -10,10 +10,10 @@
 //! ```
 //!
 //! The first level's cross stands on the left. On its right stand those of all others, each below the one before, which
-//! together are as high. What is between them is black.
+//! together are as high. The area between them is black.
 //!
-//! To look at, there is a second picture, in which all crosses are equally large and stand side by side: there each pixel is
-//! what a bilinear filter that knows one face alone would show, so that seams can be seen.
+//! A second picture shows all crosses at equal size side by side, each pixel by a bilinear filter within one face, so
+//! that seams are visible.
 
 use glam::Vec3;
 

@@ -1,8 +1,8 @@
-//! Denoising of rendered pictures, guided by what their AOVs say of the surfaces.
+//! Denoising of rendered pictures, guided by AOVs of the surfaces.
 //!
-//! Two ways: [`Method::Nlm`], which is our own, and with the feature `oidn` `Method::Oidn`, by Intel's Open Image Denoise.
-//! They read a picture's channels by name and put the result into `R`, `G` and `B`; the noisy colours stay as `Noisy.R`, `G`
-//! and `B`, from which a picture can be denoised again.
+//! Two methods: the built-in [`Method::Nlm`], and with the feature `oidn` `Method::Oidn`, by Intel's Open Image
+//! Denoise. They read a picture's channels by name and put the result into `R`, `G` and `B`; the noisy colours stay as
+//! `Noisy.R`, `G` and `B`, from which a picture can be denoised again.
 
 mod channels;
 mod nlm;

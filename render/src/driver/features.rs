@@ -1,9 +1,9 @@
-//! What AOVs are of: the first surface along a camera ray, or what it shows.
+//! The surfaces of AOVs: the first surface along a camera ray, or those seen through it.
 //!
-//! A mirror or clear glass has no albedo or normal of its own worth a denoiser's while: what one sees there are the surfaces
-//! behind. So these are followed. At the first such surface both the reflection and the transmission are, and blended by how
-//! much light they carry (Fresnel); from then on the greater one alone. Nothing is random: a closure is asked what it does at
-//! fixed numbers, and where most of it is a delta function, its directions and weights are known exactly.
+//! The albedo and normal of a mirror or clear glass do not help a denoiser: the visible surfaces are those behind. So
+//! mirrors and clear glass are followed. At the first such surface both reflection and transmission are followed, and
+//! blended by their light (Fresnel); after that only the greater one. Nothing is random: a closure is sampled at fixed
+//! numbers, and where most of it is a delta function, its directions and weights are known exactly.
 //!
 //! Source: the manual of Intel's Open Image Denoise 2, "Albedos" and "Normals", which recommends just that.
 

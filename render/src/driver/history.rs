@@ -1,5 +1,4 @@
-//! What the light of a pixel's samples has been through: the paths that light path expressions are matched with,
-//! listed.
+//! Lists the light paths of a pixel's samples, as matched by light path expressions.
 
 use std::ops::Range;
 

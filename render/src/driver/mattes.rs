@@ -1,4 +1,4 @@
-//! The ids that Cryptomatte layers have of what camera rays hit.
+//! The Cryptomatte ids of the surfaces that camera rays hit.
 
 use crate::film::{NO_NAME, id};
 use crate::settings::MatteKind;

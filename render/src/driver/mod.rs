@@ -1,9 +1,9 @@
-//! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
+//! Runs an integrator over the tiles of a picture on all threads, and reports to a watcher.
 //!
-//! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
-//! are already, so that a render which is stopped leaves a picture without holes, unless nobody wants it. The first wave can be watched from
-//! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
-//! threads, on no shares and no interruption.
+//! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped unless the watcher
+//! gives up the picture, then as many as there are already, so that a stopped render leaves a picture without holes.
+//! The first wave can be watched from coarse to fine. The film's sums do not depend on the order of the samples, so the
+//! picture does not depend on tiles, waves, threads, shares or interruptions.
 
 mod features;
 mod frame;

@@ -1,7 +1,7 @@
-//! Motion vectors: how far what a pixel shows moves on the film from the opening of the shutter to its closing.
+//! Motion vectors: the movement of a pixel's visible point on the film from the opening of the shutter to its closing.
 //!
-//! The point of the surface that a ray hits is taken to both times, with its triangle and its instance, and seen by the camera
-//! of each. What lies beyond all surfaces is infinitely far away. In mirrors and behind glass it is the motion of these.
+//! The point of the surface that a ray hits is moved to both times, with its triangle and its instance, and projected
+//! by the camera of each. Rays that miss use a point at infinity. Mirrors and glass have their own motion.
 
 use glam::Vec2;
 use halfdome_kernel::Ray;

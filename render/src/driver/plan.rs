@@ -1,10 +1,10 @@
-//! Which samples of a picture are taken, and when they are enough.
+//! Decides which samples of a picture are taken, and when they are enough.
 //!
-//! A tile has had enough when it has all its samples, or when its own error, as its own samples tell, is small enough. So
-//! it does not matter who renders which tiles, or how often they were interrupted. That question is asked at the ends of
-//! waves alone: 1, 2, 4, 8, 16 samples and every multiple of 16. Whoever stops as soon as an estimate is small favours
-//! pixels that came out dark by chance; as a tile has a thousand pixels, and the question is not asked before
-//! [`MIN_SAMPLES`], that is small against the noise.
+//! A tile is finished when it has all its samples, or when its error, estimated from its own samples, is small enough.
+//! So the result does not depend on which process renders which tiles, or on interruptions. The test is made only at
+//! the ends of waves: at 1, 2, 4, 8, 16 samples and every multiple of 16. Stopping as soon as an estimate is small
+//! favours pixels that are dark by chance; as a tile has a thousand pixels, and there is no test before
+//! [`MIN_SAMPLES`], this bias is small against the noise.
 
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, FilmHeader, MatteLayer, Tile};

@@ -1,7 +1,7 @@
-//! A picture shared out among workers that have neither memory in common nor a clock, as those of a browser: each has some
-//! of the tiles, and goes on by a step whenever it is asked to, so that it can be told of other things in between.
+//! A picture shared among workers without common memory or a clock, such as a browser's: each has some of the tiles,
+//! and does one step per call, so that it can handle other messages in between.
 //!
-//! The picture is the one that [`render`](super::render()) gives, to the bit, for any number of workers.
+//! The picture equals that of [`render`](super::render()) to the bit, for any number of workers.
 
 use std::ops::Range;
 

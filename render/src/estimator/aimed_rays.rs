@@ -1,9 +1,9 @@
-//! Rays that points aim at lit triangles, besides those that they send over a hemisphere, for what these seldom find.
+//! Rays that sample secondary lights (lit triangles), besides the rays over a hemisphere, which rarely hit them.
 //!
-//! What both may find is weighted by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
-//! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and one
-//! of the aimed rays the rest. All that a lit triangle reflects counts, not light samples alone as in [`lit`](super::lit),
-//! as what is gathered is to have no noise.
+//! Both techniques are combined by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
+//! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and
+//! one of the aimed rays the rest. All light reflected by a lit triangle counts, not light samples alone as in
+//! [`lit`](super::lit), as gathers should have little noise.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

@@ -1,15 +1,14 @@
 //! Direct light by sampling one light (next-event estimation).
 //!
-//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` for this point (see
-//! [`light`](crate::light)) and then, on a triangle, by a point `y` of density `p` per area:
-//! `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle, which multiple importance sampling compares with that
-//! of the bounce, is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see
-//! [`light_warp`]). A sky that is as bright everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that
-//! is not by its brightness.
+//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` for this point
+//! (see [`light`](crate::light)) and then, on a triangle, by a point `y` of density `p` per area: `f L_e cos θ cos θ_y
+//! / (P p |y - x|²)`. The density per solid angle, which multiple importance sampling compares with that of the bounce,
+//! is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see [`light_warp`]). A
+//! constant sky is sampled by the cosine, with the density `P cos θ / π`, any other sky by its brightness.
 //!
-//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of [`seen_lights`](super::seen_lights),
-//! are all that integrators, sensors, bakes and probes have of it. Which part of the sky is for light samples, the caller
-//! knows ([`SkyPart`]).
+//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of
+//! [`seen_lights`](super::seen_lights), are the interface for integrators, sensors, bakes and probes. The caller
+//! chooses the part of the sky that light samples cover ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

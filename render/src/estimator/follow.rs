@@ -1,4 +1,4 @@
-//! Who follows rays on from what they hit: paths, or a coarser irradiance cache.
+//! Sources of radiance at the hits of gathers' rays: paths, or a coarser irradiance cache.
 
 use crate::world::Hit;
 use glam::Vec3;

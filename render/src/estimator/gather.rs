@@ -1,12 +1,11 @@
-//! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
+//! A gather: the light that a point receives, by a ray through each cell of its hemisphere.
 //!
-//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its sun, which is as
-//! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to
-//! find, by paths or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays
-//! travel in large batches.
+//! Direct light is excluded: a gather collects light *reflected by surfaces*, and the sky without its sun, which is as
+//! smooth and is not sampled elsewhere with a cache. Paths or a cache provide the radiance along the rays; this module
+//! makes rays and sums up their results. Many gathers run together, so that rays are traced in large batches.
 //!
-//! Lit triangles, which few cells would find, are [aimed at](super::aimed_rays) besides, and what is found there has
-//! gradients and second derivatives of its own.
+//! Lit triangles, which few cells would hit, are [sampled](super::aimed_rays) as secondary lights, and their light has
+//! its own gradients and second derivatives.
 
 use std::f32::consts::PI;
 

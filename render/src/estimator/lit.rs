@@ -1,10 +1,10 @@
-//! Aiming at lit triangles (see [`light`](crate::light)): light that a lamp sends to a point `y` of such a triangle,
-//! and that to the surface at `x`.
+//! Sampling of lit triangles as secondary lights (see [`light`](crate::light)): light from a lamp by way of a point `y`
+//! of such a triangle to the surface at `x`.
 //!
-//! What `y` reflects has two estimates. A path's bounce may arrive at `y`, or `x` chooses `y` as it would choose a point
-//! on a lamp, with the density `p` per solid angle, and another path goes from `x` to `y` and on. Both are weighted by
-//! their densities at `x` (Veach 1997). What `y` emits is left to the first, so that nothing is counted twice. Lit
-//! triangles themselves do not aim, as their bounces find each other: so paths do not multiply in a shade.
+//! Light reflected at `y` has two estimates. A bounce of a path may hit `y`, or `x` chooses `y` like a point on a lamp,
+//! with the density `p` per solid angle, and another path continues from `x` by way of `y`. Both are weighted by their
+//! densities at `x` (Veach 1997). Emission at `y` belongs to the first estimate, so that nothing is counted twice. Lit
+//! triangles do not sample other lit triangles, as their bounces hit each other: so paths do not multiply in a shade.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

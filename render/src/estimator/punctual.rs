@@ -6,8 +6,8 @@
 //! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
 //! with `4π L`.
 //!
-//! Rays meet those that have a size ([`seen`]), if they come from a mirror or a glossy surface. Shadow rays to all of them cross
-//! panes, and light that [glass](crate::world::Between) bends is looked for.
+//! Rays from mirrors and glossy surfaces hit the lights with a size ([`seen`]). Shadow rays to all of them cross panes,
+//! and light refracted by [glass](crate::world::Between) is found by manifold exploration.
 
 use std::f32::consts::{PI, TAU};
 

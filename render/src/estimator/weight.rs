@@ -1,4 +1,4 @@
-//! Light that two techniques can find counts once: the part of it that each may keep, by their densities.
+//! Multiple importance sampling weights: light that two techniques can find counts once, split by their densities.
 
 use halfdome_kernel::sampling::power;
 

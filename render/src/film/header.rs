@@ -1,4 +1,4 @@
-//! What all parts of one picture have in common, and how two pictures differ.
+//! The common header of all parts of one picture, and the differences between two pictures.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Parts of one picture, added up.
+//! Adds up the parts of one picture.
 
 use std::ops::Range;
 

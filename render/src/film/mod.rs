@@ -1,7 +1,7 @@
-//! The film: samples of pixel filters, sums of samples in any order, and the picture that they are.
+//! The film: samples of pixel filters, order-independent sums of samples, and the resulting picture.
 //!
-//! A film may have a part of a picture's tiles, or of their samples. Parts of one picture add up to the film of all, to
-//! the bit, whoever took them and when; as files they are checkpoints and what machines send home.
+//! A film may hold a part of a picture's tiles or samples. Parts of one picture add up to the whole film to the bit,
+//! whichever processes made them; as files they are checkpoints and shards.
 
 mod cryptomatte;
 mod file;

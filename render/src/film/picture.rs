@@ -1,8 +1,8 @@
 //! A finished picture: named channels of 32-bit floats, and what produced them.
 //!
-//! The time that a render took is the only thing in a picture that its scene and options do not decide. Where files
-//! must be the same from one run to the next, the environment variable `SOURCE_DATE_EPOCH` leaves it out, whatever its
-//! value: it is then stored as 0.
+//! The render time is the only content of a picture that does not follow from its scene and options. Where files must
+//! be the same from run to run, the environment variable `SOURCE_DATE_EPOCH` leaves it out, whatever its value: it is
+//! then stored as 0.
 //!
 //! Source: "SOURCE_DATE_EPOCH specification", version 1.1, of reproducible-builds.org.
 

@@ -1,4 +1,4 @@
-//! A film's channels: what its sums say of each pixel.
+//! A film's channels, computed from its sums.
 
 use super::tile::{FEATURE_NAMES, Tile};
 use super::{Channel, Film};

@@ -1,4 +1,4 @@
-//! Where a guide's cells are: six binary trees over space, one for each side that surfaces face.
+//! The cells of a guide: six binary trees over space, one for each side that surfaces face.
 
 use std::collections::VecDeque;
 

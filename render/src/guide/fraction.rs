@@ -1,4 +1,4 @@
-//! How many of a cell's bounces are guided.
+//! The fraction of a cell's bounces that are guided.
 //!
 //! The best density is proportional to what bounces find. The Kullback-Leibler divergence measures how far a density is
 //! from that: it is less, the greater the sum of `c log p` over bounces that found `c` (Müller 2019; estimates of the

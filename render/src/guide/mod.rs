@@ -9,10 +9,10 @@
 //! that found light; a cell has a [quadtree of directions](directions).
 //!
 //! Deviations from the paper: paths to learn from are traced before the picture, in rounds of fixed size, so that the
-//! picture does not depend on how its samples are split up. What is learned includes the cosine, as a cell's surfaces
-//! face one side. The [fraction](fraction) `a` is each cell's own, chosen by cross-validation: the one whose density
-//! has the least Kullback-Leibler divergence from what bounces find; 0 where guiding does not help. It applies to the
-//! diffuse part of a closure alone, so that mirrors and gloss keep their own samples.
+//! picture does not depend on how its samples are split up. The learned distribution includes the cosine, as a cell's
+//! surfaces face one side. The [fraction](fraction) `a` is each cell's own, chosen by cross-validation: the one whose
+//! density has the least Kullback-Leibler divergence from what bounces find; 0 where guiding does not help. It applies
+//! to the diffuse part of a closure alone, so that mirrors and gloss keep their own samples.
 
 mod cells;
 mod directions;

@@ -1,4 +1,4 @@
-//! Light that paths find by themselves, weighted against the light samples that might have found it too.
+//! Emission that bounces of paths hit, weighted against light samples.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

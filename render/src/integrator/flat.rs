@@ -1,4 +1,4 @@
-//! Pictures for looking at what is there, without light: colours, shading normals, albedo.
+//! Pictures of surfaces without lighting: colours, shading normals, albedo.
 
 use glam::Vec3;
 

@@ -1,9 +1,9 @@
-//! Light paths of a world, and which AOVs their light goes to.
+//! Light paths of a world, and their assignment to AOVs.
 //!
 //! A path carries the state of an [`Automaton`] for each colour channel. Where a closure has several lobes for one
-//! direction, light samples are split among them. A path can go on by one lobe alone; for each channel that is chosen
-//! by the lobe's part of the closure in that channel. So each lobe gets what it scatters, in expectation, and the lobes
-//! of a path sum to it exactly.
+//! direction, light samples are split among them. A path continues by one lobe; for each channel the lobe is chosen in
+//! proportion to its part of the closure in that channel. So in expectation each lobe gets the light that it scatters,
+//! and the lobes of a path sum to it exactly.
 
 use glam::Vec3;
 

@@ -1,8 +1,8 @@
-//! The solids that a path is in, and what they leave of its light: `exp(-σ d)` (Beer-Lambert).
+//! The solids that a path is in, and their transmittance `exp(-σ d)` (Beer-Lambert).
 //!
-//! A path enters a solid where it passes through the front of its surface, and leaves it through the back. The solid entered
-//! last absorbs: so what stands in tinted glass is seen through glass, and wine may overlap its cup. A path that begins in a
-//! solid knows of that only from the back that it meets. Refraction is between a solid and air, whatever else is there.
+//! A path enters a solid where it passes through the front of its surface, and leaves it through the back. The solid
+//! entered last absorbs: so objects in tinted glass are seen through the glass, and wine may overlap its cup. A path
+//! that begins in a solid is only known to be inside when it hits a back. Refraction is always between a solid and air.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

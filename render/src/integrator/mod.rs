@@ -1,4 +1,4 @@
-//! Integrators: what a camera ray is worth.
+//! Integrators: the radiance of camera rays.
 //!
 //! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
 //! what it needs further in batches.

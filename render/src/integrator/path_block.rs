@@ -1,14 +1,14 @@
-//! A path-state block: what a few paths need to know of their surfaces, in columns, so that plain loops over them,
-//! compiled for each instruction set, do as many at once as its registers hold.
+//! A path-state block: the surface data of a few paths in columns, so that plain loops over them are vectorised for
+//! each instruction set.
 //!
-//! Whatever is looked up, paths, rays, triangles, materials and lights, lies in records of eight words, which are
-//! turned into columns eight at a time; and so are shadow rays and next rays turned into records again. A loop here
-//! calls the functions that a single path would call, on surfaces put together from the columns; what they do is
-//! inlined and has no branch. So results are equal bit for bit to those of one path at a time, on every instruction
-//! set. All lanes are computed, those behind the last path for nothing.
+//! All looked-up data (paths, rays, triangles, materials and lights) is in records of eight words, which are transposed
+//! into columns eight at a time; shadow rays and next rays are transposed back into records. A loop here calls the
+//! functions of a single path on surfaces assembled from the columns; these are inlined and have no branch. So results
+//! equal those of one path at a time bit for bit, on every instruction set. All lanes are computed, even those after
+//! the last path.
 //!
-//! What is not the same for all, as textures and emission, is *general*: a block says which paths need it, and
-//! the integrator shades these one by one (the slow path), and tells the block.
+//! Surfaces with textures, emission and the like are *general*: a block marks the paths that hit them, and the
+//! integrator shades these one by one (the slow path) and passes the results to the block.
 
 mod bounce;
 mod closures;

@@ -1,7 +1,6 @@
-//! All light paths of a few samples, as a tree: a path's state is its node, and the way there is what happened to it.
+//! All light paths of a few samples, as a tree: a path's state is its node, and the nodes above it are its events.
 //!
-//! It takes the place of the automaton of light path expressions, of which it is the limit of infinitely many: no two
-//! paths that differ come to the same state.
+//! It replaces the automaton of light path expressions, with a state of its own for each different path.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,4 @@
-//! What a path is on its way from one surface to the next, and what decides how it goes on.
+//! The state of a path between two surfaces, and the decision whether it continues.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};

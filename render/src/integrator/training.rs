@@ -1,8 +1,8 @@
-//! Paths that a [guide](crate::guide) learns from: rounds of them, each twice as many as before and guided by what the
-//! round before has learned. The last round's guide is learned from the last two, three quarters of all paths.
+//! Training paths of a [guide](crate::guide), in rounds: each has twice as many as the one before, and is guided by its
+//! result. The last round's guide is learned from the last two, three quarters of all paths.
 //!
-//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares. They cannot be stopped, for
-//! a picture that began without its guide would be another one.
+//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares. They cannot be
+//! stopped, as a picture without its guide would differ.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

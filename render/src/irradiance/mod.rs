@@ -1,16 +1,16 @@
 //! Irradiance at given points, as sensors in a room would measure it.
 //!
-//! A sensor is a small white surface. Direct light is sampled `spp` times at each, and with it the sun of a sky's picture;
-//! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp`
-//! paths at each.
+//! A sensor is a small white surface. Direct light, with the sun of a sky picture, is sampled `spp` times at each;
+//! light reflected by surfaces, and the rest of the sky, comes from an irradiance cache that is filled for the sensors,
+//! or from `spp` paths at each.
 //!
-//! Lit triangles are aimed at besides, as gathers of records do.
+//! Lit triangles are sampled as secondary lights, as in gathers of records.
 //!
-//! If the cache asks for an accuracy, direct light is sampled in rounds until it is known well enough, and the error of all is
-//! estimated.
+//! If the cache asks for an accuracy, direct light is sampled in rounds until its error is small enough, and the total
+//! error is estimated.
 //!
-//! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
-//! camera; both are weighted by the power heuristic (Veach 1997).
+//! Area lights are sampled. A scattered ray counts their emission too where it begins a path, and near lights, as in
+//! lookups of the camera; both are weighted by the power heuristic (Veach 1997).
 
 mod part;
 mod points;

@@ -1,7 +1,7 @@
-//! Sensors' irradiance that several processes have found: each writes the lines of its shard, and these are put together.
+//! Sensors' irradiance from several processes: each writes the lines of its shard, and these are joined.
 //!
-//! The file is text: a line that says what it is, then the lines of the sensors. Numbers are written so that they are read again
-//! as they were, and lines are kept as they are, so all parts give the bytes of a single run.
+//! The file is text: a header line, then the lines of the sensors. Numbers are written so that they are read back
+//! exactly, and lines are copied unchanged, so the parts give the bytes of a single run.
 
 use std::fmt::Write as _;
 

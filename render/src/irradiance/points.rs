@@ -1,5 +1,5 @@
 //! Sensors as text: `x y z nx ny nz` on a line, as Radiance's `rtrace -I` takes them. Blank lines and lines that begin
-//! with `#` are passed over and have no line in the output.
+//! with `#` are skipped and have no line in the output.
 
 use std::io::{BufRead, Read as _};
 

@@ -1,7 +1,7 @@
-//! How a light is chosen for a receiver: first a kind of light, then one of that kind, by one number, in proportion to what
-//! each may send there ([`Weights`]).
+//! Chooses a light for a receiver: first a kind of light, then one of that kind, by one random number, in proportion to
+//! estimated contributions ([`Weights`]).
 //!
-//! Where many receivers choose, all go one step after the other: a step down a tree waits for the one before, but not for
+//! Many receivers descend a tree step by step together, as a step depends on the receiver's previous one, but not on
 //! those of others.
 
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;

@@ -1,5 +1,5 @@
-//! Scenes with a few triangles for lights and nothing else, as rooms with one lamp: no tree is walked, and the weights of many
-//! receivers are computed in lanes, which is quicker than the lights of one.
+//! Scenes with only a few emissive triangles as lights, such as rooms with one lamp: no tree is traversed, and the
+//! weights of many receivers are computed in lanes, which is faster than the weights of many lights for one receiver.
 
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 

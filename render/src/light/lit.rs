@@ -1,10 +1,9 @@
-//! Lit triangles: small ones that a lamp close by lights fiercely, so that they light the room as lamps do. The inside
-//! of a lamp's shade is made of such triangles. Bounces seldom hit them, and each time one does is a bright dot in the
-//! picture.
+//! Secondary lights (lit triangles): small triangles that a nearby lamp lights so strongly that they light the room
+//! themselves, such as the inside of a lampshade. Bounces rarely hit them, and each hit is a firefly in the picture.
 //!
-//! So paths aim at them (see [`estimator`](crate::estimator)): a triangle is chosen by what it may send to a receiver,
-//! by a light tree of their own. How often that is worth a ray, the irradiance by all of them says, compared with
-//! what a surface of this scene receives on average.
+//! So they are sampled as lights (see [`estimator`](crate::estimator)): a light tree of their own chooses a triangle by
+//! its estimated contribution to a receiver. The probability of such a ray follows from their total irradiance,
+//! relative to the mean irradiance of the scene's surfaces.
 
 use glam::{Vec2Swizzles, Vec3};
 

@@ -1,10 +1,9 @@
-//! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen by what each can
-//! send to a point.
+//! All lights that can be sampled: emissive triangles, delta lights and the sky, chosen by their estimated contribution
+//! to a point.
 //!
-//! Triangles are in one light tree, points and spots in another (see [`tree`]). What shines from infinitely far away
-//! has no place in a tree: of directional lights the irradiance at the receiver is known, of the sky there is an
-//! estimate by its normal (see [`distant`]). All these weights are irradiances, and a light's probability is its part
-//! of their sum.
+//! Triangles are in one light tree, points and spots in another (see [`tree`]). Lights at infinity are not in a tree:
+//! of directional lights the irradiance at the receiver is known, of the sky there is an estimate by its normal (see
+//! [`distant`]). All these weights are irradiances, and a light's probability is its part of their sum.
 
 mod ambient;
 mod choice;

@@ -1,4 +1,4 @@
-//! The point that light is chosen for.
+//! The receiver: a point for which a light is chosen.
 
 use glam::Vec3;
 

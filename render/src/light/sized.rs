@@ -1,8 +1,8 @@
-//! Lights of a size as rays meet them: the spheres of points and spots, and suns with an angle.
+//! Punctual lights with a size, for rays that hit them: the spheres of points and spots, and suns with an angle.
 //!
-//! They have no triangles, stop no ray, and do not show to the camera itself. Many spheres lie in a tree of the kernel's; a
-//! few are tested one by one. Those of lights that move have room for the whole of their way, so that whoever meets one has to
-//! ask where the light is.
+//! They have no triangles, do not block rays, and are invisible to the camera itself. Many spheres are in a tree of the
+//! kernel; a few are tested one by one. Spheres of moving lights enclose their whole motion, so a hit must be tested
+//! against the light's actual position.
 
 use halfdome_kernel::geometry::Sphere;
 use halfdome_kernel::{BuildOptions, Ray, RoundBvh};

@@ -2,10 +2,10 @@
 //!
 //! A constant sky is sampled by the cosine, a picture, whose [texels](texels) are interpolated, by its brightness (see [`Peaks`]).
 //!
-//! Whoever sends rays that follow the cosine anyway finds the sky by these, and a picture's sun by chance, or not at all.
-//! So what light samples are to find of it depends on who else looks (see [`SkyPart`]): MIS compensation (Karlík et al.
-//! 2019) leaves to bounces what they find well enough, and gathers see a picture without its *sun*, that by which texels
-//! are brighter than a few times the rest, which is sampled as a lamp is.
+//! Cosine-distributed rays find the sky well, but a picture's sun only by chance. So the part of the sky that light
+//! samples cover depends on the other techniques (see [`SkyPart`]): MIS compensation (Karlík et al. 2019) leaves to
+//! bounces the part that they find well, and gathers see a picture without its *sun*, the part of texels above a few
+//! times the mean, which is sampled like a lamp.
 
 mod peaks;
 mod texels;

@@ -2,7 +2,7 @@
 //!
 //! Expressions become one nondeterministic automaton by Thompson's construction, and the sets of its places that a path
 //! may be in the states of a deterministic one. Its alphabet are the events that can happen in a scene; labels that no
-//! expression names are all the same to it, so it is small whatever the scene.
+//! expression names are equivalent, so it is small for every scene.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The closure that inputs need, whichever it is.
+//! The closure for a material's inputs: an enum of all kinds.
 
 use glam::{Vec2, Vec3};
 

@@ -5,11 +5,11 @@
 //!
 //! `f = |wo·h| |wi·h| / (|wo_z| |wi_z|) n_i² (1 - F) G₂ D / d`.
 //!
-//! A microfacet is drawn first, and whether it reflects then with the probability of its own `F`: inside, some reflect all and others
-//! next to nothing.
+//! A microfacet is sampled first, then reflection with the probability of its own `F`: inside, some microfacets reflect
+//! everything and others next to nothing.
 //!
-//! A thin wall's two faces reflect `2F/(1 + F)`, all passages between them summed; what is left goes straight on, spread
-//! as the reflection is.
+//! A thin wall's two faces reflect `2F/(1 + F)`, all inner reflections summed; the rest is transmitted straight on,
+//! spread like the reflection.
 //!
 //! Light that microfacets scatter out of these lobes is in separable lobes on both sides (after Kulla and Conty 2017): with
 //! `K` what is lost at an angle, `K̄` its mean on a side, and `T` the mean transmittance from outside, light that is lost

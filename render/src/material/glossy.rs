@@ -1,17 +1,17 @@
 //! Metal, and a dielectric's reflection over diffuse reflection and transmission.
 //!
-//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both reflectances.
-//! Light that a metal's microfacets reflect to each other makes its lobe brighter by the [gain](energy::gain) of both
-//! directions, as far as the colour leaves it (Kulla and Conty 2017). Diffuse light gets what the dielectric leaves: with
-//! `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
+//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both
+//! reflectances. Multiple scattering between a metal's microfacets makes its lobe brighter by the [gain](energy::gain)
+//! of both directions, tinted by the colour (Kulla and Conty 2017). Diffuse reflection gets the light that the
+//! dielectric transmits: with `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
 //!
 //! `f = f_diffuse t(μ_o) t(μ_i) / t̄`,
 //!
-//! which is reciprocal and leaves nothing of a white furnace.
+//! which is reciprocal and passes a white furnace test.
 //!
-//! Deviations: what a dielectric's microfacets reflect to each other goes to the diffuse light below, as it is too little
-//! to be seen. Albedos of anisotropic microfacets are tabled as those of isotropic ones: right at normal incidence and
-//! halfway between the axes, and else off by some percent at grazing angles where anisotropy is strong.
+//! Deviations: multiple scattering between a dielectric's microfacets is added to the diffuse light below, as it is too
+//! little to be visible. Albedos of anisotropic microfacets are tabled as those of isotropic ones: exact at normal
+//! incidence and halfway between the axes, and otherwise off by a few percent at grazing angles with strong anisotropy.
 
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,13 +1,13 @@
 //! Fuzz over a clear coat over the rest.
 //!
-//! With `t(μ)` 1 less the albedo of what covers a lobe, a wide lobe below has the factor `t(μ_o) t(μ_i) / t̄`, as under a
-//! dielectric's own reflection, and a lobe about one direction `min(t(μ_o), t(μ_i))`, which is exact for a mirror. What the
-//! latter loses where a lobe is rough is scattered by a separable lobe. A coat's colour is absorbed along its slanted path,
-//! `color^(1/(2 cos θ_coat))` on the way in and on the way out.
+//! With `t(μ)` 1 less the albedo of what covers a lobe, a wide lobe below has the factor `t(μ_o) t(μ_i) / t̄`, as under
+//! a dielectric's own reflection, and a lobe about one direction `min(t(μ_o), t(μ_i))`, which is exact for a mirror.
+//! The energy that a rough lobe loses this way is scattered by a separable lobe. A coat's colour is absorbed along its
+//! slanted path, `color^(1/(2 cos θ_coat))` on the way in and on the way out.
 //!
-//! Seen from inside, glass has its coat and fuzz on the other side: they dim what goes through.
+//! Seen from inside, glass has its coat and fuzz on the other side: they attenuate transmitted light.
 //!
-//! A coat may have a normal of its own: then its lobe, and what it leaves for the base, go by angles about that.
+//! A coat may have a normal of its own: then its lobe, and its transmittance to the base, use angles about that normal.
 //!
 //! Deviation: light that a coat reflects back into glass is lost.
 

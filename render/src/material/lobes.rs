@@ -1,5 +1,5 @@
-//! How closures of several lobes sample: one lobe is chosen by the energy it is expected to scatter at this angle, and the
-//! direction that it gives is weighed with all lobes and their densities. Delta functions stay by themselves.
+//! Sampling of closures with several lobes: one lobe is chosen by its expected energy at this angle, and its direction
+//! is weighted with all lobes and their densities. Delta functions are kept separate.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;

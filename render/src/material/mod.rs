@@ -1,9 +1,9 @@
 //! Scattering of light at a surface point: the closures (BSDFs) of materials.
 //!
 //! A material's inputs at a point, after textures, are [`Inputs`]. A [`Closure`] is made from them for one path and one
-//! bounce, and answers what integrators ask: [`eval`](Bsdf::eval), how much light is scattered from one direction to
-//! another, and how densely is it sampled? [`sample`](Bsdf::sample), where does a path go on, and with what weight?
-//! [`albedo`](Bsdf::albedo), how much is scattered in all? There is no scene, no texture and no ray in this module.
+//! bounce, with three functions for integrators: [`eval`](Bsdf::eval) gives the value and the density for two
+//! directions, [`sample`](Bsdf::sample) a next direction with its weight, and [`albedo`](Bsdf::albedo) the total
+//! reflectance. There is no scene, no texture and no ray in this module.
 //!
 //! Directions are unit vectors in the shading frame and point away from the surface: z is the shading normal on the side
 //! of `wo` (so `wo.z > 0`), x the tangent along which anisotropic highlights are shortest or longest, and y completes
@@ -25,17 +25,17 @@
 //!
 //! # Basic radiance
 //!
-//! What paths carry is basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which
-//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are equal in air,
-//! and basic radiance needs no rescaling at interfaces; a camera inside of glass shows `L/n²`. Weights are then the
-//! same for radiance and importance. With `n` the refractive index on the side of each direction,
+//! Paths carry basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which grows
+//! by the square of the refractive index on the way in and shrinks by it on the way out. Both are equal in air, and
+//! basic radiance needs no rescaling at interfaces; a camera inside of glass shows `L/n²`. Weights are then the same
+//! for radiance and importance. With `n` the refractive index on the side of each direction,
 //!
 //! `f(wo, wi) / n(wi)² = f(wi, wo) / n(wo)²`.
 //!
 //! # Deviations
 //!
-//! Layers do not widen what lies below them, and a coat does not darken its base by reflecting light back to it.
-//! Scattering between microfacets keeps no direction: it is a separable lobe (Kulla and Conty 2017).
+//! Layers do not widen the lobes below them, and a coat does not darken its base by reflecting light back to it.
+//! Multiple scattering between microfacets is a separable lobe (Kulla and Conty 2017).
 
 use glam::{Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! Glass, mixed with what else a surface is made of: see [`Glass`] and [`Glossy`].
+//! Glass mixed with other reflection: see [`Glass`] and [`Glossy`].
 
 use glam::{Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! What is wrong with a picture's file, and what would be right.
+//! Errors of picture files, with remedies.
 
 use std::fmt;
 use std::io;

@@ -1,7 +1,7 @@
-//! Writing a file so that nothing is ever half written, and knowing beforehand that it will work.
+//! Atomic writing of files, and a check beforehand that it will succeed.
 //!
-//! The bytes go to a temporary file in the same folder, which then takes the file's name in one step (`rename`). Who
-//! looks at the file sees the old picture or the new one; a failure leaves the old one and no trace of the new.
+//! The bytes go to a temporary file in the same folder, which then takes the file's name in one step (`rename`).
+//! Readers see the old picture or the new one; a failure leaves the old one and no temporary file.
 
 use std::fs;
 use std::io::{self, Write as _};

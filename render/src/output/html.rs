@@ -1,4 +1,4 @@
-//! Reports for people: one HTML file that needs no other, with its style inside and pictures as data URIs.
+//! HTML reports in a single file, with embedded style and pictures as data URIs.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): what Bevy wants of lightmaps, cube maps and irradiance volumes.
+//! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): Bevy's format for lightmaps, cube maps and irradiance
+//! volumes.
 //!
 //! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and the
 //! texels, smallest level first; nothing is compressed. A level holds its layers or faces (+X, -X, +Y, -Y, +Z, -Z) one after

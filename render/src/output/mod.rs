@@ -1,6 +1,6 @@
-//! Pictures as files: OpenEXR for numbers, PNG for looking at, and for lightmaps what engines read.
+//! Pictures as files: OpenEXR, PNG, and the lightmap formats of engines.
 //!
-//! A picture is encoded in memory first and then put in its place in one step, so that a file on disk is always whole.
+//! A picture is encoded in memory first and then written atomically, so that a file on disk is always complete.
 //!
 //! An OpenEXR file also holds the metadata, by pbrt's and the standard's names: `samplesPerPixel` (int),
 //! `renderTimeSeconds` (float; 0 if the environment variable `SOURCE_DATE_EPOCH` is set, so that equal renders give

@@ -1,9 +1,9 @@
-//! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
+//! The light at a probe: harmonics of radiance, and irradiance along the axes.
 //!
-//! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to
-//! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a
-//! [`Quadrature`] that is turned at random, so that noise has no pattern from probe to probe, and light without fine
-//! detail has none at all. The sensors aim at lit triangles besides.
+//! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to back,
+//! whose cosines are divided out. All other light, the rest of the sky included, is found by paths along the directions
+//! of a randomly rotated [`Quadrature`], so that noise has no pattern from probe to probe, and light without fine
+//! detail has no noise. The sensors sample lit triangles as secondary lights too.
 
 use std::f32::consts::PI;
 use std::slice;

@@ -1,4 +1,4 @@
-//! Light probes: what arrives from all directions at points in space, on a grid or wherever they are listed.
+//! Light probes: incident light from all directions at points in space, on a grid or in a list.
 
 mod gather;
 mod grid;

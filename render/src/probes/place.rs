@@ -1,9 +1,9 @@
-//! Where probes may be: not inside of walls and other bodies, whose backs they would see.
+//! Valid positions of probes: outside of walls and other bodies.
 //!
-//! A probe more than a quarter of whose directions end on the back of a surface is covered. (Surfaces that are meant to be
-//! seen from both sides have no back, and glass is no body.) On a grid it is moved to the nearest free point of its own cell.
-//! If there is none it is *filled*: it gets the mean of its neighbours that are free or were filled before, by the inverse
-//! square of their distance, from the nearest to ever farther. So what a covered point sees never mixes in.
+//! A probe more than a quarter of whose directions end on the back of a surface is covered. (Surfaces that are meant to
+//! be seen from both sides have no back, and glass is no body.) On a grid it is moved to the nearest free point of its
+//! own cell. If there is none it is *filled*: it gets the mean of its neighbours that are free or already filled,
+//! weighted by the inverse square of their distance, nearest first. So light at covered points is never used.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

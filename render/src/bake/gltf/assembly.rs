@@ -1,4 +1,4 @@
-//! The parts of a file put together: its JSON, old and new binary data, and what else a container holds.
+//! Assembles a file: its JSON, old and new binary data, and other chunks of a container.
 
 use std::collections::BTreeMap;
 

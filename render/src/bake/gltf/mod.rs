@@ -1,4 +1,4 @@
-//! Lightmaps put into the glTF file that they were baked for.
+//! Adds lightmaps to the glTF file that they were baked for.
 //!
 //! The file's JSON is changed as text (`text.rs`) and its binary data grow at the end, so that materials, names, extras
 //! and extensions that are unknown here survive byte for byte. What changes:

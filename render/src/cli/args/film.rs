@@ -1,4 +1,4 @@
-//! Arguments of long renders: when they end, how they survive, and how machines share them.
+//! Arguments of long renders: noise targets, checkpoints and shards.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

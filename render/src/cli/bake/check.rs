@@ -1,4 +1,4 @@
-//! `halfdome bake --check-uv`: what is right and wrong with lightmap coordinates.
+//! `halfdome bake --check-uv`: a check of lightmap coordinates.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! The files of a bake: the model, its maps, a manifest and a report. Each is put in its place in one step, the manifest
-//! last, so that a manifest only ever tells of files that are there.
+//! The files of a bake: the model, its maps, a manifest and a report. Each is replaced atomically, the manifest last,
+//! so that a manifest only names files that exist.
 
 mod pages;
 

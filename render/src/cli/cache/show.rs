@@ -1,4 +1,4 @@
-//! `halfdome cache show`: where records are and how far they reach.
+//! `halfdome cache show`: draws the positions and radii of records.
 
 use std::f32::consts::TAU;
 use std::fmt::Write as _;

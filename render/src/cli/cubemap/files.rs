@@ -1,4 +1,4 @@
-//! The files of a cube map, each put in its place in one step, the manifest last.
+//! The files of a cube map, each replaced atomically, the manifest last.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! How far a command is at a moment, as a line of JSON and as the text beside a bar.
+//! The progress of a command at a moment, as a line of JSON and as the text beside a bar.
 
 use std::time::Duration;
 

@@ -1,16 +1,16 @@
-//! Denoising without other software: weighted first-order regression on features, cross-filtered, and never worse than
-//! the noisy picture as far as its two halves can tell.
+//! The built-in denoiser: weighted first-order regression on features, cross-filtered, and not worse than the noisy
+//! picture by the estimate from its two halves.
 //!
-//! A picture comes as the means of two halves of its samples. Each half is regressed on the features ([`regression`]) with
-//! weights that come from the other half ([`weights`]), so that noise does not choose its own neighbours. That is done for two
-//! strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and blends by that, and
-//! [`restore`](mod@restore) gives back the light that is lost over larger areas.
+//! A picture comes as the means of two halves of its samples. Each half is regressed on the features ([`regression`])
+//! with weights that come from the other half ([`weights`]), so that weights are independent of the noise. This is done
+//! for two strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and
+//! blends by them, and [`restore`](mod@restore) restores the mean over larger areas.
 //!
 //! Sources: Rousselle, Manzi and Zwicker, "Robust Denoising using Feature and Color Information", 2013; Bitterli et al.,
 //! "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", 2016.
 //!
-//! Deviations: features are taken as they are, for samples share them with the colours and most have no noise; the noisy
-//! picture is a third result to choose from; the result is not filtered once more.
+//! Deviations: features are not prefiltered, as most have no noise; the noisy picture is a third candidate; the result
+//! is not filtered again.
 
 mod plane;
 mod regression;

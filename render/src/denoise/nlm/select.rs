@@ -1,14 +1,14 @@
-//! Which result is best where, the noisy picture among them, and a blend of these.
+//! Selects the best result for each pixel, the noisy picture among them, and blends them.
 //!
-//! A result comes as two halves `F_A` and `F_B`, which were made of the noisy halves `A` and `B`. As `B` knows nothing of the
-//! noise of `A`, the squared error of `F_A` is about `(F_A - B)²` less the variance of `B`, and that of the mean of both halves
-//! is less by the variance that averaging takes away:
+//! A result comes as two halves `F_A` and `F_B`, which were made of the noisy halves `A` and `B`. As the noise of `B`
+//! is independent of that of `A`, the squared error of `F_A` is about `(F_A - B)²` less the variance of `B`, and the
+//! error of the mean of both halves is less by the variance that averaging removes:
 //!
 //! `e = ½ ((F_A - B)² + (F_B - A)²) - ½ (A - B)² - ¼ (F_A - F_B)²`.
 //!
-//! For the noisy picture itself that is `¼ (A - B)²`. A single pixel's estimate is noise; its mean over many is not. Errors
-//! are relative to brightness, and their means are over pixels that are about as bright: a lamp says nothing of the wall
-//! behind it.
+//! For the noisy picture itself that is `¼ (A - B)²`. A single pixel's estimate is mostly noise; its mean over many
+//! pixels is not. Errors are relative to brightness, and means are over pixels of similar brightness, so that a lamp
+//! does not affect the wall behind it.
 //!
 //! Source: Bitterli et al. 2016, section 5; they average errors by weights of non-local means.
 

@@ -1,8 +1,8 @@
-//! What is true at some of the points that a cache is filled for, as gathers of their own tell, which no record knows of.
+//! Reference irradiance at points held out from a cache, by gathers that no record uses.
 //!
-//! Two independent gathers at a point, by paths, have irradiance `a` and `b`, each without bias. Of a cache that says `x`,
-//! `(x - a)(x - b)` is expected to be the square of its error, whatever noise the two have, and its mean over all points is
-//! the mean squared error: noise of records, interpolation, and what their source has wrong.
+//! Two independent gathers at a point, by paths, have irradiance `a` and `b`, each without bias. For a cache's value
+//! `x`, the expectation of `(x - a)(x - b)` is the square of its error, whatever the noise of both, and its mean over
+//! all points is the mean squared error, with noise of records, interpolation and bias of their source.
 //!
 //! Their mean, with direct light, is also what errors are relative to.
 

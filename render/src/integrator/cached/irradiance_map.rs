@@ -1,7 +1,7 @@
 //! Radiance along a gather's rays from irradiance that is known where they end, as by the texels of a lightmap: `L = ρ/π E`.
 //!
-//! Nothing but the choice of the rays is left to chance then, so that a gather has a fraction of the noise, and of the rays,
-//! of one that follows paths. Where nothing is known, as on backs and behind mirrors and glass, a path finds the light.
+//! Then only the directions of the rays are random, so that a gather needs a fraction of the rays of one that follows
+//! paths. Where the map has no value, as on backs and behind mirrors and glass, a path finds the light.
 
 use std::f32::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Fills one cache: gathers where it asks for records, with whatever finds the light beyond.
+//! Fills one cache: gathers at the places of its records, with a given source of radiance at hits.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,13 +1,13 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
-//! Of a surface that is not matte, records tell what its diffuse albedo reflects. For the rest of its closure a ray goes on as
-//! the closure scatters, and what records know is taken off its weight; of a glossy surface its lobe is left, as if the
-//! diffuse light below were Lambert's (deviation: of uneven light that is off by what the reflection takes from grazing
-//! light). From where such a ray arrives one ray at most goes on: where no record is valid it stands for all that the surface
-//! scatters, as in path tracing, and roulette ends it.
+//! On a surface that is not matte, records give the light reflected by its diffuse albedo. For the rest of its closure
+//! a ray is sampled from the closure, and its weight is reduced by the part that records cover; for a glossy surface
+//! the lobe remains, as if the diffuse light below were Lambert's (deviation: under uneven light this is off by the
+//! part that the reflection takes from grazing light). At the hit of such a ray at most one further ray is traced:
+//! where no record is valid it stands for all scattering, as in path tracing, with Russian roulette.
 //!
-//! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
-//! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
+//! Area lights are sampled. Near them the contribution of a light sample is unbounded, as it falls with the square of
+//! the distance; there a ray sampled from the closure counts emission too, and both are weighted (Veach 1997).
 
 use std::f32::consts::PI;
 

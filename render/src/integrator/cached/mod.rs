@@ -1,13 +1,13 @@
-//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: a *prefill* fills the cache, and
-//! then it is frozen and the picture taken from it,
+//! Global illumination from an irradiance cache, in two passes: a *prefill* fills the cache, then it is frozen and the
+//! picture is computed from it,
 //!
 //! `L = L_e + ρ/π (E_direct + E_indirect)`,
 //!
 //! with one sample of direct light at every point and indirect light from the records around. Mirrors and glass are
 //! followed to the first surface that scatters light.
 //!
-//! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
-//! back on a path, which is as right and only noisier. How often that happens is counted.
+//! A point without a valid record does not create one, as the picture would then depend on the order of its points: it
+//! falls back on a path, which is unbiased but noisier. These fallbacks are counted.
 
 mod clearance;
 mod held_out;

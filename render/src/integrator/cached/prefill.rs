@@ -1,11 +1,12 @@
-//! The prefill: fills a cache for what a camera sees, coarse to fine, or for given points.
+//! The prefill: fills a cache for the surfaces that a camera sees, coarse to fine, or for given points.
 //!
-//! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and what the gathers'
-//! rays hit asks it for indirect light, of which paths bring most of the noise. A few points gather from paths themselves.
+//! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and the hits of
+//! the gathers' rays look up indirect light in it, as paths would add most of the noise. Few points gather from paths
+//! directly.
 //!
-//! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first, as Driscoll hopes
-//! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
-//! deeper cache is needed where the gathers' rays end, so its sites are found by rays from the sites above.
+//! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first: the cache of one
+//! reflection gathers direct light alone, each other one direct light and the cache before it. A deeper cache is needed
+//! where the gathers' rays end, so its sites are found by rays from the sites above.
 
 use rayon::prelude::*;
 

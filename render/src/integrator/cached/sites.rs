@@ -1,4 +1,4 @@
-//! Where records may go: what a camera sees, points that somebody asks for, and where the rays of their gathers end.
+//! Candidate positions of records: camera hits, given points, and the hits of their gathers' rays.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

@@ -1,11 +1,11 @@
-//! Fills a cache so that its irradiance has the error that was asked for.
+//! Fills a cache so that its irradiance has the requested error.
 //!
-//! An error has two parts. Noise is left to records: each is gathered with as many rays as its own standard error asks for.
-//! How far records may reach is tried out: a cache of few records is filled, and points that were held out tell its error
-//! ([`HeldOut`]); while that is too much, the next cache has records that reach less far. As radii are proportional to one
-//! number, the records of the caches before serve again where their points are picked again.
+//! An error has two parts. Noise is controlled per record: each is gathered with as many rays as its own standard error
+//! requires. Radii are found by trial: a cache of few records is filled, and held-out points estimate its error
+//! ([`HeldOut`]); while that is too large, the next cache has smaller radii. As radii are proportional to one number,
+//! records of earlier caches are reused where their points are picked again.
 //!
-//! What a cache has wrong at single points, which no held-out point is near, stays unseen.
+//! Errors at single points, away from all held-out points, are not detected.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,4 +1,5 @@
-//! What solids absorb of paths' light (see [`media`](crate::integrator::media)); nothing of it happens where none does.
+//! Absorption of paths' light in solids (see [`media`](crate::integrator::media)); it costs nothing in scenes without
+//! such solids.
 
 use glam::Vec3;
 

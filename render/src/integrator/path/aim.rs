@@ -1,4 +1,4 @@
-//! Paths that are aimed at lit triangles (see [`aim`]), and go on from there as others do.
+//! Paths that sample lit triangles as secondary lights (see [`aim`]), and continue from there as usual.
 
 use glam::Vec2;
 use halfdome_kernel::sampling::unit_double;

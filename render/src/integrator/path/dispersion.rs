@@ -1,15 +1,16 @@
-//! Dispersion: glass bends each wavelength by an angle of its own.
+//! Dispersion: the refractive index of glass depends on the wavelength.
 //!
 //! The refractive index at the wavelength `λ` is Cauchy's, by the index `n` at 587.6 nm and Abbe's number `V`
 //! (`KHR_materials_dispersion`):
 //!
 //! `n(λ) = n + (n - 1)/V (523655 nm²/λ² - 1.5168)`.
 //!
-//! Where a path meets such glass first, it keeps one channel of its colour, chosen in proportion, and stands from there on for one
-//! wavelength of that channel. Which one, its random numbers say: the same at all faces, so that a path need not remember it.
+//! At its first hit of such glass, a path keeps one channel of its colour, chosen in proportion, and represents one
+//! wavelength of that channel from there on. The wavelength follows from its random numbers, the same at all faces, so
+//! that a path need not store it.
 //!
-//! Deviation: a channel is a band of wavelengths about its primary, as bright as a triangle; a spectrum shows what mixtures of
-//! three lights can.
+//! Deviation: a channel is a band of wavelengths about its primary, with a triangular profile; so spectra consist of
+//! mixtures of three primaries.
 
 use glam::Vec3;
 

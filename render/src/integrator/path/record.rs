@@ -1,4 +1,4 @@
-//! What AOVs by light path expressions get of a step of paths; nothing of it happens without them.
+//! Contributions of a step of paths to AOVs by light path expressions; it costs nothing without them.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! What a [guide](crate::guide) learns from: the bounces of paths, and the light that they found from there on.
+//! Training data of a [guide](crate::guide): the bounces of paths, and the light that they found from there on.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! Rays by which the paths of a block go on.
+//! The next rays of the paths of a block.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -1,5 +1,5 @@
-//! What the surfaces of a block do with light. All of a block have one kind of closure: Lambert's and glossy ones are computed
-//! in lanes, the others one by one, each in code of its own.
+//! The closures of a block's surfaces, all of one kind: Lambert's and glossy ones are computed in lanes, the others one
+//! by one.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};

@@ -1,5 +1,5 @@
-//! Glossy closures in lanes. What needs tables is looked up for one path after the other; all else is computed side by side,
-//! by the functions that a single closure calls ([`Reflection`]).
+//! Glossy closures in lanes. Table lookups are made path by path; everything else is computed in lanes, by the
+//! functions of a single closure ([`Reflection`]).
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};

@@ -1,5 +1,5 @@
-//! Paths of a block whose directions are mixed with those of a [`Guide`]: what their closures do is done in lanes, and then
-//! changed where there is a guide.
+//! Paths of a block whose directions are mixed with those of a [`Guide`]: closures are sampled in lanes, and the
+//! results are then changed where there is a guide.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};

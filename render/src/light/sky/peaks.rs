@@ -1,4 +1,4 @@
-//! The parts of a picture of the sky that are brighter than a limit, as what directions are sampled by.
+//! The parts of a sky picture above a limit, as a distribution of directions.
 //!
 //! A row is chosen by the excess of all of it, then a texel of the row, each by inverting the sums of those before it, so
 //! that numbers which are spread evenly make directions that are; and a direction in the tent about the texel by which it is

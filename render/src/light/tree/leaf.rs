@@ -1,5 +1,6 @@
-//! What up to eight lights send to a point: the leaves of a light tree. Of delta lights it is exact but for shadows. A
-//! spot with a radius counts as if it shone into a cone that is wider by the angle that its sphere subtends.
+//! Contributions of up to eight lights to a point: the leaves of a light tree. For delta lights they are exact except
+//! for shadows. A spot with a radius counts as if it shone into a cone that is wider by the angle that its sphere
+//! subtends.
 //!
 //! The irradiance by a triangle of radiance `L` is estimated as `L Ω` times the mean cosine at the receiver of its
 //! corners and its centroid: its solid angle `Ω` is exact, however near it is. The estimate is 0 only if all corners

@@ -1,14 +1,14 @@
 //! A light tree (Conty and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018): a light is
-//! chosen by what it can send to a point, in a time that grows with the logarithm of their number.
+//! chosen by its estimated contribution to a point, in a time that grows with the logarithm of their number.
 //!
-//! Nodes have eight children, which are weighed side by side, and so do leaves have up to eight lights. A child is chosen
-//! in proportion to its weight by one number, whose rest chooses among the child's children; the probability of a light is
-//! the product of the parts that it and its ancestors have. So [`Tree::probability`] needs no search: it goes up from
-//! the light's leaf. Where all children weigh nothing, as a cluster may seem to shine whose lights do not, their mean
-//! intensities count instead: probabilities always add up to 1.
+//! Nodes have eight children, which are weighted in lanes, and leaves have up to eight lights. A child is chosen in
+//! proportion to its weight by one random number, whose remainder chooses among the child's children; the probability
+//! of a light is the product of the shares of its ancestors and itself. So [`Tree::probability`] needs no search: it
+//! goes up from the light's leaf. Where all children have the weight 0, as a cluster's estimate may be positive
+//! although its lights contribute nothing, their mean intensities are used instead: probabilities always add up to 1.
 //!
-//! Deviations: weights of clusters are estimates instead of bounds (see [`cluster`]), and a tree of few lights has leaves
-//! alone, which are weighed together.
+//! Deviations: weights of clusters are estimates instead of bounds (see [`cluster`]), and a tree of few lights has only
+//! leaves, which are weighted together.
 
 mod build;
 pub(crate) mod cluster;

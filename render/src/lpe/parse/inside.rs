@@ -1,4 +1,4 @@
-//! What stands inside of `<…>`: a kind, scattering and labels, each a symbol or a list of them.
+//! The contents of `<…>`: a kind, scattering and labels, each a symbol or a list of them.
 
 use super::{LpeError, Parser, Symbol};
 use crate::lpe::event::{Choice, Letter, Pattern};

@@ -1,5 +1,5 @@
-//! The files of a page: the master with all layers, the map that the model shows, and what is kept of directions; and which
-//! part of it belongs to which surface.
+//! The files of a page: the master with all layers, the map that the model uses, and directional layers; and the
+//! mapping of its parts to surfaces.
 
 use std::path::Path;
 
