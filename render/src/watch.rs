@@ -1,4 +1,4 @@
-//! Who watches long work: hears how far it is, sees early pictures, and may stop it.
+//! Watchers of long work: they receive progress and early pictures, and may stop it.
 
 use crate::film::{Film, Picture};
 

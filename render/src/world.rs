@@ -1,4 +1,4 @@
-//! The world: a scene made ready for tracing.
+//! The world: a scene prepared for tracing.
 
 mod bodies;
 mod closures;

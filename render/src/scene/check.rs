@@ -1,4 +1,4 @@
-//! Whether a scene that was made in memory is whole: numbers name what exists, and lists are as long as they have to be.
+//! Checks a scene built in memory: indices are in range, and lists have the right lengths.
 
 use thiserror::Error;
 

@@ -6,11 +6,11 @@
 //! that from the sun, and the letters linear in turbidity.
 //!
 //! # Deviations
-//! - Radiance is luminance over 683 lm/W: as much as green light of that luminance has.
-//! - The sun is an even disc of half a degree, without limb darkening, which the camera itself does not see and mirrors show. Its
-//!   colour is white, dimmed by air and haze (the paper's Rayleigh and Ångström terms) at one wavelength a channel;
-//!   ozone, other gases and vapour, which take a few percent, are left out.
-//! - Below the horizon is nothing.
+//! - Radiance is luminance over 683 lm/W: that of green light of the same luminance.
+//! - The sun is an even disc of half a degree, without limb darkening, invisible to the camera itself but visible in
+//!   mirrors. Its colour is white, dimmed by air and haze (the paper's Rayleigh and Ångström terms) at one wavelength a
+//!   channel; ozone, other gases and vapour, which take a few percent, are left out.
+//! - The sky is black below the horizon.
 
 mod hosek;
 

@@ -1,8 +1,8 @@
-//! What a scene is, whatever file it came from: meshes, where they are shown, materials, lights, camera, sky.
+//! The description of a scene, independent of its file format: meshes, instances, materials, lights, camera, sky.
 //!
 //! Lengths are in the units of the file. Radiance is in W/(m² sr), one number per linear sRGB (Rec. 709) channel.
-//! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
-//! which its corners run counter-clockwise.
+//! Coordinates are right-handed. The front of a face is the side to which its vertex normals point, or without them the
+//! side from which its corners run counter-clockwise.
 
 use std::path::PathBuf;
 

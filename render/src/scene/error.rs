@@ -1,4 +1,4 @@
-//! What is wrong with an input file: the file, the place in it, the problem, and what would be right.
+//! Errors of input files: the file, the place in it, the problem, and the remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Scene files: TOML that names a model and says what model formats cannot.
+//! Scene files: TOML that names a model and adds what model formats lack.
 //!
 //! ```toml
 //! [scene]
@@ -51,11 +51,12 @@
 //! # with daylight_model = "hosek" (or "preetham") and daylight_albedo = 0.3, of the ground
 //! ```
 //!
-//! All but `scene.file` may be left out, and that where there are objects. `[[material]]` tables change materials: see
-//! `material_table.rs`. `[[light]]` tables add lights: see `light_table.rs`. `[[object]]` and `[[instance]]` show models
-//! at many places: see `objects.rs`. `[[aov]]` tables add AOVs: see `aov_table.rs`. The keys `lights`, `light_radius`,
-//! `sun_angle` and `emission` are about the model's lights, and leave these as they are. Each value is checked here; what
-//! only several options together can get wrong is left to [`Overrides::apply`], since the command line may still change it.
+//! Everything except `scene.file` is optional, and that too if there are objects. `[[material]]` tables change
+//! materials: see `material_table.rs`. `[[light]]` tables add lights: see `light_table.rs`. `[[object]]` and
+//! `[[instance]]` place models many times: see `objects.rs`. `[[aov]]` tables add AOVs: see `aov_table.rs`. The keys
+//! `lights`, `light_radius`, `sun_angle` and `emission` apply to the model's lights, not to these. Each value is
+//! checked here; conflicts between options are left to [`Overrides::apply`], since the command line may still change
+//! it.
 
 use std::path::{Path, PathBuf};
 

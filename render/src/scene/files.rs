@@ -1,4 +1,4 @@
-//! Where a model and the files that it names are kept: on disk, or wherever a program has them.
+//! The source of a model's files: the disk, or a program's memory.
 
 use std::borrow::Cow;
 use std::cell::RefCell;

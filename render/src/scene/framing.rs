@@ -1,7 +1,8 @@
-//! A camera for a scene that brings none.
+//! A camera for a scene without one.
 //!
-//! In a closed room it stands inside, where it sees farthest towards the middle: a camera outside would see walls. A room is
-//! closed if from places all over it nearly all rays meet the front of a surface; from inside of a statue they meet backs. Anything else is seen from outside:
+//! In a closed room it is inside, where it sees farthest towards the middle: a camera outside would see walls. A room
+//! is closed if nearly all rays from positions all over it hit the front of a surface; inside a statue they hit backs.
+//! Other scenes are viewed from outside:
 //!
 //! It looks at the middle of the bounds from 30° to the right of the front and 20° above, from the distance at which
 //! the sphere around the bounds just fits into the narrower field of view: `distance = radius / sin(angle / 2)`. The

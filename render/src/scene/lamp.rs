@@ -1,7 +1,7 @@
-//! Lamps of simple shapes: meshes of emissive triangles, which cameras, mirrors and bounces see.
+//! Lamps of simple shapes: meshes of emissive triangles, visible to cameras, mirrors and bounces.
 //!
-//! A mesh has exactly the area of its shape, and so its power: discs are fans of [`SIDES`] triangles, spheres are
-//! icosahedra whose faces are parted [`LEVELS`] times (1280 triangles) with the sphere's normals. Both are a little
+//! A mesh has exactly the area of its shape, and so the same power: discs are fans of [`SIDES`] triangles, spheres are
+//! icosahedra whose faces are subdivided [`LEVELS`] times (1280 triangles) with the sphere's normals. Both are a little
 //! larger than their shape across corners: a disc by 0.08% of its radius, a sphere by 0.3%.
 
 use std::collections::HashMap;

@@ -1,4 +1,4 @@
-//! How a model is read.
+//! Options for reading a model.
 
 use std::path::Path;
 

@@ -20,8 +20,8 @@
 //! transmission_dispersion_abbe_number = 36   # of solid glass: how little it spreads colours
 //! ```
 //!
-//! What is not named stays as the model has it. A map of `"none"` removes the model's; without one of its own a coat has the
-//! base's normals, with `"none"` those of the vertices.
+//! Inputs that are not named keep the model's values. A map of `"none"` removes the model's; without one of its own a
+//! coat has the base's normals, with `"none"` those of the vertices.
 
 use std::path::{Path, PathBuf};
 

@@ -1,12 +1,12 @@
-//! A material at a point of a mesh: everything that textures and vertices say there.
+//! A material at a point of a mesh, with its textures and vertex attributes.
 //!
 //! # Normals
 //!
-//! Normal maps are read as MikkTSpace asks for it: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
-//! interpolated, not normalised, and `B = w N × T`. Bump maps follow Blinn 1978 in Mikkelsen's form (2010):
-//! `n ∥ N - (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel.
-//! Both give the normal on the front. Deviation: normals that point below the surface are left to whoever shades, who knows
-//! where the light comes from.
+//! Normal maps are read as MikkTSpace defines them: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
+//! interpolated, not normalised, and `B = w N × T`. Bump maps follow Blinn 1978 in Mikkelsen's form (2010): `n ∥ N -
+//! (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel. Both give the
+//! normal on the front. Deviation: normals that point below the surface are handled in shading, where the direction of
+//! light is known.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 

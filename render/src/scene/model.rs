@@ -1,4 +1,4 @@
-//! Loads a model file of any known format, and checks what all formats have in common.
+//! Loads a model file of any known format, with the checks common to all formats.
 //!
 //! The extension names the format; the file's first bytes must agree with it.
 

@@ -1,4 +1,4 @@
-//! Moments of a model's animations, and what is told of these.
+//! Moments of a model's animations, and a summary of these.
 
 /// A moment of a model's animations.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,8 @@
-//! What moves while the shutter is open.
+//! Motion while the shutter is open.
 //!
-//! Whatever moves is known at keys, evenly spaced from the opening of the shutter (time 0) to its closing (1), and moves in
-//! straight lines between them: vertices, elements of transforms, the points of cameras and lights. The scene itself is that of
-//! the middle key. A [`Scene`] has a `Motion` if something moves; what stands still is in none of the tables here, and costs
+//! Motion is given at keys, evenly spaced from the opening of the shutter (time 0) to its closing (1), and is linear
+//! between them: vertices, elements of transforms, the points of cameras and lights. The scene itself is that of the
+//! middle key. A [`Scene`] has a `Motion` if anything moves; static elements are in none of the tables here, and cost
 //! nothing.
 
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Finds out what moves while the shutter is open, by reading the scene as it is at each of the shutter's keys.
+//! Detects motion while the shutter is open, by reading the scene at each of the shutter's keys.
 
 use std::sync::Arc;
 

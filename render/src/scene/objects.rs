@@ -1,4 +1,4 @@
-//! `[[object]]` and `[[instance]]` in scene files: models that are shown at many places.
+//! `[[object]]` and `[[instance]]` in scene files: instanced models.
 //!
 //! ```toml
 //! [[object]]
@@ -15,8 +15,8 @@
 //! materials = { leaf = "autumn" }   # other materials than the object's own
 //! ```
 //!
-//! What an object brings is called after it: its material `leaf` is `tree/leaf`, for `[[material]]` too. An object
-//! without an instance is not seen. See `objects/place_table.rs` for tables.
+//! An object's contents have its name as a prefix: its material `leaf` is `tree/leaf`, in `[[material]]` too. An object
+//! without an instance is invisible. See `objects/place_table.rs` for tables.
 
 mod place_table;
 mod tables;

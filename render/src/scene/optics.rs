@@ -1,4 +1,4 @@
-//! What a camera is besides its pose: how points of the film become rays.
+//! A camera's optics, without its pose: the mapping from points of the film to rays.
 //!
 //! Lengths are in the units of the scene, angles in degrees.
 

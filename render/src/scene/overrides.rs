@@ -1,6 +1,6 @@
 //! The options that a scene file and the command line may set: what they override, and how they combine.
 //!
-//! The command line wins over the scene file, the scene file over the model, the model over the defaults.
+//! The command line overrides the scene file, the scene file the model, the model the defaults.
 
 mod cached;
 mod camera;

@@ -1,4 +1,4 @@
-//! Meshes and objects taken to where they are shown.
+//! Transforms of meshes and objects into the world.
 
 use glam::{Affine3A, DAffine3, Vec3};
 use halfdome_kernel::scene::Item;

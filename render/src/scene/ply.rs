@@ -2,7 +2,7 @@
 //! follows is cut into pieces of one element (`ply/pieces.rs`), whose values (`ply/values.rs`) are read in parallel.
 //!
 //! Reads element `vertex` (`x y z`, `nx ny nz`, and `s t`, `u v` or `texture_u texture_v`) and element `face`
-//! (`vertex_indices` or `vertex_index`), and passes over all else, colours included. Errors count vertices and faces
+//! (`vertex_indices` or `vertex_index`), and ignores everything else, colours included. Errors count vertices and faces
 //! from 0, as the format does. Polygons are cut into triangles (`polygon.rs`).
 //!
 //! A header's counts are compared with the file's length before any element is read. In ASCII an element is a line.

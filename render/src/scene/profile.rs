@@ -1,9 +1,9 @@
-//! How strongly a measured light shines in each direction: a table over angles, as photometric files (IES) have it.
+//! Photometric profiles: the intensity of a measured light over angles, as in IES files.
 //!
-//! Directions are those of type C photometry: the *vertical* angle is that from the light's axis, which of a ceiling
-//! light points down; the *horizontal* angle is the turn about it, from the zero half plane, counter-clockwise as seen
-//! from behind the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the table
-//! there is no light.
+//! Directions are those of type C photometry: the *vertical* angle is measured from the light's axis, which points down
+//! for a ceiling light; the *horizontal* angle is measured about it, from the zero half plane, counter-clockwise as
+//! seen from behind the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the
+//! table there is no light.
 
 use glam::Vec3;
 

@@ -1,8 +1,8 @@
-//! Points as balls and lines as tubes: triangles with the normals of the true surfaces.
+//! Points as spheres and lines as cylinders: triangles with the normals of the true surfaces.
 //!
-//! A ball is an icosahedron whose faces are cut in four again and again, the fewer times the more balls there are. A line is a
-//! tube of twelve sides between balls, so that lines that meet have no gap. What lies inside of others stays there, which
-//! shows in glass alone.
+//! A sphere is a subdivided icosahedron, with fewer levels the more spheres there are. A line is a cylinder of twelve
+//! sides between spheres, so that connected lines have no gap. Inner surfaces are not removed, which is visible only in
+//! glass.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,7 @@
-//! The light from outside the scene: the same from everywhere, or a picture of all directions.
+//! The sky: constant radiance, or a picture of all directions.
 //!
 //! A picture is equirectangular: its top row is around +y, its middle column towards -z, which is where glTF's cameras
-//! look, and its right half towards +x. A texel has one radiance all over.
+//! look, and its right half towards +x. Here texels have constant radiance; lookups interpolate.
 
 use std::f64::consts::PI;
 use std::io::BufReader;

@@ -1,4 +1,4 @@
-//! Values of TOML with their places in the text.
+//! TOML values with their positions in the text.
 
 use std::borrow::Cow;
 use std::ops::Range;

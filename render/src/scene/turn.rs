@@ -1,7 +1,8 @@
-//! How transforms turn directions on surfaces.
+//! Transforms of normals and tangents.
 //!
-//! Normals go by the inverse transpose. That is the matrix of cofactors over the determinant, and as normals become unit
-//! vectors its sign suffices: `M⁻ᵀ n ∥ sign(det M) cof(M) n`. So a transform that flattens has normals, too.
+//! Normals are transformed by the inverse transpose. That is the matrix of cofactors over the determinant, and as
+//! normals become unit vectors its sign suffices: `M⁻ᵀ n ∥ sign(det M) cof(M) n`. So normals are defined for transforms
+//! that flatten, too.
 
 use glam::{DMat3, Mat3, Vec3, Vec4};
 

@@ -1,6 +1,6 @@
-//! Values as scene files and command lines spell them, and the types and ranges that options ask of them.
+//! Values of scene files and command lines, with the types and ranges that options require.
 //!
-//! Both sources are read by the same functions, so that they accept the same values and say the same about others.
+//! Both sources are read by the same functions, so that they accept the same values and give the same errors.
 
 mod film;
 mod integrating;

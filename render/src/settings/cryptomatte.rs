@@ -1,4 +1,4 @@
-//! Which Cryptomatte layers a picture has.
+//! The Cryptomatte layers of a picture.
 
 /// What a Cryptomatte tells apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Which integrator runs, and with what options.
+//! The integrator and its options.
 
 use super::{CachedOptions, Invalid};
 

@@ -1,4 +1,4 @@
-//! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
+//! The settings of a render. Two renders with equal scene and settings are equal byte for byte.
 
 mod aov;
 mod cached;

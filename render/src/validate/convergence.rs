@@ -1,4 +1,4 @@
-//! How fast errors fall with the number of samples: the exponent `e` of `error ∝ n^e`.
+//! Convergence of errors with the number of samples: the exponent `e` of `error ∝ n^e`.
 //!
 //! Independent samples have -1/2. Where the integrand is one inside of a smooth border and zero outside, as for
 //! occlusion, `n` strata in two dimensions leave errors in the `√n` of them that the border crosses: -3/4, for jittered

@@ -1,6 +1,6 @@
-//! Closed forms: what the experiments' scenes are worth.
+//! Closed forms for the experiments' scenes.
 //!
-//! Emitters have radiance `L = 1` unless it says otherwise, so that irradiance is π times a form factor.
+//! Emitters have radiance `L = 1` unless stated otherwise, so that irradiance is π times a form factor.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,4 +1,4 @@
-//! White furnace: what reflects or lets through all light is invisible under a sky that is the same everywhere.
+//! White furnace: a surface that scatters all light is invisible under a constant sky.
 
 use glam::{Vec3, vec3};
 

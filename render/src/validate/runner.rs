@@ -1,4 +1,4 @@
-//! Where experiments are made: renders whose pixels are independent runs.
+//! Runs experiments: renders whose pixels are independent runs.
 
 use std::cell::Cell;
 

@@ -1,4 +1,4 @@
-//! Keys and mouse: what they do, and what help says of them.
+//! Keys and mouse: their commands and help texts.
 
 use super::session::{Command, Page};
 

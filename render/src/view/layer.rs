@@ -1,8 +1,8 @@
-//! What of a picture is shown, and how its numbers become colours.
+//! The layer that is shown, and the mapping of its values to colours.
 //!
-//! Light is shown as PNG files show it, by their own code. Of what is no light, vectors are shown by the usual
-//! half-and-half (`(n + 1) / 2`), positions by their place in the scene's box, motion by halves of the longest, counts and depths by false colours up to their
-//! 99th percentile, and ids each by a colour of its own.
+//! Radiance is shown as in PNG files, by the same code. Vectors are shown as `(n + 1) / 2`, positions relative to the
+//! scene's box, motion relative to twice the longest vector, counts and depths by false colours up to their 99th
+//! percentile, and ids by distinct colours.
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! A camera that goes around its target, as in the browser's page (`embed/web/page/orbit.js`).
 //!
-//! With `n` for the up vector and `o` for the way from the target to the eye, `o = d (cos e · a + sin e · n)`, where `d` is
-//! the distance, `e` the elevation and `a` a unit vector across `n`. Orbiting turns `a` about `n` and changes `e`.
+//! With `n` for the up vector and `o` for the vector from the target to the eye, `o = d (cos e · a + sin e · n)`, where
+//! `d` is the distance, `e` the elevation and `a` a unit vector across `n`. Orbiting turns `a` about `n` and changes
+//! `e`.
 
 use glam::{DVec3, Vec3};
 

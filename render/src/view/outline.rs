@@ -1,4 +1,4 @@
-//! The scene's tree: what is in it, by the names that masks and light path expressions know.
+//! The scene's tree: its contents, with the names of masks and light path expressions.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! What a pixel shows: the first surface on the ray through its middle, and where its light comes from.
+//! Picking: the first surface on the ray through a pixel's middle, and the pixel's light paths.
 
 use glam::Vec3;
 

@@ -1,8 +1,8 @@
-//! Renders what is looked at, on threads of its own: from coarse to fine, then wave by wave, as `halfdome render` does.
+//! Renders the view on its own threads: from coarse to fine, then wave by wave, like `halfdome render`.
 //!
 //! A thread waits for orders and hands them to the driver, so that pictures are those of [`driver::render_plan`]. A new
-//! order makes it give up the picture at hand; one that differs only in its number of samples goes on with the film. Frames
-//! have the channels that are shown alone, for a film with all AOVs has dozens.
+//! order ends the current picture; one that differs only in its number of samples continues the film. Frames only have
+//! the shown channels, as a film with all AOVs has dozens.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,7 +1,7 @@
-//! Draws the picture and the text beside it into pixels, as one buffer for whatever shows it.
+//! Draws the picture and the text beside it into one pixel buffer.
 //!
-//! The picture fills its part of the window as far as its shape allows: by the nearest pixel where it is enlarged, so that one
-//! sees the renderer's own, and by the mean of all pixels below where it is made smaller.
+//! The picture fills its part of the window as far as its shape allows: by the nearest pixel where it is enlarged, so
+//! that the renderer's pixels are visible, and by the mean of all covered pixels where it is reduced.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 

@@ -1,5 +1,5 @@
-//! What one looks at, and what commands do to it. It knows no window: whoever has one, or none, tells it commands and
-//! asks it for the picture and the text beside it.
+//! The state of the viewer, changed by commands. It is independent of any window: callers send it commands and take the
+//! picture and the text from it.
 
 use glam::Vec3;
 

@@ -1,5 +1,5 @@
-//! Closures of surfaces. Of a material without maps they differ by side alone, and are made once; where the base colour alone
-//! varies, what does not depend on it is.
+//! Closures of surfaces. For a material without maps they depend only on the side, and are made once; where only the
+//! base colour varies, the parts independent of it are made once.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,4 @@
-//! What is wrong with meshes, for warnings that name them.
+//! Faults of meshes, for warnings that name them.
 
 use std::collections::BTreeMap;
 use std::path::Path;

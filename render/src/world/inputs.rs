@@ -1,4 +1,4 @@
-//! What closures are made from: a material's inputs at a point, with its textures.
+//! A material's inputs at a point, with its textures, from which closures are made.
 
 use glam::Vec3;
 

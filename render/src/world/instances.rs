@@ -1,9 +1,9 @@
-//! Objects that are kept once and seen at many places: a tree for each object, and one over all instances.
+//! Instances: a tree for each object, and one over all instances.
 //!
-//! So are triangles that move by themselves, in a tree of their own.
+//! Triangles that move between keys are in a tree of their own.
 //!
 //! Rays go through the tree of all other triangles first, in streams, and then, shortened, from instance to instance. A
-//! hit's triangle is that of the object; an [`InstanceRecord`] takes it to the world.
+//! hit refers to the object's triangle; an [`InstanceRecord`] transforms it to the world.
 //!
 //! A point of a triangle is off by the rounding of three multiplications and sums and by that of the local ray, whose
 //! origin is rounded in the object's coordinates: so rays start farther away from it than from other triangles.

@@ -1,4 +1,4 @@
-//! Colours by which a picture tells lights apart: a hue for each emissive mesh, each punctual light and the sky.
+//! Distinct colours of lights in a picture: a hue for each emissive mesh, each punctual light and the sky.
 
 use glam::{Vec3, Vec4};
 

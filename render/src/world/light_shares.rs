@@ -1,4 +1,4 @@
-//! Which part of the light samples each light gets, for whoever wants to know why a picture is noisy.
+//! The share of light samples that each light gets, to explain noise in pictures.
 
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};

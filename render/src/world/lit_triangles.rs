@@ -1,9 +1,9 @@
-//! Which triangles are so fiercely lit that paths had better aim at them.
+//! Selects secondary lights: triangles lit so strongly that they are sampled like lights.
 //!
-//! A triangle counts as lit if lights give one of its sides many times the radiance that bounces find on average where
-//! the picture's paths come, and if it is so small that they seldom find it. Of those the fiercest are kept, if they
-//! are worth it: if what they send makes much of the variance, and if most of the rays that are aimed at them arrive.
-//! As all of this only says where to aim, an error costs time and makes no bias.
+//! A triangle counts as lit if lights give one of its sides many times the mean radiance that bounces of the picture's
+//! paths find, and if it is so small that bounces rarely hit it. The brightest ones are kept, if that pays: if their
+//! light causes much of the variance, and most of the rays sent to them arrive. As this only affects sampling, an error
+//! costs time but causes no bias.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 

@@ -1,4 +1,4 @@
-//! Solids that light passes through, and what they absorb.
+//! Transparent solids and their absorption.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

@@ -1,8 +1,8 @@
-//! What moves while the shutter is open, ready to be traced.
+//! Moving geometry, prepared for tracing.
 //!
-//! Every path has a time, and so have its hits ([`Hit::time`]). Rays without one see the world as it is in the middle, where
-//! the records of triangles, instances and lights have it; so does whoever estimates how much light there is. A point's place
-//! at another time is interpolated just as the kernel does it.
+//! Every path has a time, and so have its hits ([`Hit::time`]). Rays without a time see the world at the middle time,
+//! which is also the time of the records of triangles, instances and lights, and of light estimates. A point's position
+//! at another time is interpolated exactly as in the kernel.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
-//! Surfaces, emitters and lights where they are at the time of a path.
+//! Surfaces, emitters and lights at the time of a path.
 //!
-//! Vertex normals and tangents are those of the middle of the shutter's time, turned as the triangle has turned since: by the
-//! linear map of its edges and its normal.
+//! Vertex normals and tangents are those of the middle of the shutter's time, rotated with the triangle: by the linear
+//! map of its edges and its normal.
 
 use glam::Mat3;
 use halfdome_kernel::Triangle;

@@ -1,4 +1,4 @@
-//! What surfaces and lights are called, for masks and light path expressions.
+//! Names of surfaces and lights, for masks and light path expressions.
 
 use std::collections::BTreeSet;
 

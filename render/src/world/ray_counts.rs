@@ -1,4 +1,4 @@
-//! How many rays of which kind were traced in a world.
+//! Counts of the rays traced in a world, by kind.
 
 use std::ops::Sub;
 use std::sync::atomic::{AtomicU64, Ordering};

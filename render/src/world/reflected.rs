@@ -1,7 +1,7 @@
-//! What triangles reflect of the lights' own light, about.
+//! An approximation of the direct light that triangles reflect.
 //!
-//! Irradiance is estimated as lights are chosen, without shadows, times the part of a few shadow rays that are free.
-//! What comes from the sky is left out, and a material counts by its mean albedo.
+//! Irradiance is the light tree's estimate without shadows, times the unoccluded fraction of a few shadow rays. The sky
+//! is left out, and a material has its mean albedo.
 
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,16 +1,18 @@
-//! Smooth surfaces on flat triangles: where a convex mesh has vertex normals, light arrives and leaves as at the round surface that
-//! the normals mean.
+//! Shadow terminators: where a convex mesh has vertex normals, light arrives and leaves as at the round surface that
+//! the normals describe.
 //!
-//! A light below the plane of a triangle may be above the plane of its vertex normals. The triangle's own plane would end the light
-//! there, facet by facet, and the shadow's edge on a ball be a staircase. So the side of a surface is that of its vertex normal, and
-//! rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is on or above the planes about its corners and so
-//! above the facets around (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
+//! A light below the plane of a triangle may be above the plane of its vertex normals. The triangle's own plane would
+//! cut off the light there, facet by facet, and the shadow terminator on a ball would be a staircase. So the side of a
+//! surface is that of its vertex normal, and rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is
+//! on or above the planes about its corners and so above the facets around (Hanika, "Hacking the Shadow Terminator",
+//! Ray Tracing Gems II, 2021).
 //!
-//! What stands on a floor bulges below it near its foot. So a point is lifted half of the way to whatever else is there, at most.
+//! The round surface of an object on a floor may extend below the floor. So a point is lifted at most half of the
+//! distance to the next surface.
 //!
-//! Deviations: of `p'` its height above the triangle counts alone; triangles that are not convex, whose normals lean by more than
-//! [`STEEPEST`], that emit or let light through stay flat, for there a ray from such a point would meet what it left, or start on
-//! the wrong side.
+//! Deviations: only the height of `p'` above the triangle is used; triangles that are not convex, whose normals deviate
+//! by more than [`STEEPEST`], that emit or transmit light stay flat, as there a ray from such a point would hit its own
+//! surface, or start on the wrong side.
 
 use glam::Vec3;
 use halfdome_kernel::{Ray, Triangle, triangle_normal};

@@ -1,5 +1,5 @@
-//! A few points of surfaces that paths come to: those that the camera sees, or at which light is asked for, and those
-//! that these see by the cosine.
+//! A sample of surface points that paths reach: camera hits or requested points, and the hits of cosine-distributed
+//! rays from there.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

@@ -1,8 +1,8 @@
-//! Shading records: what is known of triangles, their materials and their lights, in eight words or a multiple. Whoever shades
-//! many surfaces turns records into columns.
+//! Shading records: the data of triangles, their materials and their lights, in eight words or a multiple. Shading of
+//! many surfaces transposes records into columns.
 //!
-//! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own record and its
-//! material's. A light has a record besides; vertex normals do not matter to it if they agree which side is the front.
+//! A triangle is *plain* if nothing varies over it. All its data is then in its own record and its material's. A light
+//! has another record; its vertex normals only matter if they disagree on the front.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

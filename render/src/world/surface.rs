@@ -1,10 +1,10 @@
-//! Surfaces: what the world is where a ray meets it.
+//! Surfaces: the world at a ray's hit.
 //!
-//! Most triangles are plain: all that a hit tells of them is in their [`TriangleRecord`] and their material. Vertex normals and
-//! textures are looked up for the others alone; see [`bsdf`](crate::bsdf) for closures.
+//! Most triangles are plain: all their data is in their [`TriangleRecord`] and their material. Vertex normals and
+//! textures are looked up only for the others; see [`bsdf`](crate::bsdf) for closures.
 //!
-//! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
-//! pieces and read in large ones, which processors are slow at.
+//! Functions on the hot path are force-inlined: a surface whose address is passed lives in memory, written in small
+//! pieces and read in large ones, which is slow (failed store forwarding).
 
 use std::sync::LazyLock;
 

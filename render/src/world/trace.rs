@@ -1,7 +1,7 @@
-//! Rays, and the holes in surfaces: where opacity is low, they go on.
+//! Tracing of rays, with cut-outs: rays pass through where opacity is low.
 //!
-//! The tree knows nothing of holes. Batches of rays are traced as if there were none; the few whose nearest hit is in a
-//! hole are traced again with a filter, and so are shadow rays that hit anything.
+//! The tree ignores cut-outs. Batches of rays are first traced without them; the few rays whose nearest hit is in a
+//! hole are traced again with a filter, and so are shadow rays with any hit.
 
 use halfdome_kernel::sampling::Stream;
 use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};

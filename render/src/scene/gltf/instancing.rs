@@ -1,7 +1,7 @@
-//! Which meshes are kept once, and `EXT_mesh_gpu_instancing`: a node's mesh at many places.
+//! Decides which meshes are shared, and reads `EXT_mesh_gpu_instancing`: a node's mesh at many places.
 //!
 //! The extension's attributes are accessors of one length: `TRANSLATION`, `ROTATION` (a quaternion) and `SCALE`. Each
-//! instance is at `node × translation × rotation × scale`. Other attributes are of no use here.
+//! instance is at `node × translation × rotation × scale`. Other attributes are not read.
 
 use ::gltf::json::Index;
 use ::gltf::json::accessor::ComponentType::{F32, I8, I16};

@@ -1,4 +1,4 @@
-//! The meshes of nodes: each in world space, or, if many nodes show it, once as an object with instances.
+//! The meshes of nodes: each in world space, or, if shared by many nodes, once as an object with instances.
 
 use std::collections::BTreeMap;
 use std::iter::repeat_n;

@@ -1,12 +1,12 @@
 //! glTF 2.0 (Khronos Group), as JSON text or in a binary container (GLB).
 //!
 //! The crate `gltf` gives the JSON its types. Its readers are not used, since they panic on indices and ranges that a
-//! malformed file may have: here every index is looked up and every range checked.
+//! malformed file may have: here every index and every range is checked.
 //!
-//! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
-//! first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
+//! The reader takes the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals
+//! and the first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
 //! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space,
-//! named like its node; those of a mesh that many nodes show become an object with instances (`instancing.rs`).
+//! named like its node; meshes shared by many nodes become objects with instances (`instancing.rs`).
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
 //! radiance, a light's candela are W/sr and its lux W/m², one to one. Lights' ranges are left out

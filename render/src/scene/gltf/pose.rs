@@ -1,4 +1,4 @@
-//! Poses: where nodes are relative to their parents, and the weights of their morph targets, at a moment.
+//! Poses: the local transforms of nodes and the weights of their morph targets at a moment.
 
 use std::collections::BTreeMap;
 

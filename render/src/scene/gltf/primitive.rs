@@ -1,5 +1,5 @@
-//! Triangles of a mesh primitive, or balls and tubes for its points and lines, in the mesh's coordinates, or, where a skin moves
-//! them, in the world's.
+//! Triangles of a mesh primitive, or spheres and cylinders for its points and lines, in the mesh's coordinates, or with
+//! a skin in the world's.
 
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;

@@ -1,8 +1,8 @@
-//! Skins (glTF 2.0, section 3.7.3.3): each vertex goes to the world by a mean of matrices `Mⱼ = Wⱼ Bⱼ`, joint `j`'s
-//! transform to the world and its inverse bind matrix, weighted by the vertex's `WEIGHTS_n`. The transform of the mesh's
-//! own node does not count. Normals go by the mean's cofactors, as in `Mesh::placed`.
+//! Skins (glTF 2.0, section 3.7.3.3): each vertex is transformed to the world by a mean of matrices `Mⱼ = Wⱼ Bⱼ`, joint
+//! `j`'s transform to the world and its inverse bind matrix, weighted by the vertex's `WEIGHTS_n`. The transform of the
+//! mesh's own node does not count. Normals are transformed by the mean's cofactors, as in `Mesh::placed`.
 //!
-//! Weights are divided by their sum. A vertex whose weights are all zero follows the first joint that it names.
+//! Weights are divided by their sum. A vertex whose weights are all zero is bound to its first joint.
 
 use std::collections::BTreeMap;
 

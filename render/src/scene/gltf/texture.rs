@@ -1,7 +1,7 @@
 //! Textures: images from files, data URIs or buffers, with samplers and `KHR_texture_transform`.
 //!
-//! `EXT_texture_webp` and `KHR_texture_basisu` name an image before the texture's own `source`. An image that is missing
-//! or damaged is an error; one of a kind that is not read is left out with a warning, and the factor counts alone.
+//! `EXT_texture_webp` and `KHR_texture_basisu` name an image before the texture's own `source`. An image that is
+//! missing or damaged is an error; one of an unsupported kind is left out with a warning, and only the factor is used.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The keys of a `[[light]]` table: which of them its kind has, and their values.
+//! The keys of a `[[light]]` table by kind, and their values.
 
 use glam::{DVec3, Vec3};
 use halfdome_kernel::MAX_COORDINATE;

@@ -1,4 +1,4 @@
-//! Maps: what textures do to the inputs of a material.
+//! Maps: textures on the inputs of a material.
 //!
 //! An input with a map goes from a value at texel 0 (`zero`, mostly 0) to its constant at texel 1:
 //! `value = zero × (1 - texel) + constant × texel`. With 0 that is the product that most formats define; glossiness (1 to

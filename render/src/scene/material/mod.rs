@@ -1,4 +1,4 @@
-//! Materials as files describe them: constants, the maps that vary them, and what belongs to no closure.
+//! Materials as described by files: constants, their maps, and properties outside the closure.
 
 mod input;
 mod kind;

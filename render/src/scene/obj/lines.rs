@@ -1,4 +1,4 @@
-//! A block of an OBJ file's lines, read without the others: only how many vertices stand before it is known.
+//! A block of an OBJ file's lines, read independently, given only the number of vertices before it.
 
 use std::path::Path;
 

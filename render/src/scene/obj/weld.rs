@@ -1,4 +1,4 @@
-//! Faces of an OBJ file that become meshes, whose vertices are shared.
+//! Makes meshes with shared vertices from the faces of an OBJ file.
 
 use std::mem;
 

@@ -1,8 +1,8 @@
-//! Tables of places: where and how often something is shown.
+//! Tables of places: the transforms of instances.
 //!
 //! Columns, or properties of PLY's vertices, have these names: `x y z`, and if they are there `qx qy qz qw` (a
-//! quaternion), or `rx ry rz` (degrees about x, then y, then z), or `nx ny nz` (where +y points), and `scale` or
-//! `sx sy sz`. Others are passed over. CSV has their names in its first line; numbers are separated by commas, semicolons or
+//! quaternion), or `rx ry rz` (degrees about x, then y, then z), or `nx ny nz` (where +y points), and `scale` or `sx sy
+//! sz`. Other columns are ignored. CSV has the names in its first line; numbers are separated by commas, semicolons or
 //! blanks; blank lines and `#` comments are skipped.
 
 use std::path::Path;

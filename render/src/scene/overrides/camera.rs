@@ -1,6 +1,6 @@
-//! The options that say what kind of camera there is, and which of them belong to which kind.
+//! The options of cameras, and the kinds that they belong to.
 //!
-//! An option that the camera would not use is refused: whoever gives it expects something else than would happen.
+//! An option that the camera would not use is refused, as it would have no effect.
 
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! The options that choose an integrator and belong to it.
 //!
-//! An option that the integrator would not use is refused: whoever gives it expects something else than would happen.
+//! An option that the integrator would not use is refused, as it would have no effect.
 
 use super::super::value;
 use super::options::options;

@@ -1,4 +1,4 @@
-//! The options of what lights a scene.
+//! The options of lights and skies.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! The options that say which moment of a model's animations is shown.
+//! The options of animations: frame, shutter.
 
 use super::super::value;
 use super::super::{Moment, Scene, Shutter};

@@ -1,4 +1,4 @@
-//! How options are declared: once, for the command line, for scene files, and for what combines them.
+//! Declaration of options: once for the command line, for scene files, and for their combination.
 
 use super::super::value::{Expected, Value};
 

@@ -1,4 +1,4 @@
-//! Where the camera stands and looks: from the options, the model, or the model's bounds.
+//! The camera's pose: from the options, the model, or the model's bounds.
 
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;

@@ -1,4 +1,4 @@
-//! What each directive does.
+//! The effects of directives.
 
 use std::path::Path;
 use std::rc::Rc;

@@ -12,12 +12,12 @@
 //!
 //! Roughness: pbrt's α is √`roughness` with `remaproughness` and `roughness` without; ours is `specular_roughness²`.
 //!
-//! Under a coat, diffuse light is reflected back by the coat's inside, of which our layers know nothing. With the mean
-//! reflectance `F` of the inside, a part `t` that the medium of the coat lets through on each way and the albedo `ρ` of the
-//! base, the sum over all reflections is `ρ' = t² ρ (1 - F) / (1 - t² ρ F)`. That is what `base_color` gets.
+//! Under a coat, diffuse light is reflected back by the coat's inside, which our layers do not model. With the mean
+//! reflectance `F` of the inside, the transmittance `t` of the coat's medium in each direction and the albedo `ρ` of
+//! the base, the sum over all reflections is `ρ' = t² ρ (1 - F) / (1 - t² ρ F)`. `base_color` is set to it.
 //!
-//! Deviations: media (`albedo`, `g`) between layers are left out; a coat does not darken the metal below it. Rough surfaces
-//! keep the light that bounces several times between their facets, which pbrt loses: 8% at α = 0.25.
+//! Deviations: media (`albedo`, `g`) between layers are left out; a coat does not darken the metal below it. Rough
+//! surfaces include multiple scattering between microfacets, which pbrt loses: 8% at α = 0.25.
 
 use glam::Vec3;
 

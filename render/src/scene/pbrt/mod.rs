@@ -1,11 +1,12 @@
 //! pbrt-v4 scenes (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition; pbrt.org/fileformat-v4).
 //!
-//! Read are transforms and attributes (`directives.rs`, `state.rs`), shapes (`shapes.rs`), materials and textures, lights, the
-//! camera, the film's shape and the number of samples; integrator, filter and film's file are not, as they are options here.
-//! What of a scene is not read is a warning with its lines; what is wrong is an error.
+//! The reader takes transforms and attributes (`directives.rs`, `state.rs`), shapes (`shapes.rs`), materials and
+//! textures, lights, the camera, the film's shape and the number of samples; integrator, filter and output file are
+//! ignored, as they are options here. Content that is not read is a warning with its lines; invalid content is an
+//! error.
 //!
-//! Deviations: spectra become colours (`spectrum.rs`); media are not read; transforms do not move: those of the shutter's
-//! opening count. Coordinates are mirrored where that is needed to make them right-handed (`camera.rs`).
+//! Deviations: spectra become colours (`spectrum.rs`); media are not read; transforms do not move: those of the
+//! shutter's opening are used. Coordinates are mirrored where needed to make them right-handed (`camera.rs`).
 
 mod arguments;
 mod camera;

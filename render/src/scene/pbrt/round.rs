@@ -1,5 +1,5 @@
-//! Surfaces of revolution about z as strips around it, in their own coordinates: spheres, discs and cylinders, each with exactly
-//! the area of the shape, and so its power. Fronts are where the normals point.
+//! Surfaces of revolution about z as strips around it, in their own coordinates: spheres, discs and cylinders, each
+//! with exactly the area of the shape, and so the same power. Fronts are where the normals point.
 
 use std::f64::consts::PI;
 

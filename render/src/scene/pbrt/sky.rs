@@ -1,8 +1,8 @@
 //! Environment maps: from pbrt's square, the equal-area octahedral map of Clarberg ("Fast Equal-Area Mapping of the
 //! (Hemi)Sphere using SIMD", 2008), to an equirectangular picture.
 //!
-//! The picture is twice as wide and as high as the square, and so has twice as many texels; each is the mean of
-//! [`SAMPLES`]² places, evenly spread in longitude and in the sine of the latitude, of which each shows the nearest texel.
+//! The picture is twice as wide and as high as the square, and so has twice as many texels; each is the mean of the
+//! nearest texels at [`SAMPLES`]² points, evenly spread in longitude and in the sine of the latitude.
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 

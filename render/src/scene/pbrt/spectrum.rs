@@ -1,9 +1,10 @@
 //! Spectra as colours in linear sRGB.
 //!
-//! A spectrum has samples `[wavelength value ...]` in nanometres and is linear in between. Of a light it is integrated with
-//! the CIE's colour matching functions (the fit by Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ
-//! Color Matching Functions", JCGT 2013) and, as in pbrt, scaled to a luminance of 1; a reflectance is taken under
-//! illuminant D65, so that one that is the same everywhere is grey. Colours beyond sRGB lose what is negative.
+//! A spectrum has samples `[wavelength value ...]` in nanometres and is linear in between. A light's spectrum is
+//! integrated with the CIE's colour matching functions (the fit by Wyman, Sloan and Shirley, "Simple Analytic
+//! Approximations to the CIE XYZ Color Matching Functions", JCGT 2013) and, as in pbrt, scaled to a luminance of 1; a
+//! reflectance is evaluated under illuminant D65, so that a constant one is grey. Negative components of colours
+//! outside sRGB are clamped.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The graphics state: transform, material, area light and what else holds until it is changed; transforms.
+//! The graphics state: transform, material, area light and other attributes; transforms.
 
 use std::rc::Rc;
 

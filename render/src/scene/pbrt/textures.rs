@@ -1,8 +1,8 @@
-//! Textures: constants, pictures, products of both, checkerboards; and what varies an input of a material.
+//! Textures: constants, pictures, products of both, checkerboards; and textures on material inputs.
 //!
-//! Texture coordinates count from a picture's lower edge in pbrt and from its upper one here; meshes have been turned, so
-//! `uscale` and its like are turned, too. Where pbrt evaluates a function that there is no counterpart of (`fbm`, `marble`),
-//! a constant stands for it, with a warning. A product of two pictures takes the mean of the second.
+//! Texture coordinates count from a picture's lower edge in pbrt and from its upper one here; meshes have been turned,
+//! so `uscale` and its like are turned, too. pbrt's procedural textures without a counterpart (`fbm`, `marble`) become
+//! a constant, with a warning. A product of two pictures uses the mean of the second.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,8 @@
-//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR, KTX2 and TGA, told apart by their first bytes, TGA by its name.
+//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR, KTX2 and TGA, recognised by their first bytes, TGA by its
+//! name.
 //!
-//! Deviations: numbers of an EXR or HDR picture that are not finite become 0; an EXR's layers beyond the first one with colours
-//! are not read. A JPEG's or PNG's colour profile does not count: colours are sRGB.
+//! Deviations: numbers of an EXR or HDR picture that are not finite become 0; an EXR's layers beyond the first one with
+//! colours are not read. A JPEG's or PNG's colour profile is ignored: colours are sRGB.
 
 use std::io::Cursor;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Why a picture is not read, and how large one may be.
+//! Errors of pictures, and limits on their size.
 
 /// The most pixels across or down; a picture with more is refused before memory is asked for.
 const MAX_SIDE: u32 = 1 << 16;

@@ -1,4 +1,4 @@
-//! How a texture lies on a surface: texture coordinates, their transform, what is beyond the picture, filtering.
+//! The mapping of a texture: texture coordinates, their transform, wrapping, filtering.
 
 use glam::{Affine2, Vec2};
 

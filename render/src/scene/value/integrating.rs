@@ -1,4 +1,4 @@
-//! What integrators and the irradiance cache are told.
+//! Values of options of integrators and the irradiance cache.
 
 use super::{Reading, Value, expected};
 use crate::settings::{

@@ -1,9 +1,9 @@
-//! How wrong indirect light is where a camera sees it, by paths and by caches, for the rays that it takes.
+//! The error of indirect light at camera hits, by paths and by caches, against the number of rays.
 //!
-//! A study looks at some of the surfaces that the camera sees through the pixels of a picture. Their irradiance by many
-//! paths is the reference, which comes as two independent halves `a` and `b`: the variance of their mean is the mean of
-//! `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the reference, and
-//! without the reference's own variance.
+//! A study uses some of the surface points that the camera sees through the pixels of a picture. Their irradiance by
+//! many paths is the reference, which comes as two independent halves `a` and `b`: the variance of their mean is the
+//! mean of `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the
+//! reference, and without the reference's own variance.
 
 use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::sampling::Stream;

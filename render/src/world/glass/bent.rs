@@ -1,23 +1,24 @@
-//! Light that glass bends.
+//! Light refracted by glass.
 //!
-//! From a point of a surface, rays are sent through glass, refracted at every face, until one leaves it towards the light: Newton's
-//! method for the two coordinates of the direction at the surface. What a ray becomes for a small change of that direction,
-//! ray differentials say (Igehy, "Tracing ray differentials", 1999), with the normals' derivatives across each triangle. This is
-//! manifold exploration (Jakob and Marschner 2012; Hanika, Droske and Fascione, "Manifold next event estimation", 2015), with the
-//! chain of refractions as a function of its first direction `ω`, which may meet any number of faces.
+//! From a point of a surface, rays are sent through glass, refracted at every face, until one leaves it towards the
+//! light: Newton's method for the two coordinates of the direction at the surface. Ray differentials give the change of
+//! the ray for a small change of that direction (Igehy, "Tracing ray differentials", 1999), with the normals'
+//! derivatives across each triangle. This is manifold exploration (Jakob and Marschner 2012; Hanika, Droske and
+//! Fascione, "Manifold next event estimation", 2015), with the chain of refractions as a function of its first
+//! direction `ω`, which may meet any number of faces.
 //!
 //! With `ω'` the direction in which the ray leaves, and `y` where it passes a point light, across the ray, the surface receives per
 //! area that faces `ω`
 //!
 //! `E T |∂ω/∂ω'|` of a sun with the irradiance `E`, and `I T |∂ω/∂y|` of a point of the intensity `I`,
 //!
-//! where `T` is what the faces and the way between them leave.
+//! where `T` is the transmittance of the faces and of the path between them.
 //!
-//! Light may come on several ways, and to points that no glass is in front of: searches begin where [photons](super::photons) have left
-//! the glass, and if none of them finds a way, towards the light.
+//! Light may arrive by several paths, and at points without glass in front: searches begin where
+//! [photons](super::photons) have left the glass, and if none of them finds a path, towards the light.
 //!
-//! Deviations: ways whose starts photons miss are left out (those that meet in a point, as on the axis of a ball), and light that is
-//! reflected within glass or on it. A light of a size sends from each point of a disc that faces the glass.
+//! Deviations: paths whose starts photons miss are left out (those that meet in a point, as on the axis of a ball), and
+//! light reflected within glass or on it. A light with a size emits from each point of a disc that faces the glass.
 
 use glam::{Mat2, Vec2, Vec3};
 use halfdome_kernel::Ray;
