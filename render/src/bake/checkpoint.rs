@@ -134,7 +134,7 @@ impl Checkpoint {
                 (shard.first_chunk().ok_or_else(damaged)?, shard.last_chunk().ok_or_else(damaged)?);
             if is_whole == 0 {
                 let problem = format!("{name} was stopped before its end");
-                return Err(Invalid::new(problem, "go on with it: the same command with --resume"));
+                return Err(Invalid::new(problem, "continue it: the same command with --resume"));
             }
             shards.push((name.clone(), Shard { number, count }));
             all.append(&mut entries);

@@ -172,7 +172,7 @@ impl Cache {
         match expected.and_then(|expected| expected.checked_add(CHECKSUM)) {
             Some(expected) if expected == rest.0.len() => {}
             Some(expected) if expected < rest.0.len() => {
-                return Err(CacheFileError::new("goes on after its end", again));
+                return Err(CacheFileError::new("has bytes after its end", again));
             }
             _ => return Err(cut()),
         }

@@ -80,14 +80,14 @@ impl ErrorEstimate {
     }
 }
 
-/// What to say where an error that was asked for was not reached by the estimate; both are relative to the mean. What both
-/// round to is told as reached.
+/// The warning where the estimate exceeds the requested error; both are relative to the mean. What both round to is
+/// told as reached.
 pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
     let hundredths = |part: f32| (1e4 * part).round();
     (hundredths(estimated) > hundredths(asked)).then(|| {
         format!(
-            "the accuracy that was asked for is not reached: the error is {:.2}% of the mean light, estimated, and {}% was \
-             asked for; --cache-error and --record-rays in place of --accuracy ask for more and smaller records",
+            "the requested accuracy is not reached: the estimated error is {:.2}% of the mean light, and {}% was \
+             requested; --cache-error and --record-rays in place of --accuracy give more and smaller records",
             100.0 * estimated,
             hundredths(asked) / 100.0
         )

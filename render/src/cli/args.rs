@@ -20,7 +20,7 @@ pub(super) use film::{FilmArguments, is_film, shard};
 pub(super) use sequence::SequenceArguments;
 use sequence::numbered;
 
-/// What overrides the scene, with the picture's size in one word.
+/// Overrides of the scene, with the picture's size in one word.
 #[derive(Args, Clone, Debug)]
 pub(super) struct OverrideArguments {
     /// Pixels across and down, for example 1280x720 [default: 512x512]
@@ -48,7 +48,7 @@ pub(super) struct RenderArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     pub(super) scene: PathBuf,
 
-    /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to go on with or to
+    /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to resume or to
     /// merge); can be given several times [default: the scene's name with .exr and .png, in the current folder]
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     pub(super) overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 
@@ -72,21 +72,21 @@ pub(super) struct RenderArguments {
     #[arg(value_parser = square)]
     pub(super) progressive: Option<u32>,
 
-    /// Denoise the picture by oidn (Intel's Open Image Denoise 2, which must be on this machine) or nlm (built in); the
-    /// EXR keeps the noisy colours as Noisy.R, Noisy.G and Noisy.B
+    /// Denoise the picture by oidn (Intel's Open Image Denoise 2, which must be installed) or nlm (built in); the EXR
+    /// keeps the noisy colours as Noisy.R, Noisy.G and Noisy.B
     #[arg(long, value_name = "METHOD", value_parser = denoiser())]
     pub(super) denoise: Option<Denoiser>,
 
-    /// Write what the render took and gave to a file of JSON: scene, options, times, rays, errors
+    /// Write statistics as JSON: scene, options, times, rays, errors
     #[arg(long, value_name = "FILE", help_heading = "Statistics")]
     pub(super) stats_json: Option<PathBuf>,
 
-    /// Write the same to look at, with the picture and its error against time and place: one file (.html)
+    /// Write an HTML report: the same statistics, the picture, its error against time and over the picture
     #[arg(long, value_name = "FILE", help_heading = "Statistics")]
     pub(super) report: Option<PathBuf>,
 
-    /// Show the picture while it grows in tev, a viewer that must be running, here or elsewhere [default: off; without an
-    /// address that on this machine]
+    /// Show the growing picture in tev, a viewer that must be running, here or elsewhere [default: off; without an
+    /// address on this machine]
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = tev::ADDRESS)]
     pub(super) tev: Option<String>,
 
@@ -98,7 +98,7 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     pub(super) sequence: SequenceArguments,
 
-    /// When it ends, and how it goes on.
+    /// Limits, checkpoints and shards.
     #[command(flatten)]
     pub(super) film: FilmArguments,
 }
@@ -116,7 +116,7 @@ pub(super) struct ToneArguments {
     tone: ToneCurve,
 }
 
-/// How a command runs, whatever it does.
+/// Options of all commands: threads and progress.
 #[derive(Args, Clone, Debug)]
 pub(super) struct CommonArguments {
     /// Number of threads; results are the same for any number [default: one per core]
@@ -183,7 +183,7 @@ impl RenderArguments {
         Ok(one)
     }
 
-    /// The files that tell of the render.
+    /// The report and statistics files.
     pub(super) fn reports(&self) -> impl Iterator<Item = &PathBuf> {
         self.stats_json.iter().chain(&self.report)
     }

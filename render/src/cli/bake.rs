@@ -38,7 +38,7 @@ const BYTES: u64 = 150;
 /// ... and those with a cache.
 const CACHED_BYTES: u64 = 270;
 
-/// What `halfdome bake` takes.
+/// The arguments of `halfdome bake`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct BakeArguments {
     /// A model (.glb, .gltf, .obj, .ply), a scene file (.toml), or `cornell` for the built-in scene
@@ -76,7 +76,7 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "D", value_parser = positive)]
     ao_distance: Option<f32>,
 
-    /// Denoise the maps, within each chart
+    /// Denoise the maps, each chart on its own
     #[arg(long)]
     denoise: bool,
 
@@ -127,13 +127,13 @@ pub(super) struct BakeArguments {
     #[arg(long)]
     resume: bool,
 
-    /// Find what shard K of N, 1 to N, of the texels needs no irradiance cache for, and write it as a state (-o PART.state):
-    /// direct light, ambient occlusion, all with --brute. `halfdome merge` makes one state of all; with that beside the
+    /// Bake shard K of N, 1 to N, of the texels without an irradiance cache, and write a state (-o PART.state): direct
+    /// light, ambient occlusion, all light with --brute. `halfdome merge` joins the states; with the result beside the
     /// output, --resume does the rest
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
     shard: Option<Shard>,
 
-    /// Write a report to look at: one file (.html) with charts, density, records and errors
+    /// Write an HTML report: charts, density, records and errors
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
@@ -143,7 +143,7 @@ pub(super) struct BakeArguments {
 }
 
 impl BakeArguments {
-    /// What the bake depends on; `eye` is where the file's camera stands, `seed` that of the scene file.
+    /// The bake's options; `eye` is the position of the file's camera, `seed` the scene file's.
     fn options(&self, eye: Option<Vec3>, seed: u64) -> Result<BakeOptions, CliError> {
         Ok(BakeOptions {
             mode: self.mode,

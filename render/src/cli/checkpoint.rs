@@ -56,7 +56,7 @@ impl Checkpoint {
         if let Err(error) = self.file.write(&film.encode())
             && !self.has_failed.swap(true, Ordering::Relaxed)
         {
-            print_warning(style, &format!("the checkpoint was not written; the render goes on: {error}"));
+            print_warning(style, &format!("the checkpoint was not written; the render continues: {error}"));
         }
         self.due.store(milliseconds(self.start.elapsed() + self.interval), Ordering::Relaxed);
     }

@@ -15,7 +15,7 @@ use super::{inputs, interrupt, memory};
 use crate::denoise::{DenoiseError, Method};
 use crate::output;
 
-/// What `halfdome denoise` takes.
+/// The arguments of `halfdome denoise`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct DenoiseArguments {
     /// The noisy picture (.exr), best with the channels that `halfdome render --aov --aov-through` writes
@@ -26,7 +26,7 @@ pub(super) struct DenoiseArguments {
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 
-    /// Denoise by oidn (Intel's Open Image Denoise 2) or nlm (built in) [default: oidn if it is on this machine, else nlm]
+    /// Denoise by oidn (Intel's Open Image Denoise 2) or nlm (built in) [default: oidn if it is installed, else nlm]
     #[arg(long = "with", value_name = "METHOD", value_parser = denoiser())]
     with: Option<Denoiser>,
 

@@ -1,6 +1,6 @@
 //! The help text after the options.
 
-/// What the codes mean.
+/// The meanings of exit codes.
 pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0  done
@@ -10,19 +10,19 @@ Exit codes:
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
      `bake` the state for --resume; `cubemap`, `denoise`,
      `probes` and `irradiance` write nothing
-  4  `render` ended at a limit and not at its target: --time before all
+  4  `render` ended at a limit before its target: --time before all
      samples, or --spp or --time before the error of --noise; the picture
      is written
   5  an experiment of `validate` or a check of `bake --check-uv` failed
   A second Ctrl-C ends the program at once, with code 130 and no picture.";
 
-/// Of the program.
+/// Examples of the program.
 pub(super) const EXAMPLES: &str = "\
 Examples:
   halfdome                              render the built-in Cornell box
   halfdome render room.glb              a model, to room.exr and room.png
   halfdome render room.toml --spp 1024  a scene file, with more samples
-  halfdome info room.glb                what is in a model
+  halfdome info room.glb                the contents of a model
   halfdome bake level.glb -o level.baked.glb --preset three";
 
 /// Of `halfdome render`.

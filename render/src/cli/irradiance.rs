@@ -25,14 +25,14 @@ use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
 use crate::settings::Shard;
 use crate::world::LookFrom;
 
-/// What `halfdome irradiance` takes.
+/// The arguments of `halfdome irradiance`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct IrradianceArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Their
-    /// order decides where records go, so another order changes values, within the cache's error
+    /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Records
+    /// depend on their order, so another order changes values, within the cache's error
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
 
@@ -48,8 +48,7 @@ pub(super) struct IrradianceArguments {
     #[arg(long, value_name = "N", conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
-    /// Leave direct light out; what remains is reflected by surfaces, or comes from the sky without the sun of its
-    /// environment map
+    /// Leave direct light out: only light reflected by surfaces, and the sky without the sun of its environment map
     #[arg(long)]
     indirect: bool,
 
@@ -57,8 +56,8 @@ pub(super) struct IrradianceArguments {
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
-    /// Find the light of shard K of N, 1 to N, alone: every N-th sensor. `halfdome merge` puts the files of all shards (-o)
-    /// together. A cache is filled for all sensors in each; --cache saves that
+    /// Compute only shard K of N, 1 to N: every N-th sensor. `halfdome merge` joins the files of all shards (-o). Each
+    /// shard fills a cache for all sensors; --cache avoids that
     #[arg(long, value_name = "K/N", value_parser = shard, requires = "output")]
     shard: Option<Shard>,
 

@@ -62,7 +62,7 @@ impl Job {
 /// The estimated error beside the accuracy that was asked for.
 pub(super) fn accuracy_text(asked: f32, estimated: f32) -> String {
     let [asked, estimated] = [asked, estimated].map(|part| 100.0 * part);
-    format!("error: {estimated:.2}% of the mean, estimated at held-out points; {asked}% was asked for")
+    format!("error: {estimated:.2}% of the mean, estimated at held-out points; {asked}% was requested")
 }
 
 impl Outcome<'_> {

@@ -23,8 +23,8 @@ pub(super) struct MergeArguments {
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
 
-    /// File to write: of films a picture (.exr, .png) if no part is missing, or a film (.hdf), and this can be given several
-    /// times; of bakes a state (.state); of irradiance a text
+    /// File to write: for films a picture (.exr, .png) if no part is missing, or a film (.hdf), can be given several
+    /// times; for bakes a state (.state); for irradiance a text
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 

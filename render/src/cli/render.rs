@@ -91,7 +91,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     let has_aovs =
         wants_aov || settings.light_groups || !settings.aovs.is_empty() || !settings.cryptomatte.kinds.is_empty();
     if has_aovs && film_path.is_none() && arguments.tev.is_none() && !paths.iter().any(|path| is_exr(path)) {
-        let warning = "AOVs are asked for, but PNG has none: name an .exr (-o) to have them";
+        let warning = "AOVs were requested, but PNG has none: add an .exr output (-o)";
         scene.warnings.push(warning.to_owned());
     }
     let [stats_file, report_file] = [&arguments.stats_json, &arguments.report]

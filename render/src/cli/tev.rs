@@ -80,7 +80,7 @@ impl Tev {
         if let Some(viewer) = place.as_mut()
             && let Err(error) = work(viewer)
         {
-            print_warning(self.style, &format!("tev is gone, the render goes on without it: {error}"));
+            print_warning(self.style, &format!("tev is gone, the render continues without it: {error}"));
             *place = None;
         }
     }

@@ -76,7 +76,7 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
     let mut options = vec![
         ("the pixel filter".to_owned(), format!("{filter:?}")),
         ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
-        (format!("what the integrator {} is told", integrator.name()), format!("{integrator:?}")),
+        (format!("the options of the integrator {}", integrator.name()), format!("{integrator:?}")),
     ];
     if *aov_through {
         options.push(("what AOVs show".to_owned(), "what mirrors and clear glass show".to_owned()));

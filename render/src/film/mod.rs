@@ -112,7 +112,7 @@ impl Film {
             None => Ok(()),
             Some(tile) => Err(FilmError::new(
                 format!("the film begins with sample {}, not {first}", tile.samples.start),
-                "go on with the film of the same samples",
+                "resume the film of the same samples",
             )),
         }
     }

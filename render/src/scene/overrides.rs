@@ -88,15 +88,15 @@ options! {
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov: bool = value::flag, in "film";
-        /// With --aov: where the first surface is a mirror or clear glass, the channels are of what it shows, as --denoise has
-        /// them
+        /// With --aov: where the first surface is a mirror or clear glass, use the surfaces seen through it, as
+        /// --denoise does
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov_through: bool = value::flag, in "film";
         /// Add Cryptomatte 1.2 masks to the EXR: object, material or both, as object,material
         #[arg(value_name = "KINDS", help_heading = "Film")]
         cryptomatte: MatteKinds = value::matte_kinds, in "film";
-        /// How many names a pixel has in a Cryptomatte at most [default: 6]
+        /// Most names of a pixel in a Cryptomatte [default: 6]
         #[arg(value_name = "N", help_heading = "Film")]
         cryptomatte_levels: u32 = value::matte_levels, in "film";
         /// Add an AOV of the light of each light group to the EXR: of lights by their names, or by their keys `group`
@@ -113,8 +113,8 @@ options! {
         /// [default: skip them]
         #[arg(value_name = "R", help_heading = "Model", allow_negative_numbers = true)]
         point_radius: f32 = value::length, in "scene";
-        /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have
-        /// over a million triangles [default: auto]
+        /// Store repeated meshes of the model once: always, never, or auto, where copies would have over a million
+        /// triangles [default: auto]
         #[arg(value_name = "WHEN", help_heading = "Model")]
         instances: Sharing = value::sharing, in "scene";
     }

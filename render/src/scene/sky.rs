@@ -1,7 +1,7 @@
 //! The sky: constant radiance, or a picture of all directions.
 //!
 //! A picture is equirectangular: its top row is around +y, its middle column towards -z, which is where glTF's cameras
-//! look, and its right half towards +x. Here texels have constant radiance; lookups interpolate.
+//! look, and its right half towards +x. Rendering interpolates between texels.
 
 use std::f64::consts::PI;
 use std::io::BufReader;

@@ -1,8 +1,8 @@
 //! The layer that is shown, and the mapping of its values to colours.
 //!
 //! Radiance is shown as in PNG files, by the same code. Vectors are shown as `(n + 1) / 2`, positions relative to the
-//! scene's box, motion relative to twice the longest vector, counts and depths by false colours up to their 99th
-//! percentile, and ids by distinct colours.
+//! scene's box, motion vectors `v` with the longest `m` as `(v / m + 1) / 2`, counts and depths by false colours up to
+//! their 99th percentile, and ids by distinct colours.
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -186,7 +186,7 @@ fn an_accuracy_that_was_not_reached_is_told() {
         let missed = |options: &str| {
             let outcome = program.run_line(&format!("bake level.gltf -o out.gltf --size 16 {options} --progress none"));
             assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-            outcome.stderr.contains("warning: the accuracy that was asked for is not reached: the error is ")
+            outcome.stderr.contains("warning: the requested accuracy is not reached: the estimated error is ")
         };
         assert!(missed("--mode direct --accuracy 0.01%"));
         assert!(!missed("--mode direct --accuracy 20%"));

@@ -29,9 +29,9 @@ use crate::world::{LookFrom, World};
 /// What `halfdome cache` takes.
 #[derive(Subcommand, Clone, Debug)]
 pub(super) enum CacheCommand {
-    /// Fill a cache for what the camera sees, and write it
+    /// Fill a cache for the camera's view, and write it
     Build(Box<BuildArguments>),
-    /// Show what is in a cache
+    /// Show the contents of a cache
     Info(InfoArguments),
     /// Merge caches of the same scene and options
     Merge(MergeArguments),
@@ -49,7 +49,7 @@ pub(super) struct BuildArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Start from this cache of the same scene and options, and add what is missing
+    /// Start from this cache of the same scene and options, and add missing records
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 

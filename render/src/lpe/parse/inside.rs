@@ -36,7 +36,11 @@ impl Parser<'_> {
                 let at = self.at;
                 let choice = self.part(read)?;
                 if excludes && !matches!(choice, Choice::Is(_)) {
-                    return self.fail(at, "only symbols can be excluded", "name what is not meant, for example [^DG]");
+                    return self.fail(
+                        at,
+                        "only symbols can be excluded",
+                        "name the excluded symbols, for example [^DG]",
+                    );
                 }
                 choices.push(choice);
             }

@@ -206,7 +206,7 @@ fn parse(
     let version = asset.map(|asset| asset.version);
     if !version.as_deref().is_some_and(|version| version == "2" || version.starts_with("2.")) {
         let problem = version.map_or_else(
-            || "it tells no glTF version".to_owned(),
+            || "it has no glTF version".to_owned(),
             |version| format!("its version is {version:?}, which is not 2"),
         );
         return Err(SceneError::new(path, Place::Part("asset".to_owned()), problem, "export the model as glTF 2.0"));

@@ -13,7 +13,7 @@ pub(crate) trait Source {
     fn read<T>(&self, reading: fn(&Value) -> Result<T, Expected>) -> Result<T, Self::Error>;
 }
 
-/// What counts behind something that may be set: options and groups of them have this as a method of their own.
+/// Fallback of options and groups of them: a method of each.
 pub(super) trait Or {
     fn or(self, fallback: Self) -> Self;
 }
