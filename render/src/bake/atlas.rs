@@ -48,9 +48,9 @@ pub struct Part {
     pub vertices: Vec<Vertex>,
     /// Three indices into `vertices` each, in the order of the mesh's corners.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle its number in the mesh.
+    /// The index of each triangle in the mesh.
     pub faces: Vec<u32>,
-    /// For each triangle its chart; [`NO_CHART`] if it has no area.
+    /// The chart of each triangle; [`NO_CHART`] if it has no area.
     pub charts: Vec<u32>,
     /// Where its coordinates come from.
     pub layout: Layout,

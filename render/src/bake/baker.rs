@@ -65,7 +65,7 @@ impl BakedTexels {
         self.values.layers()
     }
 
-    /// Those of each texel.
+    /// The values of each texel.
     pub(super) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
         self.values.texels()
     }

@@ -33,9 +33,9 @@ pub struct Check {
     pub crowded: u64,
     /// Charts that are stretched, or much denser or less dense than the median.
     pub stretched: Vec<usize>,
-    /// For each part, what no texel can light.
+    /// The triangles of each part without a texel.
     pub lost: Vec<Lost>,
-    /// For each page the texels that overlap, as indices.
+    /// The overlapping texels of each page, as indices.
     pub overlapping_texels: Vec<Vec<u32>>,
 }
 
@@ -51,11 +51,11 @@ pub struct Overlap {
 /// Triangles of a part that have an area in space, but none on its page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lost {
-    /// With coordinates that are not finite.
+    /// Triangles with coordinates that are not finite.
     pub not_finite: u64,
-    /// With coordinates that are not from 0 to 1.
+    /// Triangles with coordinates outside 0..=1.
     pub outside: u64,
-    /// With coordinates that are a line or a point.
+    /// Triangles whose coordinates have no area.
     pub no_area: u64,
 }
 

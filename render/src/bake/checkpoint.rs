@@ -203,7 +203,7 @@ impl Checkpoint {
 /// Irradiance records in a checkpoint.
 pub(super) struct CheckpointedRecords<'a> {
     pub(super) checkpoint: &'a Checkpoint,
-    /// Of which cache they are.
+    /// The cache that they belong to.
     pub(super) stage: Stage,
 }
 

@@ -36,7 +36,7 @@ pub struct ErrorSummary {
 }
 
 impl ErrorSummary {
-    /// That of a list of errors; zeros of none.
+    /// The summary of a list of errors; zeros if it is empty.
     pub(super) fn of(mut errors: Vec<f32>) -> Self {
         let Some(last) = errors.len().checked_sub(1) else { return Self::default() };
         errors.sort_unstable_by(f32::total_cmp);
@@ -50,7 +50,7 @@ impl ErrorSummary {
         }
     }
 
-    /// For people.
+    /// The summary as text.
     pub fn text(&self) -> String {
         let Self { median, percentile_95, above_5_percent, .. } = self;
         let [median, most, large] = [median, percentile_95, above_5_percent].map(|part| 100.0 * part);

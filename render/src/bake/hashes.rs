@@ -11,15 +11,15 @@ use crate::scene::{Mesh, Scene};
 /// Hashes, 64 bits each, of what a bake depends on.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hashes {
-    /// Of all options.
+    /// The hash of all options.
     pub options: Hash,
-    /// Of all materials.
+    /// The hash of all materials.
     pub materials: Hash,
-    /// Of delta lights.
+    /// The hash of delta lights.
     pub lights: Hash,
-    /// Of the sky.
+    /// The hash of the sky.
     pub sky: Hash,
-    /// Of each mesh, with its name, in the scene's order.
+    /// The hash of each mesh, with its name, in the scene's order.
     pub meshes: Vec<(String, Hash)>,
 }
 

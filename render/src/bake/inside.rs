@@ -18,7 +18,7 @@ use crate::world::{Bodies, Hit, Side, World};
 
 /// Rays by which a viewpoint is judged.
 pub(super) const RAYS: u32 = 256;
-/// Of these one inside loses at most this part.
+/// The greatest part of rays without a hit at a viewpoint inside.
 const OPEN: f32 = 0.2;
 /// At most this part of them end on backs.
 const BACKS: f32 = 0.5;

@@ -29,7 +29,7 @@ pub struct Manifest {
     pub exposure: f32,
     /// The seed of the random numbers.
     pub seed: u64,
-    /// From what it was made.
+    /// Hashes of the inputs.
     pub made_from: Hashes,
     /// The pages, which [`SurfaceEntry::page`] counts from 0.
     pub pages: Vec<PageEntry>,

@@ -96,7 +96,7 @@ pub struct Bake {
 /// The map of a page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// Irradiance, and what else was asked for.
+    /// Irradiance and the requested moments.
     pub layers: Vec<Layer>,
     /// The chart of each texel, [`NO_CHART`] outside of all; gutters belong to their chart.
     pub owners: Vec<u32>,
@@ -307,7 +307,7 @@ pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     texels * (1 + u64::from(by_cache) + u64::from(by_cache && options.cache.bounces.is_none()))
 }
 
-/// For each page what is known of its texels.
+/// The data of each page's texels.
 fn page_texels(atlas: &Atlas, lit: &[Texel], covered: &[Texel]) -> Vec<PageTexels> {
     let grid = |page: &atlas::Page| PageTexels {
         page: *page,

@@ -83,7 +83,7 @@ pub enum Coordinates {
     New,
 }
 
-/// For whom a bake is written.
+/// The engine that a bake is written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Bevy: E/π as KTX2 in half floats.

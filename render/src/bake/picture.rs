@@ -38,7 +38,7 @@ pub fn charts_picture(atlas: &Atlas, check: &Check, page: usize) -> Vec<u8> {
 /// A colour for a chart, never red: hues a golden angle apart.
 pub(crate) fn color(chart: u32) -> [u8; 3] {
     let hue = f64::from(chart) * 0.618_033_988_749_895;
-    // From 40 to 320 degrees.
+    // Hues from 40 to 320 degrees.
     let hue = (hue - hue.floor()) * 280.0 + 40.0;
     let value = [1.0, 0.8, 0.6][chart as usize / 7 % 3];
     [5.0, 3.0, 1.0].map(|shift: f64| {

@@ -16,7 +16,7 @@ const NOTHING: u32 = u32::MAX;
 pub(super) struct TexelIrradiance<'a> {
     surfaces: &'a Surfaces<'a>,
     texels: &'a [Texel],
-    /// For each page the number of each texel among all with light.
+    /// The index of each page's texels among all texels with light.
     numbers: Vec<Vec<u32>>,
     irradiance: Vec<Option<Vec3>>,
 }

@@ -177,7 +177,7 @@ fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).ok()
 }
 
-/// For each mesh and triangle, which sides are creases.
+/// Whether each side is a crease, by mesh and triangle.
 fn creases(scene: &Scene, edges: &[SharedEdge]) -> Vec<Vec<[bool; 3]>> {
     let mut creases: Vec<Vec<[bool; 3]>> =
         scene.meshes.iter().map(|mesh| vec![[false; 3]; mesh.triangles.len()]).collect();

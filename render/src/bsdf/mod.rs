@@ -83,7 +83,7 @@ impl<B: Bsdf> Scattering<B> {
         self.closure.albedo(self.shading.frame().to_local(self.wo))
     }
 
-    /// That of diffuse reflection alone.
+    /// The albedo of diffuse reflection alone.
     #[inline]
     pub(crate) fn diffuse_albedo(&self) -> Vec3 {
         self.closure.diffuse_albedo(self.shading.frame().to_local(self.wo))

@@ -46,7 +46,7 @@ impl Group {
 }
 
 impl Cones {
-    /// Of points along a curve, with finite places.
+    /// The tree of points along a curve, with finite positions.
     pub(super) fn new(points: Vec<(Vec3, f32)>) -> Self {
         let mut levels: Vec<Vec<Group>> = vec![points.chunks(WIDTH).map(Group::of).collect()];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {

@@ -15,7 +15,7 @@ use super::record::Record;
 const LARGE: f32 = 0.25;
 /// The light around counts as at least this part of the mean of all records: nobody sees by how much the dark is wrong.
 const DARK: f32 = 0.1;
-/// By how many standard errors records may differ.
+/// The number of standard errors by which records may differ.
 const DEVIATIONS: f32 = 3.0;
 /// The part of irradiance by which they may differ besides: gradients do not tell all of what is between them.
 const TOLERANCE: f32 = 0.1;

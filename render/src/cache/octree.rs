@@ -127,7 +127,7 @@ impl Octree {
 }
 
 impl Block {
-    /// Of at most four spheres.
+    /// A block of at most four spheres.
     fn new(entries: &[Entry]) -> Self {
         let of =
             |value: fn(&Entry) -> f32| Vec4::from_array(std::array::from_fn(|i| entries.get(i).map_or(0.0, value)));

@@ -36,9 +36,9 @@ pub(crate) struct Weighting {
     pub(crate) metric: Metric,
     /// Ward's `a`.
     pub(crate) error: f32,
-    /// By how much more a record is worth than when records are placed: at least 1.
+    /// The stretch of radii relative to the placing of records: at least 1.
     pub(crate) stretch: f32,
-    /// By how many times more `1 - c` may be: at least 1.
+    /// The stretch of the limit on `1 - c`: at least 1.
     pub(crate) turn: f32,
 }
 

@@ -14,7 +14,7 @@ use super::FilmPoint;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panorama {
     width: f64,
-    /// Of each eye's part.
+    /// The height of each eye's part.
     height: f64,
     /// Half the distance of the eyes; `None` for one eye.
     half_distance: Option<f64>,

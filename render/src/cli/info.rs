@@ -28,7 +28,7 @@ use crate::world::World;
 struct Info {
     scene: String,
     meshes: usize,
-    /// Those of instances included.
+    /// All triangles, with those of instances.
     triangles: usize,
     #[serde(flatten)]
     shared: Shared,

@@ -5,7 +5,7 @@ use std::time::Duration;
 /// The caches of a bake, of which the last may be filled several times.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Coverage {
-    /// Those that are not done.
+    /// The number of unfinished caches.
     caches: u32,
     /// The texels that each serves.
     texels: u64,
@@ -18,7 +18,7 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// Of so many caches, each of which serves so many texels.
+    /// The pace of `caches` caches, each for `texels` texels.
     pub(super) fn new(caches: u32, texels: u64, again: bool) -> Self {
         Self { caches, texels, again, before: 0, most: 0 }
     }

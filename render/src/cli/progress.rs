@@ -205,7 +205,7 @@ fn bar(total: u64) -> ProgressBar {
 }
 
 fn bar_style(total: u64) -> ProgressStyle {
-    // Of an unknown number there are no parts.
+    // Without a known total there is no fraction.
     let style = ProgressStyle::with_template(match total {
         0 => "{elapsed_precise} {spinner} {msg}",
         _ => "{elapsed_precise} [{wide_bar}] {percent:>3}%  {msg}",

@@ -61,9 +61,9 @@ pub(super) struct SceneFacts {
     /// Equal for scenes that give equal pictures, hexadecimal.
     pub(super) hash: String,
     pub(super) meshes: usize,
-    /// Those of instances included.
+    /// All triangles, with those of instances.
     pub(super) triangles: usize,
-    /// Those in memory.
+    /// Triangles in memory.
     pub(super) stored_triangles: usize,
     pub(super) objects: usize,
     pub(super) instances: usize,
@@ -83,7 +83,7 @@ pub(super) struct Options {
     pub(super) seed: u64,
     pub(super) sampler: String,
     pub(super) integrator: &'static str,
-    /// Of the error, relative; `None` if all samples were asked for.
+    /// The relative error to reach; `None` if all samples were requested.
     pub(super) target: Option<f64>,
 }
 
@@ -106,7 +106,7 @@ pub(super) struct RayFacts {
     pub(super) preparation: u64,
     pub(super) camera: u64,
     pub(super) bounce: u64,
-    /// Those of ambient occlusion too.
+    /// Shadow rays, with those of ambient occlusion.
     pub(super) shadow: u64,
 }
 

@@ -19,7 +19,7 @@ pub(super) enum End {
     Done,
     /// At a limit.
     Limit,
-    /// By a signal.
+    /// The run was interrupted by a signal.
     Interrupted,
 }
 

@@ -60,7 +60,7 @@ impl Square {
 }
 
 impl Pyramid {
-    /// Of the texels of a grid whose side is a power of two.
+    /// The pyramid of the texels of a grid whose side is a power of two.
     pub(super) fn new(grid: TexelGrid, texels: &[Vec3]) -> Self {
         let mut levels: Vec<Vec<Square>> = Vec::new();
         let mut side = grid.size;

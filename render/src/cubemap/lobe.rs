@@ -37,12 +37,12 @@ named!(Mapping: Linear = "linear", Sqrt = "sqrt");
 /// A lobe about a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lobe {
-    /// By roughness, more than 0 and at most 1.
+    /// GGX by roughness, more than 0 and at most 1.
     Ggx {
         /// As artists set it: the square root of the distribution's `α`.
         roughness: f64,
     },
-    /// By a power of the cosine, at least 1; 1 gives irradiance over π.
+    /// A power of the cosine, at least 1; 1 gives irradiance over π.
     Phong {
         /// The power.
         power: f64,

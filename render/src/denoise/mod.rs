@@ -141,7 +141,7 @@ impl Method {
     }
 }
 
-/// Of a pixel, in [`Channels`].
+/// Bytes of a pixel in [`Channels`].
 const CHANNEL_BYTES: u64 = 4 * (3 + 6 + 3 + 9);
 
 const COLORS: [&str; 3] = ["R", "G", "B"];

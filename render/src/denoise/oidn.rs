@@ -15,7 +15,7 @@ use crate::watch::Watch;
 
 /// Steps in which progress is told.
 const STEPS: u64 = 1000;
-/// Of three filters: albedo, normal, colour.
+/// The work of three filters: albedo, normal, colour.
 pub(super) const WORK: u64 = 3 * STEPS;
 
 /// Bytes that a pixel takes: four images of three numbers and their copies, and what the library takes, about.

@@ -27,7 +27,7 @@ struct Branch {
     weight: Vec3,
 }
 
-/// Of the first surface.
+/// The features of the first surface.
 pub(super) fn first(world: &World, ray: &Ray, hit: &Hit) -> Features {
     if !hit.is_hit() {
         return Features::default();
@@ -42,7 +42,7 @@ pub(super) fn first(world: &World, ray: &Ray, hit: &Hit) -> Features {
     }
 }
 
-/// Of what the first surface shows, if it is a mirror or clear glass; with albedos as these tint them.
+/// The features of the surfaces seen through the first one, if it is a mirror or clear glass; with tinted albedos.
 pub(super) fn through(world: &World, ray: &Ray, hit: &Hit) -> Features {
     follow(world, ray, hit, 0)
 }

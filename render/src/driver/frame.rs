@@ -40,7 +40,7 @@ pub(super) struct TileScratch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    /// Of each ray the AOVs by light path expressions.
+    /// The AOVs by light path expressions of each ray.
     light: Vec<Vec3>,
     scratch: Scratch,
 }
@@ -55,7 +55,7 @@ pub(super) struct FrameRender {
     /// If it moves.
     moving_camera: Option<MovingCamera>,
     filter: FilterSampler,
-    /// Of each Cryptomatte layer.
+    /// The ids of each Cryptomatte layer.
     mattes: Vec<MatteIds>,
     /// If anything moves.
     motion: Option<MotionVectors>,
@@ -143,7 +143,7 @@ impl FrameRender {
                     tile.add_blind(number, sample, &filter);
                     continue;
                 }
-                // Those that see something move up.
+                // Samples that hit something move up.
                 samplers[film.len()] = samplers[i];
                 if !times.is_empty() {
                     times[film.len()] = times[i];

@@ -7,7 +7,7 @@ use crate::world::{Hit, World};
 /// The ids of one layer.
 pub(super) struct MatteIds {
     kind: MatteKind,
-    /// Of objects or materials, by their numbers.
+    /// The ids of objects or materials, by index.
     ids: Vec<u32>,
 }
 

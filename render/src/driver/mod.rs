@@ -40,7 +40,7 @@ pub struct Render {
     pub film: Film,
     /// Whether nobody stopped it.
     pub finished: bool,
-    /// Whether the error that was asked for is reached in all of the picture; true if none was.
+    /// Whether the requested error is reached in the whole picture; true if none was requested.
     pub is_precise: bool,
     /// Rays traced.
     pub rays: u64,
@@ -59,11 +59,11 @@ pub struct Render {
 pub struct RaysByKind {
     /// Before the first sample: those that fill an irradiance cache, or train a guide.
     pub preparation: u64,
-    /// From the camera.
+    /// Camera rays.
     pub camera: u64,
-    /// From surfaces, to find what is there.
+    /// Rays from surfaces to the nearest hit.
     pub bounce: u64,
-    /// From surfaces, to find whether anything is in the way: to lights, and those of ambient occlusion.
+    /// Occlusion rays from surfaces: to lights, and those of ambient occlusion.
     pub shadow: u64,
 }
 

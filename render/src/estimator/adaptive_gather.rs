@@ -12,12 +12,12 @@ use crate::world::World;
 
 /// The most rays of a gather.
 const MOST_RAYS: u32 = 1 << 15;
-/// By how much a variance may be above what is asked for.
+/// The ratio by which a variance may exceed the requested one.
 const SLACK: f32 = 1.25;
 
 /// Makes gathers of one number of rays, or of as many as they need.
 pub(crate) struct AdaptiveGatherer {
-    /// Of twice as many rays each time.
+    /// Gatherers with twice as many rays each.
     gatherers: Vec<Gatherer>,
     /// The standard error that is small enough, in W/m².
     tolerance: f32,

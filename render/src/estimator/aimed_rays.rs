@@ -50,7 +50,7 @@ pub(crate) struct FoundLit {
     /// A unit vector.
     pub direction: Vec3,
     pub distance: f32,
-    /// Of the triangle, towards the point.
+    /// The triangle's normal on the side of the point.
     pub normal: Vec3,
     /// Radiance times solid angle; its mean over many rays is what they all find.
     pub flux: Vec3,

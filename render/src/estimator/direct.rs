@@ -24,7 +24,7 @@ use crate::world::{Hit, Surface, World};
 
 /// Light that a surface reflects if `ray` is not occluded.
 pub(crate) struct ShadowRay {
-    /// From the surface to the light.
+    /// The shadow ray from the surface to the light.
     pub ray: Ray,
     /// The unit vector by which the surface receives it. That of the ray is another, as its ends are moved: far from the origin by
     /// much.

@@ -42,7 +42,7 @@ pub(crate) struct IncidentSampler {
     values: Vec<Vec3>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    /// Of their directions, and the surfaces that they leave.
+    /// The densities of the scattered rays, and the surfaces that they leave.
     scattered: Vec<(f32, Receiver)>,
 }
 

@@ -17,7 +17,7 @@ use crate::world::{Hit, Surface, World, interpolate};
 
 /// A ray to a point of a lit triangle.
 pub(crate) struct AimedRay {
-    /// With a unit direction and no end.
+    /// A ray with a unit direction and no end.
     pub ray: Ray,
     pub prim_id: u32,
     /// The reciprocal of its density per solid angle.

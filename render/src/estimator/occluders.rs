@@ -116,7 +116,7 @@ fn borders(number: usize) -> [Vec2; 2] {
 #[inline]
 pub(crate) fn sector(local: Vec2) -> usize {
     const { assert!(SECTORS == 16) };
-    // Of 22.5, 45 and 67.5 degrees.
+    // Tangents of 22.5, 45 and 67.5 degrees.
     const TANGENTS: [f32; 3] = [0.414_213_57, 1.0, 2.414_213_7];
     let (x, y) = (local.x.abs(), local.y.abs());
     let within_quadrant = TANGENTS.iter().filter(|&&tangent| y >= tangent * x).count();

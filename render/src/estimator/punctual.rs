@@ -24,7 +24,7 @@ use crate::world::{BentLight, Between, LightEnd, Surface, World};
 pub(super) struct PunctualSample {
     /// Unit vector.
     pub direction: Vec3,
-    /// From the surface to the light, what is left of it behind panes.
+    /// The shadow ray from the surface to the light, or its part behind panes.
     pub shadow: Ray,
     /// Radiance over density; of a delta light, irradiance on what faces it.
     pub received: Vec3,
@@ -145,7 +145,7 @@ pub(super) fn seen(ray: &Ray, t_max: f32, light: &PunctualLight) -> Option<Seen>
     let (distance, radiance) = match *light {
         PunctualLight::Directional { direction: axis, irradiance, half_angle } => {
             let sin = half_angle.sin();
-            // By the chord, as a cosine near 1 is not exact.
+            // Compares chords, as a cosine near 1 is inexact.
             let is_in = (direction + axis).length_squared() < 4.0 * (0.5 * half_angle).sin().powi(2);
             (is_in && t_max == f32::INFINITY).then(|| (f32::INFINITY, irradiance / (PI * sin * sin)))?
         }

@@ -11,7 +11,7 @@ pub struct Merger {
     sum: Option<Film>,
     /// What messages call the parts.
     names: Vec<String>,
-    /// Of each tile, the samples that it has and which part's they are.
+    /// The samples of each tile, and the parts that they come from.
     ranges: Vec<Vec<(Range<u32>, usize)>>,
 }
 

@@ -25,7 +25,7 @@ pub struct Picture {
 /// One named plane of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// For example `R` or `Albedo.R`.
+    /// The name, for example `R` or `Albedo.R`.
     pub name: String,
     /// `width * height` values.
     pub values: Vec<f32>,

@@ -6,7 +6,7 @@ use super::{Channel, Film};
 /// The names of the colours.
 const COLORS: [&str; 3] = ["R", "G", "B"];
 
-/// Those of first hits and samples.
+/// The channels of first hits and samples.
 const DEPTH: &str = "Depth.Z";
 const IDS: [&str; 4] = ["Id.Object", "Id.Material", "Id.Triangle", "Id.Instance"];
 /// As compositors call it (Foundry's Nuke).

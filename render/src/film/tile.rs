@@ -73,11 +73,11 @@ pub(crate) struct Tile {
     pub(super) first_hits: Vec<FirstHit>,
     /// Sums of squared radiance; empty if they are not asked for.
     pub(super) squares: Vec<[PositiveSum; 3]>,
-    /// For each pixel its AOVs by light path expressions.
+    /// The AOVs by light path expressions of each pixel.
     pub(super) light: Vec<Vec<[Sum; 3]>>,
-    /// Of each Cryptomatte layer what covers the pixels.
+    /// The coverage of pixels in each Cryptomatte layer.
     pub(super) mattes: Vec<Vec<Coverage>>,
-    /// For each pixel the weights of samples that see nothing; empty if there are none.
+    /// The weights of each pixel's samples without a ray; empty if there are none.
     pub(super) blind: Vec<Sum>,
     /// Samples that every pixel has, by their numbers.
     pub samples: Range<u32>,

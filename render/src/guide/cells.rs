@@ -46,7 +46,7 @@ struct Node {
 const CELL: u32 = 3;
 
 impl Cells {
-    /// From bounces that found light. The roots are the first six nodes.
+    /// The cells for bounces that found light. The roots are the first six nodes.
     pub(super) fn build(samples: Vec<GuideSample>) -> (Self, DirectionTrees) {
         let mut sides: [Vec<GuideSample>; 6] = Default::default();
         for sample in samples {

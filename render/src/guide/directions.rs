@@ -20,7 +20,7 @@ const BLUR: f32 = 1.0;
 /// The part of a square that each quarter of it has at least.
 const LEAST_PART: f32 = 0.01;
 
-/// Of a bounce: where its direction is in the square, and the light that it found.
+/// A bounce: the position of its direction in the square, and the light that it found.
 pub(super) type Weighted = (Vec2, f32);
 
 /// What of bounces a tree of directions is made from. Delta functions cannot be guided, and gloss is not.

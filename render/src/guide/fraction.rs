@@ -28,7 +28,7 @@ pub(super) fn best_fraction(samples: &[GuideSample], side: u8) -> f32 {
         for sample in of_half(1 - half) {
             let is_delta = sample.closure_density == f32::INFINITY;
             let (place, per_angle) = to_square(sample.direction, side);
-            // By the closure's density.
+            // The guide's density relative to the closure's.
             let guide = if is_delta { 0.0 } else { trees.density(tree, place) * per_angle / sample.closure_density };
             for (gain, fraction) in gains.iter_mut().zip(FRACTIONS) {
                 let fraction = fraction * sample.share;

@@ -22,7 +22,7 @@ const BATCH: usize = 16_384;
 /// Rays that wait to be traced, and their memory, which the next batch uses again.
 #[derive(Default)]
 pub(crate) struct AoRays {
-    /// For each its camera ray, and what it counts if it hits nothing.
+    /// The camera ray of each ray, and its value if it hits nothing.
     shares: Vec<(usize, f32)>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,

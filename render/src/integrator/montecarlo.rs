@@ -136,7 +136,7 @@ impl Generation {
 /// What all surfaces do.
 struct Gather<'a> {
     world: &'a World,
-    /// Of all camera rays, or none.
+    /// The times of all camera rays, or empty.
     times: &'a [f32],
     options: &'a MonteCarloOptions,
     hemisphere: Hemisphere,

@@ -211,7 +211,7 @@ impl PathBlock {
         (self.position.get(i), self.shading_normal.get(i))
     }
 
-    /// By what the throughput of path `i` was multiplied as chance let it go on.
+    /// The factor on the throughput of path `i` by Russian roulette.
     pub(super) fn survival(&self, i: usize) -> f32 {
         self.survival[i]
     }

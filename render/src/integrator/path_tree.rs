@@ -10,7 +10,7 @@ use crate::lpe::Event;
 
 /// The tree.
 pub(super) struct PathTree {
-    /// By their numbers.
+    /// Events by index.
     events: Vec<Event>,
     nodes: Mutex<Vec<Node>>,
 }
@@ -29,7 +29,7 @@ impl PathTree {
     /// The state of a path that has left the camera.
     pub(super) const START: u32 = 0;
 
-    /// For these events, without paths.
+    /// A tree for these events, without paths.
     pub(super) fn new(events: Vec<Event>) -> Self {
         Self { events, nodes: Mutex::new(vec![Node::ROOT]) }
     }

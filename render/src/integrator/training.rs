@@ -52,7 +52,7 @@ pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, p
 fn rounds(paths: u32) -> Vec<u32> {
     let (mut rounds, mut left) = (Vec::new(), paths);
     while left > 0 {
-        // From the last one: half of what is left, until that is little.
+        // Counted from the last round: half of the rest, until little is left.
         let count = if left < 4 * FIRST_ROUND { left } else { left.div_ceil(2) };
         rounds.push(count);
         left -= count;

@@ -90,20 +90,20 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
-    /// Of the paths, if anything moves.
+    /// The times of the paths, if anything moves.
     times: Vec<f32>,
     /// The solids that the paths are in, if any absorbs.
     pub(super) media: Vec<Media>,
-    /// Of those that go on.
+    /// The media of the continuing paths.
     pub(super) next_media: Vec<Media>,
     /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
     pub(super) order: Vec<u32>,
     /// The paths that go on, while the others are still needed, and their rays.
     next_paths: Vec<Path>,
     next_rays: Vec<Ray>,
-    /// Of all camera rays, by their numbers.
+    /// The addresses of all camera rays, by index.
     pub(super) addresses: Vec<Address>,
-    /// Of the paths, where numbers are drawn for all at once.
+    /// The addresses of the paths, where numbers are drawn for all at once.
     drawn: Vec<Address>,
     u_light: Vec<Vec2>,
     u_direction: Vec<Vec2>,
@@ -315,7 +315,7 @@ impl Wavefront {
         std::mem::swap(&mut self.paths, &mut self.next_paths);
         std::mem::swap(&mut self.media, &mut self.next_media);
         self.next_media.clear();
-        // Those that were aimed may be more than there were paths.
+        // There may be more aimed paths than there were paths.
         self.hits.resize(count.max(self.hits.len()), Hit::MISS);
         self.keep(count);
     }

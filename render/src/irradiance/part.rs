@@ -22,7 +22,7 @@ pub struct SensorPart {
     shard: Shard,
     /// All sensors, those of others included.
     sensors: usize,
-    /// Of all that the values depend on; see [`key`].
+    /// The hash of all inputs of the values; see [`key`].
     key: u64,
     lines: String,
 }

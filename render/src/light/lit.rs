@@ -13,12 +13,12 @@ use super::{NO_LIGHT, Receiver};
 
 /// Bins of directions along each axis of an octahedral map.
 const SIDE: usize = 8;
-/// How much farther than any ray came, light may come.
+/// The margin beyond the farthest ray.
 const SLACK: f32 = 1.1;
-/// Triangles that stand for all where that is good enough.
+/// Triangles that represent all, for approximations.
 const REPRESENTATIVES: u32 = 8;
 
-/// How far light gets that leaves a triangle, by bins of directions: the inside of a shade is seen from above and from
+/// How far the light of a triangle reaches, by bins of directions: the inside of a shade is visible from above and from
 /// below.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
@@ -41,14 +41,14 @@ pub(crate) struct LitTriangles {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChosenTriangle {
     pub prim_id: u32,
-    /// With which it was chosen of all.
+    /// The probability with which it was chosen.
     pub probability: f32,
     /// What is left of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 
 impl LitTriangles {
-    /// Those with these numbers, in a scene of so many triangles.
+    /// The secondary lights with these `prim_id`s, in a scene of `triangles` triangles.
     pub(crate) fn new(lit: Vec<(u32, TriangleLight)>, reach: Vec<Reach>, triangles: usize) -> Self {
         let (prims, lights): (Vec<u32>, Vec<TriangleLight>) = lit.into_iter().unzip();
         let mut index_of = vec![NO_LIGHT; triangles];
@@ -143,7 +143,7 @@ impl LitTriangles {
 }
 
 impl Reach {
-    /// That of a triangle which rays in these unit vectors have left, each as far as that.
+    /// The reach of a triangle whose rays in these unit directions went as far as given.
     pub(crate) fn of(rays: impl Iterator<Item = (Vec3, f32)>) -> Self {
         let mut reach = Self([0.0; SIDE * SIDE]);
         for (direction, distance) in rays {

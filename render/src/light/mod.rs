@@ -52,7 +52,7 @@ pub(crate) struct LightSampler {
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: LitTriangles,
-    /// For each `prim_id` the number of its light, or [`NO_LIGHT`]; empty if no triangle emits.
+    /// The index of each `prim_id`'s light, or [`NO_LIGHT`]; empty if no triangle emits.
     index_of: Vec<u32>,
     /// What is near an emissive triangle lies in this box.
     surroundings: Aabb,
@@ -143,7 +143,7 @@ impl LightSampler {
                 PunctualLight::Profiled { position, frame, intensity, radius, ref profile } => {
                     let per_candela = luminance_weight(intensity);
                     let moments = Some(profile.moments().map(|moment| moment * f64::from(per_candela)));
-                    // Of a sphere the angles differ from place to place: as bright as it is anywhere.
+                    // The angles differ over a sphere, so the greatest intensity is used.
                     let envelope = (radius == 0.0).then(|| profile.envelope());
                     // A little more than its cone, for what is rounded.
                     let cos_outer = profile.cos_outer() - 1e-3;

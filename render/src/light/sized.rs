@@ -25,7 +25,7 @@ pub(crate) struct SizedLights {
 }
 
 impl SizedLights {
-    /// Those among `lights`, which have room for their ways if they move.
+    /// The lights with a size among `lights`; moving ones enclose their whole motion.
     pub(super) fn new(lights: &[Light]) -> Self {
         let (mut placed, mut suns) = (Vec::new(), Vec::new());
         for (number, light) in (0..).zip(lights) {

@@ -46,7 +46,7 @@ pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
     picture: Option<SkyTexels>,
-    /// By how much each part weighs less than if nothing were in between.
+    /// The unoccluded fraction of each part, a factor on its weight.
     visibility: [f32; 3],
     /// Each part of a picture, with its patches.
     parts: Box<[Option<(Peaks, Patches)>; 3]>,

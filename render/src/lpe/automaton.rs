@@ -25,11 +25,11 @@ pub(crate) struct TooComplex;
 pub(crate) struct Automaton {
     /// The state of a path that has left the camera.
     start: u32,
-    /// For each state and each event the next state.
+    /// The next state, by state and event.
     next: Vec<u32>,
     /// The number of events.
     events: usize,
-    /// For each state the expressions that it fulfils.
+    /// The expressions that each state accepts.
     accepts: Vec<Vec<u32>>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct Alphabet {
 }
 
 impl Alphabet {
-    /// For these expressions, without events.
+    /// An alphabet for these expressions, without events.
     pub(crate) fn new(expressions: &[Expression]) -> Self {
         let mut named = Vec::new();
         for expression in expressions {
@@ -62,7 +62,7 @@ impl Alphabet {
         Self { named: Some(named), numbers: BTreeMap::new() }
     }
 
-    /// For whoever wants to know all labels, without events.
+    /// An alphabet that distinguishes all labels, without events.
     pub(crate) fn of_all_labels() -> Self {
         Self { named: None, numbers: BTreeMap::new() }
     }
@@ -85,7 +85,7 @@ impl Alphabet {
 }
 
 impl Automaton {
-    /// For these expressions, in a scene with these events.
+    /// The automaton for these expressions, in a scene with these events.
     pub(crate) fn new(expressions: &[Expression], alphabet: &Alphabet) -> Result<Self, TooComplex> {
         let mut places = Places::default();
         let first = places.add()?;

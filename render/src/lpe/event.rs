@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// By which lobe light is scattered: the second symbol of an event.
+/// The scattering lobe: the second symbol of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Scattering(u8);
 
@@ -65,7 +65,7 @@ impl Scattering {
 pub struct Event {
     /// What happened.
     pub kind: Kind,
-    /// By which lobe.
+    /// The scattering lobe.
     pub scattering: Scattering,
     /// What was there: of a surface the names of the object and the material, of a light those of its group and itself.
     pub labels: Vec<String>,
@@ -90,7 +90,7 @@ impl fmt::Display for Event {
 pub(super) struct Pattern {
     pub kind: Choice<u8>,
     pub scattering: Choice<u8>,
-    /// Of the first labels; whatever follows.
+    /// Patterns of the first labels; further labels are arbitrary.
     pub labels: Vec<Choice<String>>,
 }
 

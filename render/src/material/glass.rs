@@ -184,7 +184,7 @@ impl Glass {
         if cos_o <= 0.0 || cos_i <= 0.0 {
             return;
         }
-        // From both cosines, as one from the other is too rough beside total reflection.
+        // Computed from both cosines, as deriving one from the other is inaccurate near total reflection.
         let reflectance = fresnel::of_refraction(cos_o, cos_i, self.here.fresnel.eta);
         let cos_outside = if self.here.index > 1.0 { cos_i } else { cos_o };
         let reflected = self.covered(self.here.fresnel.stretch(reflectance), cos_outside.min(1.0));

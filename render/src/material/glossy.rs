@@ -54,7 +54,7 @@ fn typical_cos(cos: f32, alpha: f32) -> f32 {
 }
 
 impl Glossy {
-    /// With another metalness than the inputs'.
+    /// A closure with another metalness than the inputs'.
     #[inline]
     pub fn with_metalness(inputs: &Inputs, metalness: f32) -> Self {
         let ggx = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy);
@@ -192,7 +192,7 @@ impl Glossy {
         self.side_by(cos, node, full, self.below_at(cos, full, fresnel))
     }
 
-    /// With the albedo of microfacets and `t(μ)` at this cosine.
+    /// The side by the albedo of microfacets and `t(μ)` at this cosine.
     #[inline]
     fn side_by(&self, cos: f32, node: Node, full: f32, below: f32) -> Side {
         let metalness = self.reflection.metalness;

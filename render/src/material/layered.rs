@@ -269,7 +269,7 @@ impl Lobes for Layered {
         Some(choice)
     }
 
-    /// That of the base as if light came back at the angle of `wo`.
+    /// The base's albedo, as if light came back at the angle of `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let base = Lobes::albedo(&self.base, wo);
         if !self.is_outside {

@@ -37,18 +37,18 @@ pub(super) struct Choice {
     pub(super) wi: Vec3,
     /// Which lobe it was.
     pub(super) event: Event,
-    /// Of a delta function: its value by the probability with which it was chosen.
+    /// For a delta function: its value divided by the probability of its choice.
     pub(super) delta: Option<Vec3>,
 }
 
 impl Choice {
-    /// Of a lobe with a density.
+    /// A sample of a lobe with a density.
     #[inline]
     pub(super) fn new(wi: Vec3, event: Event) -> Self {
         Self { wi, event, delta: None }
     }
 
-    /// Of a delta function on this side.
+    /// A sample of a delta function on this side.
     #[inline]
     pub(super) fn delta(wi: Vec3, weight: Vec3, side: Event) -> Self {
         Self { wi, event: Event::SPECULAR | side, delta: Some(weight) }

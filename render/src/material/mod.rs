@@ -286,7 +286,7 @@ pub trait Bsdf {
     /// The part of uniform light around the surface that reaches `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3;
 
-    /// That of diffuse reflection alone, as dimmed by the layers above it.
+    /// The albedo of diffuse reflection alone, as attenuated by the layers above it.
     fn diffuse_albedo(&self, wo: Vec3) -> Vec3;
 
     /// Whether light from behind the surface is scattered to `wo`, delta functions left aside.

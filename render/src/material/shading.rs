@@ -51,7 +51,7 @@ impl Shading {
         Self { frame, geometric }
     }
 
-    /// Of a frame whose normal is bent already.
+    /// The shading of a frame whose normal is already corrected.
     #[inline(always)]
     pub(crate) fn of(frame: Frame, geometric: Vec3) -> Self {
         Self { frame, geometric }

@@ -24,7 +24,7 @@ pub(super) struct Energy {
     /// About one direction, by angle, and its tint, of what is not glass.
     pub(super) glossy: Column,
     pub(super) tint: Vec3,
-    /// By wide lobes, by angle, in any unit but 0.
+    /// The energy of wide lobes by angle, in any unit but 0.
     pub(super) wide: Column,
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Html(String);
 
 /// A picture in a report, row by row from the top.
 pub(crate) struct Plane<'a> {
-    /// For errors.
+    /// The name for errors.
     pub name: &'a str,
     /// Pixels across, at least 1.
     pub width: u32,

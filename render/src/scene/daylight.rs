@@ -47,7 +47,7 @@ impl DaylightModel {
 
 /// Texels around the sky and down to its bottom.
 const SIZE: [u32; 2] = [512, 256];
-/// From kcd/m² to W/(m² sr).
+/// The factor from kcd/m² to W/(m² sr).
 const RADIANCE: f64 = 1000.0 / 683.0;
 /// Illuminance of the sun outside of the air, klx.
 const SUN: f64 = 127.5;

@@ -43,7 +43,7 @@ impl<'f> Recorded<'f> {
         Self { files, read: RefCell::default() }
     }
 
-    /// Those that were read, in their order.
+    /// The paths of the files that were read, in order.
     pub(super) fn into_paths(self) -> Vec<PathBuf> {
         self.read.into_inner()
     }

@@ -41,7 +41,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Of all sides that emit.
+    /// The area of all emitting sides.
     pub(super) fn area(&self) -> f64 {
         let sides = |two: bool| if two { 2.0 } else { 1.0 };
         match *self {

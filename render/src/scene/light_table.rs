@@ -58,7 +58,7 @@ enum Source {
 
 /// The largest light without a surface; lamps have coordinates.
 const MAX_RADIUS: f32 = 1e15;
-/// Of lamps, as of their places: so no corner is too far away.
+/// The largest size of lamps, and their largest coordinate, so that no corner is too far away.
 const MAX_SIZE: f32 = 0.25 * MAX_COORDINATE;
 /// As in Blender.
 const DEFAULT_CONE: f32 = 45.0;

@@ -13,8 +13,8 @@ pub struct LoadOptions<'a> {
     pub moment: Option<Moment>,
     /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
     pub without_pictures: bool,
-    /// Of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes. Without it they are left
-    /// out.
+    /// The radius of glTF's points and lines, in the coordinates of their mesh, as spheres and cylinders. Without it
+    /// they are left out.
     pub point_radius: Option<f32>,
     /// The camera to use: of glTF the name of its node or its own, or its number among those of the file, from 1; the first
     /// without it.
@@ -40,7 +40,7 @@ pub(super) struct Loading<'a> {
 }
 
 impl<'a> Loading<'a> {
-    /// Of a file with `total` bytes.
+    /// The progress of a file with `total` bytes.
     pub(super) fn new(path: &'a Path, total: usize, watch: Option<&'a dyn LoadWatch>) -> Self {
         Self { path, done: 0, total, watch }
     }

@@ -32,7 +32,7 @@ pub struct MeshPoint<'a> {
 /// What shading starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingInputs {
-    /// For the closure.
+    /// The inputs of the closure.
     pub inputs: Inputs,
     /// Shading normal and tangent.
     pub frame: ShadingFrame,

@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], watch: Option<&dyn LoadWatch>) -> 
     }
 }
 
-/// For a header alone.
+/// Ignores elements, to read a header alone.
 struct Ignored;
 
 impl PropertyAccess for Ignored {

@@ -14,7 +14,7 @@ pub struct Profile {
     vertical: Vec<f32>,
     /// Degrees about it, in order, from 0 to 360; or 0 alone, for a light that is the same all around.
     horizontal: Vec<f32>,
-    /// For each horizontal angle those of all vertical ones, candela.
+    /// Intensities in candela: all vertical angles of each horizontal angle.
     candela: Vec<f32>,
 }
 

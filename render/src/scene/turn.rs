@@ -21,7 +21,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// That of a transform with this linear part.
+    /// The turn of a transform with this linear part.
     pub(crate) fn new(linear: Mat3) -> Self {
         let normals = normal_matrix(linear.as_dmat3()).as_mat3();
         Self { linear, normals, side: if linear.determinant() < 0.0 { -1.0 } else { 1.0 } }

@@ -149,7 +149,7 @@ fn errors(
         let side = runner.share(48).max(24);
         let runs = runner.render(world, Settings { width: side, height: side, ..settings(n) })?;
         let error = root_mean_square_error(&runs.values, exact) / exact;
-        // That of the root of a sum of squares of normal numbers.
+        // The uncertainty of the root of a sum of squares of normal numbers.
         let uncertainty = error / (2.0 * runs.values.len() as f64).sqrt();
         points.push(Point { x: n.into(), y: error, error: uncertainty });
     }

@@ -43,9 +43,9 @@ pub(crate) struct InstanceRecord {
 #[derive(Debug)]
 pub(super) struct Instances {
     scene: Scene<'static>,
-    /// For each item of the scene the number of its object's first triangle.
+    /// The index of the first triangle of each item's object.
     first_prims: Vec<u32>,
-    /// Those of the items, after that of the world itself.
+    /// The records of the items, after that of the world itself.
     records: Vec<InstanceRecord>,
     /// The item that has the triangles that move by themselves, in the world's coordinates.
     moving: Option<u32>,

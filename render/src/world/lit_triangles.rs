@@ -17,26 +17,26 @@ use super::seen_points::SeenPoints;
 use super::{Hit, World};
 use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
 
-/// A lit triangle is so many times as bright as the mean.
+/// A lit triangle is at least this many times as bright as the mean.
 const FIERCE: f32 = 8.0;
-/// The part of all surfaces that one may be, and that all of them may be.
+/// The largest part of the total area for one such triangle, and for all of them.
 const SMALL: f64 = 1e-3;
 const ALL_SMALL: f64 = 0.02;
-/// The part of their power that those have which are kept, and their number.
+/// The part of their power that is kept, and the greatest number of triangles.
 const MOST_POWER: f64 = 0.995;
 const MOST: usize = 1 << 11;
-/// The part of the scene's light that they send, times how much brighter than the mean they are, is about the variance
-/// that bounces have by them. Where it is less than this, bounces do.
+/// Their share of the scene's light, times their brightness relative to the mean, is about the variance that they cause
+/// in bounces. Below this value bounces suffice.
 const LEAST_GAIN: f32 = 0.5;
-/// The part of the aimed rays that must arrive.
+/// The least part of rays towards them that must be unoccluded.
 const LEAST_SEEN: f32 = 0.3;
-/// Paths are sure to aim from this multiple of the mean irradiance on: found by trial, as a ray has its price.
+/// From this multiple of the mean irradiance on paths always sample them: found by trial.
 const AIM_FROM: f32 = 8.0;
-/// By which one finds out how far light gets that leaves a triangle.
+/// Rays that measure how far the light of a triangle reaches.
 const REACH_RAYS: u32 = 512;
 
 impl World {
-    /// Looks for lit triangles.
+    /// Finds the secondary lights.
     pub(super) fn find_lit_triangles(&mut self, points: &SeenPoints) {
         let Some(lit) = self.worthy_lit_triangles(points) else { return };
         for &prim_id in lit.prims() {
@@ -47,7 +47,7 @@ impl World {
         self.lights.lit = lit;
     }
 
-    /// Knows of none.
+    /// Removes all secondary lights.
     pub(super) fn forget_lit_triangles(&mut self) {
         for prim_id in self.plain_lit.drain(..) {
             self.triangle_records[prim_id as usize].is_plain = 1;
@@ -55,9 +55,9 @@ impl World {
         self.lights.lit = LitTriangles::default();
     }
 
-    /// Those that are worth aiming at.
+    /// The triangles that are worth sampling.
     fn worthy_lit_triangles(&self, points: &SeenPoints) -> Option<LitTriangles> {
-        // What is far away lights nothing fiercely.
+        // Distant lights do not light small triangles strongly.
         let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
         let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
         if lit.is_empty() {

@@ -72,7 +72,7 @@ impl World {
         })
     }
 
-    /// Those of the sky.
+    /// The labels of the sky.
     pub(crate) fn sky_labels() -> [String; 2] {
         [SKY; 2].map(str::to_owned)
     }

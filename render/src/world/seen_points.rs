@@ -53,12 +53,12 @@ enum SeenPoint {
 }
 
 impl SeenPoints {
-    /// Those from which rays were scattered, with normals that face whoever sees them.
+    /// The surfaces from which rays were scattered, with normals that face the viewer.
     pub(super) fn all<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.seen.iter().chain(&self.next).map(|point| point.surface(world))
     }
 
-    /// Those that scattered rays met.
+    /// The surfaces that scattered rays hit.
     pub(super) fn scattered<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.next.iter().chain(&self.last).map(|point| point.surface(world))
     }

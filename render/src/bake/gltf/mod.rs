@@ -53,7 +53,7 @@ pub struct Page<'a> {
     pub embedded: Option<&'a [u8]>,
 }
 
-/// For whom.
+/// The engine that reads the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// Bevy, with a plugin that reads the extras.

@@ -40,7 +40,7 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
-    /// From 0 to 1, if that is known.
+    /// The finished fraction, 0 to 1, if known.
     pub(super) fn done(&self) -> Option<f64> {
         let is_packed = self.counted == Counted::Layout && self.records > 0;
         (self.total > 0 && !is_packed).then(|| (self.samples as f64 / self.total as f64).min(1.0))

@@ -66,7 +66,7 @@ pub(super) fn denoise(channels: &Channels, watch: &dyn Watch) -> Result<Rgb, Den
 struct Input {
     extent: Extent,
     halves: [[Plane; 3]; 2],
-    /// Of a half.
+    /// The variance of a half.
     variance: [Plane; 3],
     features: Vec<Feature>,
     precision: Plane,

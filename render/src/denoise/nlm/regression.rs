@@ -17,7 +17,7 @@ use super::weights::{TILE, Weights, offsets};
 
 /// The most features.
 pub(super) const FEATURES: usize = 9;
-/// With a constant.
+/// The features and a constant.
 const TERMS: usize = FEATURES + 1;
 /// The entries of a symmetric matrix of that size.
 const ENTRIES: usize = TERMS * (TERMS + 1) / 2;

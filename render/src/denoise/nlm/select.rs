@@ -74,7 +74,7 @@ fn errors(guide: &[f32], [a, b]: [&Rgb; 2], [fa, fb]: [&Rgb; 2]) -> Vec<f32> {
     (0..guide.len()).map(error).collect()
 }
 
-/// For each pixel the number of the map whose errors around it are least; the first of equal ones.
+/// The index, for each pixel, of the map with the least errors around it; the first of equal ones.
 fn choices(extent: Extent, guide: &[f32], maps: &[Vec<f32>]) -> Vec<usize> {
     let Extent { width, height } = extent;
     let choose = |pixel: usize| {

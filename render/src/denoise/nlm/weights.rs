@@ -14,7 +14,7 @@ use super::plane::{Extent, PATCH, Plane, WINDOW};
 /// Pixels across and down that are worked on together.
 pub(super) const TILE: [usize; 2] = [64, 16];
 const PIXELS: usize = TILE[0] * TILE[1];
-/// Those with the patches around them.
+/// Pixels across a tile with the patches around it.
 const ACROSS: usize = TILE[0] + 2 * PATCH;
 const DOWN: usize = TILE[1] + 2 * PATCH;
 
@@ -113,7 +113,7 @@ impl Weights {
     }
 }
 
-/// From distances of pixels to weights of patches.
+/// Sums distances of pixels over patches, and turns them into weights.
 #[inline(always)]
 fn sum_patches(distances: &[f32], columns: &mut [f32], values: &mut [f32; PIXELS], (across, down): (usize, usize)) {
     const SIDE: usize = 2 * PATCH + 1;

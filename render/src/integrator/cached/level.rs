@@ -96,7 +96,7 @@ impl GatherSource<'_> {
 pub(super) struct RecordSite<'w> {
     pub(crate) point: GatherPoint<'w>,
     pub(crate) place: Place,
-    /// By the error that records are made with.
+    /// The bounds of radii for the error of records.
     pub(crate) bounds: Bounds,
     /// No lower bound is less, whatever the error.
     pub(crate) floor: f32,

@@ -48,7 +48,7 @@ pub(crate) enum Aim<'a> {
 }
 
 impl Aim<'_> {
-    /// That of a cache over which gathers take means.
+    /// The aim of a cache whose values are averaged by gathers.
     pub(crate) fn of_means(&self) -> Aim<'static> {
         match self {
             Aim::Options | Aim::Means => Aim::Means,

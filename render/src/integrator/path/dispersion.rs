@@ -65,7 +65,7 @@ fn wavelength(channel: usize, u: f32) -> f32 {
     middle + reach * if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-/// By how much the refractive index is greater than `ior` at a wavelength in nm, where `dispersion` is `20 / V`.
+/// The refractive index at a wavelength in nm, minus `ior`; `dispersion` is `20 / V`.
 fn index_shift(ior: f32, dispersion: f32, wavelength: f32) -> f32 {
     (ior - 1.0) * (dispersion / 20.0) * (523_655.0 / (wavelength * wavelength) - 1.5168)
 }

@@ -12,9 +12,9 @@ use crate::world::WHITE;
 /// Memory from one batch to the next.
 #[derive(Default)]
 pub(crate) struct RecorderMemory {
-    /// Of the paths, for each channel.
+    /// The state of each path in each channel.
     states: Vec<[u32; 3]>,
-    /// Of those that go on.
+    /// The states of the continuing paths.
     next: Vec<[u32; 3]>,
     waiting: Vec<Waiting>,
 }
@@ -31,7 +31,7 @@ struct Waiting {
 pub(in crate::integrator) struct Recorder<'a> {
     paths: &'a LightPaths,
     memory: &'a mut RecorderMemory,
-    /// Those of each camera ray, side by side.
+    /// The AOVs of each camera ray, side by side.
     aovs: &'a mut [Vec3],
 }
 
@@ -44,7 +44,7 @@ struct Lobes {
 }
 
 impl<'a> Recorder<'a> {
-    /// For a batch of so many camera rays.
+    /// A recorder for a batch of camera rays.
     pub(in crate::integrator) fn new(
         paths: &'a LightPaths,
         memory: &'a mut RecorderMemory,

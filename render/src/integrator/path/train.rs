@@ -17,9 +17,9 @@ const NONE: u32 = u32::MAX;
 #[derive(Default)]
 pub(in crate::integrator) struct Trainer {
     bounces: Vec<Bounced>,
-    /// Of each path its last bounce.
+    /// The last bounce of each path.
     last: Vec<u32>,
-    /// Of those that go on.
+    /// The last bounces of the continuing paths.
     next: Vec<u32>,
     waiting: Vec<Waiting>,
 }

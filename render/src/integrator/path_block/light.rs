@@ -23,7 +23,7 @@ pub(super) struct LightSamples {
     lights: Integers,
     /// The probability of choosing each; 0 where no light arrives.
     probability: Column,
-    /// That of choosing the sky.
+    /// The probability of choosing the sky.
     sky_probability: Column,
     emitters: EmitterColumns,
     uv: [Column; 2],

@@ -29,7 +29,7 @@ pub(crate) struct Clusters {
     pub tensor: [Lane; 6],
     /// Unit vector along the cone.
     pub axis: [Lane; 3],
-    /// Of the cone's half angle, in 0..=π.
+    /// The cosine of the cone's half angle, in 0..=π.
     pub cos_cone: Lane,
     pub sin_cone: Lane,
 }

@@ -37,7 +37,7 @@ pub(crate) trait Emits {
     /// [radius](Self::radius).
     fn corners(&self) -> Triangle;
 
-    /// By how much the light is larger than its triangle.
+    /// The radius by which the light exceeds its triangle.
     fn radius(&self) -> f64;
 
     /// The unit vector about which it shines, and the half angle of the cone into which it does.
@@ -67,7 +67,7 @@ pub(crate) struct SpotCone {
     pub cos_outer: f32,
     /// 1 over the length of the ramp from there to full intensity.
     pub slope: f32,
-    /// Of the [edge](SpotEdge::smoothness).
+    /// The smoothness of the [edge](SpotEdge::smoothness).
     pub smoothness: f32,
 }
 
@@ -79,7 +79,7 @@ pub(crate) struct PointLight {
     pub axis: Vec3,
     /// Radiant intensity where it is greatest, as luminance.
     pub intensity: f32,
-    /// Of the sphere; 0 of a delta light.
+    /// The sphere's radius; 0 for a delta light.
     pub radius: f32,
     pub cone: SpotCone,
     /// What [`Emits::moments`] gives, if that does not follow from intensity and cone.
@@ -106,7 +106,7 @@ impl Emits for TriangleLight {
 
     fn moments(&self) -> [f64; 3] {
         let greatest = f64::from(self.radiance) * f64::from(self.area);
-        // Of max(0, x) and of |x|.
+        // Coefficients of max(0, x) and of |x|.
         if self.both_sides {
             [0.5, 0.0, 0.625].map(|m| m * greatest)
         } else {
@@ -250,7 +250,7 @@ pub(crate) struct Points {
     cos_outer: Lane,
     slope: Lane,
     smoothness: Lane,
-    /// Of each light, if any has one.
+    /// The envelope of each light, if any has one.
     envelopes: Option<Box<[Envelope; WIDTH]>>,
 }
 

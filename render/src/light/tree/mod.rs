@@ -28,7 +28,7 @@ pub(crate) struct Tree<L> {
     roots: Vec<Child>,
     nodes: Vec<Node>,
     leaves: Vec<Leaf<L>>,
-    /// Of each light its leaf, times eight, plus its place there.
+    /// For each light its leaf's index times eight, plus its place there.
     places: Vec<u32>,
 }
 
@@ -89,7 +89,7 @@ pub(crate) struct Descent {
     lane: usize,
     /// What is left of the number.
     rest: f64,
-    /// With which it is chosen.
+    /// The probability with which it is chosen.
     probability: f32,
 }
 

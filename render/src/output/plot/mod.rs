@@ -29,7 +29,7 @@ pub(crate) struct Series {
     pub label: String,
     /// How it is drawn.
     pub style: Style,
-    /// From left to right.
+    /// The points from left to right.
     pub points: Vec<Point>,
 }
 

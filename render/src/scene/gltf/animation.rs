@@ -75,7 +75,7 @@ pub(super) enum Property {
     Translation,
     Rotation,
     Scale,
-    /// Of morph targets.
+    /// The weights of morph targets.
     Weights,
 }
 
@@ -295,7 +295,7 @@ impl Animation {
     }
 }
 
-/// Those of `animations` that are called `names`, or all, without those that move what one before moves.
+/// The `animations` with these `names`, or all, without those that animate the same property as an earlier one.
 pub(super) fn playing<'a>(
     document: &Document,
     animations: &'a [Animation],

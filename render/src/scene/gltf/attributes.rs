@@ -21,7 +21,7 @@ use crate::scene::description::unit;
 pub(super) struct Vertices {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Vec<Vec3>,
-    /// With the sign of the bitangent.
+    /// Tangents with the sign of the bitangent.
     pub(super) tangents: Vec<Vec4>,
 }
 
@@ -32,7 +32,7 @@ pub(super) type Influences = [(u32, f32); 4];
 pub(super) struct Attributes<'a> {
     document: &'a Document<'a>,
     primitive: &'a Primitive,
-    /// For errors.
+    /// The place for errors.
     place: &'a str,
     draco: Option<DracoMesh>,
     is_quantized: bool,

@@ -92,7 +92,7 @@ fn attributes(document: &Document, node: usize) -> Result<Option<Attributes>, Sc
     Ok(Some(extension.attributes))
 }
 
-/// For each mesh whether it is kept once.
+/// Whether each mesh is shared.
 pub(super) fn shared(document: &Document, walk: &[Placed], sharing: Sharing) -> Result<Vec<bool>, SceneError> {
     let root = &document.root;
     let mut meshes: Vec<(usize, usize)> = root.meshes.iter().map(|_| (0, 0)).collect();

@@ -55,7 +55,7 @@ pub(super) fn read(document: &Document, notes: &mut Notes) -> Result<(Vec<Materi
 /// Reads one material.
 struct Reader<'a> {
     document: &'a Document<'a>,
-    /// For errors: which material it is.
+    /// The material's name in errors.
     place: &'a str,
     textures: &'a mut Textures,
     notes: &'a mut Notes,

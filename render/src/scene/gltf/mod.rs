@@ -84,7 +84,7 @@ pub(crate) struct Document<'a> {
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// See [`LoadOptions`].
     without_pictures: bool,
-    /// Of points and lines, in the coordinates of their mesh; without it they are left out.
+    /// The radius of points and lines, in the coordinates of their mesh; without it they are left out.
     point_radius: Option<f32>,
 }
 
@@ -166,7 +166,7 @@ impl Document<'_> {
         self.root.asset.generator.as_deref().is_some_and(|generator| generator.contains("Blender"))
     }
 
-    /// For errors: "node 5" or "node 5 (\"lamp\")".
+    /// The node's name in errors: "node 5" or "node 5 (\"lamp\")".
     pub(crate) fn node(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
         name.map_or_else(|| format!("node {index}"), |name| format!("node {index} ({name:?})"))

@@ -24,7 +24,7 @@ struct Posed {
 }
 
 impl Pose {
-    /// That of animations, which move different things, at a time in seconds.
+    /// The pose by animations of different properties, at a time in seconds.
     pub(super) fn at(playing: &[&Animation], time: f64) -> Self {
         let mut pose = Self::default();
         for channel in playing.iter().flat_map(|animation| &animation.channels) {

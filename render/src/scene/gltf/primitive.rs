@@ -14,7 +14,7 @@ use crate::scene::{Mesh, SceneError, round};
 #[derive(Default)]
 pub(super) struct Deformation {
     pub(super) skin: Option<Skin>,
-    /// Of morph targets.
+    /// The weights of morph targets.
     pub(super) weights: Vec<f64>,
 }
 

@@ -19,7 +19,7 @@ use crate::scene::count;
 
 /// A skin in a pose.
 pub(super) struct Skin {
-    /// From the mesh to the world, for each joint.
+    /// The matrix from the mesh to the world of each joint.
     joints: Vec<DMat4>,
 }
 

@@ -44,7 +44,7 @@ pub(super) enum Change {
 pub(super) struct Counts(pub(super) [usize; 3]);
 
 impl Counts {
-    /// Those of a block that has no errors.
+    /// The counts of a block without errors.
     pub(super) fn of(block: Block) -> Self {
         let mut counts = [0; 3];
         let mut is_continued = false;

@@ -40,7 +40,7 @@ struct Vertex {
 }
 
 impl Vertices {
-    /// Of a file with so many positions.
+    /// A welder for a file with this many positions.
     pub(super) fn new(positions: usize) -> Self {
         Self { first: vec![NONE; positions], list: Vec::new() }
     }

@@ -16,7 +16,7 @@ use crate::scene::{Place, SceneError};
 /// The names, in the order of a row's numbers.
 const NAMES: [&str; 17] =
     ["x", "y", "z", "qx", "qy", "qz", "qw", "rx", "ry", "rz", "nx", "ny", "nz", "scale", "sx", "sy", "sz"];
-/// Those that come together.
+/// Columns that must come together.
 const GROUPS: [&[&str]; 6] = [
     &["x", "y", "z"],
     &["qx", "qy", "qz", "qw"],

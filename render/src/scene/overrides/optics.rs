@@ -209,7 +209,7 @@ impl Overrides {
     }
 }
 
-/// Of rays that come from a file; nothing depends on it.
+/// The pose of a camera with rays from a file; it is unused.
 const NO_POSE: CameraPose = CameraPose { eye: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, vfov: 90.0 };
 
 /// The distance of a point along the view.

@@ -22,7 +22,7 @@ pub(super) struct Camera {
     aspect: Option<f32>,
     lens_radius: f32,
     focal_distance: f32,
-    /// With negated x, if the world is.
+    /// The camera's transform, with negated x if the world is mirrored.
     to_world: DAffine3,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct AreaLight {
     power: Option<f32>,
     pub(super) two_sided: bool,
     pub(super) picture: Option<TextureMap>,
-    /// Of the picture, or 1.
+    /// The mean of the picture, or 1.
     mean: f32,
 }
 

@@ -40,10 +40,10 @@ const KNOWN: [&str; 8] = [
     "thindielectric",
 ];
 
-/// Those of pbrt-v4 that have no counterpart.
+/// Materials of pbrt-v4 without a counterpart.
 const OTHERS: [&str; 3] = ["hair", "measured", "subsurface"];
 
-/// Those of pbrt-v3 that pbrt-v4 calls otherwise.
+/// Materials of pbrt-v3 with other names in pbrt-v4.
 const OF_V3: [&str; 13] = [
     "disney",
     "fourier",
@@ -233,7 +233,7 @@ impl Reader<'_> {
     }
 }
 
-/// From pbrt's roughness to ours, of which the square is α.
+/// Converts pbrt's roughness to ours, whose square is α.
 fn to_roughness(value: Vec3, remaps: bool) -> Vec3 {
     value
         .max(Vec3::ZERO)

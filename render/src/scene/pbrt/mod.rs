@@ -42,7 +42,7 @@ use tokens::At;
 struct Reader<'f> {
     files: &'f dyn Files,
     main: Rc<Path>,
-    /// That of the main file, to which names of files are relative.
+    /// The folder of the main file, to which file names are relative.
     folder: PathBuf,
     scene: Scene,
     textures: TextureStore<'f>,

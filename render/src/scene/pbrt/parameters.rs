@@ -54,7 +54,7 @@ pub(super) struct Parameter {
     pub(super) name: String,
     pub(super) values: Values,
     pub(super) at: At,
-    /// Whether anybody asked for it.
+    /// Whether it was read.
     used: Cell<bool>,
 }
 
@@ -104,7 +104,7 @@ impl Parameters {
         self.list
     }
 
-    /// Those that nobody asked for.
+    /// The parameters that were not read.
     pub(super) fn unused(&self) -> impl Iterator<Item = &Parameter> {
         self.list.iter().filter(|parameter| !parameter.used.get())
     }

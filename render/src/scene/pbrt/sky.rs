@@ -42,7 +42,7 @@ pub(super) fn resample(square: &Texture, to_light: DMat3, scale: Vec3) -> SkyPic
         for place in 0..SAMPLES * SAMPLES {
             let [across, down] =
                 [place % SAMPLES, place / SAMPLES].map(|it| (f64::from(it) + 0.5) / f64::from(SAMPLES));
-            // From -z in the middle to +x on the right.
+            // Longitude runs from -z in the middle to +x on the right.
             let longitude = TAU * ((f64::from(column) + across) / f64::from(width) - 0.5);
             let y = edges[0] + (edges[1] - edges[0]) * down;
             let ring = (1.0 - y * y).max(0.0).sqrt();

@@ -20,7 +20,7 @@ pub(super) enum Spectrum {
     Rgb(Vec3),
     /// A black body's temperature, K.
     Blackbody(f64),
-    /// By wavelength, nm, in rising order.
+    /// Samples by wavelength in nm, in rising order.
     Samples(Vec<(f64, f64)>),
     /// One of pbrt's own.
     Named(String),

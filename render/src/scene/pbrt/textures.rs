@@ -32,7 +32,7 @@ pub(super) struct NamedTextures {
 /// A function of a texel's colour.
 pub(super) type Convert<'a> = Option<&'a dyn Fn(Vec3) -> Vec3>;
 
-/// Those that pbrt makes by a formula.
+/// pbrt's procedural textures.
 const FORMULAS: [&str; 8] = ["bilerp", "directionmix", "dots", "fbm", "marble", "ptex", "windy", "wrinkled"];
 
 const CLASSES: [&str; 5] = ["checkerboard", "constant", "imagemap", "mix", "scale"];
@@ -141,7 +141,7 @@ impl Reader<'_> {
         }
     }
 
-    /// From the texture coordinates of meshes to the picture.
+    /// The transform from the meshes' texture coordinates to the picture.
     fn mapping(&mut self, parameters: &Parameters) -> Result<Affine2, SceneError> {
         let mapping = parameters.text("mapping")?.unwrap_or("uv");
         if mapping != "uv" {

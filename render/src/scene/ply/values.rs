@@ -10,7 +10,7 @@ use crate::scene::decimal;
 pub(super) struct Row {
     /// Position, normal, texture coordinates.
     pub(super) numbers: [f32; 8],
-    /// Of a face.
+    /// The vertex indices of a face.
     pub(super) corners: Vec<i64>,
 }
 
@@ -33,7 +33,7 @@ enum Role {
 
 /// The values of elements that follow each other.
 pub(super) trait Values<'a> {
-    /// Of all elements in `bytes`.
+    /// A reader of all elements in `bytes`.
     fn new(bytes: &'a [u8]) -> Self;
 
     /// Goes to the next element.
@@ -50,7 +50,7 @@ pub(super) trait Values<'a> {
 }
 
 impl Field {
-    /// Those of an element, in their order.
+    /// The properties of an element, in order.
     pub(super) fn all(element: &ElementDef) -> Vec<Self> {
         let field = |(name, kind): (&str, &PropertyType)| match kind {
             PropertyType::Scalar(scalar) => {

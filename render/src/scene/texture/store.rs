@@ -11,7 +11,7 @@ use crate::scene::{Files, SceneError};
 /// Textures by their paths.
 pub(crate) struct TextureStore<'a> {
     files: &'a dyn Files,
-    /// Those that have been read.
+    /// The textures that have been read.
     pub(crate) list: Vec<Texture>,
     /// The number in the list of each file, or what is wrong with it.
     known: BTreeMap<PathBuf, Result<usize, Problem>>,

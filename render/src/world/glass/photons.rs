@@ -50,7 +50,7 @@ const MOST_STARTS: usize = 32;
 /// Where light of points, spots and suns arrives.
 #[derive(Debug, Default)]
 pub(in crate::world) struct Photons {
-    /// By the number of the light.
+    /// Photons by the index of the light.
     lights: HashMap<u32, LightPhotons>,
 }
 
@@ -82,7 +82,7 @@ struct Photon {
 #[derive(Clone, Copy, Debug)]
 struct Sent {
     at: Vec3,
-    /// For one sent beside it.
+    /// The change for a photon sent beside it.
     by: [Vec3; 2],
 }
 
@@ -176,7 +176,7 @@ impl Photons {
 }
 
 impl LightPhotons {
-    /// Those of all photons around a point.
+    /// The starts of all photons around a point.
     fn starts(&self, point: Vec3) -> impl Iterator<Item = Start> {
         let is_within =
             self.bounds.is_some_and(|bounds| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all());
@@ -269,7 +269,7 @@ impl World {
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
         let follow = |&(light, number): &(&PunctualLight, u32)| {
             let mut arrived = LightPhotons::default();
-            // Those that are largest from the light.
+            // The bodies that look largest from the light.
             let mut bodies = bodies.clone();
             bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
             for body in bodies.iter().take(of_light / count) {
