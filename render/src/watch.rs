@@ -12,8 +12,8 @@ pub trait Watch: Sync {
     /// Whether to stop; asked often. The samples so far still make a picture.
     fn stop(&self) -> bool;
 
-    /// Whether nobody wants the picture any more, not even what there is of it: the first samples, which
-    /// [`stop`](Self::stop) leaves alone, are then not all taken. Asked often; who says so once goes on saying so, and stops.
+    /// Whether the picture is no longer wanted at all: the first samples, which [`stop`](Self::stop) does not affect,
+    /// are then not all taken. Called often; once true, it must stay true, and `stop` too.
     fn gives_up(&self) -> bool {
         false
     }
@@ -25,7 +25,7 @@ pub trait Watch: Sync {
     /// turn out to reach less far, or where the cache is filled anew with others.
     fn covered(&self, _points: u64) {}
 
-    /// The irradiance cache of which [`covered`](Self::covered) told last is done; another follows.
+    /// The irradiance cache of which [`covered`](Self::covered) last reported is finished; another follows.
     fn filled(&self) {}
 
     /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1 for single

@@ -64,21 +64,21 @@ pub struct World {
     has_holes: bool,
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
-    /// Of each `prim_id`.
+    /// The convexity of each `prim_id`.
     bulges: Vec<Bulge>,
     has_closures: bool,
     /// What solids absorb.
     solids: Solids,
     /// What shadow rays pass through.
     glass: Glass,
-    /// Of each material.
+    /// The closures of each material.
     closures: Vec<ClosureCell>,
     /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
     /// The number of the former, and of those of them that do not move, which come first.
     placed: usize,
     still: usize,
-    /// What each material says of plain surfaces.
+    /// The data of each material for plain surfaces.
     material_records: Vec<MaterialRecord>,
     /// What is known of each light that is a triangle, by its index.
     emitter_records: Vec<EmitterRecord>,
@@ -333,7 +333,7 @@ impl World {
         Camera::new(&self.camera, &self.optics, width, height)
     }
 
-    /// The camera at each key of the shutter's time; none if it stands still.
+    /// The camera at each key of the shutter's time; empty if it is static.
     pub(crate) fn cameras_on(&self, width: u32, height: u32) -> Vec<Camera> {
         let poses = self.motion.as_ref().map_or(&[][..], Motion::cameras);
         poses.iter().map(|pose| Camera::new(pose, &self.optics, width, height)).collect()
@@ -347,8 +347,8 @@ impl World {
         }
     }
 
-    /// The same, and prepares for what is seen from there, so that pictures have the noise of a world that was made with this
-    /// camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
+    /// The same, and prepares for the view from there, so that pictures have the noise of a world that was made with
+    /// this camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
     pub fn look_through(&mut self, camera: CameraPose) {
         self.set_camera(camera);
         self.look(LookFrom::Camera);
@@ -360,7 +360,7 @@ impl World {
         &self.triangle_records
     }
 
-    /// What each material says of plain triangles.
+    /// The data of each material for plain triangles.
     #[inline(always)]
     pub(crate) fn material_records(&self) -> &[MaterialRecord] {
         &self.material_records

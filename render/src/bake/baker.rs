@@ -113,7 +113,7 @@ fn direct_noise(held_out: &HeldOut) -> f64 {
 }
 
 impl Baker<'_> {
-    /// The light of `texels`; `None` if the watcher says stop.
+    /// The light of `texels`; `None` if the watcher stops.
     pub(super) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
         let held_out = self.held_out(texels)?;
         let noise = held_out.as_ref().map(direct_noise);
@@ -147,7 +147,7 @@ impl Baker<'_> {
         Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)), error })
     }
 
-    /// What is true at some of the texels, if an accuracy is asked for; the outer `None` if the watcher says stop.
+    /// What is true at some of the texels, if an accuracy is asked for; the outer `None` if the watcher stops.
     #[allow(clippy::option_option, reason = "the outer one is for `?`")]
     fn held_out(&self, texels: &[Texel]) -> Option<Option<HeldOut<'_>>> {
         let light = match self.options.mode {
@@ -193,7 +193,7 @@ impl Baker<'_> {
         DirectionalBasis::new(self.directional(), surface.shading_normal, texel.tangents[0], texel.tangents[1])
     }
 
-    /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher says stop.
+    /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher stops.
     pub(super) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
         self.checkpoint.put_shard(shard, false);
         let held_out = self.held_out(texels)?;

@@ -30,7 +30,7 @@ const CHECKSUM: usize = 8;
 pub(super) enum Stage {
     /// Blocks of texels with light that needs no cache.
     Texels = 1,
-    /// Blocks of texels with what a cache could not tell.
+    /// Blocks of texels with light that no cache provides.
     Missing = 2,
     /// Irradiance records of the final cache.
     Records = 3,
@@ -60,7 +60,7 @@ pub struct Checkpoint {
 struct State {
     entries: Entries,
     saved: Instant,
-    /// What went wrong when it was written; the bake goes on.
+    /// The error when it was written; the bake continues.
     failure: Option<OutputError>,
 }
 
@@ -79,7 +79,7 @@ impl Checkpoint {
     /// Reads a checkpoint of what has this hash; `None` if there is no file.
     ///
     /// # Errors
-    /// If the file cannot be read, is none of ours or damaged, or of something else.
+    /// If the file cannot be read, is not a checkpoint, is damaged, or belongs to another bake.
     pub fn read(path: &Path, hash: u64) -> Result<Option<Self>, Invalid> {
         let error = |problem: &str| {
             let remedy = "leave --resume out to start again";

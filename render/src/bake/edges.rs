@@ -30,7 +30,7 @@ pub(crate) struct SharedEdge {
     pub(crate) sides: [Side; 2],
     /// Where on each side it starts and ends, from 0 to 1: both start at one point, and end at one.
     pub(crate) spans: [[f64; 2]; 2],
-    /// Whether the surface goes on over it without a crease.
+    /// Whether the surface continues across it without a crease.
     pub(crate) is_smooth: bool,
 }
 
@@ -104,7 +104,7 @@ fn pairs(scene: &Scene, mut pieces: Vec<Piece>) -> (Vec<SharedEdge>, Vec<Side>) 
                 let spans = [first.span, if first.start == second.start { [start, end] } else { [end, start] }];
                 let sides = [first.side, second.side];
                 let is_smooth = is_smooth(scene, sides, spans);
-                // Of several sheets that meet at an edge, those that go on smoothly belong together.
+                // If several sheets meet at an edge, those that continue smoothly belong together.
                 if is_smooth || group.len() == 2 {
                     edges.push(SharedEdge { sides, spans, is_smooth });
                 }

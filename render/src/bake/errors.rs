@@ -15,7 +15,7 @@ use crate::cache::Cache;
 use crate::integrator::lookup_point;
 use crate::world::World;
 
-/// Noise is told from texels that are at most so many away along u and v.
+/// The noise is estimated from texels at most this far away along u and v.
 const REACH: i64 = 2;
 /// The part of the mean brightness that errors are relative to where it is darker.
 const DARK: f64 = 0.1;
@@ -95,7 +95,7 @@ fn noise_about(view: &View, texel: u32) -> f32 {
     sigma(&mut differences)
 }
 
-/// The standard error of what a texel's records say of its brightness.
+/// The standard error of a texel's brightness by its records.
 fn standard_error(world: &World, cache: &Cache, texel: &Texel) -> f32 {
     let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
     let point = lookup_point(world, &surface);

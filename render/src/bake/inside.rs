@@ -173,7 +173,7 @@ impl<'a> Search<'a> {
         distance.is_finite().then_some(Viewpoint { position, distance, ways, is_open, is_covered })
     }
 
-    /// Traces rays through glass, and tells of each hit. Gives the number of rays that reach nothing.
+    /// Traces rays through glass, and reports each hit. Returns the number of rays that miss.
     pub(super) fn trace(&self, mut rays: Vec<Ray>, mut tell: impl FnMut(&Seen)) -> usize {
         let mut numbers: Vec<usize> = (0..rays.len()).collect();
         let mut hits = vec![Hit::MISS; rays.len()];

@@ -170,7 +170,7 @@ impl Atlas {
         Self::watched(scene, left_out, options, &|_| {})
     }
 
-    /// The same; `watch` hears how far it is, if new charts are made.
+    /// The same; `watch` receives the progress, if new charts are made.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -184,8 +184,8 @@ impl Atlas {
     }
 }
 
-/// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
-/// found is in the checkpoint. The watcher hears of texels in place of samples, [`work`] in all.
+/// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher stops: the
+/// results so far are in the checkpoint. The watcher receives texels in place of samples, [`work`] in all.
 pub fn bake(
     scene: &Scene,
     world: &World,
@@ -266,10 +266,10 @@ pub fn bake(
     Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 
-/// Finds the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light, ambient
-/// occlusion, or all of a bake without a cache. A bake that goes on from the checkpoints of all shards, [merged](Checkpoint::merge),
-/// ends with the bytes of one that was never shared. Whether it came to its end before the watcher said stop. The watcher
-/// hears of texels in place of samples, [`shard_work`] in all.
+/// Computes the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light,
+/// ambient occlusion, or all of a bake without a cache. A bake that continues from the checkpoints of all shards,
+/// [merged](Checkpoint::merge), ends with the bytes of one without shards. Whether it came to its end before the
+/// watcher stopped. The watcher receives texels in place of samples, [`shard_work`] in all.
 pub fn bake_shard(
     scene: &Scene,
     world: &World,
@@ -284,7 +284,7 @@ pub fn bake_shard(
     Baker { world, surfaces: &surfaces, options, checkpoint, watch }.bake_shard(&lit, shard).is_some()
 }
 
-/// The number of texels that a shard tells its watcher of, about.
+/// The approximate number of texels that a shard reports to its watcher.
 pub fn shard_work(scene: &Scene, atlas: &Atlas, shard: Shard) -> u64 {
     shard.items(Surfaces::new(scene, atlas).texels().len()) as u64
 }
@@ -300,7 +300,8 @@ fn free_texels(world: &World, surfaces: &Surfaces) -> (Vec<Texel>, Vec<Texel>, U
     (lit, covered, uncovered)
 }
 
-/// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.
+/// The approximate number of texels that a bake reports to its watcher: those on surfaces, once for each cache that
+/// serves them.
 pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     let texels = Surfaces::new(scene, atlas).texels().len() as u64;
     let by_cache = options.has_cache();

@@ -58,7 +58,7 @@ impl View<'_> {
     }
 }
 
-/// The σ that second differences tell of; 0 without any.
+/// The σ of second differences; 0 without any.
 pub(crate) fn sigma(differences: &mut [f32]) -> f32 {
     match differences.len() {
         0 => 0.0,

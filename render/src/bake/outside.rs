@@ -18,9 +18,9 @@ use crate::scene::Scene;
 use crate::settings::Invalid;
 use crate::world::World;
 
-/// Rays that say what is seen from a viewpoint.
+/// Rays from each viewpoint.
 const MORE_RAYS: u32 = 2048;
-/// Points on a piece that none of them has hit, ...
+/// Points on a piece that none of these rays has hit, ...
 const POINTS: u32 = 32;
 /// ... and the nearest viewpoints from which each is looked at.
 const NEAREST: usize = 32;
@@ -73,7 +73,7 @@ fn pieces(edges: &[SharedEdge], first_prims: &[u32]) -> Vec<usize> {
     (0..count).map(|triangle| root(&mut parents, triangle)).collect()
 }
 
-/// Marks what is seen from all viewpoints, in all directions.
+/// Marks the surfaces seen from all viewpoints, in all directions.
 fn look_around(search: &Search, viewpoints: &[Viewpoint], is_seen: &mut [bool]) {
     let look = |(number, viewpoint): (usize, &Viewpoint)| {
         let mut prims = Vec::new();

@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::output::html::{Html, Plane, escaped, percentile};
 use crate::output::{OutputError, ToneMapping};
 
-/// What the report tells.
+/// The contents of the report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Its headline.

@@ -25,7 +25,7 @@ pub enum LayoutStep {
     },
     /// ... this part of them is unwrapped, from 0 to 1, ...
     Unwrap(f32),
-    /// ... and all charts are packed once more: how often that takes nobody knows.
+    /// ... and all charts are packed again: the number of attempts is not known beforehand.
     Pack,
 }
 
@@ -103,7 +103,7 @@ pub(super) fn least_pages(charts: usize, options: &BakeOptions) -> Result<u64, I
     ))
 }
 
-/// What to say of more pages than the one that was wanted.
+/// The warning about more than one page.
 pub(super) fn many_pages(pages: usize, charts: usize, options: &BakeOptions) -> Option<String> {
     let (side, size) = (least_side(options), options.size);
     (pages > 1 && options.density.is_none()).then(|| {

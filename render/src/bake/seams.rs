@@ -64,7 +64,7 @@ struct Equation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
     pub(crate) sides: [CutSide; 2],
-    /// Whether the surface goes on over it without a crease.
+    /// Whether the surface continues across it without a crease.
     pub(crate) is_smooth: bool,
 }
 
@@ -201,8 +201,8 @@ impl Seams {
         self.equations.len()
     }
 
-    /// Changes `layers`, each of which has a list of texels for each page, so that samples agree. The first one tells how
-    /// bright it is where.
+    /// Changes `layers`, each of which has a list of texels for each page, so that samples agree. The first one gives
+    /// the brightness.
     pub(crate) fn solve(&self, layers: &mut [Vec<Vec<Vec3>>]) {
         let Some(brightness) = layers.first() else { return };
         let (scales, costs) = self.scales(brightness);

@@ -20,7 +20,7 @@ pub(crate) struct Texel {
     /// Its place there, row by row.
     pub(crate) index: u32,
     pub(crate) chart: u32,
-    /// The point that stands for it.
+    /// The sample point of the texel.
     pub(crate) point: Point,
     /// How wide it is there, in units.
     pub(crate) spacing: f32,

@@ -36,7 +36,7 @@ const THINNEST: f64 = 1e-6;
 pub(crate) struct Unwrapped {
     pub(crate) pages: Vec<Page>,
     pub(crate) parts: Vec<Part>,
-    /// What the user should know of the pages.
+    /// Warnings about the pages.
     pub(crate) warning: Option<String>,
 }
 
@@ -172,7 +172,7 @@ impl<'a> Geometry<'a> {
     }
 }
 
-/// What `work` gives; `None` if it panics, as a crate may with triangles that nobody has thought of.
+/// What `work` gives; `None` if it panics, as a crate may on unusual triangles.
 fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).ok()
 }

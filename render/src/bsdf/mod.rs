@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use crate::material::{Bsdf, Closure, Inputs, Kind, Matte, Shading};
 use crate::world::{Surface, World};
 
-/// How a path goes on.
+/// The continuation of a path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounce {
     /// Unit vector.
@@ -22,7 +22,7 @@ pub(crate) struct Bounce {
 }
 
 impl Bounce {
-    /// What stands for no bounce.
+    /// The value for no bounce.
     pub(crate) const NONE: Self = Self { direction: Vec3::Z, weight: Vec3::ZERO, density: 0.0 };
 }
 
@@ -70,7 +70,7 @@ impl<B: Bsdf> Scattering<B> {
         self.shading.glossy(&self.closure, self.wo, direction)
     }
 
-    /// Where a path goes on; `None` if it is absorbed.
+    /// The next direction of a path; `None` if it is absorbed.
     #[inline]
     pub(crate) fn sample(&self, u: Vec2) -> Option<Bounce> {
         let sample = self.shading.sample(&self.closure, self.wo, u)?;
@@ -97,7 +97,7 @@ impl<B: Bsdf> Scattering<B> {
 }
 
 impl World {
-    /// The closure of a surface whose normals face the viewer; tells the surface what it must know of it.
+    /// The closure of a surface whose normals face the viewer; passes the surface the data that it needs.
     pub(crate) fn scattering(&self, surface: &mut Surface) -> Scattering<Closure> {
         let kind = self.kind(surface.prim_id);
         if kind == Kind::Matte {

@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(backwards, found);
     }
 
-    /// Noise that the gathers know of is no disagreement, and other noise would be.
+    /// Known noise of the gathers does not count as disagreement; unknown noise would.
     #[test]
     fn noise_shortens_nothing() {
         // Uniform, so that it ends at √3 standard errors.

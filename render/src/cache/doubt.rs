@@ -13,11 +13,12 @@ use super::record::Record;
 
 /// ε.
 const LARGE: f32 = 0.25;
-/// The light around counts as at least this part of the mean of all records: nobody sees by how much the dark is wrong.
+/// The surrounding light counts as at least this part of the mean of all records, as errors in the dark are not
+/// visible.
 const DARK: f32 = 0.1;
 /// The number of standard errors by which records may differ.
 const DEVIATIONS: f32 = 3.0;
-/// The part of irradiance by which they may differ besides: gradients do not tell all of what is between them.
+/// The additional part of irradiance by which they may differ, as gradients do not explain all differences.
 const TOLERANCE: f32 = 0.1;
 
 impl Cache {

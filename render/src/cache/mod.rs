@@ -63,7 +63,7 @@ pub struct Cache {
     tree: Octree,
 }
 
-/// How right a cache is that was filled to an accuracy, as independent gathers at some of its points tell.
+/// The estimated error of a cache that was filled to an accuracy, by independent gathers at some of its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorEstimate {
     /// The mean irradiance of the points that it was filled for, direct light included, in W/m², over all channels.
@@ -80,8 +80,8 @@ impl ErrorEstimate {
     }
 }
 
-/// The warning where the estimate exceeds the requested error; both are relative to the mean. What both round to is
-/// told as reached.
+/// The warning where the estimate exceeds the requested error; both are relative to the mean. An error that rounds to
+/// the same number counts as reached.
 pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
     let hundredths = |part: f32| (1e4 * part).round();
     (hundredths(estimated) > hundredths(asked)).then(|| {
@@ -306,7 +306,7 @@ impl Cache {
         }
     }
 
-    /// What records say of a point, for light that falls on a tilted normal.
+    /// The irradiance of records at a point, for a tilted normal.
     #[inline]
     fn mix(&self, reading: Reading, weighting: &Weighting, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
         let LookupPoint { position, normal, .. } = *point;

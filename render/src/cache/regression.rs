@@ -35,7 +35,7 @@ pub(super) struct Polynomial {
     range: [Vec3; 2],
 }
 
-/// Which neighbours a record listens to, and what their gradients are worth.
+/// The neighbours used in a record's regression, and the weight of their gradients.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Neighbourhood {
     pub(super) weighting: Weighting,
@@ -45,8 +45,8 @@ pub(super) struct Neighbourhood {
 
 /// The least of a gradient's weights' roots, so that the equations always have a solution.
 const LEAST_CERTAINTY: f32 = 1e-3;
-/// What a second derivative other than 0 costs, in units of the record's own weight: it decides where there are too few
-/// neighbours to tell.
+/// The penalty on second derivatives, in units of the record's own weight: it decides where there are too few
+/// neighbours.
 const CURVATURE_COST: f64 = 0.01;
 
 /// The polynomials of all records.
@@ -231,7 +231,7 @@ mod tests {
                 let found = unlimited(polynomial).extrapolate(record, position, frame.normal);
                 let plain = record.extrapolate(position, frame.normal, true, true);
                 let (error, before) = ((found - exact).length(), (plain - exact).length());
-                // At the border, where neighbours are few, curvature has its price.
+                // At the border, where neighbours are few, curvature is penalised.
                 let is_inside = (local.truncate() - 0.5).abs().max_element() < 0.5 - 0.5 * RADIUS;
                 let (part, rest) = if is_inside { (0.05, 3e-3) } else { (0.15, 0.01) };
                 assert!(error <= part * before + rest, "{local}: {error}, by the gradient alone {before}");

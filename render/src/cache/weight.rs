@@ -101,7 +101,7 @@ fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
     height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0] && height <= BEFORE * record.min_distance
 }
 
-/// Whether no occluder that the record saw stands between it and a point a `step` away.
+/// Whether no occluder of the record is between it and a point a `step` away.
 #[inline]
 fn sees(record: &Record, step: Vec3) -> bool {
     let distance_squared = step.length_squared();

@@ -113,7 +113,7 @@ impl Camera {
         matches!(&self.kind, Kind::Plane(Plane { lens: Some(_), .. }))
     }
 
-    /// Whether parts of the film see nothing, so that a picture has holes.
+    /// Whether parts of the film have no rays, so that a picture has holes.
     pub(crate) fn has_border(&self) -> bool {
         matches!(self.kind, Kind::Fisheye(_))
     }
@@ -127,7 +127,7 @@ impl Camera {
         }
     }
 
-    /// The ray through a point of the film and the lens's middle, `None` where the film sees nothing; its direction is a
+    /// The ray through a point of the film and the lens's middle, `None` where the film has no ray; its direction is a
     /// unit vector.
     pub(crate) fn central_ray(&self, film: &FilmPoint) -> Option<Ray> {
         self.covers(film).then(|| match &self.kind {

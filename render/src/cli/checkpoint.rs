@@ -51,7 +51,7 @@ impl Checkpoint {
         milliseconds(self.start.elapsed()) >= self.due.load(Ordering::Relaxed)
     }
 
-    /// Writes a film that is not complete. A failure is told once: the render is worth more, and in the end is told again.
+    /// Writes a film that is not complete. A failure is reported once without ending the render, and again at the end.
     pub(super) fn write(&self, film: &Film, style: Style) {
         if let Err(error) = self.file.write(&film.encode())
             && !self.has_failed.swap(true, Ordering::Relaxed)
@@ -82,7 +82,7 @@ fn lock(path: &Path) -> Result<Lock, CliError> {
             format!("{}: another run is rendering this film", path.display()),
             "wait for it, stop it, or give this run a film of its own",
         )),
-        // Some network file systems know no locks.
+        // Some network file systems do not support locks.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { path, _file: file }),
     }
 }

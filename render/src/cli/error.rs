@@ -59,7 +59,7 @@ impl CliError {
             return print_line(&json!({ "event": "error", "message": self.to_string() }));
         }
         let error = painted("error:", "1;31");
-        // If stderr is closed, there is nobody to tell.
+        // If stderr is closed, the message is lost.
         let _ = writeln!(std::io::stderr(), "{error} {self}");
     }
 }

@@ -23,7 +23,7 @@ use super::{memory, tree};
 use crate::scene::{Animation, Overrides, Scene};
 use crate::world::World;
 
-/// All that is told of a scene; lengths in the model's units.
+/// The description of a scene; lengths in the model's units.
 #[derive(Serialize)]
 struct Info {
     scene: String,

@@ -36,7 +36,7 @@ pub(super) fn check_report(path: Option<&Path>) -> Result<(), CliError> {
     }
 }
 
-/// What tells one file from another.
+/// The identity of a file.
 struct Identity {
     path: PathBuf,
     #[cfg(unix)]

@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
         }),
     );
     let own = shard.items(sensors.len());
-    // Records alone have no number that is known before.
+    // The number of records is not known beforehand.
     let is_fixed = arguments.brute || part == Part::Total && options.accuracy.is_none();
     let samples = if is_fixed { own as u64 * u64::from(spp) } else { 0 };
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
@@ -150,7 +150,7 @@ pub(super) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 }
 
 impl IrradianceArguments {
-    /// What these arguments say of the scene and the cache.
+    /// The overrides of the scene and the cache by these arguments.
     fn overrides(&self) -> Overrides {
         let integrator = IntegratorOverrides { cached: self.options.clone(), ..IntegratorOverrides::default() };
         Overrides { integrator, ..self.light.overrides() }

@@ -24,7 +24,7 @@ pub(super) struct LightArguments {
 }
 
 impl LightArguments {
-    /// What these arguments say of a scene, with a camera that is not used, as the lack of one needs no warning.
+    /// The overrides of a scene by these arguments, with an unused camera, as its lack needs no warning.
     pub(super) fn overrides(&self) -> Overrides {
         Overrides {
             light: self.light.clone(),

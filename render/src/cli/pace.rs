@@ -9,7 +9,7 @@ pub(super) struct Coverage {
     caches: u32,
     /// The texels that each serves.
     texels: u64,
-    /// Whether the last may be filled again, who knows how often: each time then counts as half of what is left.
+    /// Whether the last may be refilled an unknown number of times: each time then counts as half of the remainder.
     again: bool,
     /// What was done when it was begun the last time.
     before: u64,

@@ -83,7 +83,7 @@ impl ProbesArguments {
             }
             (min, max) => (min.unwrap_or(bounds.min), max.unwrap_or(bounds.max)),
         };
-        // Rays could not tell points of such a box apart, or not reach them.
+        // Rays could not distinguish points of such a box, or not reach them.
         let is_box = min.cmplt(max).all() && min.abs().max(max.abs()).max_element() <= halfdome_kernel::MAX_COORDINATE;
         match is_box {
             true => Ok(ProbeGrid { min, max, count }),

@@ -24,7 +24,7 @@ use crate::watch::Watch;
 
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 const JSON_INTERVAL: Duration = Duration::from_millis(500);
-/// Layouts of fewer charts are done before anybody wonders.
+/// Layouts of fewer charts finish quickly.
 const MANY_CHARTS: usize = 10_000;
 /// Steps of a layout that is unwrapped.
 const LAYOUT_STEPS: u64 = 1000;
@@ -53,7 +53,8 @@ impl Progress {
         Self::counting(style, total, Counted::Samples)
     }
 
-    /// Shows the progress towards `total` samples after irradiance records, or with 0 towards nobody knows how many of these.
+    /// Shows the progress towards `total` samples after irradiance records, or with 0 towards an unknown number of
+    /// records.
     pub(super) fn of_records(style: Style, total: u64) -> Self {
         Self::counting(style, total, Counted::Records)
     }

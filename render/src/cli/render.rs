@@ -339,7 +339,7 @@ pub(super) fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping
     (written, failures)
 }
 
-/// An error if there are failures, which says what was written all the same.
+/// An error if there are failures, which lists the files that were written.
 pub(super) fn refuse_failures(written: &[PathBuf], mut failures: Vec<String>) -> Result<(), CliError> {
     if failures.is_empty() {
         return Ok(());

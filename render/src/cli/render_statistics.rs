@@ -29,7 +29,7 @@ pub(super) struct Statistics {
     pub(super) options: Options,
     /// Seconds of wall-clock time.
     pub(super) seconds: Seconds,
-    /// Seconds of all threads, where the system tells.
+    /// Seconds of all threads, where the system reports them.
     pub(super) processor_seconds: Option<f64>,
     pub(super) rays: u64,
     pub(super) rays_by_kind: RayFacts,
@@ -49,7 +49,7 @@ pub(super) struct Statistics {
     pub(super) end: &'static str,
     /// XXH3 of the pixels' values, hexadecimal: equal for equal pictures.
     pub(super) picture_hash: String,
-    /// The most memory that the process had, in bytes, where the system tells.
+    /// The most memory that the process had, in bytes, where the system reports it.
     pub(super) peak_memory: Option<u64>,
     pub(super) files: Vec<String>,
     pub(super) warnings: Vec<String>,

@@ -57,7 +57,7 @@ impl Watch for RenderWatch<'_> {
         if let Some(tev) = self.tev {
             tev.show(picture, true);
         }
-        // What cannot be written now cannot be written in the end, which tells.
+        // A file that cannot be written now cannot be written at the end, where the error is reported.
         let written = self.paths.iter().filter(|path| output::write(path, picture, self.tone).is_ok());
         let files: Vec<_> = written.map(|path| path.display().to_string()).collect();
         if self.style == Style::Json {

@@ -21,7 +21,7 @@ const TEXEL_SET: u32 = 0;
 const MAX_POINTS: u32 = 256;
 /// Points of a texel across at which its solid angle is asked for.
 const WEIGHTS: u32 = 8;
-/// Paths that tell the mean radiance.
+/// Paths for the mean radiance.
 const MEAN_PATHS: u32 = 4096;
 /// Keeps the numbers of these paths apart from those of texels.
 const MEAN_NUMBER: u32 = u32::MAX;
@@ -130,7 +130,7 @@ impl<'a> Environment<'a> {
         }
     }
 
-    /// Samples of a texel that it tells a watcher of.
+    /// Samples of a texel that it reports to a watcher.
     pub(super) fn samples(&self) -> u64 {
         match self.0 {
             Kind::Sky { .. } => 1,

@@ -21,7 +21,7 @@ use super::face::Face;
 use super::level::Level;
 use crate::film::{Channel, Metadata, Picture};
 
-/// Where a face stands in a picture.
+/// The position of a face in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Its left column and top row.
@@ -36,7 +36,7 @@ pub fn extent(size: u32, levels: usize) -> [u32; 2] {
     [3 * size + if levels > 1 { 3 * (size / 2) } else { 0 }, 4 * size]
 }
 
-/// Where a face of a level stands.
+/// The position of a level's face.
 pub fn place(size: u32, level: u32, face: Face) -> Place {
     let side = size >> level;
     let left = if level == 0 { 0 } else { 3 * size };

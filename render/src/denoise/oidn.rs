@@ -13,7 +13,7 @@ use super::DenoiseError;
 use super::channels::{Channels, Rgb};
 use crate::watch::Watch;
 
-/// Steps in which progress is told.
+/// Steps of progress.
 const STEPS: u64 = 1000;
 /// The work of three filters: albedo, normal, colour.
 pub(super) const WORK: u64 = 3 * STEPS;
@@ -86,7 +86,7 @@ fn interleaved(planes: &Rgb, map: impl Fn(f32) -> f32) -> Vec<[f32; 3]> {
     a.iter().zip(b).zip(c).map(|((&a, &b), &c)| [map(a), map(b), map(c)]).collect()
 }
 
-/// One filter's part of the progress, told in steps; from any thread.
+/// One filter's part of the progress, in steps; from any thread.
 struct Progress<'a> {
     watch: &'a dyn Watch,
     told: Mutex<u64>,
@@ -97,7 +97,7 @@ impl<'a> Progress<'a> {
         Self { watch, told: Mutex::new(0) }
     }
 
-    /// Tells that so much is done, from 0 to 1; whether to go on.
+    /// Reports the finished fraction, 0 to 1; returns whether to continue.
     fn reach(&self, done: f64) -> bool {
         let steps = (done.clamp(0.0, 1.0) * STEPS as f64) as u64;
         if let Ok(mut told) = self.told.lock()

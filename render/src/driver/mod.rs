@@ -38,7 +38,7 @@ pub struct Render {
     pub picture: Picture,
     /// The sums that the picture is made of.
     pub film: Film,
-    /// Whether nobody stopped it.
+    /// Whether it ran to its end.
     pub finished: bool,
     /// Whether the requested error is reached in the whole picture; true if none was requested.
     pub is_precise: bool,
@@ -88,7 +88,7 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     }
 }
 
-/// Like [`render`], but what the plan says of the picture.
+/// Like [`render`], but only the plan's part of the picture.
 ///
 /// # Errors
 /// If the plan's film is not of this picture, or has other samples than the plan's; if the light path expressions are too
@@ -207,7 +207,7 @@ impl Renderer<'_> {
         rays
     }
 
-    /// Takes a tile's samples up to `target`, or fewer if the watcher says stop; gives the rays traced.
+    /// Takes a tile's samples up to `target`, or fewer if the watcher stops; gives the rays traced.
     fn sample(&self, scratch: &mut TileScratch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<_> = tile.pixels().enumerate().collect();
         let mut traced = 0;

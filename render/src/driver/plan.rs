@@ -54,7 +54,7 @@ impl Share {
     }
 }
 
-/// What the film of a picture is told by: equal for all parts of it.
+/// The header that identifies a picture's film: equal for all parts of it.
 pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) -> FilmHeader {
     let Settings {
         width,
@@ -125,7 +125,7 @@ fn is_end_of_wave(samples: u32) -> bool {
 }
 
 impl Plan {
-    /// The film to go on with.
+    /// The film to continue.
     pub(super) fn begin(&mut self, header: FilmHeader) -> Result<Film, FilmError> {
         let Some(film) = self.film.take() else { return Ok(Film::new(header)) };
         film.header().check(&header)?;

@@ -14,8 +14,7 @@ use super::lit::{aim, aimed_density};
 use crate::light::Receiver;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says where a ray is aimed. Those after it are for whoever
-/// follows the ray.
+/// The set of random numbers for the direction of a ray. Later sets are for the path that follows the ray.
 const AIM_SET: u32 = 0;
 /// Keeps the numbers of aimed rays apart from others.
 const SALT: u64 = 0x1f83_d9ab_fb41_bd6b;

@@ -20,9 +20,9 @@ use super::occluders::OccluderSectors;
 use crate::settings::GatherLayout;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says where in its cell a ray is. Those after it are for whoever follows the rays.
+/// The set of random numbers for the position of a ray in its cell. Later sets are for the paths that follow the rays.
 const JITTER_SET: u32 = 0;
-/// The first set of random numbers that is free for whoever follows the rays.
+/// The first set of random numbers that is free for the paths that follow the rays.
 pub(crate) const GATHER_FIRST_SET: u32 = 1;
 /// Keeps the numbers of gathers apart from those of pixels.
 const SALT: u64 = 0x6a09_e667_f3bc_c908;
@@ -52,7 +52,7 @@ pub(crate) struct Gathered {
     pub(crate) gather: Gather,
     /// How irradiance curves, in the frame about the normal, if that was asked for.
     pub(crate) hessian: Option<Hessian>,
-    /// What stands around.
+    /// The occluders.
     pub(crate) occluders: OccluderSectors,
 }
 

@@ -15,7 +15,7 @@ use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says which light is sampled, and where on it.
+/// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
 /// The set of a direction.
 const DIRECTION_SET: u32 = 1;

@@ -36,7 +36,7 @@ const NEIGHBOURS: [[usize; 2]; SECTORS] = {
     beside
 };
 
-/// What stands around; all infinite where nothing does.
+/// The occluders; all infinite where there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OccluderSectors {
     /// The nearest occluder of each sector.
@@ -52,7 +52,7 @@ impl OccluderSectors {
     pub(crate) const OPEN: Self =
         Self { occluders: [f32::INFINITY; SECTORS], clearance: f32::INFINITY, seen: [false; SECTORS] };
 
-    /// Whether a ray in this local direction, z up, tells something.
+    /// Whether a ray in this local direction, z up, is used.
     pub(crate) fn is_flat(direction: Vec3) -> bool {
         direction.z < MAX_SINE
     }
@@ -85,7 +85,7 @@ impl OccluderSectors {
         }
     }
 
-    /// The occluders, also of sectors where nobody looked.
+    /// The occluders, also of sectors without a ray.
     pub(crate) fn occluders(&self) -> [f32; SECTORS] {
         std::array::from_fn(|number| match self.seen[number] {
             true => self.occluders[number],

@@ -85,7 +85,7 @@ mod tests {
         tile
     }
 
-    /// One sample of 32 is a thousand times too bright: about 32 times too much, which is to be told and not excused.
+    /// One sample of 32 is a thousand times too bright: about 32 times too much, which must be reported.
     #[test]
     fn bright_dots_do_not_excuse_themselves() {
         let dot = tile(32, |pixel, sample| if (pixel, sample) == (0, 5) { 1000.0 } else { 1.0 });

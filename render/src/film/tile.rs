@@ -176,7 +176,7 @@ impl Tile {
         Vec3::ZERO
     }
 
-    /// Adds a sample at which the film sees nothing to the pixel of this number.
+    /// Adds a sample without a ray to the pixel of this index.
     pub(crate) fn add_blind(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
         self.blind.resize(self.pixels.len(), Sum::default());
         self.blind[pixel].add(filter.weight.into());

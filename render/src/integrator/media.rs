@@ -51,7 +51,7 @@ impl Arrival<'_> {
         if distance < f32::INFINITY { transmittance(self.world, inside, distance) } else { Vec3::ONE }
     }
 
-    /// What the path is in if it goes on in this direction.
+    /// The media of the path if it continues in this direction.
     pub(super) fn onwards(&self, direction: Vec3) -> Media {
         let Self { world, mut media, boundary } = *self;
         if boundary.normal.dot(direction) >= 0.0 || world.absorption(boundary.material).is_none() {

@@ -70,7 +70,7 @@ pub(crate) enum Prepared {
     Nothing,
     /// A frozen irradiance cache.
     Cache(FrozenCache),
-    /// Where paths had better go on.
+    /// The guide of paths.
     Guide(Guide),
 }
 

@@ -44,7 +44,7 @@ use crate::world::{Hit, WHITE, World};
 pub(in crate::integrator) use record::{Recorder, RecorderMemory};
 pub(in crate::integrator) use train::Trainer;
 
-/// What of the sky light samples find: paths go on by the cosine, and find the rest.
+/// The part of the sky for light samples: cosine-distributed bounces find the rest.
 pub(super) const SKY: SkyPart = SkyPart::Bright;
 
 /// What goes along with paths.
@@ -52,7 +52,7 @@ pub(super) const SKY: SkyPart = SkyPart::Bright;
 pub(super) struct Companions<'a> {
     /// Gets what AOVs by light path expressions have of them.
     pub recorder: Option<Recorder<'a>>,
-    /// Says where they had better go on.
+    /// The guide of the paths.
     pub guide: Option<&'a Guide>,
     /// Learns that.
     pub trainer: Option<&'a mut Trainer>,
@@ -146,7 +146,7 @@ struct Advance<'a, 'b> {
     recorder: Option<&'a mut Recorder<'b>>,
     guide: Option<&'a mut GuidedBlock<'b>>,
     trainer: Option<&'a mut Trainer>,
-    /// How many paths go on.
+    /// The number of continuing paths.
     kept: usize,
 }
 
@@ -259,7 +259,7 @@ impl Advance<'_, '_> {
         closures.arrived(self.world.isa());
     }
 
-    /// Collects the light that a surface emits, and tells the block what is not in its columns.
+    /// Collects a surface's emission, and passes the block the data that is not in its columns.
     #[inline(never)]
     fn shade<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock, i: usize) {
         let (world, source) = (self.world, block.source[i] as usize);
@@ -306,7 +306,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
+    /// Ends paths by a threshold, or computes their survival probability.
     #[inline(always)]
     fn stop(&mut self, block: &mut PathBlock) {
         match self.options.stop {
@@ -417,7 +417,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// The density with which path `i` goes on in a direction, by that of its closure.
+    /// The density with which path `i` continues in a direction, given its closure's density.
     #[inline(always)]
     fn bounce_density(&self, i: usize, direction: Vec3, closure_density: f32) -> f32 {
         self.guide.as_ref().map_or(closure_density, |guide| guide.density(i, direction, closure_density))
@@ -429,7 +429,7 @@ impl Advance<'_, '_> {
         self.options.clamp_indirect.filter(|_| self.depth > 1)
     }
 
-    /// Puts the paths of the block that go on behind the others that do.
+    /// Appends the block's continuing paths to the others.
     #[inline(always)]
     fn continue_paths<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &mut Bounces) {
         let world = self.world;

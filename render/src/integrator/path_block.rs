@@ -71,16 +71,16 @@ pub(super) struct PathBlock {
     transmits: Integers,
     /// Whether there is more to a surface than the columns say.
     is_general: Integers,
-    /// The probability with which chance lets a path go on.
+    /// The survival probability of a path.
     survival: Column,
-    /// Whether it goes on as far as chance has no say.
+    /// Whether it continues, apart from Russian roulette.
     goes_on: Integers,
     pub addresses: [Address; LANES],
     pub u_light: [Vec2; LANES],
     pub u_direction: [Vec2; LANES],
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: [Vec3; LANES],
-    /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
+    /// Random numbers for Russian roulette; 0, with which all paths survive, unless they are drawn.
     pub u_roulette: Column,
     /// Numbers that decide whether paths aim at lit triangles, if there are any.
     pub u_aim: Column,
@@ -142,7 +142,7 @@ impl PathBlock {
         self.is_general[i] != 0
     }
 
-    /// Lets path `i` stand at a surface that scatters this part of all light.
+    /// Puts path `i` at a surface with this albedo.
     pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3) {
         self.position.set(i, surface.position);
         self.triangles.offset[i] = surface.offset;
@@ -164,7 +164,7 @@ impl PathBlock {
         self.paths.throughput.set(i, self.paths.throughput.get(i) * part);
     }
 
-    /// Lets path `i` stand at a lit triangle, and keep this part of what it finds from there on.
+    /// Puts path `i` at a lit triangle, with this weight on the light that it finds from there on.
     pub(super) fn set_lit(&mut self, i: usize, kept: f32) {
         self.target[i] = Path::UNAIMED;
         self.dim(i, Vec3::splat(kept));
@@ -225,8 +225,7 @@ impl PathBlock {
         }
     }
 
-    /// Leaves it to chance which paths go on. Those at lit triangles do, whatever their throughput: it is likely that they
-    /// find more light than others do.
+    /// Russian roulette. Paths at lit triangles always survive, as they are likely to find more light than others.
     #[inline(always)]
     pub(super) fn roulette(&mut self, survival: Survival) {
         for i in 0..LANES {

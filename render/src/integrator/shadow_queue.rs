@@ -28,7 +28,7 @@ struct PendingLight {
 }
 
 impl ShadowQueue {
-    /// Queues a shadow ray whose light is worth `throughput` to the camera ray `index`.
+    /// Queues a shadow ray whose light has the weight `throughput` for the camera ray `index`.
     #[inline]
     pub(super) fn push(&mut self, index: u32, throughput: Vec3, shadow_ray: ShadowRay) {
         self.make_room(1);
@@ -70,7 +70,7 @@ impl ShadowQueue {
         }
         world.occluded_many_at(&self.shadows[..count], &self.times, &mut self.occluded);
         for (PendingLight { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
-            // Adding nothing is quicker than a branch that nobody can foresee.
+            // Adding zero is faster than an unpredictable branch.
             radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
         }
         count as u64

@@ -78,7 +78,7 @@ impl Round<'_> {
         let Settings { sampler, seed, width, height, .. } = self.settings;
         let size = Vec2::new(*width as f32, *height as f32);
         let paths = batch * BATCH..self.count.min((batch + 1) * BATCH);
-        // Behind all pixels, so that no number is one of the picture's.
+        // Beyond all pixels, so that no random number is shared with the picture.
         let samplers = paths.map(|path| Sampler::new(*sampler, *seed, u32::MAX - self.number, path));
         let sample = |sampler: &Sampler| FilmSample {
             film: FilmPoint::within(sampler.uniform2(FILM_SET) * size),

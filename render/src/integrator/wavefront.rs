@@ -78,7 +78,7 @@ pub(super) struct PathVertex<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Numbers {
     u_light: Vec2,
-    /// Where the path goes on.
+    /// The continuation of the path.
     pub u_direction: Vec2,
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: Vec3,
@@ -98,7 +98,7 @@ pub(crate) struct Wavefront {
     pub(super) next_media: Vec<Media>,
     /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
     pub(super) order: Vec<u32>,
-    /// The paths that go on, while the others are still needed, and their rays.
+    /// The continuing paths, while the others are still needed, and their rays.
     next_paths: Vec<Path>,
     next_rays: Vec<Ray>,
     /// The addresses of all camera rays, by index.
@@ -139,8 +139,8 @@ impl Path {
 }
 
 impl Numbers {
-    /// Two numbers that say which light is sampled, and where on it. The first has its last bits from the next
-    /// direction's: as neither enters the other's term of the sum, that makes no bias.
+    /// Two numbers that choose the light and a point on it. The first has its last bits from the next direction's: as
+    /// neither enters the other's term of the sum, that makes no bias.
     #[inline]
     pub(super) fn light(&self) -> (f64, f32) {
         (u_light_choice(self.u_light, self.u_direction), self.u_light.y)
@@ -287,7 +287,7 @@ impl Wavefront {
     fn hits_first(&mut self) -> usize {
         let Self { hits, order, .. } = self;
         let mut end = 0;
-        // Written anyway, as nobody can foresee the branch.
+        // Written in any case, as a branch would be unpredictable.
         for (number, hit) in (0..).zip(hits.iter()) {
             order[end] = number;
             end += usize::from(hit.is_hit());
@@ -299,7 +299,7 @@ impl Wavefront {
         end
     }
 
-    /// Room for `count` more paths that go on behind the first `kept`.
+    /// Reserves room for `count` more continuing paths after the first `kept`.
     #[inline(always)]
     pub(super) fn next_places(&mut self, kept: usize, count: usize) -> (&mut [Ray], &mut [Path]) {
         if self.next_rays.len() < kept + count {
@@ -309,7 +309,7 @@ impl Wavefront {
         (&mut self.next_rays[kept..], &mut self.next_paths[kept..])
     }
 
-    /// Lets the first paths of those that go on take the places of all.
+    /// Replaces all paths by the first continuing ones.
     pub(super) fn keep_next(&mut self, count: usize) {
         std::mem::swap(&mut self.rays, &mut self.next_rays);
         std::mem::swap(&mut self.paths, &mut self.next_paths);
@@ -320,7 +320,7 @@ impl Wavefront {
         self.keep(count);
     }
 
-    /// Keeps the first paths, those that go on.
+    /// Keeps the first paths, which continue.
     pub(super) fn keep(&mut self, count: usize) {
         self.paths.truncate(count);
         self.rays.truncate(count);

@@ -62,7 +62,8 @@ pub struct Request {
 /// Irradiance at sensors, in their order, and what it took.
 #[derive(Clone, Debug)]
 pub struct Irradiance {
-    /// In W/m², linear sRGB; of no use at sensors of other shards; 0 at sensors that were not reached before the watcher said stop.
+    /// In W/m², linear sRGB; unspecified at sensors of other shards; 0 at sensors that were not reached before the
+    /// watcher stopped.
     pub values: Vec<Vec3>,
     /// Whether all sensors were reached.
     pub finished: bool,
@@ -94,9 +95,9 @@ enum Component {
     All,
 }
 
-/// The set of random numbers that says which light is sampled, and where on it.
+/// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
-/// The set of a path's direction; those after it are for whoever follows the path.
+/// The set of a path's direction; later sets are for the path.
 const DIRECTION_SET: u32 = 1;
 /// Samples that are traced together, about.
 const BATCH: usize = 2048;

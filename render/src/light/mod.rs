@@ -60,7 +60,7 @@ pub(crate) struct LightSampler {
     mean_radiance: Vec3,
 }
 
-/// What stands for a triangle that does not emit.
+/// The value for a triangle that does not emit.
 const NO_LIGHT: u32 = u32::MAX;
 
 /// One light.
@@ -155,7 +155,7 @@ impl LightSampler {
             lights.push(Light::Punctual(light));
         }
         lights.push(Light::Sky);
-        // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of
+        // Beyond the radius of a disc as large as all of them a sample contributes no more than a hemisphere full of
         // light.
         let reach = Vec3::splat((areas * std::f32::consts::FRAC_1_PI).sqrt());
         let surroundings = Aabb { min: box_of_lights.min - reach, max: box_of_lights.max + reach };

@@ -27,7 +27,7 @@ impl Receiver {
         Self::unpack(position, pack(normal, both_sides))
     }
 
-    /// The word that stands for a normal and the sides of a surface that receive light.
+    /// A normal and the sides of a surface that receive light, packed into a word.
     #[inline(always)]
     pub(crate) fn pack(normal: Vec3, both_sides: bool) -> u32 {
         pack(normal, both_sides)

@@ -10,7 +10,7 @@ use halfdome_kernel::{BuildOptions, Ray, RoundBvh};
 use super::Light;
 use crate::scene::PunctualLight;
 
-/// The most spheres that are not worth a tree.
+/// The most spheres that are tested without a tree.
 const FEW: usize = 16;
 
 /// All lights of a size.

@@ -13,7 +13,7 @@ use super::{Expression, Node};
 const MOST_STATES: usize = 20_000;
 const MOST_PLACES: usize = 20_000;
 
-/// What stands for all labels that no expression names.
+/// The label that represents all labels that no expression names.
 const OTHER: &str = "";
 
 /// Expressions whose automaton would be too large.
@@ -45,7 +45,7 @@ struct Places<'a> {
 /// The events that can happen in a scene, each once, by their numbers.
 #[derive(Debug)]
 pub(crate) struct Alphabet {
-    /// The labels that are told apart; `None` for all.
+    /// The labels that are distinguished; `None` for all.
     named: Option<Vec<String>>,
     numbers: BTreeMap<Event, u32>,
 }
@@ -74,7 +74,7 @@ impl Alphabet {
         events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// The number of an event; events that no expression tells apart have one.
+    /// The number of an event; events that no expression distinguishes share one.
     pub(crate) fn number(&mut self, kind: Kind, scattering: Scattering, labels: [&str; 2]) -> u32 {
         let is_known = |label: &str| self.named.as_ref().is_none_or(|named| named.iter().any(|it| it == label));
         let known = |label: &str| if is_known(label) { label } else { OTHER }.to_owned();

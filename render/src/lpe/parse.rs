@@ -77,7 +77,7 @@ struct Parser<'a> {
     nested: usize,
 }
 
-/// What stands for one symbol.
+/// The pattern of one symbol.
 enum Symbol {
     Any,
     Letter(Letter),

@@ -47,7 +47,7 @@ pub struct Glossy {
     lost_mean: f32,
 }
 
-/// A cosine between a direction and the microfacets that it sees, which stands for all of them where films are tabled.
+/// A cosine between a direction and the microfacets that it sees, which represents all of them where films are tabled.
 #[inline]
 fn typical_cos(cos: f32, alpha: f32) -> f32 {
     (cos + alpha) / (1.0 + alpha)
@@ -184,7 +184,7 @@ impl Glossy {
         reflectance.lerp(over_dielectric.lerp(over_metal, *metalness), film.weight)
     }
 
-    /// What tables say of a direction with this cosine.
+    /// The tabled values of a direction with this cosine.
     #[inline]
     pub(crate) fn side(&self, cos: f32) -> Side {
         let node = Node::new(cos);

@@ -113,7 +113,7 @@ impl<T: Lobes> Bsdf for T {
     }
 }
 
-/// How much energy a colour stands for when lobes are chosen.
+/// The energy of a colour in the choice of lobes.
 #[inline]
 pub(super) fn mean(color: Vec3) -> f32 {
     (color.x + color.y + color.z) * (1.0 / 3.0)

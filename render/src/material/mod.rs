@@ -123,7 +123,7 @@ pub struct Inputs {
     pub coat_roughness: f32,
     /// Refractive index of the coat, 1 and above.
     pub coat_ior: f32,
-    /// Normal of the coat: a unit vector in the shading frame, on the side of whoever looks. OpenPBR's `geometry_coat_normal`.
+    /// Normal of the coat: a unit vector in the shading frame, on the viewer's side. OpenPBR's `geometry_coat_normal`.
     pub coat_normal: Vec3,
     /// How much of the surface fuzz (sheen) covers, 0 to 1.
     pub fuzz_weight: f32,
@@ -252,7 +252,7 @@ pub struct Evaluation {
     pub reverse_density: f32,
 }
 
-/// What [`Bsdf::sample`] gives: how a path goes on.
+/// The result of [`Bsdf::sample`]: the continuation of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Unit vector, in the shading frame.
@@ -279,8 +279,8 @@ pub trait Bsdf {
         Vec3::ZERO
     }
 
-    /// A direction in which a path goes on; `None` if it is absorbed, which happens too where a microfacet's reflection
-    /// points below the horizon. `u` is in [0, 1)².
+    /// The next direction of a path; `None` if it is absorbed, which happens too where a microfacet's reflection points
+    /// below the horizon. `u` is in [0, 1)².
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample>;
 
     /// The part of uniform light around the surface that reaches `wo`.

@@ -30,7 +30,7 @@ pub(crate) struct Reflection {
     pub(super) multiple: Vec3,
 }
 
-/// What tables say of a direction.
+/// The tabled values of a direction.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Side {

@@ -120,7 +120,7 @@ impl OutputFile {
     }
 }
 
-/// The error without the temporary file's path, which nobody has named.
+/// The error without the temporary file's path.
 fn without_path(error: &io::Error) -> io::Error {
     let text = error.to_string();
     io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())

@@ -72,7 +72,7 @@ impl Shape {
         }
     }
 
-    /// Where texels begin and go on: right, down, and for volumes inwards.
+    /// The orientation of texels: right, down, and for volumes inwards.
     fn orientation(self) -> &'static str {
         if matches!(self, Self::Volume(_)) { "rdi" } else { "rd" }
     }
@@ -162,7 +162,7 @@ fn descriptor() -> [u32; 23] {
     for (sample, (words, channel)) in (0..).zip(descriptor[7..].chunks_exact_mut(4).zip(CHANNELS)) {
         let (offset, length_less_one) = (16 * sample, 15);
         words[0] = (FLOAT_SIGNED | channel) << 24 | length_less_one << 16 | offset;
-        // Position 0; what stands for -1 and 1.
+        // Position 0; the values for -1 and 1.
         (words[2], words[3]) = ((-1.0_f32).to_bits(), 1.0_f32.to_bits());
     }
     descriptor

@@ -41,7 +41,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the extension of `path` stands for, in capitals or not.
+    /// The format of `path`'s extension, case-insensitive.
     ///
     /// # Errors
     /// If there is no extension or an unknown one.

@@ -43,7 +43,7 @@ impl ProbeLight {
     }
 }
 
-/// Sums of fluxes, each times what a light's fifteen numbers say of its direction.
+/// Sums of fluxes, each times the fifteen numbers of a light's direction.
 #[derive(Default)]
 struct Sums {
     normal: Vec3,

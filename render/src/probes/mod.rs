@@ -51,11 +51,12 @@ pub struct Probe {
 pub enum State {
     /// It is.
     Free,
-    /// Its place on the grid was inside of something, and it stands beside it.
+    /// The probe's place on the grid was inside a solid, and it has been moved outside.
     Moved,
     /// All of its cell is inside of something, and its light is that of its neighbours.
     Filled,
-    /// It is inside of something: on a grid nothing is free, and its light is none; a listed point has what is seen there.
+    /// The probe is inside a solid: on a grid without free points its light is zero; a listed point has the light found
+    /// there.
     Covered,
 }
 
@@ -70,8 +71,8 @@ pub struct Probes {
     pub rays: u64,
 }
 
-/// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher says stop. They depend on
-/// the world, the grid and the options alone.
+/// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher stops. They depend
+/// on the world, the grid and the options alone.
 pub fn on_grid(world: &World, grid: &ProbeGrid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
     let mut probes = place::probes(world, grid, watch)?;
     let rays = gather(world, &mut probes, |probe| probe.state != State::Covered, options, watch)?;

@@ -17,7 +17,7 @@ use crate::world::{Hit, World};
 
 /// A point is covered if it sees more backs than this part of all directions.
 const BACKS: f32 = 0.25;
-/// Rings of directions that tell.
+/// Rings of directions for the test.
 const RINGS: u32 = 8;
 /// Free points of a cell are sought on a grid of so many by so many by so many.
 const CANDIDATES: i32 = 5;
@@ -29,7 +29,7 @@ pub(super) fn is_covered(backs: f32) -> bool {
     backs > BACKS
 }
 
-/// The part of all directions in which each point sees the back of something; `None` if the watcher says stop.
+/// The part of all directions in which each point sees the back of something; `None` if the watcher stops.
 pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option<Vec<f32>> {
     let sphere: Vec<(Vec3, f32)> =
         Quadrature::new(RINGS).points().map(|(direction, weight)| (direction.as_vec3(), weight as f32)).collect();
@@ -48,7 +48,7 @@ pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option
     points.par_iter().map(share).collect()
 }
 
-/// Probes of a grid, moved where they would be covered; `None` if the watcher says stop. Their light is yet to be found.
+/// Probes of a grid, moved where they would be covered; `None` if the watcher stops. Their light is yet to be found.
 pub(super) fn probes(world: &World, grid: &ProbeGrid, watch: &dyn Watch) -> Option<Vec<Probe>> {
     let middles: Vec<Vec3> = grid.positions().collect();
     let seen = backs(world, &middles, watch)?;

@@ -11,10 +11,10 @@ const POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// As many digits make no number beyond 2⁶³.
+/// This many digits stay below 2⁶³.
 const MOST_DIGITS: usize = 18;
 
-/// The number that `word` is; `None` if it is none.
+/// The number in `word`; `None` if it is not a number.
 pub(super) fn parse(word: &[u8]) -> Option<f32> {
     match prefix(word) {
         Some((number, length)) if length == word.len() => Some(number),

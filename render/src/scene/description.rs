@@ -43,7 +43,7 @@ pub struct Scene {
     pub film_spp: Option<u32>,
     /// How the picture is taken from there.
     pub optics: Optics,
-    /// The clipping planes of the file's camera, which are not used unless somebody asks for them.
+    /// The clipping planes of the file's camera, which are not used unless requested.
     pub camera_clip: Option<Clip>,
     /// What rays see that leave the scene.
     pub sky: Sky,
@@ -79,7 +79,7 @@ pub struct Mesh {
     pub material: usize,
     /// A valid index into [`Scene::objects`] if it belongs to one, in whose coordinates it is and whose instances show it.
     pub object: Option<usize>,
-    /// Where in a glTF file it stands; `None` for other formats.
+    /// The position in a glTF file; `None` for other formats.
     pub origin: Option<Origin>,
     /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or lines: it gets no
     /// lightmap.

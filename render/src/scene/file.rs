@@ -107,7 +107,7 @@ pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides
     open_watched(path, overrides, None)
 }
 
-/// Reads a scene as [`open_with`] does, while somebody watches.
+/// Reads a scene like [`open_with`], and reports progress.
 pub fn open_watched(
     path: &Path,
     overrides: &Overrides,
@@ -252,7 +252,7 @@ impl Parser<'_> {
         Ok(SceneFile { model, overrides, materials, objects, instances })
     }
 
-    /// Sets the option that `entry` of `section` stands for; whether there is one.
+    /// Sets the option of `entry` in `section`; returns whether there is one.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<bool, SceneError> {
         match (section, entry.name) {
             ("scene", "animation") => to.moment.animations = Some(self.read(value::names, section, entry)?),

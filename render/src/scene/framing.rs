@@ -55,7 +55,8 @@ const INSIDE_VFOV: f32 = 60.0;
 const PLACES: [f32; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 const EYE_HEIGHT: f32 = 0.55;
 
-/// The pose inside of a closed room, looking at its middle; `None` if the scene is none. `vfov` as in [`frame`].
+/// The pose inside of a closed room, looking at its middle; `None` if the scene is not a closed room. `vfov` as in
+/// [`frame`].
 pub(super) fn frame_inside(scene: &Scene, up: Vec3, vfov: Option<f32>) -> Option<CameraPose> {
     let (lower, upper) = scene.bounds()?;
     let triangles: Vec<Triangle> = scene

@@ -10,7 +10,7 @@ use std::path::Path;
 use super::error::{Place, SceneError};
 use super::profile::Profile;
 
-/// First lines, and the years that they stand for. Files of 1986 have none.
+/// First lines, and their years. Files of 1986 have none.
 const VERSIONS: [(&str, u32); 5] = [
     ("IESNA91", 1991),
     ("IESNA:LM-63-1991", 1991),

@@ -68,8 +68,8 @@ enum Format {
 /// Reads the model at `path`: Wavefront OBJ with its MTL files (`.obj`), PLY (`.ply`), glTF 2.0 (`.gltf`, `.glb`),
 /// or pbrt-v4 (`.pbrt`).
 ///
-/// Things that are missing or of no use here, such as textures, give a line in [`Scene::warnings`]. Degenerate
-/// triangles stay in the meshes.
+/// Missing or unsupported content, such as textures, gives a line in [`Scene::warnings`]. Degenerate triangles stay in
+/// the meshes.
 ///
 /// # Errors
 ///

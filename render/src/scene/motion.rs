@@ -26,7 +26,7 @@ pub struct Motion {
     pub instances: BTreeMap<usize, Arc<[Affine3A]>>,
     /// Each light that moves, by its number: of these alone place and direction count.
     pub lights: BTreeMap<usize, Vec<PunctualLight>>,
-    /// The camera's poses, none if it stands still.
+    /// The camera's poses, empty if it is static.
     pub cameras: Vec<CameraPose>,
 }
 
@@ -44,7 +44,7 @@ pub struct Shutter {
 impl Shutter {
     /// The greatest number of keys.
     pub const MAX_KEYS: usize = 129;
-    /// The number of keys if nobody says: a quarter of a turn is off a circle by half a percent of its radius.
+    /// The default number of keys: a quarter of a turn deviates from a circle by half a percent of its radius.
     pub const DEFAULT_KEYS: usize = 5;
 
     /// The seconds after the frame's time at each of so many keys.
@@ -79,7 +79,7 @@ impl Motion {
 }
 
 impl PunctualLight {
-    /// Where it stands, its greatest intensity, and its radius; `None` if it is infinitely far away.
+    /// The position, the greatest intensity, and the radius; `None` if it is infinitely far away.
     pub(crate) fn place(&self) -> Option<(Vec3, Vec3, f32)> {
         match self {
             Self::Point { position, intensity, radius } | Self::Spot { position, intensity, radius, .. } => {

@@ -30,7 +30,7 @@ pub enum Projection {
     Perspective,
     /// Parallel rays, from the plane of the eye on.
     Orthographic {
-        /// The height of what is seen.
+        /// The height of the view.
         height: f32,
     },
     /// All directions, equirectangular: the view is in the middle, up is the top row, right the right half.

@@ -168,7 +168,7 @@ impl Overrides {
         groups.concat().into_iter().filter(|(of, _)| *of == section).map(|(_, key)| key).collect()
     }
 
-    /// Sets the option that a key of a scene file stands for; whether there is one.
+    /// Sets the option of a scene file's key; returns whether there is one.
     pub(crate) fn set_key<S: Source>(&mut self, section: &str, key: &str, source: &S) -> Result<bool, S::Error> {
         let Self { camera, moment, integrator, light, .. } = self;
         Ok(camera.set(section, key, source)?
@@ -190,8 +190,8 @@ impl Overrides {
         self.sets_any(Group::Camera)
     }
 
-    /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that
-    /// was made up.
+    /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning reports an
+    /// automatic one.
     ///
     /// # Errors
     /// If options do not go together, or with the scene.

@@ -29,8 +29,8 @@ pub struct ProfileFrame {
 }
 
 impl Profile {
-    /// A table whose angles are in order; `rows` has one for each horizontal angle. What it says of a part of the
-    /// circle, a quarter (0 to 90 degrees) or a half (0 to 180, 90 to 270), holds for the others mirrored.
+    /// A table whose angles are in order; `rows` has one for each horizontal angle. A part of the circle, a quarter (0
+    /// to 90 degrees) or a half (0 to 180, 90 to 270), is mirrored to the others.
     pub(super) fn new(vertical: Vec<f32>, horizontal: Vec<f32>, mut rows: Vec<Vec<f32>>) -> Self {
         let mut angles = horizontal;
         // Mirrored about an angle, its own row left out.

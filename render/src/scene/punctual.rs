@@ -13,7 +13,7 @@ use super::{Profile, ProfileFrame};
 pub enum PunctualLight {
     /// Shines alike in every direction.
     Point {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
         /// Radiant intensity from afar, W/sr.
         intensity: Vec3,
@@ -22,7 +22,7 @@ pub enum PunctualLight {
     },
     /// Shines into a cone.
     Spot {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
         /// Unit vector along the cone's axis.
         direction: Vec3,
@@ -40,7 +40,7 @@ pub enum PunctualLight {
     },
     /// Shines as was measured.
     Profiled {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
         /// How it is turned.
         frame: ProfileFrame,

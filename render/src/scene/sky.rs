@@ -14,7 +14,7 @@ use image::{DynamicImage, ImageDecoder as _};
 
 use super::{Place, SceneError};
 
-/// The light from outside the scene. By default there is none.
+/// The light from outside the scene; black by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sky {
     /// Radiance from everywhere, W/(m² sr).
@@ -32,7 +32,7 @@ pub struct SkyPicture {
     pub(crate) height: u32,
     /// Row by row from the top, finite and not negative, W/(m² sr).
     pub(crate) texels: Vec<Vec3>,
-    /// By how much the picture is turned about +y, counter-clockwise as seen from above; radians.
+    /// The rotation of the picture about +y in radians, counter-clockwise as seen from above.
     pub(crate) rotation: f32,
 }
 

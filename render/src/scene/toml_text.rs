@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::value::Value;
 
-/// A key or section with its value, and where both stand in the text.
+/// A key or section with its value, and their positions in the text.
 pub(super) struct Entry<'a> {
     pub(super) name: &'a str,
     pub(super) at: Range<usize>,

@@ -30,9 +30,9 @@ pub struct CachedOptions {
 pub enum Gradients {
     /// None: a record's irradiance is that of all around it.
     Off,
-    /// By the change with the normal.
+    /// Rotational gradients.
     Rotation,
-    /// By the change with the normal and with the position.
+    /// Rotational and translational gradients.
     Both,
 }
 
@@ -61,7 +61,7 @@ impl CachedOptions {
     pub const MAX_ERROR: f32 = 1.0;
     /// The least accuracy that can be asked for.
     pub const MAX_ACCURACY: f32 = 0.5;
-    /// The fewest rays with which gradients can be told.
+    /// The fewest rays for gradients.
     pub const MIN_RAYS: u32 = 12;
     /// The most rays of a record.
     pub const MAX_RAYS: u32 = 1 << 20;

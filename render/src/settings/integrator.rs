@@ -41,9 +41,8 @@ pub struct PathOptions {
     /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
     /// brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
-    /// Path guiding: the number of paths, 1024 to 8,388,608, from which it is learned before the picture where paths had better
-    /// go on; `None` to go on by closures alone. It pays where light comes through a gap; the picture's mean does not
-    /// depend on it.
+    /// Path guiding: the number of paths, 1024 to 8,388,608, for training before the picture; `None` to sample closures
+    /// alone. It pays where light enters through a narrow opening; the picture's mean does not depend on it.
     pub guide: Option<u32>,
 }
 
@@ -51,9 +50,9 @@ pub struct PathOptions {
 /// images of lights are always found by bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSampling {
-    /// By bounces that happen to hit it: Shirley's first program.
+    /// Bounces hit lights by chance.
     Naive,
-    /// By sampling the lights at each surface.
+    /// Light samples at each surface.
     Direct,
     /// Both ways, weighted by the power heuristic (Veach 1997).
     Mis,
@@ -71,21 +70,21 @@ pub enum Stop {
         /// Whether what is left out is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
         add_back: bool,
     },
-    /// Chance, without bias: those that go on weigh more.
+    /// Russian roulette, without bias: survivors have a greater weight.
     Roulette {
-        /// Surfaces from which paths always go on.
+        /// Surfaces before roulette starts.
         after: u32,
         /// The probability of going on afterwards.
         survival: Survival,
     },
 }
 
-/// The probability that a path goes on.
+/// The survival probability of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Survival {
     /// Always the same, more than 0 and at most 1.
     Constant(f32),
-    /// The largest channel of what is left of the path's light.
+    /// The largest channel of the path's throughput.
     Throughput {
         /// The greatest probability, more than 0 and at most 1.
         max: f32,
@@ -101,8 +100,8 @@ pub struct MonteCarloOptions {
     pub rays: u32,
     /// How their directions are chosen.
     pub sampling: HemisphereSampling,
-    /// What follows the last of the bounces: nothing, or one ray a surface as long as roulette with this survival lets
-    /// it go on, which leaves nothing out.
+    /// The continuation after the last bounce: nothing, or one ray a surface with Russian roulette of this survival,
+    /// which is unbiased.
     pub tail: Option<Survival>,
 }
 

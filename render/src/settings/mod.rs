@@ -79,7 +79,7 @@ fn matte_bytes_per_pixel(cryptomatte: &Cryptomatte) -> u64 {
     cryptomatte.kinds.len() as u64 * layer
 }
 
-/// Settings that do not go together, or a camera that sees nothing.
+/// Settings that conflict, or a camera without a view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}\n  help: {remedy}")]
 pub struct Invalid {

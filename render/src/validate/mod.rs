@@ -54,7 +54,7 @@ pub(crate) struct Outcome {
     pub measured: f64,
     /// The number that it should be.
     pub expected: f64,
-    /// By how much it may differ.
+    /// The allowed difference.
     pub tolerance: f64,
     /// What was measured on the way.
     pub figure: Option<Figure>,

@@ -14,7 +14,7 @@ use crate::output::false_color;
 use crate::settings::Settings;
 use crate::world::World;
 
-/// Of which depth on nothing was hit; nothing measured is as far.
+/// The depth from which on nothing was hit; no measured depth is as large.
 const NOTHING: f32 = 1e9;
 /// sRGB codes of what has no value.
 const EMPTY: [u8; 3] = [24; 3];

@@ -37,7 +37,7 @@ pub fn orbit(pose: CameraPose, azimuth: f64, elevation: f64) -> CameraPose {
     CameraPose { eye: (pose.target.as_dvec3() + offset).as_vec3(), ..pose }
 }
 
-/// The pose at `factor` times the distance from the target, within what a scene of this diagonal is worth looking at from.
+/// The pose at `factor` times the distance from the target, within the useful range for a scene of this diagonal.
 pub fn zoom(pose: CameraPose, factor: f64, diagonal: f32) -> CameraPose {
     let from = pose.eye.as_dvec3() - pose.target.as_dvec3();
     let (distance, diagonal) = (from.length(), f64::from(diagonal));
@@ -55,7 +55,7 @@ pub fn pan(pose: CameraPose, right: f64, up: f64) -> CameraPose {
     CameraPose { eye: moved(pose.eye), target: moved(pose.target), ..pose }
 }
 
-/// The pose turned where it stands to look at a point; as it is if the point is at the eye, or straight above or below.
+/// The pose rotated in place to look at a point; as it is if the point is at the eye, or straight above or below.
 pub fn look_at(pose: CameraPose, point: Vec3) -> CameraPose {
     let turned = CameraPose { target: point, ..pose };
     let ahead = (point.as_dvec3() - pose.eye.as_dvec3()).normalize_or_zero();

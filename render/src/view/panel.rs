@@ -11,7 +11,7 @@ use crate::settings::Settings;
 
 /// Characters of a line.
 pub const COLUMNS: usize = 54;
-/// Where values stand.
+/// The column of values.
 const LABEL: usize = 10;
 /// Paths of less light than this part of their sample's are summed up.
 const LITTLE: f32 = 0.005;

@@ -37,7 +37,7 @@ pub struct PickedSurface {
     pub normal: Vec3,
     /// Unit normal by vertices and maps.
     pub shading_normal: Vec3,
-    /// From where the ray begins, in the scene's units.
+    /// The distance from the ray's origin, in the scene's units.
     pub distance: f32,
 }
 

@@ -79,7 +79,7 @@ struct Desk {
 }
 
 impl Renderer {
-    /// With nothing to do yet. `notify` is called when there is a new frame, from another thread.
+    /// A renderer without an order. `notify` is called when there is a new frame, from another thread.
     ///
     /// # Panics
     /// If the system has no thread left.
@@ -148,7 +148,7 @@ impl Drop for Renderer {
     }
 }
 
-/// A film that nobody works on.
+/// A film that no thread works on.
 struct Kept {
     number: u64,
     order: Order,
@@ -186,7 +186,7 @@ impl Shared {
                     self.desk().error = Some(error.to_string());
                     (self.notify)();
                 }
-                // Of a picture that was given up some pixels may have no samples.
+                // In a picture that was given up some pixels may have no samples.
                 Ok(render) if render.finished || render.film.samples().start > 0 => {
                     let rays = watch.rays.into_inner();
                     let new = Kept { number, order, film: render.film, rays, finished: render.finished };

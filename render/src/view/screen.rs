@@ -9,7 +9,7 @@ use super::{COLUMNS, Line, Style};
 
 /// Pixels around text.
 const MARGIN: usize = 14;
-/// From line to line.
+/// The distance between lines.
 const ROW: usize = 18;
 const BACKGROUND: [u8; 3] = [24; 3];
 const PANEL: [u8; 3] = [34, 36, 40];
@@ -46,7 +46,7 @@ impl Screen {
         &self.pixels
     }
 
-    /// The width of what is left of the text for the picture, if the text is shown.
+    /// The width of the picture left of the text, if the text is shown.
     pub fn picture_width(width: usize, has_panel: bool) -> usize {
         if has_panel { width.saturating_sub(panel_width()) } else { width }
     }

@@ -303,7 +303,7 @@ impl Session {
         }
     }
 
-    /// Renders anew, or goes on.
+    /// Restarts the render, or continues it.
     fn render(&mut self) {
         let order = Order { pose: self.pose, settings: self.settings.clone() };
         self.order = self.renderer.order(order, &self.layers[self.layer].channels);

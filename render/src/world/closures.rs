@@ -14,7 +14,7 @@ pub(super) type ClosureCell = OnceLock<MaterialClosures>;
 #[derive(Debug)]
 pub(super) struct MaterialClosures {
     varies: Varies,
-    /// From outside and from inside, without maps.
+    /// The closures from outside and from inside, without maps.
     sides: [Closure; 2],
 }
 

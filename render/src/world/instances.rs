@@ -53,7 +53,7 @@ pub(super) struct Instances {
     pub(super) out_of_range: usize,
 }
 
-/// Rays whose hits with instances are looked for at once.
+/// Rays that are traced through instances together.
 const BATCH: usize = 64;
 
 impl InstanceRecord {

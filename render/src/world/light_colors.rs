@@ -20,8 +20,8 @@ impl World {
         }
     }
 
-    /// The names of all lights, with the colours, in linear sRGB, by which the integrator `heat-lights` tells them apart: the sky, punctual lights, meshes that emit. Without a name of its own a
-    /// light has its number.
+    /// The names of all lights, with the colours, in linear sRGB, of the integrator `heat-lights`: the sky, punctual
+    /// lights, meshes that emit. Without a name of its own a light has its number.
     pub fn light_colors(&self) -> Vec<(String, Vec3)> {
         let sky = (self.lights.sky.mean() != Vec3::ZERO).then(|| (SKY.to_owned(), color(0)));
         let punctual = self.light_labels.iter().enumerate().map(|(number, label)| {

@@ -15,7 +15,7 @@ const CHOICES: u32 = 8;
 /// fronts. The sum is 1 unless no point receives light.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightShares {
-    /// Of all emissive triangles of each material.
+    /// The share of all emissive triangles of each material.
     pub materials: Vec<f64>,
     /// Of each punctual light, in the scene's order.
     pub punctual: Vec<f64>,

@@ -64,7 +64,7 @@ impl World {
         })
     }
 
-    /// Of each punctual light, in the scene's order, the names of its group and itself.
+    /// The names of the group and of the light itself, for each punctual light in the scene's order.
     pub(crate) fn punctual_labels(&self) -> impl Iterator<Item = [String; 2]> {
         self.light_labels.iter().map(|LightLabel { name, group }| {
             let name = first_name([name, ""]);

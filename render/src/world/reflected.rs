@@ -15,9 +15,9 @@ use super::{Surface, World};
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, luminance_weight};
 use crate::scene::PunctualLight;
 
-/// By which one finds out how much of the light arrives at a triangle.
+/// Shadow rays that estimate how much of the light arrives at a triangle.
 const SHADOW_RAYS: u32 = 16;
-/// The same, at a point that stands for many.
+/// The same, at a point that represents many.
 const POINT_SHADOW_RAYS: u32 = 4;
 /// What is so many times as bright as the mean does not count in full in a mean of few.
 const OUTLIER: f32 = 8.0;

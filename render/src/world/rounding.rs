@@ -25,7 +25,7 @@ use crate::scene::{Material, Mesh};
 const STEEPEST: f32 = 0.866;
 /// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
 const LEAST: f32 = 1e-4;
-/// A height that is less than this part of a ray's length is not seen, and no ray looks for what is there.
+/// A height below this part of a ray's length is not visible, and needs no ray.
 const UNSEEN: f32 = 1e-4;
 
 /// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.

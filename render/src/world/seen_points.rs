@@ -15,7 +15,7 @@ const SIDE: u32 = 32;
 /// The points that are begun with, at most.
 const POINTS: usize = (SIDE * SIDE) as usize;
 
-/// Where light is to be found. It says what a [`World`] prepares for, which makes a difference for noise alone.
+/// The points at which light is needed. A [`World`] prepares for them, which affects only noise.
 #[derive(Clone, Copy, Debug)]
 pub enum LookFrom<'a> {
     /// In a picture of its camera.

@@ -12,7 +12,7 @@ use super::World;
 use crate::material::Kind;
 use crate::scene::Material;
 
-/// A triangle, with what most hits need to know of it in one cache line.
+/// A triangle, with the data that most hits need in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleRecord {
@@ -27,7 +27,7 @@ pub(crate) struct TriangleRecord {
     pub(crate) is_plain: u32,
 }
 
-/// What a material says of plain triangles.
+/// The data of a material for plain triangles.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct MaterialRecord {
@@ -82,7 +82,7 @@ impl MaterialRecord {
 }
 
 impl EmitterRecord {
-    /// What stands for lights of other kinds.
+    /// The value for lights of other kinds.
     pub(super) const NONE: Self = Self {
         corners: [Vec3::ZERO; 3],
         normal: Vec3::ZERO,

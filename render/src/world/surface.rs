@@ -43,7 +43,7 @@ pub(crate) struct Surface<'w> {
     pub offset: f32,
     /// How far the front and the back are rounded.
     pub rounding: Rounding,
-    /// By how much the refractive index is greater than the material's, at the wavelength of whoever asks.
+    /// The refractive index minus the material's, at the path's wavelength.
     pub dispersed: f32,
     pub prim_id: u32,
     /// As [`Hit::instance`].

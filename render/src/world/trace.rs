@@ -127,8 +127,8 @@ impl World {
         if self.is_hole(ray, &Hit::of(hit)) { Verdict::Reject } else { Verdict::Accept }
     }
 
-    /// Whether there is a hole in the triangle where this ray hits it. Of a surface that is there in part, rays pass a part,
-    /// chosen by a hash of ray and triangle, so that it is the same one whoever asks.
+    /// Whether there is a hole in the triangle where this ray hits it. A partly opaque surface lets a part of the rays
+    /// pass, chosen by a hash of ray and triangle, so that all queries agree.
     #[inline(always)]
     pub(crate) fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
         self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit)

@@ -118,7 +118,7 @@ impl Files {
             .collect()
     }
 
-    /// Checks that pages can be written, and are none of the files that are read.
+    /// Checks that pages can be written, and are not among the input files.
     pub(super) fn check_pages(&self, pages: usize, options: &BakeOptions, inputs: &[PathBuf]) -> Result<(), CliError> {
         for page in 0..pages {
             let names = [Some(self.page(page, "exr")), self.map_name(page), self.directional_name(page, options)];

@@ -25,7 +25,7 @@ pub(super) enum Counted {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Snapshot {
     pub(super) samples: u64,
-    /// 0 if nobody knows.
+    /// 0 if unknown.
     pub(super) total: u64,
     pub(super) rays: u64,
     /// Irradiance records made, or how often a layout is packed.

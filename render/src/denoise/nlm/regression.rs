@@ -30,7 +30,7 @@ pub(super) struct Feature {
     pub(super) noise: f32,
 }
 
-/// What regression needs to know of the picture.
+/// The inputs of the regression.
 pub(super) struct Samples<'a> {
     pub(super) extent: Extent,
     pub(super) color: &'a [Plane; 3],
@@ -162,7 +162,7 @@ impl Moments {
     }
 }
 
-/// What the models around the pixels of a tile say of these, for each colour row by row. `models` gives the models of the
+/// The predictions of the models around a tile's pixels, for each colour row by row. `models` gives the models of the
 /// tile in a column and a row of tiles.
 #[inline(always)]
 pub(super) fn predict<'m>(

@@ -80,7 +80,7 @@ impl IncidentSink for Sum {
 }
 
 impl<'w> HeldOut<'w> {
-    /// Gathers at some of `count` points, of which `surface` gives each; `None` if the watcher says stop.
+    /// Gathers at some of `count` points, of which `surface` gives each; `None` if the watcher stops.
     pub(crate) fn new(
         world: &World,
         options: &CachedOptions,

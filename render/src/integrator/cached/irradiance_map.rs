@@ -13,13 +13,13 @@ use super::indirect;
 use crate::integrator::{RayBatch, Wavefront};
 use crate::world::{Hit, World};
 
-/// Somebody who knows irradiance.
+/// A source of irradiance.
 pub(crate) trait IrradianceMap: Sync {
     /// All irradiance at a hit on the front of a triangle, direct light included; `None` where it is not known.
     fn irradiance(&self, hit: &Hit) -> Option<Vec3>;
 }
 
-/// The rays that paths go on from.
+/// The rays that paths continue.
 #[derive(Default)]
 pub(super) struct UnmappedHits {
     /// Their numbers.

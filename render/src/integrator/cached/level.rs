@@ -25,7 +25,7 @@ pub(crate) enum GatherSource<'a> {
     Paths(Option<u32>),
     /// A cache of light with one reflection less.
     Cache(&'a FrozenCache),
-    /// Somebody who knows all light on surfaces.
+    /// A source of all light on surfaces.
     Map(&'a dyn IrradianceMap),
 }
 
@@ -43,8 +43,8 @@ pub(super) struct Level<'a> {
     pub(crate) log: &'a dyn RecordLog,
 }
 
-/// Keeps records that are made while a cache is filled, so that work which was interrupted can go on. As where records go
-/// follows from the records before, a cache that is filled again, with known records instead of gathers, is the same.
+/// Keeps records that are made while a cache is filled, so that interrupted work can resume. As the places of records
+/// follow from earlier records, refilling a cache with known records instead of gathers gives the same cache.
 pub(crate) trait RecordLog: Sync {
     /// The record with this key, if it was made before, with its radii as they were not bounded yet.
     fn get(&self, key: u64) -> Option<Record>;
@@ -157,7 +157,7 @@ impl Level<'_> {
         traced
     }
 
-    /// The records of sites by their numbers, and the rays traced; `None` if the watcher says stop.
+    /// The records of sites by their numbers, and the rays traced; `None` if the watcher stops.
     fn gather(
         &self,
         gatherer: &AdaptiveGatherer,
@@ -200,7 +200,7 @@ impl Level<'_> {
     fn record(&self, site: &RecordSite, found: &Gathered) -> Record {
         let Gathered { gather, hessian, occluders } = found;
         let surface = &site.point.surface.smooth();
-        // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
+        // A point that sees nothing, or only distant surfaces, has a radius of the scene's extent.
         let mean_distance = gather.harmonic_mean_distance.min(occluders.clearance).min(self.world.diagonal());
         // Rays meet surfaces, but not where these are nearest; the planes of occluders do.
         let occluders = occluders.occluders();

@@ -30,10 +30,10 @@ use crate::world::{Hit, Surface, World};
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;
 
-/// The least probability with which a ray goes on for what records leave: emission is looked for by the same ray.
+/// The least probability of a ray for the light that records do not cover: the same ray finds emission.
 const LEAST_REST: f32 = 0.25;
 
-/// Points without a record, and the rays that go on from there.
+/// Points without a record, and the rays from there.
 #[derive(Default)]
 pub(crate) struct Misses {
     /// Which camera ray saw them, and what the light that arrives by the ray is multiplied by.
@@ -156,7 +156,8 @@ impl VertexStep for Lookup<'_> {
             next.normal = surface.receiver().packed();
             let mut indirect = Vec3::ZERO;
             if !is_matte {
-                // Records know what is scattered diffusely. Where that is nearly all, few rays look for emission alone.
+                // Records cover diffuse scattering. Where that is nearly everything, few rays are sent, for emission
+                // alone.
                 let rest = if world.kind(hit.prim_id) == Kind::Glossy && known != Vec3::ZERO && !surface.transmits {
                     scattering.glossy(direction) / bounce.density
                 } else {

@@ -38,7 +38,7 @@ pub(crate) use lookup::Misses;
 pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
 pub(crate) use to_accuracy::{Aim, SAMPLED_SHARE};
 
-/// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
+/// Surfaces after which roulette starts on indirect paths. A gather has many paths, so a few long ones are enough.
 const SURE_DEPTH: u32 = 1;
 
 /// A cache that grows no more, and what happened while it was read.

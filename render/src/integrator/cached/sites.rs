@@ -42,7 +42,7 @@ const MAX_DEEPER_SITES: usize = 8192;
 const MAX_SURFACES: u32 = 16;
 /// The least part of light for which what glossy surfaces show gets sites.
 const LEAST_SHARE: f32 = 0.02;
-/// Keys of what is seen in mirrors begin with the number of mirrors.
+/// Keys of sites seen in mirrors begin with the number of mirrors.
 const DEPTH_SHIFT: u32 = 48;
 /// Keys of deeper caches begin with the number of reflections.
 const LEVEL_SHIFT: u32 = 56;
@@ -125,7 +125,7 @@ fn visible_sites<'w>(
             if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
                 go_on(bounce.direction, *share);
             } else if !world.is_nearly_diffuse(hit.prim_id) {
-                // What stands in the middle of a glossy lobe.
+                // The hit in the middle of a glossy lobe.
                 let share = share * (scattering.albedo() - surface.diffuse).max_element();
                 let direction =
                     ray.direction - 2.0 * surface.shading_normal.dot(ray.direction) * surface.shading_normal;

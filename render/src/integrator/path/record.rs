@@ -64,7 +64,7 @@ impl<'a> Recorder<'a> {
         self.paths.add(states, light, &mut self.aovs[index * count..][..count]);
     }
 
-    /// Lets the paths that go on take the places of all.
+    /// Replaces all paths by the continuing ones.
     pub(super) fn keep_next(&mut self) {
         std::mem::swap(&mut self.memory.states, &mut self.memory.next);
         self.memory.next.clear();
@@ -94,7 +94,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The states of a path that goes on, by a number in [0, 1) that chooses its lobe.
+    /// The states of a continuing path, by a number in [0, 1) that chooses its lobe.
     fn onwards(&self, before: [u32; 3], lobes: &Lobes, is_delta: bool, u: f32) -> [u32; 3] {
         let chosen = |part: f32| match () {
             () if is_delta => Lobe::Delta,
@@ -165,7 +165,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Records how the paths of a block go on.
+    /// Records the bounces of a block's paths.
     #[inline(never)]
     pub(super) fn record_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
@@ -174,8 +174,8 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Records that path `i` goes on in a direction, by a delta function or not; its lobe is chosen by what is left of
-    /// the path's set of numbers for going on, in this place.
+    /// Records that path `i` continues in a direction, by a delta function or not; its lobe is chosen by an unused
+    /// number of the path's set for the bounce.
     pub(super) fn record_onwards<C: BlockClosures>(
         &mut self,
         closures: &C,

@@ -64,7 +64,7 @@ impl Trainer {
         }
     }
 
-    /// Lets the paths that go on take the places of all.
+    /// Replaces all paths by the continuing ones.
     pub(super) fn keep_next(&mut self) {
         std::mem::swap(&mut self.last, &mut self.next);
         self.next.clear();
@@ -109,7 +109,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Learns how the paths of a block go on.
+    /// Learns the bounces of a block's paths.
     pub(super) fn learn_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
         let Some(trainer) = &mut self.trainer else { return };
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
@@ -127,7 +127,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Learns that path `i` goes on in a way that is none of its closure's.
+    /// Learns that path `i` continues in a direction that its closure has not sampled.
     pub(super) fn learn_aimed(&mut self, block: &PathBlock, i: usize) {
         if let Some(trainer) = &mut self.trainer {
             trainer.next.push(trainer.last[block.source[i] as usize]);

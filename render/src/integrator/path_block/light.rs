@@ -186,7 +186,7 @@ impl PathBlock {
         self.light_samples.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
     }
 
-    /// The light of path `i`, if it is none that [`sample_lights`](Self::sample_lights) knows.
+    /// The light of path `i`, if [`sample_lights`](Self::sample_lights) does not handle it.
     #[inline(always)]
     pub(in crate::integrator) fn other_light(&self, i: usize) -> Option<SampledLight> {
         let LightSamples { emitters, lights, probability, uv, .. } = &self.light_samples;

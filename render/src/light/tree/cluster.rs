@@ -97,7 +97,7 @@ pub(crate) fn height(z: f32, radius: f32) -> f32 {
     if z >= radius { z } else { partly }
 }
 
-/// A weight that can be added to others: finite, and 0 instead of what is no number.
+/// A weight that can be added to others: finite, and 0 instead of NaN.
 #[inline(always)]
 pub(crate) fn tame(weight: f32) -> f32 {
     if weight > 0.0 { weight.min(1e30) } else { 0.0 }

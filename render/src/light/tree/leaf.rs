@@ -31,7 +31,7 @@ pub(crate) trait LeafLights: Default {
     fn weights(&self, receiver: &Receiver) -> Lane;
 }
 
-/// What building needs to know of a light.
+/// The data of a light for building.
 pub(crate) trait Emits {
     /// Corners of a triangle, which may be one point; no part of the light is farther from it than the
     /// [radius](Self::radius).

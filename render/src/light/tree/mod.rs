@@ -199,7 +199,7 @@ impl<L: LeafLights> Tree<L> {
         if sum(&weights) > 0.0 { weights } else { self.sizes(child) }
     }
 
-    /// What a child's children are worth if they seem to send nothing.
+    /// The weights of a child's children if all estimates are 0.
     #[cold]
     fn sizes(&self, child: Child) -> Lane {
         let number = (child.0 & !Child::LEAF) as usize;

@@ -26,7 +26,7 @@ impl Parser<'_> {
         Ok(pattern)
     }
 
-    /// One place in `<…>`, whose symbols `read` gives; it says what would be right.
+    /// One place in `<…>`, whose symbols `read` gives; it names the valid symbols.
     fn part<T>(&mut self, read: &dyn Fn(Symbol) -> Result<Choice<T>, &'static str>) -> Result<Choice<T>, LpeError> {
         if self.peek() == Some('[') {
             let open = self.open()?;

@@ -174,7 +174,7 @@ impl<'a> Attributes<'a> {
         self.complete(pairs, vertices, "texture coordinate", "texture coordinates")
     }
 
-    /// Colours of three or four numbers, linear; what is no number is white.
+    /// Colours of three or four numbers, linear; NaN becomes white.
     pub(super) fn colors(&self, vertices: usize) -> Result<Vec<Vec4>, SceneError> {
         let semantic = Semantic::Colors(0);
         let kinds = [F32, U8, U16];

@@ -34,7 +34,7 @@ impl<'a> Extensions<'a> {
         })
     }
 
-    /// The names of those that nobody has taken.
+    /// The names of the extensions that were not read.
     pub(super) fn rest(self) -> impl Iterator<Item = String> {
         self.objects.into_iter().map(|(name, _)| name)
     }

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use crate::scene::{Place, SceneError};
 
-/// What the extension says of a buffer view.
+/// The extension's data of a buffer view.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Compression {

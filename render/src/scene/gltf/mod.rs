@@ -118,7 +118,7 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
     ))
 }
 
-/// As many elements are worth a thread's while.
+/// The least number of elements for a thread.
 const PARALLEL: usize = 1 << 14;
 
 /// What was left out, for the warnings.
@@ -192,7 +192,7 @@ fn parse(
     place: impl Fn(&::gltf::json::Error) -> Place,
 ) -> Result<(Root, Vec<animation::Listed>), SceneError> {
     let wrong = |error: ::gltf::json::Error, place: Place| {
-        // The message ends with the place, which is told on its own.
+        // The message ends with the place, which is reported separately.
         let message = error.to_string();
         let problem = message.split(" at line ").next().unwrap_or_default();
         SceneError::new(path, place, format!("this is not valid glTF: {problem}"), "export the model again")
@@ -305,8 +305,8 @@ fn read(
     Ok(Scene { warnings, ..scene })
 }
 
-/// The pose at a moment, or of the nodes themselves; the scene is told the animations. Those that are wrong matter if they
-/// are to be played.
+/// The pose at a moment, or of the nodes themselves; the scene receives the animations. Invalid ones are errors only if
+/// they are played.
 fn pose(
     document: &Document,
     moment: Option<&Moment>,

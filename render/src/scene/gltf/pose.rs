@@ -9,7 +9,7 @@ use super::Document;
 use super::animation::{Animation, Property};
 use crate::scene::SceneError;
 
-/// What animations say of nodes; of all else these say themselves.
+/// The properties of nodes that animations set; nodes keep all others.
 #[derive(Default)]
 pub(super) struct Pose {
     nodes: BTreeMap<usize, Posed>,

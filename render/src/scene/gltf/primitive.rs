@@ -19,7 +19,7 @@ pub(super) struct Deformation {
 }
 
 impl Deformation {
-    /// The skin, if the vertices of `primitive` tell which joints they follow.
+    /// The skin, if the vertices of `primitive` have joints.
     pub(super) fn skin_of(&self, primitive: &Primitive) -> Option<&Skin> {
         let is_skinned = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
         self.skin.as_ref().filter(|_| is_skinned)

@@ -83,7 +83,7 @@ impl Skin {
         2 * mirrors > self.joints.len()
     }
 
-    /// Takes vertices to the world; tells how many of them have no weight.
+    /// Transforms vertices to the world; returns how many of them have no weight.
     pub(super) fn apply(&self, attributes: &Attributes, vertices: &mut Vertices) -> Result<usize, SceneError> {
         let sets = attributes.influences(vertices.positions.len())?;
         let mut weightless = 0;

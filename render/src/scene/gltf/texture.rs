@@ -24,7 +24,7 @@ pub(super) struct Textures {
     images: BTreeMap<usize, Option<usize>>,
 }
 
-/// What a material says of a texture.
+/// A material's reference to a texture.
 pub(super) struct Reference<'a> {
     index: Index<::gltf::json::Texture>,
     set: u32,

@@ -70,7 +70,7 @@ impl Counts {
 }
 
 impl Lines {
-    /// Reads a block of the file at `path`; so many vertices stand `before` it.
+    /// Reads a block of the file at `path`; `before` is the number of vertices before it.
     pub(super) fn read(path: &Path, block: Block, before: Counts) -> Result<Self, SceneError> {
         let mut lines = Self::default();
         for statement in statements(path, block, "an OBJ file") {

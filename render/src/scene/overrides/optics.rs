@@ -51,7 +51,7 @@ impl Overrides {
         Ok(())
     }
 
-    /// Gives the camera at the shutter's keys what the options say of it.
+    /// Applies the options to the camera at the shutter's keys.
     fn move_camera(&self, scene: &mut Scene, kind: CameraKind, vfov: Option<f32>, aspect: f64) -> Result<(), Invalid> {
         let Some(mut motion) = scene.motion.take() else { return Ok(()) };
         let middle = scene.camera;

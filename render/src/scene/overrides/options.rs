@@ -87,7 +87,7 @@ macro_rules! options {
                 }
             }
 
-            /// Sets the option of this group that a key of a scene file stands for; whether there is one.
+            /// Sets this group's option of a scene file's key; returns whether there is one.
             pub(crate) fn set<S: $crate::scene::overrides::options::Source>(
                 &mut self,
                 section: &str,

@@ -11,7 +11,8 @@ use crate::settings::Invalid;
 /// Degrees; what a camera has whose vertical field of view is not given.
 const DEFAULT_VFOV: f32 = 40.0;
 
-/// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
+/// The least sine of the angle between the view and the up vector: below it the up direction is undefined in 32-bit
+/// floats.
 const MIN_SIN_UP: f64 = 1e-4;
 
 /// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.

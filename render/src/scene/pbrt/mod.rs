@@ -106,7 +106,7 @@ impl Reader<'_> {
         self.notes.add(what, place);
     }
 
-    /// Warns of parameters that nobody asked for.
+    /// Warns of parameters that were not read.
     fn warn_of_unused(&mut self, parameters: &Parameters) {
         for unused in parameters.unused() {
             let what = format!("`{}` of {} is not read", unused.name, parameters.of);

@@ -94,7 +94,7 @@ impl Parameters {
     /// Adds one that an `Attribute` directive gave, unless it is there.
     pub(super) fn add_default(&mut self, default: &Parameter) {
         if !self.has(&default.name) {
-            // It may be of no use for this directive.
+            // The parameter may not apply to this directive.
             default.used.set(true);
             self.list.push(default.clone());
         }

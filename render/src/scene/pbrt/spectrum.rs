@@ -68,7 +68,7 @@ const D65: [f64; 21] = [
     83.6992, 80.2146, 78.2842, 71.6091, 61.604, 75.087, 46.4182, 63.3828,
 ];
 
-/// Wavelengths that stand for red, green and blue where a spectrum is no colour.
+/// Wavelengths that represent red, green and blue where a spectrum is not a colour.
 const RGB_WAVELENGTHS: [f64; 3] = [630.0, 540.0, 465.0];
 
 /// The yellow line of helium, at which refractive indices are given.

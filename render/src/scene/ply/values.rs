@@ -39,10 +39,10 @@ pub(super) trait Values<'a> {
     /// Goes to the next element.
     fn begin_element(&mut self);
 
-    /// The next value as a number; `None` if it is none or not there.
+    /// The next value as a number; `None` if it is missing or not one.
     fn number(&mut self, kind: &ScalarType) -> Option<f32>;
 
-    /// The next value as a whole number; `None` if it is none or not there.
+    /// The next value as a whole number; `None` if it is missing or not one.
     fn whole(&mut self, kind: &ScalarType) -> Option<i64>;
 
     /// Passes over so many values; `None` if they are not there.
@@ -150,7 +150,7 @@ impl<'a> Values<'a> for Words<'a> {
                 self.line = &self.line[length..];
                 Some(number)
             }
-            // Infinity and what is no number have no place in a file.
+            // Infinity and NaN are invalid in a file.
             _ => decimal::parse(self.word().filter(|word| word.iter().all(|byte| b"+-.0123456789eE".contains(byte)))?),
         }
     }

@@ -16,7 +16,7 @@ pub(crate) struct TextureError {
 }
 
 impl TextureError {
-    /// Of a kind that is read.
+    /// The error of a picture of a known kind.
     pub(super) fn wrong(problem: String, remedy: &'static str) -> Self {
         Self { problem, remedy, is_unknown_kind: false }
     }

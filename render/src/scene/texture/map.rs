@@ -16,7 +16,7 @@ pub struct TextureMap {
     pub wrap: [Wrap; 2],
     /// Whether texels are mixed.
     pub filter: TextureFilter,
-    /// What the texels' numbers stand for.
+    /// The meaning of the texels' numbers.
     pub space: ColorSpace,
 }
 
@@ -42,7 +42,7 @@ pub enum TextureFilter {
     Nearest,
 }
 
-/// What the numbers of texels stand for. Alpha is always linear, and so are pictures of 32-bit floats.
+/// The meaning of the texels' numbers. Alpha is always linear, and so are pictures of 32-bit floats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Colours, encoded with the transfer function of sRGB (IEC 61966-2-1).

@@ -29,7 +29,7 @@ pub(in crate::scene) fn fraction(value: &Value) -> Reading<f32> {
     }
 }
 
-/// The probability that a path goes on, or the word for one that follows its throughput.
+/// The survival probability of a path, or the word for one by its throughput.
 pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
     match value {
         Value::Text(text) if text == "throughput" => Ok(Survival::default()),

@@ -48,7 +48,7 @@ pub struct Plan<'a> {
 pub enum Cost {
     /// Rays, which are the same on every machine.
     Rays,
-    /// Processor time, where somebody took it.
+    /// Processor time, if measured.
     Seconds,
 }
 

@@ -82,7 +82,7 @@ pub struct Run {
     pub records: usize,
     /// Rays for all pixels.
     pub rays: f64,
-    /// Seconds for all pixels, if somebody timed it, or 0.
+    /// Seconds for all pixels, or 0 if not measured.
     pub seconds: f64,
     /// Relative error.
     pub error: RelativeError,
@@ -122,7 +122,7 @@ impl<'a> Study<'a> {
         self.reference.error()
     }
 
-    /// How many pixels a surface of the study stands for.
+    /// The number of pixels that a surface of the study represents.
     pub fn pixels(&self) -> f64 {
         f64::from(SIDE * SIDE) / self.sensors.len() as f64
     }

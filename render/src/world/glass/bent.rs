@@ -38,9 +38,9 @@ struct Patience {
     less: f32,
 }
 
-/// Of one that begins in the direction of the light.
+/// Limits for a search that begins in the direction of the light.
 const FROM_STRAIGHT: Patience = Patience { shots: 10, halvings: 3, less: 0.85 };
-/// Of one that begins where a photon has left the glass: a way is near, or there is none.
+/// Limits for a search that begins where a photon has left the glass: a path is near, or there is none.
 const FROM_PHOTON: Patience = Patience { shots: 5, halvings: 0, less: 0.5 };
 /// How far, as an angle, a ray may leave beside the light: a twentieth of the sun's width.
 const CLOSE: f32 = 2.5e-4;
@@ -56,7 +56,7 @@ const NESTED: usize = 4;
 /// Where light comes from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightEnd {
-    /// From infinitely far away: the unit vector towards it.
+    /// A light at infinity: the unit vector towards it.
     Direction(Vec3),
     /// From a point.
     Point(Vec3),
@@ -66,7 +66,7 @@ pub(crate) enum LightEnd {
 pub(crate) struct BentLight {
     /// The unit vector from the surface by which it arrives.
     pub direction: Vec3,
-    /// From the last face of glass to the light.
+    /// The ray from the last face of glass to the light.
     pub rest: Ray,
     /// The unit vector by which it leaves the light.
     pub leaving: Vec3,
@@ -330,8 +330,8 @@ impl Beam {
     }
 }
 
-/// The unit vector in which a ray goes on behind a face whose normal is on its side, with the refractive index here by that beyond;
-/// and the cosines here and beyond.
+/// The unit direction of a ray refracted at a face whose normal is on its side, with the refractive index here divided
+/// by that beyond; and the cosines here and beyond.
 fn refract(direction: Vec3, normal: Vec3, eta: f32) -> Option<(Vec3, f32, f32)> {
     let cos = -direction.dot(normal);
     let squared = 1.0 - eta * eta * (1.0 - cos * cos);

@@ -214,7 +214,7 @@ impl LightPhotons {
         }
     }
 
-    /// Takes note of a photon in a cell that it may light, if none of the cell has a start close to its own that is better.
+    /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
     fn add_to(&mut self, at: IVec3, level: i32, number: u32) {
         let width = (level as f32).exp2();
         let center = width * (at.as_vec3() + 0.5);
