@@ -67,20 +67,20 @@ pub struct World {
     /// The convexity of each `prim_id`.
     bulges: Vec<Bulge>,
     has_closures: bool,
-    /// What solids absorb.
+    /// The absorption of solids.
     solids: Solids,
-    /// What shadow rays pass through.
+    /// Glass that shadow rays cross.
     glass: Glass,
     /// The closures of each material.
     closures: Vec<ClosureCell>,
-    /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
+    /// The record of each `prim_id`: first all triangles in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
     /// The number of the former, and of those of them that do not move, which come first.
     placed: usize,
     still: usize,
     /// The data of each material for plain surfaces.
     material_records: Vec<MaterialRecord>,
-    /// What is known of each light that is a triangle, by its index.
+    /// The record of each light that is a triangle, by its index.
     emitter_records: Vec<EmitterRecord>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
@@ -99,7 +99,7 @@ pub struct World {
     /// Of each punctual light, in the scene's order.
     light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
-    /// Which of the lit triangles are plain otherwise.
+    /// The lit triangles that are plain otherwise.
     plain_lit: Vec<u32>,
     ray_counters: RayCounters,
 }
@@ -123,7 +123,7 @@ pub enum WorldError {
         number: usize,
         /// Its object's number.
         object: usize,
-        /// What is wrong with the transform.
+        /// The error of the transform.
         error: Error,
     },
     /// No tree can be built.
@@ -201,7 +201,7 @@ impl World {
         let TriangleTable { records: mut triangle_records, bulges, first_faces, .. } = triangles;
         let spread = motion.as_ref().map(|motion| motion.spread_lights(&lights)).unwrap_or_default();
         let motion = motion.map(|motion| Motion::new(motion, &meshes, &moving, still as u32));
-        // What moves is shaded one by one.
+        // Moving surfaces are shaded one by one.
         let of_moving = objects.iter().enumerate().filter(|(object, _)| {
             let mut all = instances.iter().enumerate().filter(|(_, instance)| instance.object == *object);
             all.any(|(number, _)| motion.as_ref().is_some_and(|motion| motion.instance(number).is_some()))
@@ -282,7 +282,7 @@ impl World {
         self.bvh.view()
     }
 
-    /// What loops in lanes are run with: that with which the tree is traced.
+    /// The instruction set of loops in lanes: that of the tree.
     #[inline(always)]
     pub(crate) fn isa(&self) -> Isa {
         self.isa
@@ -293,7 +293,7 @@ impl World {
         self.bvh.statistics()
     }
 
-    /// What was left out of the tree.
+    /// The report of the tree's build.
     pub fn build_report(&self) -> BuildReport {
         self.report
     }
@@ -318,12 +318,12 @@ impl World {
         self.surroundings_hash
     }
 
-    /// Where pictures are taken from.
+    /// The camera.
     pub fn camera(&self) -> CameraPose {
         self.camera
     }
 
-    /// How pictures are taken from there.
+    /// The camera's optics.
     pub fn optics(&self) -> &Optics {
         &self.optics
     }
@@ -354,7 +354,7 @@ impl World {
         self.look(LookFrom::Camera);
     }
 
-    /// What is known of each triangle.
+    /// The record of each triangle.
     #[inline(always)]
     pub(crate) fn triangle_records(&self) -> &[TriangleRecord] {
         &self.triangle_records
@@ -366,13 +366,13 @@ impl World {
         &self.material_records
     }
 
-    /// What is known of each light that is a triangle, by its index.
+    /// The record of each light that is a triangle, by its index.
     #[inline(always)]
     pub(crate) fn emitter_records(&self) -> &[EmitterRecord] {
         &self.emitter_records
     }
 
-    /// What is known of the triangles that are in world space, not in an object.
+    /// The records of the triangles in world space, not in an object.
     #[inline(always)]
     pub(crate) fn placed_records(&self) -> &[TriangleRecord] {
         &self.triangle_records[..self.placed]

@@ -52,7 +52,7 @@ pub struct Part {
     pub faces: Vec<u32>,
     /// The chart of each triangle; [`NO_CHART`] if it has no area.
     pub charts: Vec<u32>,
-    /// Where its coordinates come from.
+    /// The source of its coordinates.
     pub layout: Layout,
 }
 
@@ -65,7 +65,7 @@ pub struct Vertex {
     pub uv: Vec2,
 }
 
-/// Where coordinates come from.
+/// The source of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// They are the model's, vertex by vertex.

@@ -27,7 +27,7 @@ use crate::world::{Surface, World};
 /// Texels that a thread takes at once.
 const CHUNK: usize = 64;
 
-/// What a bake works with.
+/// The state of a bake.
 pub(super) struct Baker<'a> {
     pub(super) world: &'a World,
     pub(super) surfaces: &'a Surfaces<'a>,
@@ -50,7 +50,7 @@ pub(super) struct BakedTexels {
     pub(super) error: Option<f32>,
 }
 
-/// What texels of a chunk get, and what it took.
+/// The values of a chunk's texels, and their cost.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) values: Values,
@@ -107,7 +107,7 @@ impl IncidentSink for Sums {
     }
 }
 
-/// How noisy direct light may be, in W/m².
+/// The allowed noise of direct light, in W/m².
 fn direct_noise(held_out: &HeldOut) -> f64 {
     SAMPLED_SHARE.sqrt() * held_out.allowed_error()
 }
@@ -163,7 +163,7 @@ impl Baker<'_> {
         HeldOut::new(self.world, &self.options.cache, points, light, self.options.seed, self.watch).map(Some)
     }
 
-    /// What is kept of directions.
+    /// The directional components.
     pub(super) fn directional(&self) -> Directional {
         if self.options.mode == Mode::Ao { Directional::None } else { self.options.directional }
     }
@@ -264,7 +264,7 @@ impl Baker<'_> {
         found
     }
 
-    /// How open texels are.
+    /// The openness of texels.
     fn ambient_occlusion(&self, texels: &[(usize, Texel)]) -> Found {
         let Self { world, options, .. } = self;
         let mut ambient_occlusion = AmbientOcclusion::new(options.spp, options.ao_distance);
@@ -278,7 +278,7 @@ impl Baker<'_> {
         Found { values, rays, variance: 0.0 }
     }
 
-    /// What lights send to texels.
+    /// The direct light of texels.
     fn direct(&self, texels: &[(usize, Texel)], noise: Option<f64>) -> Found {
         let Self { world, options, .. } = self;
         let mut incident = IncidentSampler::default();
@@ -314,7 +314,7 @@ impl Baker<'_> {
         Found { values, rays, variance }
     }
 
-    /// What texels gather.
+    /// The indirect light of texels.
     pub(super) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> Found {
         let Self { world, options, .. } = self;
         let point =

@@ -18,7 +18,7 @@ const DENSITY: f32 = 4.0;
 /// Coordinates may be outside of the page by this much.
 const TOLERANCE: f32 = 1e-5;
 
-/// What a check has found.
+/// The results of a check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Check {
     /// The number of charts.
@@ -27,7 +27,7 @@ pub struct Check {
     pub fill: f64,
     /// Texels in which triangles lie on each other.
     pub overlapping: u64,
-    /// Which charts they are of, most texels first.
+    /// The charts that they belong to, most texels first.
     pub overlaps: Vec<Overlap>,
     /// Texels that two charts touch or that both need for their filter.
     pub crowded: u64,

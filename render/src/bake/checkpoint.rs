@@ -25,7 +25,7 @@ const VERSION: u32 = 6;
 const HEADER: usize = 8 + 4 + 8 + 8;
 const CHECKSUM: usize = 8;
 
-/// What a key is of; the least significant bits are a number.
+/// The kind of a key; the least significant bits are an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
     /// Blocks of texels with light that needs no cache.
@@ -99,7 +99,7 @@ impl Checkpoint {
         Ok(Some(checkpoint))
     }
 
-    /// Where the state of a bake to `output` is kept.
+    /// The path of the state of a bake to `output`.
     pub fn path(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(".");
@@ -157,7 +157,7 @@ impl Checkpoint {
     /// Writes the file now.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn save(&self) -> Result<(), OutputError> {
         let Some((file, _)) = &self.file else { return Ok(()) };
         let bytes = encode(self.hash, &self.state().entries);
@@ -167,12 +167,12 @@ impl Checkpoint {
     /// Removes the file, now that everything is done.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn remove(&self) -> Result<(), OutputError> {
         self.file.as_ref().map_or(Ok(()), |(file, _)| file.remove())
     }
 
-    /// What went wrong when the file was written meanwhile.
+    /// The error of the last write of the file.
     pub fn failure(&self) -> Option<OutputError> {
         self.state().failure.clone()
     }

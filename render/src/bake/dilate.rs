@@ -11,11 +11,11 @@ pub(crate) struct PageTexels {
     pub(crate) page: Page,
     /// The chart of each texel, [`NO_CHART`] outside of all.
     pub(crate) owners: Vec<u32>,
-    /// Where its value comes from.
+    /// The source of its value.
     pub(crate) sources: Vec<TexelSource>,
 }
 
-/// Where a texel's value comes from.
+/// The source of a texel's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelSource {
     /// Nowhere: it is in no chart, and black.

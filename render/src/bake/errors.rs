@@ -19,7 +19,7 @@ use crate::world::World;
 const REACH: i64 = 2;
 /// The part of the mean brightness that errors are relative to where it is darker.
 const DARK: f64 = 0.1;
-/// What counts as a large error.
+/// The least large error.
 const LARGE: f32 = 0.05;
 
 /// The errors of all texels with light, in four numbers, each relative.

@@ -56,7 +56,7 @@ pub fn combined(hashes: &Hashes) -> u64 {
 }
 
 impl Hashes {
-    /// What differs between two bakes, one line for each; none if they are the same.
+    /// The differences between two bakes, one line each; empty if there are none.
     pub fn changes_since(&self, old: &Self) -> Vec<String> {
         let fields = [
             (self.options, old.options, "the options"),

@@ -35,7 +35,7 @@ const MOST_VIEWPOINTS: usize = 4096;
 /// Panes of glass that are looked through, one behind the other.
 const MOST_PANES: usize = 16;
 
-/// What is around a position.
+/// The surroundings of a position.
 pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     /// The harmonic mean of distances.
@@ -122,7 +122,7 @@ impl<'a> Search<'a> {
         viewpoints
     }
 
-    /// What is around those positions that are inside, of those that are of interest.
+    /// The surroundings of the positions that are of interest and inside.
     fn look_from_all(&self, positions: &[Vec3], is_of_interest: impl Fn(Vec3) -> bool + Sync) -> Vec<Viewpoint> {
         let look = |(number, &position): (usize, &Vec3)| {
             let found = is_of_interest(position).then(|| self.look(position, number as u32)).flatten();
@@ -141,7 +141,7 @@ impl<'a> Search<'a> {
         rays.iter().zip(&hits).filter_map(half).collect()
     }
 
-    /// Where to look next, along the rays of new viewpoints.
+    /// The next positions, along the rays of new viewpoints.
     fn next(viewpoints: &[Viewpoint], new: Range<usize>) -> Vec<Vec3> {
         let step = |number: usize| {
             let it = &viewpoints[number];

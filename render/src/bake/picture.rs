@@ -6,7 +6,7 @@ use super::raster::rasterize;
 
 /// Outside of all charts.
 const BACKGROUND: [u8; 3] = [24, 24, 28];
-/// Where charts overlap.
+/// Overlaps of charts.
 const OVERLAP: [u8; 3] = [255, 0, 0];
 
 /// The pixels of a page of `atlas`, 8 bits of red, green and blue each, row by row from the top.

@@ -17,7 +17,7 @@ pub struct Report {
     pub title: String,
     /// Names and values of all figures.
     pub statistics: Vec<(String, String)>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// The pages of the lightmap.
     pub pages: Vec<ReportPage>,
@@ -44,7 +44,7 @@ pub struct ReportPage {
     pub error: Option<Vec<f32>>,
 }
 
-/// What is not on a chart.
+/// Texels outside of charts.
 const OUTSIDE: [u8; 3] = [24, 24, 28];
 /// A record, on dark charts.
 const RECORD: [u8; 3] = [255, 214, 64];

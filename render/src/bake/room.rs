@@ -11,7 +11,7 @@ pub(super) const MAX_TEXELS: u64 = 1 << 28;
 /// The most pages for which charts are packed.
 const MAX_PAGES: u64 = 1024;
 
-/// How far the layout of an atlas is.
+/// The progress of an atlas's layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayoutStep {
     /// New charts are about to be made of so many triangles, ...

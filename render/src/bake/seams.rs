@@ -18,7 +18,7 @@ use super::filter::{Footprint, footprint};
 use super::noise::{View, sigma};
 use super::options::Sampling;
 
-/// What a change of a texel costs, relative to a step of the same size at a seam.
+/// The cost of a change of a texel, relative to a step of the same size at a seam.
 const LIGHT: f64 = 0.001;
 /// The same of texels that were taken from others.
 const FILLED: f64 = 0.0001;
@@ -46,7 +46,7 @@ pub(crate) struct Seams {
     equations: Vec<Equation>,
     /// The texels in them, as page and index.
     unknowns: Vec<(u32, u32)>,
-    /// What a change of each costs.
+    /// The cost of a change of each.
     costs: Vec<f64>,
     /// Points where a filter reaches into another chart.
     pub(crate) mixed: usize,
@@ -221,7 +221,7 @@ impl Seams {
         }
     }
 
-    /// What each equation is multiplied by, and what a change of each unknown costs, in the same unit.
+    /// The factor of each equation, and the cost of a change of each unknown, in the same unit.
     fn scales(&self, brightness: &[Vec<Vec3>]) -> (Vec<f64>, Vec<f64>) {
         let bright = |unknown: u32| -> f64 {
             let (page, texel) = self.unknowns[unknown as usize];

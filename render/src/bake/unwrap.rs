@@ -31,7 +31,7 @@ const MANY_TRIANGLES: usize = 50_000;
 /// Triangles with a height of less than this part of their mesh's diagonal have no chart.
 const THINNEST: f64 = 1e-6;
 
-/// What unwrapping gives.
+/// The result of unwrapping.
 #[derive(Default)]
 pub(crate) struct Unwrapped {
     pub(crate) pages: Vec<Page>,
@@ -232,7 +232,7 @@ fn split(request: Request, atlas: &Atlas, number: usize, first_page: usize) -> V
     parts
 }
 
-/// What to do about an error of the crate.
+/// The remedy for an error of the crate.
 fn explain(scene: &Scene, requests: &[Request], error: &Error) -> Invalid {
     match *error {
         Error::ChartTooLarge { width, height, page_size } => Invalid::new(

@@ -15,7 +15,7 @@ use crate::world::{Surface, World};
 pub(crate) struct Bounce {
     /// Unit vector.
     pub direction: Vec3,
-    /// What the path's throughput is multiplied by: `f cos θ / density`.
+    /// The factor on the path's throughput: `f cos θ / density`.
     pub weight: Vec3,
     /// Density per solid angle of this direction; infinite for mirrors and clear glass.
     pub density: f32,

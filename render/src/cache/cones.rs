@@ -16,7 +16,7 @@ pub(super) struct Cones {
     levels: Vec<Vec<Group>>,
 }
 
-/// What a group's points have in common.
+/// The bounds of a group of points.
 #[derive(Clone, Copy)]
 struct Group {
     lower: Vec3,

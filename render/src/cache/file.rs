@@ -206,7 +206,7 @@ impl Cache {
     }
 }
 
-/// What is left of a file.
+/// The unread rest of a file.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {

@@ -48,11 +48,11 @@ pub use record::{Record, SECTORS};
 #[derive(Clone, Debug)]
 pub struct Cache {
     options: CachedOptions,
-    /// What the records depend on besides the options.
+    /// The hash of the records' inputs besides the options.
     scene: u64,
     /// Whether records reach as far as their own gathers say, whatever neighbours know.
     is_rough: bool,
-    /// What is known of its error, if it is filled to an accuracy.
+    /// The estimate of its error, if it is filled to an accuracy.
     estimate: Option<ErrorEstimate>,
     /// The records with their radii as they are used.
     records: Vec<Record>,
@@ -105,7 +105,7 @@ const ACCURATE_LEAST: f32 = 0.25;
 /// counts less and less where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
 
-/// How the records around a point are read.
+/// The reconstruction at a point from the surrounding records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     /// Each by what its own gather says, as published.
@@ -149,7 +149,7 @@ impl Cache {
         Self { estimate: Some(estimate), ..Self::new(CachedOptions { error, ..self.options }, self.scene) }
     }
 
-    /// What is known of its error, if it was filled to an accuracy.
+    /// The estimate of its error, if it was filled to an accuracy.
     pub fn estimate(&self) -> Option<ErrorEstimate> {
         self.estimate
     }
@@ -166,7 +166,7 @@ impl Cache {
         cache
     }
 
-    /// What the records were made with.
+    /// The options of the records.
     pub fn options(&self) -> &CachedOptions {
         &self.options
     }
@@ -298,7 +298,7 @@ impl Cache {
         strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), point, tilted))
     }
 
-    /// How the options ask for records to be read.
+    /// The reconstruction by the options.
     fn reading(&self) -> Reading {
         match self.options.gradients {
             Gradients::Both => Reading::Together,

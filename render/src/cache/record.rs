@@ -20,7 +20,7 @@ pub(crate) struct LookupPoint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Record {
-    /// Where it is.
+    /// The position.
     pub position: Vec3,
     /// The unit normal, on the side that is lit.
     pub normal: Vec3,
@@ -50,7 +50,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Where it is, as a point that asks for records.
+    /// The position as a lookup point.
     pub(crate) fn point(&self) -> LookupPoint {
         LookupPoint { position: self.position, normal: self.normal, clearance: Some(self.clearance) }
     }
@@ -83,7 +83,7 @@ impl Record {
         left + Vec3::from_array(self.rotational.map(|gradient| gradient.dot(axis)))
     }
 
-    /// How far away `step` from the record is, in units of how far it reaches there.
+    /// The distance of `step` from the record, in units of its radius in that direction.
     #[inline]
     pub fn relative_distance(&self, step: Vec3) -> f32 {
         let [minor, major] = self.radii;

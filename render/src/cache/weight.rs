@@ -30,7 +30,7 @@ use super::record::{LookupPoint, Record};
 use crate::estimator::sector;
 use crate::settings::Metric;
 
-/// How records are weighted.
+/// The weighting of records.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weighting {
     pub(crate) metric: Metric,

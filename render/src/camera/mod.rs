@@ -54,7 +54,7 @@ pub(crate) struct FilmPoint {
     pub point: Vec2,
 }
 
-/// What a camera makes a ray of.
+/// The input of a camera for a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FilmSample {
     pub film: FilmPoint,
@@ -62,7 +62,7 @@ pub(crate) struct FilmSample {
     pub lens: Vec2,
 }
 
-/// How a point in space is seen.
+/// The projection of a point in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sight {
     /// In pixels from the film's top left corner, be it on the film or not.

@@ -39,7 +39,7 @@ impl Panorama {
         u32::from(self.half_distance.is_some() && f64::from(film.pixel.1) + 0.5 >= self.height)
     }
 
-    /// How far to the right an eye is.
+    /// The offset of an eye to the right.
     fn offset(&self, view: u32) -> f64 {
         self.half_distance.map_or(0.0, |half| if view == 0 { -half } else { half })
     }

@@ -112,7 +112,7 @@ impl Plane {
         Ray { origin, t_min: self.clip.near * stretch, direction, t_max: self.clip.far * stretch }
     }
 
-    /// How a point is seen through the lens's middle.
+    /// The projection of a point through the lens's middle.
     pub(super) fn sight(&self, point: Vec3) -> Option<Sight> {
         let way = point.as_dvec3() - self.eye.as_dvec3();
         let depth = way.dot(self.forward);

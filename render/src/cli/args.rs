@@ -53,7 +53,7 @@ pub(super) struct RenderArguments {
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     pub(super) overriding: OverrideArguments,
 
@@ -90,7 +90,7 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = tev::ADDRESS)]
     pub(super) tev: Option<String>,
 
-    /// How PNG pictures are made.
+    /// Options of PNG pictures.
     #[command(flatten)]
     pub(super) tone: ToneArguments,
 
@@ -103,7 +103,7 @@ pub(super) struct RenderArguments {
     pub(super) film: FilmArguments,
 }
 
-/// How PNG pictures are made.
+/// Options of PNG pictures.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct ToneArguments {
     /// Exposure of PNG pictures in stops: each doubles the brightness
@@ -137,7 +137,7 @@ pub(super) struct InfoArguments {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     pub(super) overriding: OverrideArguments,
 }

@@ -137,7 +137,7 @@ pub(super) struct BakeArguments {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }

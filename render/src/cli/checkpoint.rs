@@ -10,7 +10,7 @@ use super::messages::{Style, print_warning};
 use crate::film::Film;
 use crate::output::OutputFile;
 
-/// Where a film is kept while it is rendered.
+/// The file of a film while it is rendered.
 #[derive(Debug)]
 pub(super) struct Checkpoint {
     file: OutputFile,
@@ -32,7 +32,7 @@ struct Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Who waits for it finds that it is free, with or without the file.
+        // The lock is released with or without the file.
         let _ = fs::remove_file(&self.path);
     }
 }

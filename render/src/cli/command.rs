@@ -27,7 +27,7 @@ use super::view::ViewArguments;
 #[derive(Parser, Debug)]
 #[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {
-    /// What to do; without one, renders the built-in Cornell box.
+    /// The command; without one, renders the built-in Cornell box.
     #[command(subcommand)]
     pub(super) command: Option<Command>,
 }
@@ -80,7 +80,7 @@ pub(super) enum Command {
 }
 
 impl Command {
-    /// What the program does without arguments.
+    /// The program without arguments.
     pub(super) fn cornell() -> Self {
         // A few seconds on two cores.
         let arguments = Arguments::parse_from(["halfdome", "render", CORNELL, "--spp", "32"]);

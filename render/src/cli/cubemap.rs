@@ -99,7 +99,7 @@ pub(super) struct CubemapArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }

@@ -30,11 +30,11 @@ pub(super) struct DenoiseArguments {
     #[arg(long = "with", value_name = "METHOD", value_parser = denoiser())]
     with: Option<Denoiser>,
 
-    /// How PNG pictures are made.
+    /// Options of PNG pictures.
     #[command(flatten)]
     tone: ToneArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &DenoiseArguments) -> Result<u8, CliError> {
     Ok(EXIT_DONE)
 }
 
-/// What went wrong with the picture called `name`.
+/// The error of the picture called `name`.
 fn failure(method: &Method, error: DenoiseError, name: &str) -> CliError {
     match error {
         DenoiseError::Failed(_) => CliError::System(format!("{name}: {method}: {error}")),

@@ -31,7 +31,7 @@ pub(super) enum CliError {
     /// The machine is at its limits, or a file cannot be written.
     #[error("{0}")]
     System(String),
-    /// What was checked is wrong.
+    /// A check failed.
     #[error("{0}")]
     Failed(String),
 }

@@ -38,12 +38,12 @@ struct Info {
     animations: Vec<Animation>,
     bounds: Option<Bounds>,
     tree: Tree,
-    /// What rays are traced with.
+    /// The instruction set.
     instruction_set: &'static str,
     warnings: Vec<String>,
 }
 
-/// What is kept once and shown at many places.
+/// Objects and instances.
 #[derive(Clone, Copy, Serialize)]
 struct Shared {
     objects: usize,

@@ -67,7 +67,7 @@ pub(super) struct IrradianceArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }

@@ -16,7 +16,7 @@ pub(super) struct Job {
     start: Instant,
 }
 
-/// How it went.
+/// The outcome.
 #[derive(Clone, Copy)]
 pub(super) struct Outcome<'a> {
     /// Whether it was not interrupted.
@@ -27,7 +27,7 @@ pub(super) struct Outcome<'a> {
     pub(super) cache: Option<CacheUse>,
     /// The error that was asked for and an estimate of it, relative.
     pub(super) accuracy: Option<(f32, f32)>,
-    /// What is left of interrupted work.
+    /// The result of interrupted work.
     pub(super) note: &'a str,
     /// The file that was written.
     pub(super) file: Option<&'a Path>,

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::scene::{LightOverrides, MomentOverrides, Overrides};
 
-/// What lights a scene, besides what is in it, and by which random numbers its light is found.
+/// The lighting of a scene besides its own, and the seed.
 #[derive(Args, Clone, Debug)]
 pub(super) struct LightArguments {
     #[command(flatten)]

@@ -11,7 +11,7 @@ pub(super) struct Coverage {
     texels: u64,
     /// Whether the last may be refilled an unknown number of times: each time then counts as half of the remainder.
     again: bool,
-    /// What was done when it was begun the last time.
+    /// The finished work at the last restart.
     before: u64,
     /// The most that it served since.
     most: u64,
@@ -23,7 +23,7 @@ impl Coverage {
         Self { caches, texels, again, before: 0, most: 0 }
     }
 
-    /// What is done of a cache that serves so many texels.
+    /// The finished part of a cache for this many texels.
     pub(super) fn covered(&mut self, texels: u64) -> u64 {
         let texels = texels.min(self.texels);
         // Few texels lose their records while a cache is filled; most do when it is filled anew.
@@ -46,7 +46,7 @@ impl Coverage {
     }
 }
 
-/// How fast samples are taken.
+/// The rate of samples.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
     /// The time at which there were none yet.

@@ -25,7 +25,7 @@ use crate::world::LookFrom;
 use crate::world::World;
 use files::Files;
 
-/// What `halfdome probes` takes.
+/// The arguments of `halfdome probes`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ProbesArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
@@ -66,7 +66,7 @@ pub(super) struct ProbesArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }
@@ -95,7 +95,7 @@ impl ProbesArguments {
     }
 }
 
-/// Where probes are.
+/// The positions of probes.
 enum Places {
     Grid(ProbeGrid),
     Points(Vec<Vec3>),

@@ -42,7 +42,7 @@ struct Counters {
     samples: AtomicU64,
     rays: AtomicU64,
     records: AtomicU64,
-    /// What a cache that is being filled adds to the samples.
+    /// The work of a cache that is being filled, in samples.
     covered: AtomicU64,
     coverage: Mutex<Coverage>,
 }

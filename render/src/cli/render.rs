@@ -179,7 +179,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         denoised = if end == End::Interrupted {
             Err(DenoiseError::Stopped)
         } else {
-            // What cannot be denoised must not be lost.
+            // A picture that cannot be denoised is still written.
             denoiser::denoise(method, result.picture.clone(), &pool, style).map(|picture| {
                 result.picture = if wants_aov { picture } else { without_aov(picture) };
             })
@@ -261,7 +261,7 @@ fn is_exr(path: &Path) -> bool {
     output::Format::from_path(path) == Ok(output::Format::Exr)
 }
 
-/// What a viewer calls the picture: by its file, or the scene.
+/// The picture's name in a viewer: its file's, or the scene's.
 fn shown_name(paths: &[PathBuf], scene: &Path) -> String {
     paths.first().map_or(scene, PathBuf::as_path).display().to_string()
 }
@@ -305,7 +305,7 @@ fn print_light_colors(style: Style, world: &World) {
     }
 }
 
-/// What is said of samples that are not numbers, if there are any.
+/// The warning about samples that are not finite, if there are any.
 pub(super) fn bad_samples(film: &Film) -> Option<String> {
     let BadSamples { count: number, first: Some((row, column)) } = film.bad_samples() else { return None };
     let samples =
@@ -313,7 +313,7 @@ pub(super) fn bad_samples(film: &Film) -> Option<String> {
     Some(format!("{samples} as black, the first at pixel ({column}, {row})"))
 }
 
-/// What is said of a scene that nothing lights.
+/// The warning about a scene without light.
 fn without_light(scene: &Scene) -> String {
     if !scene.lights.is_empty() {
         return "all lights of the scene have a strength of 0, so the picture is black".to_owned();

@@ -22,7 +22,7 @@ pub(super) struct Statistics {
     /// The program's version, and the arguments that it was given.
     pub(super) version: &'static str,
     pub(super) arguments: Vec<String>,
-    /// What rays are traced with.
+    /// The instruction set.
     pub(super) instruction_set: &'static str,
     pub(super) threads: usize,
     pub(super) scene: SceneFacts,
@@ -117,7 +117,7 @@ pub(super) struct CacheFacts {
     negative: u64,
 }
 
-/// How far a render was.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Moment {
     pub(super) seconds: f64,
@@ -175,7 +175,7 @@ impl SceneFacts {
         }
     }
 
-    /// What is known when the scene can be traced.
+    /// The statistics before rendering.
     pub(super) fn with_world(self, world: &World) -> Self {
         let (tree_bytes, instance_bytes) = (world.tree_statistics().bytes, world.instance_bytes());
         Self { hash: format!("{:016x}", world.hash()), tree_bytes, instance_bytes, ..self }
@@ -234,7 +234,7 @@ impl Statistics {
         }
     }
 
-    /// What is known of the whole run, for people.
+    /// The statistics of the whole run as text.
     pub(super) fn duration(&self) -> Duration {
         let Seconds { load, build, render, output } = self.seconds;
         Duration::from_secs_f64(load + build + render + output)

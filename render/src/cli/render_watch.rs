@@ -19,17 +19,17 @@ pub(super) struct RenderWatch<'a> {
     pub(super) progress: &'a Progress,
     /// The side of the first squares, if the picture is to be seen early.
     pub(super) coarsest: Option<u32>,
-    /// Where it is written then.
+    /// The path of early pictures.
     pub(super) paths: &'a [PathBuf],
     pub(super) tone: &'a ToneMapping,
     pub(super) style: Style,
     /// When time is up.
     pub(super) deadline: Option<Instant>,
-    /// Where the film is kept.
+    /// The path of the film.
     pub(super) checkpoint: Option<&'a Checkpoint>,
-    /// Who notes how far it is.
+    /// The recorder of progress.
     pub(super) recorder: Option<&'a Recorder>,
-    /// Who shows it.
+    /// The display of progress.
     pub(super) tev: Option<&'a Tev>,
 }
 

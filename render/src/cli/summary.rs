@@ -12,7 +12,7 @@ use crate::driver::{CacheUse, Render};
 use crate::scene::count;
 use crate::settings::{Integrator, Settings};
 
-/// How a render ended.
+/// The end of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     /// At its target: all samples, or the error that was asked for.
@@ -23,7 +23,7 @@ pub(super) enum End {
     Interrupted,
 }
 
-/// What is rendered.
+/// The scene and settings.
 pub(super) struct RenderReport<'a> {
     /// As the user calls it.
     pub(super) scene: String,

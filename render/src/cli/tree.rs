@@ -22,7 +22,7 @@ use crate::executor::RayonExecutor;
 use crate::output::OutputFile;
 use crate::scene::{MomentOverrides, Overrides, Place, SceneError, Sharing, value};
 
-/// What `halfdome tree` takes.
+/// The arguments of `halfdome tree`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct TreeArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
@@ -40,7 +40,7 @@ pub(super) struct TreeArguments {
     #[command(flatten)]
     moment: MomentOverrides,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
     drop(building);
 
     let bytes = bvh.to_bytes();
-    // What is being written is written to the end.
+    // A started write is finished.
     interrupt::catch()?;
     file.write(&bytes).map_err(CliError::system)?;
     match style {

@@ -28,7 +28,7 @@ const MEAN_NUMBER: u32 = u32::MAX;
 /// Paths that are traced together, at most.
 const BATCH: u32 = 4096;
 
-/// What is seen in all directions.
+/// The view in all directions.
 pub struct Environment<'a>(Kind<'a>);
 
 enum Kind<'a> {
@@ -36,7 +36,7 @@ enum Kind<'a> {
     Point { world: &'a World, position: Vec3, paths: Paths, mean: f64, seed: u64 },
 }
 
-/// How many paths a texel gets.
+/// The number of paths of a texel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paths {
     /// So many, at least 1.
@@ -45,7 +45,7 @@ pub enum Paths {
     Accuracy(f32),
 }
 
-/// What is seen in a texel.
+/// The view in a texel.
 pub(super) struct Seen {
     pub(super) radiance: Vec3,
     /// The square of its standard error, as a mean over the channels, if that is known.
@@ -54,7 +54,7 @@ pub(super) struct Seen {
     pub(super) rays: u64,
 }
 
-/// What looks at a source, and its memory.
+/// A viewer of a source, with its memory.
 #[derive(Default)]
 pub(super) struct Viewer {
     rays: Vec<Ray>,

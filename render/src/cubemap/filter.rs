@@ -132,7 +132,7 @@ fn children(number: usize, side: u32) -> [usize; 4] {
     [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| ((2 * side * face) + 2 * y + dy) * 2 * side + 2 * x + dx)
 }
 
-/// What becomes of a square.
+/// The treatment of a square.
 enum Verdict {
     Nothing,
     Whole,

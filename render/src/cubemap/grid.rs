@@ -21,7 +21,7 @@ use glam::{DVec3, Vec3};
 use super::face::Face;
 use crate::settings::named;
 
-/// What is done against seams between faces.
+/// The treatment of seams between faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seams {
     /// Nothing: for hardware that filters across edges.
@@ -41,7 +41,7 @@ named!(Seams: None = "none", Stretch = "stretch", Warp = "warp", Lookup = "looku
 pub struct TexelGrid {
     /// Texels across, at least 1.
     pub size: u32,
-    /// How they are placed.
+    /// Their placement.
     pub seams: Seams,
 }
 

@@ -13,7 +13,7 @@
 
 use crate::settings::named;
 
-/// How levels are filtered.
+/// The filter of levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
     /// Trowbridge and Reitz's distribution, by roughness.
@@ -22,7 +22,7 @@ pub enum Filter {
     Phong,
 }
 
-/// How roughness and levels belong together.
+/// The mapping between roughness and levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mapping {
     /// The level is proportional to the roughness: Bevy.
@@ -60,7 +60,7 @@ impl Lobe {
         }
     }
 
-    /// What light counts from an angle `θ`, of which this is `sin²(θ/2)`; 1 at 0.
+    /// The weight of light from an angle `θ`, given `sin²(θ/2)`; 1 at 0.
     pub(super) fn weight(&self, sin2: f64) -> f64 {
         let cosine = 1.0 - 2.0 * sin2;
         if cosine <= 0.0 {

@@ -11,7 +11,7 @@ use super::face::Face;
 use super::grid::{Seams, TexelGrid};
 use super::level::Level;
 
-/// What a treatment of seams leaves in a level.
+/// The seams that a treatment leaves in a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeamError {
     /// Greatest difference between faces that meet, relative to the mean.
@@ -52,7 +52,7 @@ pub fn seam(level: &Level) -> f64 {
     directions.map(jump).fold(0.0, f64::max) / mean
 }
 
-/// What each treatment leaves in a level of this size, in the order of [`Seams::ALL`].
+/// The seams that each treatment leaves in a level of this size, in the order of [`Seams::ALL`].
 pub fn smooth(size: u32) -> [SeamError; 4] {
     Seams::ALL.map(|seams| {
         let grid = TexelGrid { size, seams };

@@ -31,20 +31,20 @@ use crate::watch::Watch;
 use environment::Viewer;
 use filter::Pyramid;
 
-/// What a cube map depends on besides its source.
+/// The options of a cube map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Texels across a face: a power of two from [`MIN_SIZE`](Self::MIN_SIZE) to [`MAX_SIZE`](Self::MAX_SIZE).
     pub size: u32,
     /// Levels, from 1 to as many as halving takes to get to one texel.
     pub levels: u32,
-    /// What is done against seams.
+    /// The treatment of seams.
     pub seams: Seams,
-    /// How levels after the first are filtered.
+    /// The filter of levels after the first.
     pub filter: Filter,
-    /// Which roughness a level has.
+    /// The roughness of a level.
     pub mapping: Mapping,
-    /// What engines look up.
+    /// The lookup of engines.
     pub axes: Axes,
     /// Texels across a face of a further map of irradiance over π, a power of two in the same range; `None` for no such map.
     pub diffuse: Option<u32>,
@@ -74,7 +74,7 @@ impl Options {
 /// A cube map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubeMap {
-    /// How it was made.
+    /// The options that it was made with.
     pub options: Options,
     /// Its levels, the largest first.
     pub levels: Vec<Level>,

@@ -18,7 +18,7 @@ use crate::watch::Watch;
 #[cfg(feature = "oidn")]
 pub use self::oidn::Oidn;
 
-/// How to denoise.
+/// Options of denoising.
 #[derive(Clone)]
 pub enum Method {
     /// Regression on features with weights of non-local means. Needs halves.
@@ -48,7 +48,7 @@ pub enum DenoiseError {
     /// Whoever watched has stopped it.
     #[error("stopped")]
     Stopped,
-    /// What Open Image Denoise says.
+    /// The error of Open Image Denoise.
     #[error("{0}")]
     Failed(String),
 }

@@ -29,7 +29,7 @@ impl Oidn {
     /// Finds the library: where the environment variable `OIDN_LIB` says, or else where it usually is.
     ///
     /// # Errors
-    /// What was looked for and where, and what would be right.
+    /// The library that was not found, the places, and the remedy.
     pub fn find() -> Result<Self, String> {
         Library::find().map(Self).map_err(|error| {
             format!(

@@ -45,7 +45,7 @@ pub(super) struct TileScratch {
     scratch: Scratch,
 }
 
-/// What a sample depends on besides the world.
+/// The inputs of a sample besides the world.
 pub(super) struct FrameRender {
     pub(super) settings: Settings,
     pub(super) prepared: Prepared,

@@ -25,9 +25,9 @@ pub struct SampleHistory {
 /// A path from the camera to a light, or several of one sample to which the same has happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPath {
-    /// What happened at each surface, and the light.
+    /// The events at surfaces, and the light.
     pub events: Vec<Event>,
-    /// What it adds to the sample's radiance.
+    /// The contribution to the sample's radiance.
     pub light: Vec3,
 }
 

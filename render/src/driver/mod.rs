@@ -31,7 +31,7 @@ pub use history::{LightPath, SampleHistory, pixel_history};
 pub use plan::{Plan, Share, film_header};
 pub use worker::{Step, TileWorker};
 
-/// What a render gives.
+/// The result of a render.
 #[derive(Clone, Debug)]
 pub struct Render {
     /// The picture, complete or as far as it went.
@@ -48,7 +48,7 @@ pub struct Render {
     pub rays_by_kind: RaysByKind,
     /// Wall-clock time.
     pub elapsed: Duration,
-    /// How the irradiance cache was used, if there was one.
+    /// The use of the irradiance cache, if there was one.
     pub cache: Option<CacheUse>,
     /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was asked for.
     pub cache_error: Option<f32>,
@@ -157,7 +157,7 @@ pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn 
     integrator::fill_for_camera(world, settings, cache, watch).0.cache
 }
 
-/// What all tiles share.
+/// The shared data of all tiles.
 struct Renderer<'a> {
     world: &'a World,
     frame: FrameRender,

@@ -17,7 +17,7 @@ const MAX_WAVE: u32 = 16;
 /// Samples before which no error is trusted.
 pub(super) const MIN_SAMPLES: u32 = 32;
 
-/// What is taken of a picture, and when it is enough.
+/// The samples of a picture to take, and when they are enough.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The `cached` integrator adds to this; it must be of the world and of the integrator's options.

@@ -27,7 +27,7 @@ pub struct TileWorker {
     side: u32,
 }
 
-/// What a step has done to one tile.
+/// The result of a step on one tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// The tile's columns.

@@ -19,7 +19,7 @@ const AIM_SET: u32 = 0;
 /// Keeps the numbers of aimed rays apart from others.
 const SALT: u64 = 0x1f83_d9ab_fb41_bd6b;
 
-/// How one point aims.
+/// The secondary lights' sampling of one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AimedFrom {
     receiver: Receiver,
@@ -36,15 +36,15 @@ pub(crate) struct AimedRays {
     aimed: Vec<Aimed>,
 }
 
-/// What is known of a ray before it is traced.
+/// The data of a ray before it is traced.
 struct Aimed {
     point: usize,
     prim_id: u32,
-    /// What its radiance is multiplied by.
+    /// The factor on its radiance.
     solid_angle: f32,
 }
 
-/// What an aimed ray found.
+/// The result of an aimed ray.
 pub(crate) struct FoundLit {
     /// A unit vector.
     pub direction: Vec3,
@@ -131,7 +131,7 @@ impl AimedRays {
         rays.len() as u64 + follow.follow(rays, hits, samplers, radiance)
     }
 
-    /// What the rays of a point found.
+    /// The results of a point's rays.
     pub(crate) fn found<'a>(&'a self, world: &'a World, point: usize) -> impl Iterator<Item = FoundLit> + 'a {
         let hits = self.hits.iter().zip(&self.rays).zip(&self.radiance).zip(&self.aimed);
         hits.filter(move |(((hit, _), _), aimed)| aimed.point == point && hit.is_hit()).map(

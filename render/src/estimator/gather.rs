@@ -45,12 +45,12 @@ impl GatherPoint<'_> {
     }
 }
 
-/// What a gather found.
+/// The result of a gather.
 #[derive(Clone, Debug)]
 pub(crate) struct Gathered {
     /// Irradiance, gradients and distances, in world space.
     pub(crate) gather: Gather,
-    /// How irradiance curves, in the frame about the normal, if that was asked for.
+    /// The Hessian of irradiance, in the frame about the normal, if requested.
     pub(crate) hessian: Option<Hessian>,
     /// The occluders.
     pub(crate) occluders: OccluderSectors,
@@ -72,11 +72,11 @@ struct GatherScratch {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     addresses: Vec<Address>,
-    /// Where in its cell each direction is.
+    /// The position of each direction in its cell.
     jitter: Vec<Vec2>,
     radiance: Vec<Vec3>,
     distance: Vec<f32>,
-    /// How each point aims at lit triangles, and what that finds.
+    /// The sampling of lit triangles by each point, and its results.
     aimed_from: Vec<AimedFrom>,
     aimed: AimedRays,
 }

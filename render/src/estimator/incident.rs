@@ -26,7 +26,7 @@ const SALT: u64 = 0x3c6e_f372_fe94_f82b;
 /// Samples that are traced together, about.
 const BATCH: u32 = 2048;
 
-/// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
+/// Incident light at a point: a unit vector, and irradiance on a surface that faces it.
 pub(crate) trait IncidentSink {
     /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
     fn add_light(&mut self, direction: Vec3, irradiance: Vec3);

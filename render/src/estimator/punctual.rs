@@ -35,9 +35,9 @@ pub(super) struct PunctualSample {
 /// Such a light on the way of a ray.
 pub(super) struct Seen {
     pub radiance: Vec3,
-    /// How far away it begins.
+    /// The distance to its near side.
     pub distance: f32,
-    /// What it subtends at the ray's origin.
+    /// The solid angle at the ray's origin.
     pub solid_angle: f32,
 }
 
@@ -127,7 +127,7 @@ fn intensity(light: &PunctualLight, leaving: Vec3) -> Vec3 {
     }
 }
 
-/// What a light subtends, seen from a point; 0 of a delta light.
+/// The solid angle of a light from a point; 0 for a delta light.
 fn solid_angle(from: Vec3, light: &PunctualLight) -> f32 {
     let sin_squared = match light {
         PunctualLight::Directional { half_angle, .. } => half_angle.sin() * half_angle.sin(),

@@ -15,7 +15,7 @@ pub(crate) struct SeenLight {
     /// Its number among all lights.
     pub number: u32,
     pub radiance: Vec3,
-    /// How far away it is; infinite for a sun.
+    /// The distance; infinite for a sun.
     pub distance: f32,
     solid_angle: f32,
 }

@@ -13,7 +13,7 @@ use super::tile::{BadSamples, FEATURE_NAMES, FirstHit, Pixel, Tile};
 use super::{Film, FilmError, FilmHeader};
 use crate::settings::Settings;
 
-/// How films are called.
+/// The extension of films.
 pub const FILM_EXTENSION: &str = "hdf";
 
 const MAGIC: [u8; 8] = *b"halfdFLM";
@@ -90,7 +90,7 @@ impl Film {
     }
 }
 
-/// What is left of a file.
+/// The unread rest of a file.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Extras, MatteLayer};
 use crate::settings::Invalid;
 
-/// What a film is of. Films with equal headers are parts of one picture.
+/// The identity of a film. Films with equal headers are parts of one picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FilmHeader {
     /// The version of the program.
@@ -70,7 +70,7 @@ impl FilmError {
 }
 
 impl FilmHeader {
-    /// What its tiles have.
+    /// The contents of its tiles.
     pub(super) fn extras(&self) -> Extras {
         Extras { features: self.aov, halves: self.halves, mattes: self.cryptomatte.len(), light: self.light.len() }
     }

@@ -9,7 +9,7 @@ use super::{Film, FilmError};
 #[derive(Debug, Default)]
 pub struct Merger {
     sum: Option<Film>,
-    /// What messages call the parts.
+    /// The names of the parts in messages.
     names: Vec<String>,
     /// The samples of each tile, and the parts that they come from.
     ranges: Vec<Vec<(Range<u32>, usize)>>,
@@ -70,7 +70,7 @@ impl Merger {
     }
 }
 
-/// What a picture lacks.
+/// The missing parts of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// Tiles without samples, or with a gap in them.

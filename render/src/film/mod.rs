@@ -46,7 +46,7 @@ impl Film {
         Self { header, tiles, seconds: 0.0 }
     }
 
-    /// What it is a film of.
+    /// The header of the film.
     pub fn header(&self) -> &FilmHeader {
         &self.header
     }

@@ -18,7 +18,7 @@ pub struct Picture {
     /// At least `R`, `G` and `B`, linear sRGB radiance; `A`, the part of each pixel that sees anything, if the film has a
     /// border (then colours are multiplied by it); further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
     pub channels: Vec<Channel>,
-    /// How the picture came about.
+    /// The origin of the picture.
     pub metadata: Metadata,
 }
 
@@ -51,7 +51,7 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// What is stored of the time that a render took: seconds, or 0 under `SOURCE_DATE_EPOCH`.
+    /// The stored render time: seconds, or 0 under `SOURCE_DATE_EPOCH`.
     pub(crate) fn stored_seconds(seconds: f64) -> f32 {
         let reproducible = std::env::var_os("SOURCE_DATE_EPOCH").is_some();
         if reproducible { 0.0 } else { seconds as f32 }

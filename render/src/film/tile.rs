@@ -14,7 +14,7 @@ pub(crate) const TILE_SIDE: u32 = 32;
 /// Samples in a row that belong to the same half: as many as a stratified set of two dimensions has at least.
 const HALF_BLOCK: u32 = 4;
 
-/// What the first surface along a camera ray is.
+/// The first surface along a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Features {
     pub albedo: Vec3,
@@ -46,7 +46,7 @@ impl FirstHit {
         Self { sample: Self::NO_SAMPLE, depth: Self::NO_DEPTH, ids: [0; 4], motion: [0.0; 2] };
 }
 
-/// What a film has besides radiance.
+/// The contents of a film besides radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Extras {
     /// [`Features`], and the variance of the samples.

@@ -38,7 +38,7 @@ pub(crate) struct GuideSample {
     pub share: f32,
 }
 
-/// What was learned.
+/// The learned distribution.
 #[derive(Debug)]
 pub(crate) struct Guide {
     cells: cells::Cells,
@@ -55,7 +55,7 @@ pub(crate) struct GuideCell {
 }
 
 impl GuideCell {
-    /// Where nothing is guided.
+    /// A place without guiding.
     pub(crate) const NONE: Self = Self { fraction: 0.0, tree: 0, side: 0 };
 
     /// The same for a closure to which a part of the fraction applies.

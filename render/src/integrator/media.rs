@@ -28,14 +28,14 @@ pub(super) struct Arrival<'w> {
 }
 
 impl Media {
-    /// What is left of light over a distance in these, if that leads to no surface.
+    /// The transmittance over a distance in these solids, if no surface is hit.
     pub(super) fn transmittance(&self, world: &World, distance: f32) -> Vec3 {
         if distance < f32::INFINITY { transmittance(world, self.materials[0], distance) } else { Vec3::ONE }
     }
 }
 
 impl Arrival<'_> {
-    /// What is left of light on the way there.
+    /// The transmittance on the way to the hit.
     pub(super) fn transmittance(&self, distance: f32) -> Vec3 {
         let inside = match self.media.materials[0] {
             0 if self.boundary.is_back => self.boundary.material + 1,
@@ -44,7 +44,8 @@ impl Arrival<'_> {
         transmittance(self.world, inside, distance)
     }
 
-    /// What is left of light along a shadow ray from there. One without an end leaves the solid somewhere, or would be blocked.
+    /// The transmittance along a shadow ray from there. A ray without an end leaves the solid somewhere, or would be
+    /// blocked.
     pub(super) fn transmittance_of(&self, shadow_ray: &Ray) -> Vec3 {
         let distance = shadow_ray.t_max * shadow_ray.direction.length();
         let inside = self.onwards(shadow_ray.direction).materials[0];

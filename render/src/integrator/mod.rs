@@ -54,7 +54,7 @@ pub(crate) struct RayBatch<'a> {
     pub density: f32,
 }
 
-/// What an integrator keeps from one batch to the next: memory alone.
+/// Memory that an integrator reuses between batches.
 #[derive(Default)]
 pub(crate) struct Scratch {
     wave: Wavefront,
@@ -64,7 +64,7 @@ pub(crate) struct Scratch {
     misses: cached::Misses,
 }
 
-/// What an integrator makes once, before the first sample.
+/// Data that an integrator prepares once, before the first sample.
 pub(crate) enum Prepared {
     /// Nothing.
     Nothing,

@@ -133,7 +133,7 @@ impl Generation {
     }
 }
 
-/// What all surfaces do.
+/// The shared data of all surfaces.
 struct Gather<'a> {
     world: &'a World,
     /// The times of all camera rays, or empty.

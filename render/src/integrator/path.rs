@@ -47,7 +47,7 @@ pub(in crate::integrator) use train::Trainer;
 /// The part of the sky for light samples: cosine-distributed bounces find the rest.
 pub(super) const SKY: SkyPart = SkyPart::Bright;
 
-/// What goes along with paths.
+/// Observers of paths.
 #[derive(Default)]
 pub(super) struct Companions<'a> {
     /// Gets what AOVs by light path expressions have of them.

@@ -46,7 +46,7 @@ pub(super) struct PathBlock {
     pub len: usize,
     /// The place of each in its wavefront.
     pub source: Integers,
-    /// Where each has hit which triangle.
+    /// The hit of each path.
     u: Column,
     v: Column,
     prims: Integers,
@@ -247,7 +247,7 @@ impl PathBlock {
         self.paths.index[i] as usize
     }
 
-    /// What path `i` multiplies the light that it finds by.
+    /// The throughput of path `i`.
     #[inline(always)]
     pub(super) fn throughput(&self, i: usize) -> Vec3 {
         self.paths.throughput.get(i)

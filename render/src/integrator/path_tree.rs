@@ -19,9 +19,9 @@ pub(super) struct PathTree {
 #[derive(Clone, Copy)]
 struct Node {
     parent: u32,
-    /// What happened last.
+    /// The last event.
     event: u32,
-    /// What those found that ended here.
+    /// The light of the paths that ended here.
     light: Vec3,
 }
 

@@ -11,7 +11,7 @@ use crate::world::World;
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
 pub(crate) struct ShadowQueue {
-    /// How many wait: the first of each list.
+    /// The number of waiting rays.
     len: usize,
     shadows: Vec<Ray>,
     pending: Vec<PendingLight>,
@@ -19,7 +19,7 @@ pub(crate) struct ShadowQueue {
     times: Vec<f32>,
 }
 
-/// What it adds to which camera ray's.
+/// The contribution, and its camera ray.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct PendingLight {
@@ -76,7 +76,7 @@ impl ShadowQueue {
         count as u64
     }
 
-    /// How many wait.
+    /// The number of waiting rays.
     pub(super) fn len(&self) -> usize {
         self.len
     }

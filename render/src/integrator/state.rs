@@ -13,7 +13,7 @@ use crate::settings::Survival;
 pub(super) struct Path {
     /// Its camera ray.
     pub index: u32,
-    /// What the light that it finds from here on is multiplied by.
+    /// The throughput.
     pub throughput: Vec3,
     /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
     pub density: f32,

@@ -14,7 +14,7 @@ use crate::bsdf::Scattering;
 use crate::material::{Closure, Kind};
 use crate::world::{Hit, MIDDLE, Surface, World};
 
-/// What paths do at their surfaces: all that one integrator has to itself.
+/// The step of paths at their surfaces, which differs between integrators.
 pub(super) trait WavefrontStep {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
@@ -63,11 +63,11 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
     }
 }
 
-/// Where a path has arrived.
+/// The hit of a path.
 pub(super) struct PathVertex<'a> {
     pub ray: &'a Ray,
     pub hit: &'a Hit,
-    /// What solids have left of light on the way there; the path's throughput knows.
+    /// The transmittance of solids on the way there; the path's throughput includes it.
     pub transmittance: Vec3,
     /// The path's time.
     pub time: f32,
@@ -244,7 +244,7 @@ impl Wavefront {
         self.keep(kept);
     }
 
-    /// What is left of light over a distance on the way of a path.
+    /// The transmittance over a distance along a path.
     pub(super) fn transmittance(&self, world: &World, path: usize, distance: f32) -> Vec3 {
         self.media.get(path).map_or(Vec3::ONE, |media| media.transmittance(world, distance))
     }

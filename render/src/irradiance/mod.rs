@@ -38,16 +38,16 @@ use crate::world::{Hit, Surface, World};
 pub use part::{SensorPart, join, key, lines};
 pub use points::{PointsError, Sensor, read_points, read_positions};
 
-/// What of the light counts.
+/// The part of the light that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// All of it.
     Total,
-    /// What surfaces reflect, and the sky without the sun of its picture.
+    /// Light reflected by surfaces, and the sky without the sun of its picture.
     Indirect,
 }
 
-/// How irradiance is estimated.
+/// The estimator of irradiance.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
     /// Samples of direct light at each sensor, and without a cache paths, at least 1; as many as it takes instead where the
@@ -55,7 +55,7 @@ pub struct Request {
     pub spp: u32,
     /// Selects the random numbers.
     pub seed: u64,
-    /// What counts.
+    /// The part of the light that counts.
     pub part: Part,
 }
 
@@ -84,7 +84,7 @@ enum Effort {
     Noise(f64),
 }
 
-/// What is sampled at a sensor.
+/// The samples at a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
     /// Direct light.
@@ -250,7 +250,7 @@ impl Irradiance {
     }
 }
 
-/// Where the random numbers of samples come from that are traced together.
+/// The random numbers of samples that are traced together.
 struct Samples {
     seed: u64,
     sensor: u32,

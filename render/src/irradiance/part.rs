@@ -11,7 +11,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use super::{Request, Sensor};
 use crate::settings::{Invalid, Shard};
 
-/// What the first line begins with.
+/// The beginning of the first line.
 const TITLE: &str = "# irradiance by halfdome";
 /// The form of the file.
 const VERSION: u32 = 1;

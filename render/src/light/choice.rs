@@ -17,12 +17,12 @@ pub(crate) struct SampledLight {
     pub index: u32,
     /// The probability of choosing it.
     pub probability: f32,
-    /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
-    /// light are.
+    /// The rescaled remainder of the number that chose it, in [0, 1): if the numbers are evenly spread, so are the
+    /// remainders of each light.
     pub rest: f32,
 }
 
-/// What each kind of light may send to a receiver.
+/// The weight of each kind of light for a receiver.
 pub(crate) struct Weights {
     triangles: RootWeights,
     points: RootWeights,
@@ -60,7 +60,7 @@ pub(crate) enum LightChoice {
 }
 
 impl LightSampler {
-    /// What lights may send to a receiver, of the sky this part.
+    /// The weights of lights for a receiver, with this part of the sky.
     #[inline(always)]
     pub(crate) fn weigh(&self, receiver: &Receiver, part: SkyPart) -> Weights {
         let (mut triangles, mut points) = (RootWeights::default(), RootWeights::default());
@@ -137,7 +137,7 @@ impl LightSampler {
         }
     }
 
-    /// What was chosen, after the last step.
+    /// The choice after the last step.
     #[inline(always)]
     pub(crate) fn end(&self, choice: &LightChoice) -> Option<SampledLight> {
         match (choice, &self.triangles, &self.points) {

@@ -33,7 +33,7 @@ pub(crate) struct LitTriangles {
     index_of: Vec<u32>,
     /// The irradiance from which on each path aims at them, as luminance.
     worth: f32,
-    /// What surfaces receive on average besides, likewise.
+    /// The mean irradiance of other surfaces, likewise.
     elsewhere: f32,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct ChosenTriangle {
     pub prim_id: u32,
     /// The probability with which it was chosen.
     pub probability: f32,
-    /// What is left of the number that chose it, in [0, 1).
+    /// The rescaled remainder of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 

@@ -54,7 +54,7 @@ pub(crate) struct LightSampler {
     pub(crate) lit: LitTriangles,
     /// The index of each `prim_id`'s light, or [`NO_LIGHT`]; empty if no triangle emits.
     index_of: Vec<u32>,
-    /// What is near an emissive triangle lies in this box.
+    /// The box around all points near an emissive triangle.
     surroundings: Aabb,
     /// An estimate of the mean radiance that surfaces receive and send.
     mean_radiance: Vec3,
@@ -297,7 +297,7 @@ impl LightSampler {
     }
 }
 
-/// What weights are made of: luminance, but never zero for what is not black.
+/// The weight of a colour: luminance, but not zero unless it is black.
 pub(crate) fn luminance_weight(rgb: Vec3) -> f32 {
     brightness(rgb) as f32
 }

@@ -23,7 +23,7 @@ use super::distant::Patches;
 use super::{Receiver, luminance_weight};
 use crate::scene::{Sky, SkyPicture};
 
-/// What of the sky is for light samples to find.
+/// The part of the sky for light samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SkyPart {
     /// All of it.
@@ -31,7 +31,7 @@ pub(crate) enum SkyPart {
     /// What bounces that follow the cosine find less well: what is brighter than the mean. They see all of it, and MIS
     /// weights are to be applied.
     Bright,
-    /// What gathers would find too seldom: the sun, above all. They do not see it.
+    /// The part that gathers would rarely find: mainly the sun. Gathers do not see it.
     Sun,
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct Automaton {
 struct Places<'a> {
     /// Where one is without an event, too.
     free: Vec<Vec<u32>>,
-    /// Where an event leads.
+    /// The next state after an event.
     on: Vec<Option<(&'a Pattern, u32)>>,
 }
 
@@ -230,7 +230,7 @@ impl<'a> Places<'a> {
         set
     }
 
-    /// Where an event leads from these places.
+    /// The next places after an event.
     fn after(&self, set: &[u32], event: &Event) -> Vec<u32> {
         let leads = |&place: &u32| match self.on[place as usize] {
             Some((pattern, behind)) if pattern.contains(event) => Some(behind),

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-/// What happened: the first symbol of an event. A light may be of several kinds.
+/// The kind: the first symbol of an event. A light may be of several kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Kind(u8);
 
@@ -63,7 +63,7 @@ impl Scattering {
 /// An event on a path.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Event {
-    /// What happened.
+    /// The kind.
     pub kind: Kind,
     /// The scattering lobe.
     pub scattering: Scattering,
@@ -160,7 +160,7 @@ pub(super) enum Letter {
     Scattering(u8),
 }
 
-/// What a letter means.
+/// The meaning of a letter.
 pub(super) fn letter(letter: char) -> Option<Letter> {
     let kind = Kind::LETTERS.iter().find(|(it, _)| *it == letter).map(|(_, kind)| Letter::Kind(kind.0));
     let scattering = || Scattering::LETTERS.iter().find(|(it, _)| *it == letter);

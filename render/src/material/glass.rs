@@ -44,7 +44,7 @@ pub(super) struct Glass {
     through_scale: f32,
 }
 
-/// What belongs to one side of the interface.
+/// The data of one side of the interface.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     index: f32,
@@ -119,7 +119,7 @@ fn turned(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
 }
 
-/// How likely a microfacet is to reflect that reflects and transmits so much.
+/// The probability of reflection for a microfacet with this reflectance and transmittance.
 #[inline]
 fn reflection_probability(reflected: Vec3, transmitted: Vec3) -> f32 {
     let [reflected, transmitted] = [reflected, transmitted].map(mean);

@@ -101,7 +101,7 @@ impl Glossy {
         self.through = mean(self.transmitted) / diffuse_energy.max(f32::MIN_POSITIVE);
     }
 
-    /// What needs no table.
+    /// The parts without table lookups.
     #[inline]
     pub(crate) fn reflection(&self) -> &Reflection {
         &self.reflection
@@ -114,7 +114,7 @@ impl Glossy {
         (self.below_at(cos, self.full.at(node), self.fresnel.at(node)), self.gain_at(node))
     }
 
-    /// What metal's lobe is multiplied by for a direction.
+    /// The factor on metal's lobe for a direction.
     #[inline]
     fn gain_at(&self, node: Node) -> f32 {
         if self.reflection.metalness > 0.0 { self.gain.at(node) } else { 1.0 }

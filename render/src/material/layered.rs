@@ -40,7 +40,7 @@ pub struct Layered {
     under_fuzz: Column,
     below: Column,
     below_mean: f32,
-    /// What lobes about one direction lose, its mean, and the colour that they scatter it with.
+    /// The energy that lobes about one direction lose, its mean, and the colour of its scattering.
     lost: Column,
     lost_scale: Vec3,
     /// What is chosen of the lost light and of the base, under a cover that leaves all.
@@ -110,7 +110,7 @@ impl Layered {
         Shares { fuzz: fuzz / sum, coat: coat / sum, lost: lost / sum, base: base / sum }
     }
 
-    /// What the coat lets through on one way.
+    /// The transmittance of the coat in one direction.
     #[inline]
     fn absorbed(&self, cos: f32) -> Vec3 {
         if self.coat_color == Vec3::ONE {

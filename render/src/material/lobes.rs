@@ -30,12 +30,12 @@ impl Parts {
     }
 }
 
-/// What a lobe was sampled to.
+/// A sample of a lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     /// Unit vector.
     pub(super) wi: Vec3,
-    /// Which lobe it was.
+    /// The lobe.
     pub(super) event: Event,
     /// For a delta function: its value divided by the probability of its choice.
     pub(super) delta: Option<Vec3>,

@@ -104,7 +104,7 @@ pub struct Inputs {
     pub specular_ior: f32,
     /// The part of the dielectric that is glass instead of opaque, 0 to 1.
     pub transmission_weight: f32,
-    /// What light that goes through the surface is multiplied by, 0 to 1.
+    /// The tint of transmitted light, 0 to 1.
     pub transmission_color: Vec3,
     /// Whether the surface is a sheet without an inside: light goes straight through, and `is_inside` has no meaning.
     pub thin_walled: bool,
@@ -115,9 +115,9 @@ pub struct Inputs {
     pub diffuse_transmission_weight: f32,
     /// Albedo of diffuse transmission, 0 to 1.
     pub diffuse_transmission_color: Vec3,
-    /// How much of the surface the clear coat covers, 0 to 1.
+    /// The coverage of the clear coat, 0 to 1.
     pub coat_weight: f32,
-    /// What light at normal incidence is multiplied by that crosses the coat in and out, 0 to 1.
+    /// The tint of light that crosses the coat in and out at normal incidence, 0 to 1.
     pub coat_color: Vec3,
     /// Roughness of the coat, 0 to 1.
     pub coat_roughness: f32,
@@ -125,13 +125,13 @@ pub struct Inputs {
     pub coat_ior: f32,
     /// Normal of the coat: a unit vector in the shading frame, on the viewer's side. OpenPBR's `geometry_coat_normal`.
     pub coat_normal: Vec3,
-    /// How much of the surface fuzz (sheen) covers, 0 to 1.
+    /// The coverage of fuzz (sheen), 0 to 1.
     pub fuzz_weight: f32,
     /// Albedo of the fuzz, 0 to 1.
     pub fuzz_color: Vec3,
     /// Roughness of the fuzz, 0 to 1.
     pub fuzz_roughness: f32,
-    /// How much of the base, under the coat, is covered by a thin film, 0 to 1.
+    /// The coverage of the base by a thin film, under the coat, 0 to 1.
     pub thin_film_weight: f32,
     /// Thickness of the film in nanometres, 0 and above.
     pub thin_film_thickness: f32,
@@ -184,7 +184,7 @@ pub enum Kind {
     Matte,
     /// Metal, and a reflection over rough diffuse reflection.
     Glossy,
-    /// What light goes through: glass, thin walls, diffuse transmission.
+    /// Transmissive materials: glass, thin walls, diffuse transmission.
     Transmissive,
     /// Whatever has a coat, fuzz or a thin film.
     Layered,
@@ -209,7 +209,7 @@ impl Kind {
     }
 }
 
-/// What happened to a sampled path: one lobe, and one side.
+/// The event of a sampled path: one lobe, and one side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Event(u8);
 
@@ -241,7 +241,7 @@ impl std::ops::BitOr for Event {
     }
 }
 
-/// What [`Bsdf::eval`] gives for a pair of directions, without delta functions.
+/// The result of [`Bsdf::eval`] for a pair of directions, without delta functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evaluation {
     /// `f(wo, wi) |cos θi|`, by which basic radiance from `wi` is multiplied.
@@ -257,7 +257,7 @@ pub struct Evaluation {
 pub struct Sample {
     /// Unit vector, in the shading frame.
     pub wi: Vec3,
-    /// What the path's throughput is multiplied by: `f |cos θi| / density`.
+    /// The factor on the path's throughput: `f |cos θi| / density`.
     pub weight: Vec3,
     /// Density per solid angle of `wi`; infinite for a delta function.
     pub density: f32,
@@ -271,7 +271,7 @@ pub trait Bsdf {
     /// geometric normal.
     fn new(inputs: &Inputs, is_inside: bool) -> Self;
 
-    /// What is scattered from `wi` to `wo`; `wo.z > 0`, `wi` on either side.
+    /// The value for light from `wi` to `wo`; `wo.z > 0`, `wi` on either side.
     fn eval(&self, wo: Vec3, wi: Vec3) -> Evaluation;
 
     /// The part of [`eval`](Self::eval)'s `f |cos θi|` that rough reflections and refractions have; the others are wide.

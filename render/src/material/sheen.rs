@@ -30,7 +30,7 @@ pub(super) struct Sheen {
     pub(super) albedo: Column,
 }
 
-/// What depends on one direction.
+/// The terms of one direction.
 #[derive(Clone, Copy)]
 struct Lobe {
     albedo: f32,

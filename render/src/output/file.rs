@@ -45,7 +45,7 @@ impl OutputFile {
     /// Removes the file, if it is there.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn remove(&self) -> Result<(), OutputError> {
         match fs::remove_file(&self.target) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::unwritable(&self.path, &error)),

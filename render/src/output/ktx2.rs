@@ -36,7 +36,7 @@ pub struct Texture<'a> {
     pub is_signed: bool,
 }
 
-/// What a texture is.
+/// The kind of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// A picture: width and height.

@@ -26,7 +26,7 @@ const SALT: u64 = 0x510e_527f_ade6_82d1;
 /// Rays that are traced together, at most.
 const BATCH: usize = 2048;
 
-/// What arrives at a point, linear sRGB.
+/// The incident light at a point, linear sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeLight {
     /// Coefficients of radiance, W/(m² sr), in the order and with the signs of [`harmonics`](super::harmonics).

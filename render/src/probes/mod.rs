@@ -22,7 +22,7 @@ use crate::world::World;
 use gather::ProbeGatherer;
 use quadrature::Quadrature;
 
-/// How light is estimated.
+/// The estimator of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Directions of a probe in which paths look for what surfaces reflect, and the sky; about, and at least 18.
@@ -36,13 +36,13 @@ pub struct Options {
 /// A probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
-    /// Where the light was found.
+    /// The position where the light was computed.
     pub position: Vec3,
     /// Whether the place is as good as any.
     pub state: State,
     /// The part of all directions in which the backs of surfaces are seen there, from 0 to 1.
     pub backs: f32,
-    /// What arrives.
+    /// The incident light.
     pub light: ProbeLight,
 }
 

@@ -30,7 +30,7 @@ pub struct Daylight {
     pub turbidity: f32,
 }
 
-/// How the sky's light is spread.
+/// The distribution of the sky's light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DaylightModel {
     /// Preetham, Shirley and Smits 1999.

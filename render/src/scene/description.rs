@@ -17,7 +17,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Groups of meshes that are kept once, however often they are shown.
     pub objects: Vec<Object>,
-    /// Where objects are shown.
+    /// The instances of objects.
     pub instances: Vec<Instance>,
     /// Materials; meshes name them by index.
     pub materials: Vec<Material>,
@@ -33,7 +33,7 @@ pub struct Scene {
     pub variants: Vec<Variant>,
     /// The animations of the model, whether they are played or not.
     pub animations: Vec<Animation>,
-    /// Where the picture is taken from; `None` when the file has no camera.
+    /// The camera's pose; `None` when the file has no camera.
     pub camera: Option<CameraPose>,
     /// The width of the camera's picture by its height, if the file says.
     pub camera_aspect: Option<f32>,
@@ -41,15 +41,15 @@ pub struct Scene {
     pub film_size: Option<(u32, u32)>,
     /// The number of samples of a pixel, if the file says.
     pub film_spp: Option<u32>,
-    /// How the picture is taken from there.
+    /// The camera's optics.
     pub optics: Optics,
     /// The clipping planes of the file's camera, which are not used unless requested.
     pub camera_clip: Option<Clip>,
-    /// What rays see that leave the scene.
+    /// The radiance of rays that leave the scene.
     pub sky: Sky,
-    /// What moves while the shutter is open; `None` if nothing does. All else here is as in the middle of that time.
+    /// Motion while the shutter is open; `None` if nothing moves. Everything else here is at the middle of that time.
     pub motion: Option<Motion>,
-    /// What the loader skipped or changed: shown to the user, one line each.
+    /// Warnings about skipped or changed content, one line each.
     pub warnings: Vec<String>,
     /// The files that it was read from.
     pub files: Vec<PathBuf>,
@@ -99,7 +99,7 @@ pub struct Origin {
     pub mirrored: bool,
 }
 
-/// What a light is called.
+/// The name of a light.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightLabel {
     /// The file's own name for it, or empty.
@@ -108,7 +108,7 @@ pub struct LightLabel {
     pub group: String,
 }
 
-/// What the numbers of a file's lights are.
+/// The units of a file's lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightUnits {
     /// Candela and lux, which are divided by 683 lm/W.

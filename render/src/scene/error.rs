@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 pub struct SceneError {
     /// The file that is wrong.
     pub file: PathBuf,
-    /// Where in the file.
+    /// The place in the file.
     pub place: Place,
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 

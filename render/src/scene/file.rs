@@ -75,7 +75,7 @@ use super::toml_text::{Entry, entries, line_of, shortened, value_of};
 use super::value::{self, Expected, Value};
 use super::{Overrides, Place, Scene, SceneError, Sharing};
 
-/// What a scene file says.
+/// The contents of a scene file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
     /// The model, relative to the current folder or absolute; `None` if there are only objects.
@@ -86,7 +86,7 @@ pub struct SceneFile {
     pub materials: Vec<MaterialTable>,
     /// Models that are shown where instances are.
     pub objects: Vec<ObjectTable>,
-    /// Where they are shown.
+    /// Their instances.
     pub instances: Vec<InstanceTable>,
 }
 

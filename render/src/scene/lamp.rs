@@ -29,7 +29,7 @@ pub(super) struct Lamp {
     pub radiance: Vec3,
 }
 
-/// What a lamp looks like.
+/// The appearance of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shape {
     /// Emits outwards.

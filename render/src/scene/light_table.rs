@@ -44,7 +44,7 @@ use super::{LightLabel, PunctualLight, Scene, SpotEdge};
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTable {
     source: Source,
-    /// What it is called.
+    /// The name.
     label: LightLabel,
     /// The file of its profile.
     file: Option<PathBuf>,

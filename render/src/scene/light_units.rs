@@ -27,7 +27,7 @@ impl LightUnits {
         }
     }
 
-    /// What a file's numbers are multiplied by.
+    /// The factor on a file's numbers.
     fn factor(self) -> f32 {
         match self {
             Self::Photometric => LUMENS_PER_WATT.recip(),

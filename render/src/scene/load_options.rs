@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Moment, Sharing};
 
-/// What can be chosen when a model is read.
+/// Options for reading a model.
 #[derive(Clone, Default)]
 pub struct LoadOptions<'a> {
     /// Whether meshes that it shows several times are kept once.

@@ -48,7 +48,7 @@ pub struct MaterialTable {
     changes: Vec<(usize, Change)>,
 }
 
-/// What a key changes.
+/// The input of a key.
 #[derive(Clone, Debug, PartialEq)]
 enum Change {
     Input(Input, Vec3),
@@ -66,7 +66,7 @@ enum Change {
     NoMap(Target),
 }
 
-/// What a map varies.
+/// The input of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Target {
     Input(Input),

@@ -19,7 +19,7 @@ use crate::scene::{Mesh, Texture, TextureMap, Turn};
 pub struct MeshPoint<'a> {
     /// The scene's.
     pub textures: &'a [Texture],
-    /// Where it is.
+    /// The position.
     pub mesh: &'a Mesh,
     /// The triangle's number in the mesh.
     pub triangle: usize,
@@ -29,7 +29,7 @@ pub struct MeshPoint<'a> {
     pub turn: Option<Turn>,
 }
 
-/// What shading starts from.
+/// The inputs of shading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingInputs {
     /// The inputs of the closure.
@@ -127,7 +127,7 @@ impl Material {
         (mapped * vertex).max(Vec3::ZERO)
     }
 
-    /// How much of the surface there is at a point: 0 to 1, of a mask 0 or 1.
+    /// The opacity at a point: 0 to 1, of a mask 0 or 1.
     pub fn opacity_at(&self, point: &MeshPoint<'_>) -> f32 {
         let texel = self.opacity.map.as_ref().map_or(Vec4::ONE, |(map, _)| point.texel(map));
         self.opacity.at(texel, if self.uses_vertex_colors { point.vertex_color().w } else { 1.0 })

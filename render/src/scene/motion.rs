@@ -13,7 +13,7 @@ use halfdome_kernel::geometry::Moment as Place;
 
 use super::{CameraPose, PunctualLight};
 
-/// Where things are at the keys of the shutter's time.
+/// Positions at the keys of the shutter's time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// The number of keys: odd, and at least 3.

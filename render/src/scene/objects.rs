@@ -34,7 +34,7 @@ pub(super) use tables::{read_instances, read_objects};
 /// The most instances of a scene: more than fit into any memory.
 const MOST: usize = 1 << 28;
 
-/// What an object of a scene file became.
+/// The result of an object of a scene file.
 struct Loaded {
     /// The object of those meshes that its model has in its own space, if there are any.
     own: Option<usize>,

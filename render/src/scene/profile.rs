@@ -22,7 +22,7 @@ pub struct Profile {
 /// angle 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileFrame {
-    /// Where the vertical angle is 0.
+    /// The direction of the vertical angle 0.
     pub axis: Vec3,
     /// Where the horizontal angle is 0, and the vertical one 90 degrees.
     pub zero: Vec3,

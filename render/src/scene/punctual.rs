@@ -35,14 +35,14 @@ pub enum PunctualLight {
         cos_inner: f32,
         /// Cosine of the angle from which it is zero; less than `cos_inner`.
         cos_outer: f32,
-        /// How it rises in between.
+        /// The rise in between.
         edge: SpotEdge,
     },
     /// Shines as was measured.
     Profiled {
         /// The position.
         position: Vec3,
-        /// How it is turned.
+        /// The rotation.
         frame: ProfileFrame,
         /// W/sr from afar for each candela of the profile.
         intensity: Vec3,

@@ -8,7 +8,7 @@ const MOST_COPIED: usize = 1_000_000;
 /// Copies of a mesh with fewer triangles in all stay copies.
 const FEW: usize = 1000;
 
-/// What becomes of meshes that several nodes show.
+/// The treatment of meshes shared by several nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// Each is kept once if the file's copies would have over a million triangles.

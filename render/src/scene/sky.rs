@@ -19,7 +19,7 @@ use super::{Place, SceneError};
 pub struct Sky {
     /// Radiance from everywhere, W/(m² sr).
     pub radiance: Vec3,
-    /// What is added to it, by direction.
+    /// The part added to it, by direction.
     pub picture: Option<SkyPicture>,
 }
 

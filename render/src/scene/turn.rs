@@ -12,7 +12,7 @@ pub(super) fn normal_matrix(linear: DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if linear.determinant() < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// How an instance turns directions on surfaces.
+/// The rotation of directions on surfaces by an instance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     linear: Mat3,

@@ -8,7 +8,7 @@ use crate::lpe::Expression;
 pub struct Aov {
     /// Its channels are called `name.R`, `name.G` and `name.B`.
     pub name: String,
-    /// Which paths.
+    /// The expression of the paths.
     pub expression: Expression,
 }
 

@@ -1,17 +1,17 @@
 //! The options of the irradiance cache.
 
-/// What the `cached` integrator and the commands about caches depend on.
+/// The options of the `cached` integrator and of the cache commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CachedOptions {
     /// How much a record may be wrong where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
     /// Ward's `a` for the split-sphere metrics, and the fourth root of the relative error for the Hessian one, so that
     /// all radii are proportional to it.
     pub error: f32,
-    /// Which gradients records are extrapolated by.
+    /// The gradients by which records are extrapolated.
     pub gradients: Gradients,
-    /// How far a record reaches.
+    /// The metric of a record's radius.
     pub metric: Metric,
-    /// How a record's hemisphere is divided.
+    /// The layout of a record's hemisphere.
     pub layout: GatherLayout,
     /// Rays of a record, about, [`MIN_RAYS`](Self::MIN_RAYS) to [`MAX_RAYS`](Self::MAX_RAYS): the nearest number that
     /// the layout can have.
@@ -25,7 +25,7 @@ pub struct CachedOptions {
     pub accuracy: Option<f32>,
 }
 
-/// Which gradients records are extrapolated by.
+/// The gradients by which records are extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gradients {
     /// None: a record's irradiance is that of all around it.
@@ -36,7 +36,7 @@ pub enum Gradients {
     Both,
 }
 
-/// How far a record reaches, and how its weight falls.
+/// The metric of a record's radius and weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// The harmonic mean distance of what the record sees, and Ward's weight (Ward, Rubinstein and Clear 1988).
@@ -47,7 +47,7 @@ pub enum Metric {
     Hessian,
 }
 
-/// How a record's hemisphere is divided.
+/// The layout of a record's hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GatherLayout {
     /// Rings and sectors of equal weight, a random direction in each cell.

@@ -41,9 +41,9 @@ pub enum Filter {
 /// A filter that cannot be used: what is wrong, and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct FilterError {
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 

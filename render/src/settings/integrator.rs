@@ -28,15 +28,15 @@ pub enum Integrator {
     Albedo,
 }
 
-/// How paths are traced.
+/// The options of path tracing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathOptions {
     /// The greatest number of surface hits on a path, camera's included, at least 1: 1 shows emitters alone, 2 adds
     /// direct light.
     pub max_depth: u32,
-    /// How the light that a surface receives is found.
+    /// The sampling of the light that a surface receives.
     pub lights: LightSampling,
-    /// What ends a path before [`max_depth`](Self::max_depth).
+    /// The stopping rule before [`max_depth`](Self::max_depth).
     pub stop: Stop,
     /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
     /// brighter is scaled down. More than 0. It removes fireflies, and light.
@@ -58,7 +58,7 @@ pub enum LightSampling {
     Mis,
 }
 
-/// What ends a path.
+/// The stopping rule of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stop {
     /// Its length alone.
@@ -91,21 +91,21 @@ pub enum Survival {
     },
 }
 
-/// How the exponential estimator gathers.
+/// The options of the exponential estimator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarloOptions {
     /// Bounces of indirect light; 0 is direct light alone.
     pub bounces: u32,
     /// Rays that each surface on the way gathers with, at least 1.
     pub rays: u32,
-    /// How their directions are chosen.
+    /// The sampling of their directions.
     pub sampling: HemisphereSampling,
     /// The continuation after the last bounce: nothing, or one ray a surface with Russian roulette of this survival,
     /// which is unbiased.
     pub tail: Option<Survival>,
 }
 
-/// How directions of a hemisphere are chosen.
+/// The sampling of a hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HemisphereSampling {
     /// With equal density.
@@ -129,17 +129,17 @@ pub struct DirectOptions {
 /// Options of ambient occlusion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AoOptions {
-    /// What a ray counts that hits something.
+    /// The value of a ray that hits something.
     pub weighting: AoWeighting,
     /// The distance from which on hits do not occlude, in the scene's units; `None` for the diagonal of its bounds.
     pub max_distance: Option<f32>,
     /// Rays for each camera ray, at least 1.
     pub rays: u32,
-    /// How their directions are chosen.
+    /// The sampling of their directions.
     pub sampling: HemisphereSampling,
 }
 
-/// What an occlusion ray counts.
+/// The value of an occlusion ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AoWeighting {
     /// 1 if it hits nothing, else 0.

@@ -30,15 +30,15 @@ pub struct Settings {
     pub height: u32,
     /// The pixel filter.
     pub filter: Filter,
-    /// What is computed.
+    /// The integrator.
     pub integrator: Integrator,
     /// Samples per pixel, at least 1.
     pub spp: u32,
-    /// Where the random numbers come from.
+    /// The sampler of random numbers.
     pub sampler: Pattern,
     /// Selects the random numbers.
     pub seed: u64,
-    /// How much time to spend on the tree; the picture does not depend on it.
+    /// The quality of the tree; the picture does not depend on it.
     pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
@@ -47,7 +47,7 @@ pub struct Settings {
     /// Whether the picture has the means of two halves of its samples too, `HalfA` and `HalfB`, from which denoisers learn
     /// how far off it is.
     pub halves: bool,
-    /// Which masks of names the picture has.
+    /// The Cryptomatte layers of the picture.
     pub cryptomatte: Cryptomatte,
     /// Light by light path expressions, each in channels of its own, with different names. The integrator must be `path`.
     pub aovs: Vec<Aov>,
@@ -83,14 +83,14 @@ fn matte_bytes_per_pixel(cryptomatte: &Cryptomatte) -> u64 {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}\n  help: {remedy}")]
 pub struct Invalid {
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 
 impl Invalid {
-    /// What is wrong, and what would be right.
+    /// The problem and the remedy.
     pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { problem: problem.into(), remedy: remedy.into() }
     }

@@ -23,7 +23,7 @@ impl Shard {
         (of + self.count as usize - 1 - self.number as usize) / self.count as usize
     }
 
-    /// Which shards are there, twice, or not at all.
+    /// Counts of present, duplicate and missing shards.
     ///
     /// # Errors
     /// What is wrong with shards that have these names: they must be all of one number of shards, each once.

@@ -87,7 +87,7 @@ struct Profile {
     /// The vertical axis' label and its end.
     y: (&'static str, f64),
     scene: fn() -> Scene,
-    /// What radiance is multiplied by.
+    /// The factor on radiance.
     factor: f64,
     estimators: &'static [Estimator],
     exact: fn(f64) -> f64,

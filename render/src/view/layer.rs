@@ -22,7 +22,7 @@ const EMPTY: [u8; 3] = [24; 3];
 /// A layer: channels that are shown together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layer {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// Its channels: three, or one; and alpha with the picture itself.
     pub channels: Vec<String>,

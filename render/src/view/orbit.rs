@@ -109,7 +109,7 @@ mod tests {
     fn aiming_keeps_the_picture() {
         let pose = CameraPose { target: Vec3::new(0.0, 0.0, 3.0), ..POSE };
         assert_close(aim(pose, (Vec3::splat(-1.0), Vec3::splat(1.0))).target, Vec3::ZERO);
-        // What is behind is not looked at.
+        // Points behind are ignored.
         let behind = (Vec3::splat(8.0), Vec3::splat(9.0));
         assert_eq!(aim(pose, behind), pose);
     }

@@ -7,9 +7,9 @@ use crate::scene::{Material, Mesh, Projection, PunctualLight, Scene, count};
 /// A line of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineLine {
-    /// How deep it is.
+    /// The depth.
     pub depth: usize,
-    /// What it says.
+    /// The text.
     pub text: String,
     /// The name of the object that it is, as [`PickedSurface::object`](super::PickedSurface::object) has it.
     pub object: Option<String>,

@@ -11,12 +11,12 @@ use crate::world::{Hit, World};
 /// Samples whose paths are listed.
 const SAMPLES: u32 = 8;
 
-/// What a pixel shows.
+/// The contents of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pick {
     /// Its column and its row, from the top left.
     pub pixel: (u32, u32),
-    /// What its middle shows; `None` for the sky.
+    /// The surface at its middle; `None` for the sky.
     pub surface: Option<PickedSurface>,
     /// The paths of its last samples, or why they are not known.
     pub history: Result<Vec<SampleHistory>, String>,

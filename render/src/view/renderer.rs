@@ -24,10 +24,10 @@ pub const COARSEST: u32 = 32;
 const SELDOM: Duration = Duration::from_millis(700);
 const OFTEN: Duration = Duration::from_millis(40);
 
-/// What a picture is to be of.
+/// An order for a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Order {
-    /// Where from.
+    /// The camera.
     pub pose: CameraPose,
     /// All else.
     pub settings: Settings,
@@ -56,7 +56,7 @@ pub(super) struct Renderer {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What both sides know.
+/// The shared state of both sides.
 struct Shared {
     world: RwLock<World>,
     desk: Mutex<Desk>,

@@ -21,7 +21,7 @@ pub struct Screen {
     pixels: Vec<[u8; 3]>,
 }
 
-/// Where the picture is in a window.
+/// The position of the picture in a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     left: f64,

@@ -88,7 +88,7 @@ impl World {
         &self.materials[self.triangle_records[prim as usize].material as usize]
     }
 
-    /// Where lights are that are somewhere.
+    /// The positions of lights that have one.
     fn light_positions(&self) -> Vec<Vec3> {
         let place = |light: &Light| match light {
             Light::Punctual(PunctualLight::Directional { .. }) | Light::Triangle(_) | Light::Sky => None,

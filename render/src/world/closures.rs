@@ -10,7 +10,7 @@ use crate::scene::{CoatNormal, Input, Material};
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
 pub(super) type ClosureCell = OnceLock<MaterialClosures>;
 
-/// What is known of a material's closures before its surfaces are.
+/// The precomputed closures of a material.
 #[derive(Debug)]
 pub(super) struct MaterialClosures {
     varies: Varies,
@@ -18,7 +18,7 @@ pub(super) struct MaterialClosures {
     sides: [Closure; 2],
 }
 
-/// Which of a material's inputs differ from point to point.
+/// The inputs of a material that vary over a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Varies {
     Nothing,

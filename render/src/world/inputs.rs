@@ -7,7 +7,7 @@ use crate::material::{Inputs, Kind, Shading, bent_normal};
 use crate::scene::{CoatNormal, MeshPoint};
 
 impl World {
-    /// What kind of closure a triangle's material needs.
+    /// The kind of closure of a triangle's material.
     #[inline(always)]
     pub(crate) fn kind(&self, prim_id: u32) -> Kind {
         self.kinds[self.triangle_records[prim_id as usize].material as usize]

@@ -101,7 +101,7 @@ impl InstanceRecord {
         }
     }
 
-    /// How it turns directions.
+    /// The rotation of directions.
     pub(super) fn turn(&self) -> Turn {
         Turn::new(Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]))
     }
@@ -278,13 +278,13 @@ impl Batch {
 }
 
 impl World {
-    /// What is known of each instance; `None` if all triangles are in world space.
+    /// The record of each instance; `None` if all triangles are in world space.
     #[inline(always)]
     pub(crate) fn instance_records(&self) -> Option<&[InstanceRecord]> {
         self.instances.as_ref().map(Instances::records)
     }
 
-    /// Where a mesh is, once or as an instance many times.
+    /// The transforms of a mesh, one or many.
     pub(super) fn placements_of(&self, mesh: &Mesh) -> Vec<Affine3A> {
         if mesh.object.is_none() {
             return vec![Affine3A::IDENTITY];

@@ -10,7 +10,7 @@ use super::{Hit, InstanceRecord, Motion, TriangleRecord, World};
 use crate::light::area;
 use crate::scene::{PunctualLight, Turn};
 
-/// How a triangle has turned; `None` if it was or is a line.
+/// The rotation of a triangle; `None` if it was or is a line.
 fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
     let frame = |[a, b, c]: &Triangle| {
         let [b, c] = [(b - a).as_dvec3(), (c - a).as_dvec3()];
@@ -25,7 +25,7 @@ fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
 }
 
 impl World {
-    /// What moves, if anything does.
+    /// Motion, if there is any.
     pub(crate) fn motion(&self) -> Option<&Motion> {
         self.motion.as_ref()
     }

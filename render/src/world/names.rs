@@ -36,7 +36,7 @@ impl World {
     }
 }
 
-/// What lights are called that have no name, and the sky.
+/// The labels of lights without a name, and of the sky.
 const REST: &str = "rest";
 pub(super) const SKY: &str = "sky";
 

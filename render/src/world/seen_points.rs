@@ -149,7 +149,7 @@ impl World {
         points.iter().zip(0..).filter_map(ray).collect()
     }
 
-    /// Where rays hit something.
+    /// Hits of rays.
     fn points_along(&self, rays: &[Ray]) -> Vec<SeenPoint> {
         let mut hits = vec![Hit::MISS; rays.len()];
         self.intersect_many(rays, &mut hits);

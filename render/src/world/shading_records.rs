@@ -19,7 +19,7 @@ pub(crate) struct TriangleRecord {
     pub(crate) corners: Triangle,
     /// Unit normal by the winding.
     pub(crate) normal: Vec3,
-    /// How far from its plane rays start.
+    /// The offset of ray origins from its plane.
     pub(crate) offset: f32,
     pub(super) mesh: u32,
     pub(super) material: u32,
@@ -48,7 +48,7 @@ pub(crate) struct EmitterRecord {
     pub(crate) corners: Triangle,
     /// Unit normal, on the side that emits if there is only one.
     pub(crate) normal: Vec3,
-    /// How far from its plane rays start.
+    /// The offset of ray origins from its plane.
     pub(crate) offset: f32,
     pub(crate) emission: Vec3,
     pub(crate) area: f32,
@@ -68,7 +68,7 @@ impl TriangleRecord {
 }
 
 impl MaterialRecord {
-    /// What `material` says.
+    /// The record of `material`.
     pub(super) fn of(material: &Material) -> Self {
         let Material { emission, emits_both_sides, .. } = *material;
         let (diffuse, kind) = (material.mean_diffuse(), material.kind() as u32);

@@ -21,7 +21,7 @@ use crate::scene::{Material, MeshPoint};
 /// The material of whatever measures light, or just scatters it.
 pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material::matte(Vec3::ONE));
 
-/// Where a ray met the world.
+/// The hit of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'w> {
     pub position: Vec3,
@@ -59,7 +59,7 @@ pub(crate) struct Surface<'w> {
     pub material: &'w Material,
 }
 
-/// What differs between the points of a triangle that is not plain.
+/// Data that varies over a triangle that is not plain.
 struct Details {
     normal: Vec3,
     smooth_normal: Vec3,
@@ -158,7 +158,7 @@ impl World {
         surface
     }
 
-    /// What vertices and textures say.
+    /// Data of vertices and textures.
     #[inline(never)]
     fn details(&self, face: &TriangleRecord, hit: &Hit, weights: [f32; 3]) -> Details {
         let normal = face.normal;
@@ -232,7 +232,7 @@ pub(crate) fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
 }
 
 impl Surface<'_> {
-    /// Where a ray starts that leaves in `direction`.
+    /// The origin of a ray that leaves in `direction`.
     #[inline(always)]
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_point(self.position, self.normal, self.offset, direction)
@@ -276,7 +276,7 @@ impl Surface<'_> {
         Self { shading_normal: self.smooth_normal, ..self }
     }
 
-    /// What lights are chosen by.
+    /// The receiver for the choice of lights.
     #[inline(always)]
     pub(crate) fn receiver(&self) -> Receiver {
         Receiver::new(self.position, self.shading_normal, self.transmits)

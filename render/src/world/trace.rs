@@ -134,7 +134,7 @@ impl World {
         self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit)
     }
 
-    /// How much of a triangle there is at a point, 0 to 1.
+    /// The opacity of a triangle at a point, 0 to 1.
     pub(crate) fn opacity(&self, prim_id: u32, [u, v]: [f32; 2]) -> f32 {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
         if !self.has_holes || !(material.has_holes() || material.uses_vertex_colors) {

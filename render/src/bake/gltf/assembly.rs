@@ -7,7 +7,7 @@ use super::text;
 use crate::scene::SceneError;
 use crate::scene::gltf::{Document, container::Chunks};
 
-/// Where new binary data go.
+/// The place of new binary data.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Home {
     /// Behind the container's chunk, which is buffer 0, or is made.

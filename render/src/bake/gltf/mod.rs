@@ -67,7 +67,7 @@ pub enum Target {
 pub struct Patched {
     /// All its bytes: a GLB container if the old one is, else JSON.
     pub bytes: Vec<u8>,
-    /// What the user should know, one line each.
+    /// Warnings, one line each.
     pub warnings: Vec<String>,
 }
 

@@ -21,7 +21,7 @@ use crate::bake::{self, Bake, BakeOptions, Directional, Mode, Preset};
 use crate::output::OutputFile;
 use crate::scene::{Scene, count};
 
-/// Where everything goes.
+/// The output paths.
 pub(super) struct Files {
     /// The model that is written.
     pub(super) model: PathBuf,
@@ -109,7 +109,7 @@ impl Files {
         Ok(files)
     }
 
-    /// What is written besides pages.
+    /// Output besides pages.
     pub(super) fn named(&self) -> Vec<&Path> {
         [Some(&self.model), Some(&self.manifest), self.report.as_ref()]
             .into_iter()
@@ -263,7 +263,7 @@ impl Files {
         Ok(patched.bytes)
     }
 
-    /// What people want to know.
+    /// The summary as text.
     fn report(&self, scene: &Scene, bake: &Bake, warnings: &[String]) -> Report {
         let s = &bake.statistics;
         // No rays: a bake that was resumed counts its own alone, and its report is that of one that was not.

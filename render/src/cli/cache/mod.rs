@@ -26,7 +26,7 @@ use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
 use crate::watch::Watch;
 use crate::world::{LookFrom, World};
 
-/// What `halfdome cache` takes.
+/// The arguments of `halfdome cache`.
 #[derive(Subcommand, Clone, Debug)]
 pub(super) enum CacheCommand {
     /// Fill a cache for the camera's view, and write it
@@ -53,11 +53,11 @@ pub(super) struct BuildArguments {
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -86,7 +86,7 @@ pub(super) struct MergeArguments {
 }
 
 impl CacheCommand {
-    /// How its progress is shown.
+    /// The display of progress.
     pub(super) fn progress(&self) -> Mode {
         match self {
             Self::Build(arguments) => arguments.common.progress,

@@ -43,11 +43,11 @@ pub(in crate::cli) struct ShowArguments {
     #[arg(long)]
     dots: bool,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// What is counted.
+/// The unit of the count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Counted {
     /// Samples.
@@ -21,7 +21,7 @@ pub(super) enum Counted {
     Layout,
 }
 
-/// How far a render is.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Snapshot {
     pub(super) samples: u64,

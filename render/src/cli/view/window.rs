@@ -81,7 +81,7 @@ fn no_display(error: &dyn std::fmt::Display) -> CliError {
     ))
 }
 
-/// What is in the window.
+/// The contents of the window.
 struct Shown {
     session: Session,
     context: Context<OwnedDisplayHandle>,

@@ -62,7 +62,7 @@ pub(super) fn denoise(channels: &Channels, watch: &dyn Watch) -> Result<Rgb, Den
     Ok(blend)
 }
 
-/// What all passes read.
+/// The inputs of all passes.
 struct Input {
     extent: Extent,
     halves: [[Plane; 3]; 2],

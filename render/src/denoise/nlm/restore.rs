@@ -52,7 +52,7 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
         }
         side /= 2;
     }
-    // What is black stays black.
+    // Black pixels stay black.
     let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(LEAST);
     for values in denoised {
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
@@ -63,7 +63,7 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
 struct Cells {
     side: usize,
     across: usize,
-    /// What is lost in each, ...
+    /// The light lost in each, ...
     lost: Vec<f32>,
     /// ... and the variance of a pixel's residual.
     variance: Vec<f64>,
@@ -91,7 +91,7 @@ impl Cells {
         Self { side, across, lost, variance }
     }
 
-    /// What is lost at a pixel, linear between the centres of cells.
+    /// The light lost at a pixel, linear between the centres of cells.
     fn at(&self, x: usize, y: usize) -> f32 {
         let down = self.lost.len() / self.across;
         let place = |at: usize, cells: usize| {

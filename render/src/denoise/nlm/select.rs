@@ -21,7 +21,7 @@ use crate::denoise::channels::Rgb;
 const ERROR_WINDOW: usize = 6;
 /// How far that of choices does, so that there are no borders between them.
 const CHOICE_WINDOW: usize = 2;
-/// What both halves have so many times as bright as a result is something that the result has lost.
+/// Where both halves are this many times as bright as a result, the result has lost a feature.
 const LOST: f32 = 3.0;
 /// Pixels whose brightness differs by this part of both together are not alike.
 const CONTRAST: f32 = 0.35;

@@ -42,12 +42,12 @@ const RAYS_OF_RECORDS: [f32; 2] = [256.0, 2048.0];
 /// The median of the squares of a normal distribution with a variance of 1.
 const MEDIAN_SQUARE: f64 = 0.455;
 
-/// Which light a mean is of.
+/// The light of a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeanLight {
     /// All of it.
     Total,
-    /// What gathers find.
+    /// The results of gathers.
     Indirect,
     /// The rest, for which no gathers are made.
     Direct,

@@ -18,7 +18,7 @@ use crate::settings::CachedOptions;
 use crate::watch::Watch;
 use crate::world::{Hit, World};
 
-/// Where light beyond the first surface comes from.
+/// The source of light beyond the first surface.
 #[derive(Clone, Copy)]
 pub(crate) enum GatherSource<'a> {
     /// Paths, of at most this many surfaces or as many as chance lets them have.
@@ -35,7 +35,7 @@ pub(super) struct Level<'a> {
     pub(crate) options: &'a CachedOptions,
     pub(crate) source: GatherSource<'a>,
     pub(crate) gatherer: AdaptiveGatherer,
-    /// What gathers again where records are doubtful, if anything does.
+    /// The gatherer of outlier records, if any.
     pub(crate) careful: Option<AdaptiveGatherer>,
     /// The error that records are made with; they reach as far as by that of the options.
     pub(crate) made_with: f32,
@@ -107,7 +107,7 @@ pub(super) struct RecordSite<'w> {
 const HESSIAN_EXTENT: f32 = 0.02;
 /// Mean distances of what a record sees within which the scene matters.
 const SURROUNDINGS: f32 = 16.0;
-/// How often records are looked over for doubtful ones.
+/// The number of passes over outlier records.
 const ROUNDS_AGAIN: usize = 3;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;

@@ -49,7 +49,7 @@ pub(crate) struct FrozenCache {
     negative: AtomicU64,
 }
 
-/// What happened while a cache was read.
+/// Counts of lookups in a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CacheUse {
     /// Records in the cache.
@@ -97,7 +97,7 @@ impl FrozenCache {
         found.map(|found| found.irradiance)
     }
 
-    /// What happened so far.
+    /// The counts so far.
     pub(crate) fn usage(&self) -> CacheUse {
         CacheUse {
             records: self.cache.records().len() as u64,

@@ -105,7 +105,7 @@ pub(crate) fn fill_for_texels<'w>(
     Prefill { world, seed, source: Some(source), aim, log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 
-/// What caches are filled with.
+/// The source of light for caches.
 struct Prefill<'a> {
     world: &'a World,
     seed: u64,

@@ -33,7 +33,7 @@ const LEAST_GAIN: f64 = 0.1;
 /// The factors by which records may come to reach less far at once.
 const FACTORS: [f64; 2] = [0.5, 0.85];
 
-/// How right records are to be.
+/// The accuracy of records.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Aim<'a> {
     /// As their options make them, the doubtful ones with more rays.

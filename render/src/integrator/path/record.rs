@@ -27,7 +27,7 @@ struct Waiting {
     light: Vec3,
 }
 
-/// Where AOVs are gathered.
+/// The destination of AOVs.
 pub(in crate::integrator) struct Recorder<'a> {
     paths: &'a LightPaths,
     memory: &'a mut RecorderMemory,
@@ -35,7 +35,7 @@ pub(in crate::integrator) struct Recorder<'a> {
     aovs: &'a mut [Vec3],
 }
 
-/// What a closure does with light of one direction.
+/// The lobes of a closure for one direction.
 struct Lobes {
     /// The part of it that its glossy lobes do, by channel.
     glossy: Vec3,
@@ -193,7 +193,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// What the lobes of path `i`'s closure do with light of a direction.
+    /// The lobes of path `i`'s closure for a direction.
     fn lobes<C: BlockClosures>(&self, closures: &C, block: &PathBlock, i: usize, direction: Vec3) -> Lobes {
         let (surface, direction) = (block.surface(i, &WHITE), direction.normalize_or_zero());
         let all = closures.eval(i, &surface, direction).0;

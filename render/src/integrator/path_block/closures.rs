@@ -12,7 +12,7 @@ use crate::material::Prepared;
 use crate::scene::Material;
 use crate::world::{Surface, World};
 
-/// What the closures of a block's paths scatter.
+/// The albedos of a block's closures.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct Scattered {

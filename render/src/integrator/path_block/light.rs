@@ -100,7 +100,7 @@ impl PathBlock {
         self.light_samples.lights[i]
     }
 
-    /// Where path `i` receives light.
+    /// The receiver of path `i`.
     #[inline(always)]
     pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {
         Receiver { position: self.position.get(i), normal: self.receiving.get(i), behind: self.behind[i] }
@@ -262,7 +262,7 @@ impl ShadowRays {
         self.lit[i] != 0
     }
 
-    /// Where ray `i` goes.
+    /// The direction of ray `i`.
     pub(in crate::integrator) fn direction(&self, i: usize) -> Vec3 {
         self.rays.direction.get(i)
     }

@@ -60,7 +60,7 @@ pub(crate) struct TriangleLight {
     pub both_sides: bool,
 }
 
-/// How the intensity of a spot falls off with the cosine about its axis.
+/// The falloff of a spot's intensity with the cosine about its axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpotCone {
     /// The cosine from which on the intensity is 0; -2 for what shines everywhere.
@@ -206,7 +206,7 @@ pub(crate) fn triangle(
 ) -> f32 {
     let [a, b, c] = [a - receiver.position, b - receiver.position, c - receiver.position];
     let middle = (a + b + c) * (1.0 / 3.0);
-    // How far before the triangle the receiver is.
+    // The distance of the receiver before the triangle.
     let before = -normal.dot(middle);
     let before = if both_sides > 0.0 { before.abs() } else { before };
     let per_length = |way: Vec3| way.length_squared().sqrt().recip();

@@ -69,7 +69,7 @@ pub(crate) const ROOTS: usize = 3;
 /// Parents from this number on are none: what follows it is a root.
 const NO_PARENT: u32 = u32::MAX - 8;
 
-/// What the children of all roots weigh for a receiver.
+/// The weights of the children of all roots for a receiver.
 pub(crate) type RootWeights = [Lane; ROOTS];
 
 /// A light that was chosen.
@@ -77,7 +77,7 @@ pub(crate) type RootWeights = [Lane; ROOTS];
 pub(crate) struct Pick {
     pub index: u32,
     pub probability: f32,
-    /// What is left of the number that chose it, in [0, 1).
+    /// The rescaled remainder of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 
@@ -85,9 +85,9 @@ pub(crate) struct Pick {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent {
     child: Child,
-    /// Which of the child's children.
+    /// The chosen grandchild.
     lane: usize,
-    /// What is left of the number.
+    /// The rescaled remainder of the number.
     rest: f64,
     /// The probability with which it is chosen.
     probability: f32,

@@ -4,7 +4,7 @@ use super::{LpeError, Parser, Symbol};
 use crate::lpe::event::{Choice, Letter, Pattern};
 
 impl Parser<'_> {
-    /// What is in `<…>`.
+    /// The contents of `<…>`.
     pub(super) fn event(&mut self) -> Result<Pattern, LpeError> {
         let mut pattern = Pattern::default();
         let mut place = 0;

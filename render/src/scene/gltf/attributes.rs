@@ -88,7 +88,7 @@ impl<'a> Attributes<'a> {
         accessor::read_as(self.document, index, self.place, name, kinds, |numbers: [_; N]| numbers.map(number))
     }
 
-    /// What a morph target adds to an attribute.
+    /// The deltas of a morph target for an attribute.
     pub(super) fn deltas(&self, index: Index<Accessor>, name: &str, vertices: usize) -> Result<Vec<Vec3>, SceneError> {
         let deltas = self.read::<3>(index, name, &[F32])?.into_iter().map(Vec3::from_array).collect();
         let deltas = self.complete(Some(deltas), vertices, "delta of a morph target", "deltas of a morph target")?;

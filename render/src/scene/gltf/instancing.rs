@@ -30,7 +30,7 @@ struct Attributes {
     scale: Option<usize>,
 }
 
-/// Where a node shows its mesh.
+/// The instances of a node's mesh.
 pub(super) fn places(document: &Document, placed: &Placed) -> Result<Vec<DAffine3>, SceneError> {
     let Some(Attributes { translation, rotation, scale }) = attributes(document, placed.node)? else {
         return Ok(vec![placed.to_world()]);

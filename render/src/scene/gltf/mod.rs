@@ -121,7 +121,7 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
 /// The least number of elements for a thread.
 const PARALLEL: usize = 1 << 14;
 
-/// What was left out, for the warnings.
+/// Skipped content, for the warnings.
 #[derive(Default)]
 struct Skipped {
     points_and_lines: usize,

@@ -10,7 +10,7 @@ use super::skin::Skin;
 use super::{Document, Skipped, morph};
 use crate::scene::{Mesh, SceneError, round};
 
-/// What moves the vertices of a node's mesh.
+/// The deformation of a node's mesh.
 #[derive(Default)]
 pub(super) struct Deformation {
     pub(super) skin: Option<Skin>,

@@ -11,7 +11,7 @@ use crate::scene::description::unit;
 use crate::scene::error::count;
 use crate::scene::statement::{Statement, shown, statements};
 
-/// What lines say, in their order.
+/// The contents of lines, in order.
 #[derive(Default)]
 pub(super) struct Lines {
     pub(super) positions: Vec<Vec3>,
@@ -22,12 +22,12 @@ pub(super) struct Lines {
     pub(super) corners: Vec<Corner>,
     /// The number of each face's corners.
     pub(super) faces: Vec<u32>,
-    /// What changes before which face.
+    /// State changes, each before a face.
     pub(super) changes: Vec<(usize, Change)>,
     pub(super) lines_and_points: usize,
 }
 
-/// What holds for all faces that follow.
+/// The state of the following faces.
 pub(super) enum Change {
     Object(String),
     Group(String),

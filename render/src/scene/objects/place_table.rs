@@ -30,7 +30,7 @@ const HELP: &str = "name the columns x y z, and if need be qx qy qz qw or rx ry 
 /// The numbers of a place.
 struct Row([f32; NAMES.len()]);
 
-/// Which names there are.
+/// The columns' names.
 struct Columns([bool; NAMES.len()]);
 
 /// Reads a `.csv`, `.txt` or `.ply`.
@@ -142,7 +142,7 @@ impl Columns {
         NAMES.iter().zip(self.0).any(|(it, is_there)| *it == name && is_there)
     }
 
-    /// What is wrong with the names.
+    /// The error of the names.
     fn check(&self) -> Result<(), String> {
         if !self.has("x") {
             return Err("there is no column x".to_owned());

@@ -78,9 +78,9 @@ options! {
     }
 }
 
-/// What paths have; a stopping rule adds its own.
+/// Options of paths; a stopping rule adds its own.
 const PATH: [&str; 5] = ["max_depth", "lights", "stop", "clamp_indirect", "guide"];
-/// What those have whose cost is shown.
+/// Options of the paths whose cost is shown.
 const HEAT: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
 
 impl IntegratorOverrides {

@@ -14,7 +14,7 @@ use super::parameters::Parameters;
 use crate::scene::nearest::suggestion;
 use crate::scene::{CameraPose, Lens, Optics, Projection, SceneError};
 
-/// What a `Camera` directive says.
+/// The contents of a `Camera` directive.
 pub(super) struct Camera {
     is_orthographic: bool,
     fov: f32,

@@ -17,7 +17,7 @@ use crate::scene::description::unit;
 use crate::scene::nearest::suggestion;
 use crate::scene::{Mesh, PunctualLight, SceneError, SpotEdge, TextureMap};
 
-/// What an `AreaLightSource` makes of the shapes that follow.
+/// The emission of the following shapes by an `AreaLightSource`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AreaLight {
     radiance: Vec3,

@@ -71,7 +71,7 @@ fn between(first: &Inputs, second: &Inputs, amount: f32) -> Inputs {
     let mut mixed = if amount > 0.5 { *second } else { *first };
     for input in Input::ALL {
         let [a, b] = [(first, 1.0 - amount), (second, amount)].map(|(inputs, part)| part * share(input, inputs));
-        // What neither has does not matter.
+        // Inputs that neither uses do not matter.
         let (a, b) = if a + b > 0.0 { (a, b) } else { (1.0 - amount, amount) };
         input.set(&mut mixed, (input.get(first) * a + input.get(second) * b) / (a + b));
     }

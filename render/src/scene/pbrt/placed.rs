@@ -24,7 +24,7 @@ pub(super) enum Definition {
     Interface,
 }
 
-/// What a mesh looks like.
+/// The appearance of a mesh.
 #[derive(PartialEq)]
 pub(super) struct Look {
     /// The number of a material of the file; `None` for the default.

@@ -20,7 +20,7 @@ impl At {
     }
 }
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A directive, a number, `true` or `false`.

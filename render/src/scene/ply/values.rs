@@ -5,7 +5,7 @@ use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use super::{INDICES, TEXCOORDS};
 use crate::scene::decimal;
 
-/// What is read of an element.
+/// The data read from an element.
 #[derive(Default)]
 pub(super) struct Row {
     /// Position, normal, texture coordinates.
@@ -22,7 +22,7 @@ pub(super) struct Field {
     scalar: ScalarType,
 }
 
-/// What becomes of a property.
+/// The use of a property.
 #[derive(Clone, Copy)]
 enum Role {
     Passed,

@@ -12,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 use super::error::{MAX_BYTES, TextureError};
 use super::{Texels, Texture};
 
-/// What all KTX2 files begin with.
+/// The first bytes of all KTX2 files.
 const KTX2: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 
 /// The picture in `bytes`. `name` is the file's, where it has one.

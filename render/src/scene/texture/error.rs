@@ -6,7 +6,7 @@ const MAX_SIDE: u32 = 1 << 16;
 /// The most bytes that one picture may take while it is decoded.
 pub(super) const MAX_BYTES: u64 = 4 << 30;
 
-/// What is wrong and what would be right, as in an error of a scene.
+/// The problem and the remedy, as in an error of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TextureError {
     pub(crate) problem: String,

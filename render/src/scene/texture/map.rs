@@ -2,7 +2,7 @@
 
 use glam::{Affine2, Vec2};
 
-/// How a texture lies on surfaces.
+/// The mapping of a texture onto surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureMap {
     /// An index into [`Scene::textures`](super::super::Scene::textures).
@@ -12,7 +12,7 @@ pub struct TextureMap {
     pub set: u32,
     /// Takes texture coordinates to the picture, whose upper left corner is (0, 0).
     pub transform: Affine2,
-    /// What is beyond the picture, across and down.
+    /// Wrapping beyond the picture, across and down.
     pub wrap: [Wrap; 2],
     /// Whether texels are mixed.
     pub filter: TextureFilter,
@@ -20,7 +20,7 @@ pub struct TextureMap {
     pub space: ColorSpace,
 }
 
-/// What lies beyond a picture.
+/// Wrapping beyond a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The picture again.
@@ -32,7 +32,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// How a colour between the centres of texels is found.
+/// Interpolation between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
     /// A mean of the nearest four.

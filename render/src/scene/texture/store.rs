@@ -17,7 +17,7 @@ pub(crate) struct TextureStore<'a> {
     known: BTreeMap<PathBuf, Result<usize, Problem>>,
 }
 
-/// What is wrong with a texture file, and what would be right.
+/// The problem with a texture file, and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Problem {
     pub(crate) problem: String,

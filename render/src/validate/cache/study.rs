@@ -75,7 +75,7 @@ pub struct Study<'a> {
     watch: &'a dyn Watch,
 }
 
-/// What an estimate took, and how wrong it was.
+/// The cost and the error of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// Records of the cache; none by paths.
@@ -88,7 +88,7 @@ pub struct Run {
     pub error: RelativeError,
 }
 
-/// Which surfaces a study looks at.
+/// The surfaces of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Places {
     /// Those in the middles of pixels that may get a record: how metrics and gradients differ shows best there.

@@ -32,7 +32,7 @@ use super::{Face, MOST};
 struct Patience {
     /// Rays that are sent out at most.
     shots: usize,
-    /// How often a step is halved.
+    /// The number of halvings of a step.
     halvings: u32,
     /// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
     less: f32,
@@ -53,7 +53,7 @@ const SAME: f32 = 1e-3;
 /// Solids one in another of which absorption is known.
 const NESTED: usize = 4;
 
-/// Where light comes from.
+/// The light's end of a connection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightEnd {
     /// A light at infinity: the unit vector towards it.
@@ -70,7 +70,7 @@ pub(crate) struct BentLight {
     pub rest: Ray,
     /// The unit vector by which it leaves the light.
     pub leaving: Vec3,
-    /// What glass leaves of it.
+    /// The transmittance of the glass.
     pub left: Vec3,
     /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
     pub spread: f32,
@@ -115,12 +115,12 @@ pub(super) struct Beam {
     pub(super) left: Vec3,
 }
 
-/// What a direction leads to.
+/// The result of a direction.
 struct Shot {
     beam: Beam,
-    /// How far beside the light the ray goes, along two axes across it: as an angle, or as a length.
+    /// The offset of the ray from the light along two axes across it: as an angle, or as a length.
     beside: Vec2,
-    /// What that is for a change of direction along each axis.
+    /// Its derivative by the direction along each axis.
     jacobian: Mat2,
     /// How long the way is to a point, and 1 to a sun: `beside` over the angle that it is.
     distance: f32,

@@ -47,7 +47,7 @@ const OF_CELL: usize = 48;
 /// ... and the most starts for a point.
 const MOST_STARTS: usize = 32;
 
-/// Where light of points, spots and suns arrives.
+/// A map of the refracted light of points, spots and suns.
 #[derive(Debug, Default)]
 pub(in crate::world) struct Photons {
     /// Photons by the index of the light.
@@ -86,7 +86,7 @@ struct Sent {
     by: [Vec3; 2],
 }
 
-/// Where a search begins.
+/// The start of a search.
 #[derive(Clone, Copy, Debug, Default)]
 struct Start {
     direction: Vec3,
@@ -233,7 +233,7 @@ impl LightPhotons {
 }
 
 impl Body {
-    /// How large it is, seen from a light.
+    /// The size as seen from a light.
     fn size_from(&self, light: &PunctualLight) -> f32 {
         light.place().map_or(self.radius, |(position, ..)| self.radius / position.distance(self.center))
     }
@@ -339,7 +339,7 @@ impl World {
         })
     }
 
-    /// Where a photon arrives behind glass that has bent it.
+    /// The arrival of a photon behind the glass that refracted it.
     fn follow(&self, (mut beam, blur): (Beam, f32)) -> Option<Arrival> {
         let is_sun = beam.origin_by[0] != Vec3::ZERO;
         let sent = if is_sun {
@@ -359,7 +359,7 @@ impl World {
                 let photon = Photon { origin, direction, origin_by, direction_by, sent, blur };
                 let normal = self.surface_at(&hit).normal;
                 let slant = direction.dot(normal).abs().max(LEAST_SLANT);
-                // Where rays beside it meet the surface, along it.
+                // Where neighbouring rays hit the surface, along it.
                 let [a, b] = [0, 1].map(|axis| {
                     let across = photon.across(axis, hit.t);
                     across.abs() + direction.abs() * (across.dot(normal).abs() / slant)

@@ -102,7 +102,7 @@ fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
     Picture { width: size.width, height: size.height, channels, metadata }
 }
 
-/// What of which page belongs to which surface.
+/// The surfaces of each page's parts.
 pub(super) fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
     let surface = |part: &Part| {
         let mesh = &scene.meshes[part.mesh];
