@@ -298,7 +298,7 @@ impl World {
         self.report
     }
 
-    /// How many instances reach beyond [`MAX_COORDINATE`](halfdome_kernel::MAX_COORDINATE), and are not seen.
+    /// How many instances reach beyond [`MAX_COORDINATE`](halfdome_kernel::MAX_COORDINATE), and are invisible.
     pub fn instances_out_of_range(&self) -> usize {
         self.instances.as_ref().map_or(0, |instances| instances.out_of_range)
     }

@@ -46,7 +46,7 @@ pub(super) struct BakedTexels {
     pub(super) gathers: u64,
     /// The cache with its use.
     pub(super) cache: Option<(Cache, CacheUse)>,
-    /// An estimate of the root mean square error, relative to the mean, if an accuracy was asked for.
+    /// An estimate of the root mean square error, relative to the mean, if an accuracy was requested.
     pub(super) error: Option<f32>,
 }
 
@@ -147,7 +147,7 @@ impl Baker<'_> {
         Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)), error })
     }
 
-    /// What is true at some of the texels, if an accuracy is asked for; the outer `None` if the watcher stops.
+    /// What is true at some of the texels, if an accuracy is requested; the outer `None` if the watcher stops.
     #[allow(clippy::option_option, reason = "the outer one is for `?`")]
     fn held_out(&self, texels: &[Texel]) -> Option<Option<HeldOut<'_>>> {
         let light = match self.options.mode {

@@ -21,7 +21,7 @@ const BACKS: f32 = 0.5;
 /// Where free points of a covered texel are sought: on a grid of so many by so many.
 const GRID: u32 = 8;
 
-/// The fate of covered texels.
+/// The treatment of covered texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Uncovered {
     /// They have another point.

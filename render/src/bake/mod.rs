@@ -89,7 +89,7 @@ pub struct Bake {
     pub statistics: Statistics,
     /// Warnings about the light, a line each.
     pub warnings: Vec<String>,
-    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was asked for.
+    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was requested.
     pub accuracy: Option<f32>,
 }
 

@@ -58,7 +58,7 @@ pub struct Cache {
     records: Vec<Record>,
     /// Their radii as they were made.
     original_radii: Vec<[f32; 2]>,
-    /// What each record and its neighbours say together, if the options have both gradients; else nothing.
+    /// The local regression of each record, if the options have both gradients; else empty.
     polynomials: Vec<Polynomial>,
     tree: Octree,
 }
@@ -94,15 +94,14 @@ pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
     })
 }
 
-/// By how much records may disagree, as a part of irradiance, over the error that was asked for.
+/// The allowed disagreement of records, relative to irradiance, over the requested error.
 const TOLERANCE: f32 = 0.2;
-/// The least part of its radius that disagreement leaves a record: an edge of light is no nearer if a radius is shorter, so
-/// there must be an end; ...
+/// The least factor on a radius by disagreement, as an edge of light is no closer for a smaller radius; ...
 const LEAST: f32 = 0.5;
 /// ... and where an accuracy is asked for.
 const ACCURATE_LEAST: f32 = 0.25;
-/// By how much records may disagree where an accuracy is asked for, over what the root mean square error may be: a record
-/// counts less and less where it disagrees most.
+/// The allowed disagreement of records with an accuracy, relative to the root mean square error: a record has the least
+/// weight where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
 
 /// The reconstruction at a point from the surrounding records.
@@ -200,7 +199,7 @@ impl Cache {
         self.records = records;
     }
 
-    /// By how much records may disagree: as a part of their irradiance, or of the mean if an accuracy is asked for.
+    /// The allowed disagreement of records, relative to their irradiance, or to the mean with an accuracy.
     fn tolerance(&self) -> Tolerance {
         match (self.options.accuracy, self.estimate) {
             (Some(accuracy), Some(estimate)) => Tolerance {
@@ -218,8 +217,8 @@ impl Cache {
         records.map(|(record, radii)| Record { radii, ..record })
     }
 
-    /// By how much a record's reach may grow with the distance from a neighbour. A Hessian can be 0 where irradiance turns
-    /// from one curve into another, as below the edge of something that hangs low: the neighbours know that it does.
+    /// The slope by which a record's radius may grow with the distance from a neighbour. A Hessian can be 0 at a
+    /// transition of irradiance, as below the edge of a low object: the neighbours' radii reveal it.
     fn slope(&self) -> f32 {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => self.options.error,
@@ -228,8 +227,8 @@ impl Cache {
         }
     }
 
-    /// By how much farther records are used than they keep other records away. Where the Hessian says so, all of that way
-    /// has the error that was asked for; then less of it is better.
+    /// The stretch of radii in lookups relative to placing. With the Hessian's metric the whole radius has the
+    /// requested error, so the stretch is smaller.
     fn stretch(&self) -> f32 {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => 2.0,
@@ -241,9 +240,9 @@ impl Cache {
         Weighting::new(self.options.metric, self.options.error, stretch)
     }
 
-    /// From how far away neighbours tell a record what they know, and what their gradients are worth; of tents, as the
-    /// split-sphere's own weight has no bound near a record. A Hessian's records are closest where irradiance curves, and
-    /// so have neighbours who know how; others need gradients more.
+    /// The distance of neighbours in the regression, and the weight of their gradients; with tent weights, as the
+    /// split-sphere's own weight is unbounded near a record. A Hessian's records are densest where irradiance curves,
+    /// so neighbours determine the curvature; other metrics need gradients more.
     fn neighbourhood(&self) -> Neighbourhood {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => Neighbourhood {

@@ -68,7 +68,8 @@ pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> 
 }
 
 impl Polynomial {
-    /// Irradiance at a point with this normal, which the record can see. May be negative, where that of the record alone is.
+    /// Irradiance at a point with this normal, where the record is valid. May be negative, where that of the record
+    /// alone is.
     #[inline]
     pub(super) fn extrapolate(&self, record: &Record, position: Vec3, normal: Vec3) -> Vec3 {
         let step = position - record.position;
@@ -253,7 +254,7 @@ mod tests {
         assert!(after < 0.35 * before, "{after}, was {before}");
     }
 
-    /// Where neighbours are few and lie on one side, what they say together is no more than what they say.
+    /// With few neighbours on one side, the regression stays within their values.
     #[test]
     fn nothing_is_beyond_what_neighbours_say() {
         let noise = |i| Vec3::from_array([0, 1, 2].map(|channel| Stream::new(10, i, channel).uniform2(0).x));
@@ -282,7 +283,7 @@ mod tests {
         assert!(exceeded > limited / 5, "{exceeded} of {limited} needed a limit");
     }
 
-    /// What no neighbour sees is what the record itself says, and other sides of an edge do not count.
+    /// Beyond all neighbours the record's own values hold, and other sides of an edge do not count.
     #[test]
     fn a_record_alone_is_itself() {
         let (all, frame) = records(|x, y, _| quadratic(x, y));

@@ -52,9 +52,10 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
-/// A clearance that is less than this part of another is that of a gap, which the other point is outside of.
+/// A clearance below this part of another means that its point is in a gap, and the other is outside.
 const HIDDEN: f32 = 0.125;
-/// The part of the way to an occluder up to which a record can be used: occluders are not quite where rays found them.
+/// The part of the distance to an occluder up to which a record is used, as occluders may be nearer than rays found
+/// them.
 const BEFORE: f32 = 0.995;
 
 impl Weighting {
@@ -235,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Along a chord of a sphere the mean of the normals is level: curvature is no reason to refuse a record.
+    /// Along a chord of a sphere the mean of the normals is level: curvature does not exclude a record.
     #[test]
     fn curved_surfaces_share_records() {
         for side in [-1.0, 1.0] {

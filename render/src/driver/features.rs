@@ -15,7 +15,7 @@ use crate::world::{Hit, World};
 
 /// Mirrors and panes of glass that are looked through, one behind the other.
 const MOST_BOUNCES: u32 = 8;
-/// Numbers at which a closure is asked: lobes that are chosen less often than one in so many are left out.
+/// Fixed numbers at which a closure is sampled: lobes with a smaller probability are left out.
 const PROBES: u32 = 16;
 /// Directions that differ by less than this are one.
 const SAME: f32 = 1e-6;
@@ -78,7 +78,7 @@ fn follow(world: &World, ray: &Ray, hit: &Hit, bounce: u32) -> Features {
     sum
 }
 
-/// The two delta functions of a closure, the second perhaps of no weight; `None` if there is more to it than these.
+/// The two delta functions of a closure, the second perhaps with the weight 0; `None` if it has other lobes.
 fn branches(world: &World, surface: &mut crate::world::Surface) -> Option<[Branch; 2]> {
     let scattering = world.scattering(surface);
     let none = Branch { direction: Vec3::Z, weight: Vec3::ZERO };

@@ -18,7 +18,7 @@ use crate::world::{Hit, World};
 
 /// The set of random numbers that places a sample on the film.
 const FILM_SET: u32 = 0;
-/// The set that places it on the lens: one that no integrator comes to, so that a lens changes no other number.
+/// The set of random numbers for the lens: no integrator uses it, so that a lens changes no other number.
 const LENS_SET: u32 = u32::MAX;
 /// The set that places it in the time that the shutter is open.
 const TIME_SET: u32 = u32::MAX - 1;

@@ -34,7 +34,7 @@ pub struct LightPath {
 /// The paths of some samples of a pixel, which are those of [`render`](super::render()) with these settings.
 ///
 /// # Errors
-/// If the integrator follows no light paths, adds light without one, or needs to learn first where they go.
+/// If the integrator follows no light paths, adds light without a path, or is guided.
 pub fn pixel_history(
     world: &World,
     settings: &Settings,

@@ -50,7 +50,8 @@ pub struct Render {
     pub elapsed: Duration,
     /// The use of the irradiance cache, if there was one.
     pub cache: Option<CacheUse>,
-    /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was asked for.
+    /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was
+    /// requested.
     pub cache_error: Option<f32>,
 }
 
@@ -74,7 +75,8 @@ impl RaysByKind {
     }
 }
 
-/// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
+/// Approximate number of a tile's camera rays that are traced together: enough to fill batches, few enough to stay in
+/// the cache.
 const BATCH: usize = 4096;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.

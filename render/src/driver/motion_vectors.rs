@@ -28,7 +28,8 @@ impl MotionVectors {
         Some(Self { cameras: [at(cameras.first()), at(cameras.last())], height: settings.height })
     }
 
-    /// The way in pixels, to the right and up, of what a ray through the row `y` hits; zero where a camera does not see it.
+    /// The motion in pixels, to the right and up, of the hit of a ray through the row `y`; zero where a camera does not
+    /// see it.
     pub(super) fn at(&self, world: &World, y: u32, ray: &Ray, hit: &Hit) -> [f32; 2] {
         let place = |time: f32| match hit.is_hit() {
             true => world.surface_at(&Hit { time, ..*hit }).position,

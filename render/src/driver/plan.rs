@@ -26,8 +26,8 @@ pub struct Plan {
     pub film: Option<Film>,
     /// The part of the picture.
     pub share: Share,
-    /// The relative error, more than 0, at which a tile has had enough, if it comes to that before all its samples are
-    /// taken. The settings must ask for halves.
+    /// The relative error, more than 0, at which a tile is finished before all its samples are taken. The settings must
+    /// include halves.
     pub noise: Option<f64>,
 }
 

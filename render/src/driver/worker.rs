@@ -74,7 +74,7 @@ impl TileWorker {
         }
     }
 
-    /// Goes on by a step; `None` if all is done. `world` is the one that the share was made for, looked at from anywhere.
+    /// Does a step; `None` if everything is done. `world` is the one that the share was made for, with any camera.
     pub fn step(&mut self, world: &World) -> Option<Step> {
         let Self { frame, tiles, scratch, next, side } = self;
         let spp = frame.settings.spp;

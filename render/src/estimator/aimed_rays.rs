@@ -19,7 +19,7 @@ const AIM_SET: u32 = 0;
 /// Keeps the numbers of aimed rays apart from others.
 const SALT: u64 = 0x1f83_d9ab_fb41_bd6b;
 
-/// The secondary lights' sampling of one point.
+/// The sampling of secondary lights by one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AimedFrom {
     receiver: Receiver,
@@ -56,7 +56,8 @@ pub(crate) struct FoundLit {
 }
 
 impl AimedFrom {
-    /// From a surface that sends so many rays by other means: the more, the more of its light comes from lit triangles.
+    /// The number of such rays for a surface with this many other rays: more where more of its light comes from lit
+    /// triangles.
     pub(crate) fn new(world: &World, surface: &Surface, others: usize) -> Self {
         let receiver = Receiver::new(surface.position, surface.shading_normal, false);
         let share = world.lights.lit.share(&receiver);
@@ -68,8 +69,8 @@ impl AimedFrom {
         self.count
     }
 
-    /// The part of its radiance that another ray keeps where it hit something; `others` such rays are expected a
-    /// steradian there.
+    /// The weight of another ray's radiance at its hit; `others` is the expected number of such rays per steradian
+    /// there.
     #[inline]
     pub(crate) fn kept(&self, world: &World, ray: &Ray, hit: &Hit, others: f32) -> f32 {
         match self.count {
@@ -87,8 +88,8 @@ impl AimedRays {
         self.aimed.clear();
     }
 
-    /// Aims from `surface`, point number `point`; `sampler(seed, i)` has the random numbers of ray `i`, for a `seed` that
-    /// is not that of others, and `others(direction)` rays are expected a steradian.
+    /// Samples lit triangles from `surface`, the point of index `point`; `sampler(seed, i)` has the random numbers of
+    /// ray `i`, for a `seed` of its own, and `others(direction)` is the expected number of other rays per steradian.
     pub(crate) fn push(
         &mut self,
         world: &World,

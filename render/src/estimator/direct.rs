@@ -26,8 +26,8 @@ use crate::world::{Hit, Surface, World};
 pub(crate) struct ShadowRay {
     /// The shadow ray from the surface to the light.
     pub ray: Ray,
-    /// The unit vector by which the surface receives it. That of the ray is another, as its ends are moved: far from the origin by
-    /// much.
+    /// The unit direction from which the surface receives it. The ray's direction differs, as its ends are offset: far
+    /// from the origin by much.
     pub direction: Vec3,
     /// Radiance reflected, over the density of the sample and with the weight of its technique.
     pub radiance: Vec3,
@@ -47,9 +47,9 @@ pub(crate) struct LightSample {
     pub is_punctual: bool,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is scattered. The
-/// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction. All that
-/// lights without a surface send is found.
+/// Samples a light for a point of a surface whose normals face the viewer; `None` if no light is scattered. The first
+/// of the numbers in [0, 1) chooses the light, and its remainder, with the second number, a point or a direction.
+/// Lights without a surface are sampled completely.
 #[inline(always)]
 pub(crate) fn sample_direct(
     world: &World,
@@ -102,7 +102,7 @@ pub(crate) fn scattered_weight(
     LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The density per solid angle with which light samples at `surface` look to this part of the sky in the unit vector
+/// The density per solid angle with which light samples at `surface` sample this part of the sky in the unit direction
 /// `direction`.
 #[inline(always)]
 pub(crate) fn sky_density(world: &World, surface: &Surface, part: SkyPart, direction: Vec3) -> f32 {

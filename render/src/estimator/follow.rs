@@ -5,7 +5,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
-/// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
+/// Computes the radiance along rays with known hits; returns the number of further rays. Emission of the hit surfaces
 /// must not count.
 pub(crate) trait Follow {
     /// Writes radiance for each ray that hit something.

@@ -176,7 +176,7 @@ impl GatherScratch {
         self.rays.len() as u64 + further
     }
 
-    /// Aims at lit triangles, and leaves to these rays what they find better; gives the number of rays.
+    /// Samples lit triangles, with weights against the other rays; returns the number of rays.
     fn aim(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
         let cells = gatherer.layout.cells();
         self.aimed.clear();

@@ -24,8 +24,8 @@ pub(crate) struct AimedRay {
     pub inv_density: f32,
 }
 
-/// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first
-/// leaves. `None` if that is not worth it.
+/// Samples a lit triangle from a surface, by numbers in [0, 1): one for the triangle, and one for the point, with the
+/// remainder of the first. `None` if that does not pay.
 pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
     let chosen = world.lights.lit.choose(receiver, choice)?;
     let record = &world.triangle_records()[chosen.prim_id as usize];
@@ -61,8 +61,8 @@ pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: 
     probability * on_triangle * hit.t * hit.t / (area(&record.corners) * cosine)
 }
 
-/// What a path's throughput is multiplied by that was aimed: `scattered` is `f cos θ`, and `bounce` the density with
-/// which the surface's own bounce would have gone there.
+/// The factor on the throughput of such a path: `scattered` is `f cos θ`, and `bounce` the density of the surface's own
+/// bounce in this direction.
 pub(crate) fn aimed_weight(scattered: Vec3, inv_density: f32, bounce: f32) -> Vec3 {
     scattered * (inv_density * LightSampling::Mis.light_weight(inv_density, bounce))
 }
@@ -129,7 +129,7 @@ mod tests {
         assert!(aimed_rays > 300 && missed <= 1, "{aimed_rays}, {missed}");
     }
 
-    /// From afar a small light sends `L Ω cos θ`, which samples of the triangles' solid angle have to find.
+    /// A distant small light causes the irradiance `L Ω cos θ`, which samples by the triangles' solid angle must find.
     #[test]
     fn aimed_rays_find_the_solid_angle() {
         let world = world();

@@ -62,7 +62,8 @@ impl OccluderSectors {
         self.seen[sector(direction.xy())] = true;
     }
 
-    /// Takes note of what a flat ray hit at a distance, with this unit normal, on the side that was hit. All is local.
+    /// Adds the hit of a flat ray at a distance, with this unit normal, on the side that was hit. All vectors are
+    /// local.
     pub(crate) fn add_hit(&mut self, direction: Vec3, distance: f32, normal: Vec3) {
         let along = distance * direction.xy().length();
         let (sin, cos) = (direction.z, (1.0 - direction.z * direction.z).max(0.0).sqrt());
@@ -96,7 +97,8 @@ impl OccluderSectors {
     }
 }
 
-/// How near a plane comes in a sector, along the surface: it is `depth` away, and its normal points away from `towards`.
+/// The least distance of a plane in a sector, along the surface: it is `depth` away, and its normal points away from
+/// `towards`.
 fn nearest_of_plane(number: usize, towards: Vec2, depth: f32) -> f32 {
     let [first, second] = borders(number);
     // Where its normal points from, if that is within the sector, or else at one of the borders.

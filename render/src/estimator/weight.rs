@@ -4,9 +4,10 @@ use halfdome_kernel::sampling::power;
 
 use crate::settings::LightSampling;
 
-/// Weights of light that a bounce could find with the density `bounce` and a light sample with the density `light`, both
-/// per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function, which the other
-/// technique cannot meet: a mirror or the camera's pinhole for bounces, a delta light for light samples.
+/// Multiple importance sampling weights of a bounce with the density `bounce` and a light sample with the density
+/// `light`, both per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function,
+/// which the other technique cannot find: a mirror or the camera's pinhole for bounces, a delta light for light
+/// samples.
 impl LightSampling {
     /// The weight of light that a bounce found.
     #[inline]

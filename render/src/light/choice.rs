@@ -87,8 +87,8 @@ impl LightSampler {
         self.end(&choice)
     }
 
-    /// The first step of [`choose`](Self::choose). Where many receivers choose, all go one step after the other: a step waits
-    /// for the one before, but not for those of others.
+    /// The first step of [`choose`](Self::choose). Many receivers choose step by step together, as a step depends on
+    /// the receiver's previous one, but not on those of others.
     #[inline(always)]
     pub(crate) fn begin(&self, receiver: &Receiver, weights: &Weights, u: f64) -> LightChoice {
         let total = weights.total();

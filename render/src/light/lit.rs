@@ -58,8 +58,8 @@ impl LitTriangles {
         Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0, elsewhere: 0.0 }
     }
 
-    /// Lets paths aim where the irradiance by all is `worth`, as luminance, and seldom where it is less; `elsewhere` is
-    /// the mean irradiance by all other surfaces.
+    /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
+    /// less; `elsewhere` is the mean irradiance by all other surfaces.
     pub(crate) fn aim_from(&mut self, worth: f32, elsewhere: f32) {
         (self.worth, self.elsewhere) = (worth, elsewhere);
     }
@@ -87,7 +87,7 @@ impl LitTriangles {
         self.tree.is_some()
     }
 
-    /// The probability with which a path's surface aims at any, by the irradiance that all may cause.
+    /// The probability that a surface of a path samples a secondary light, by their total estimated irradiance.
     #[inline(always)]
     pub(crate) fn chance(&self, receiver: &Receiver) -> f32 {
         let Some(tree) = &self.tree else { return 0.0 };
@@ -122,7 +122,7 @@ impl LitTriangles {
         }
     }
 
-    /// A few of them that stand for all, and the irradiance that each of these stands for if nothing is in between.
+    /// A few of them that represent all, with the unoccluded irradiance that each represents.
     pub(crate) fn representatives(&self, receiver: &Receiver) -> (f32, impl Iterator<Item = u32>) {
         let weights = self.tree.as_ref().map_or_else(RootWeights::default, |tree| tree.root_weights(receiver));
         let sum = total(&weights);

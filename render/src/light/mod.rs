@@ -224,8 +224,7 @@ impl LightSampler {
         self.index_of[prim_id as usize]
     }
 
-    /// Lets the punctual light of this number in the scene be another, which no point gets light from that gets none from the
-    /// one that it was.
+    /// Replaces the punctual light of this index by another one, which lights no point that the old one does not light.
     pub(crate) fn replace_punctual(&mut self, number: usize, light: PunctualLight) {
         let triangles = self.triangles.as_ref().map_or(0, Tree::len);
         if let Some(place) = self.punctual_numbers.iter().position(|&it| it as usize == number) {
@@ -282,16 +281,16 @@ impl LightSampler {
         if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
     }
 
-    /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it
-    /// that samples of its area, whose density per solid angle falls with the square of the distance, are better
-    /// combined with scattered rays; elsewhere such rays would find nothing.
+    /// The sampling of lights at a point with known indirect light. An emissive triangle may be so near to it that
+    /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined
+    /// with scattered rays; elsewhere such rays would miss.
     #[inline]
     pub(crate) fn techniques_at(&self, point: Vec3) -> LightSampling {
         let are_near = (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all();
         if are_near { LightSampling::Mis } else { LightSampling::Direct }
     }
 
-    /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.
+    /// The typical radiance that a point receives and reflects: an estimate for the whole scene.
     pub(crate) fn mean_radiance(&self) -> Vec3 {
         self.mean_radiance
     }

@@ -62,8 +62,8 @@ impl SizedLights {
         &self.suns
     }
 
-    /// Calls `meet` with the number of each light whose sphere a ray in a unit vector meets, however far away; of many spheres
-    /// that end at the same `f32` alone with those of the first.
+    /// Calls `meet` with the index of each light whose sphere a ray of unit direction hits, at any distance; of many
+    /// spheres that end at the same `f32` only with those of the first.
     pub(crate) fn along(&self, ray: &Ray, mut meet: impl FnMut(u32)) {
         let Some(tree) = &self.tree else {
             let is_near = |sphere: u32| is_near(ray, &self.spheres[sphere as usize]);

@@ -28,14 +28,14 @@ use crate::scene::{Sky, SkyPicture};
 pub(crate) enum SkyPart {
     /// All of it.
     All,
-    /// What bounces that follow the cosine find less well: what is brighter than the mean. They see all of it, and MIS
-    /// weights are to be applied.
+    /// The part that cosine-distributed bounces find less well: the excess over the mean. Bounces see the whole sky,
+    /// and MIS weights apply.
     Bright,
     /// The part that gathers would rarely find: mainly the sun. Gathers do not see it.
     Sun,
 }
 
-/// A texel may be so many times as bright as the mean before it counts as a part of the sun. A clear sky without its sun is below that.
+/// A texel above this multiple of the mean counts as a part of the sun. A clear sky without its sun is below that.
 const SUN: f64 = 8.0;
 /// A constant sky that would weigh less than this part of its irradiance is left to bounces.
 const LEAST_OPEN: f32 = 0.005;
@@ -150,7 +150,7 @@ impl SkyLight {
         }
     }
 
-    /// A direction in which to look for light from this part; with [`SkyPart::Sun`] nothing else counts.
+    /// A sampled direction of light from this part; with [`SkyPart::Sun`] only the sun counts.
     pub(crate) fn sample(&self, receiver: &Receiver, part: SkyPart, u: Vec2) -> SkySample {
         let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
             let direction = cosine(receiver, u);
@@ -189,7 +189,7 @@ fn cosine(receiver: &Receiver, mut u: Vec2) -> Vec3 {
     Frame::from_normal(receiver.normal * side).to_world(CosineHemisphere.map(u))
 }
 
-/// The mean brightness of all directions, those that are brighter than the limit counted as if they were not.
+/// The mean brightness of all directions, clamped to the limit.
 fn clipped_mean(picture: &SkyPicture, limit: f64) -> f64 {
     let rows = (0..).zip(picture.texels.chunks_exact(picture.width as usize));
     let row = |(row, texels): (u32, &[Vec3])| -> f64 {

@@ -3,7 +3,7 @@
 /// The options of the `cached` integrator and of the cache commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CachedOptions {
-    /// How much a record may be wrong where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
+    /// The allowed error of a record where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
     /// Ward's `a` for the split-sphere metrics, and the fourth root of the relative error for the Hessian one, so that
     /// all radii are proportional to it.
     pub error: f32,
@@ -16,8 +16,8 @@ pub struct CachedOptions {
     /// Rays of a record, about, [`MIN_RAYS`](Self::MIN_RAYS) to [`MAX_RAYS`](Self::MAX_RAYS): the nearest number that
     /// the layout can have.
     pub rays: u32,
-    /// How many times light is reflected on its way to a record: `None` for without end, by paths, which for many records
-    /// end in another cache; else each bounce has a cache of its own.
+    /// The number of reflections before a record: `None` for unlimited, by paths, which for many records end in another
+    /// cache; else each bounce has a cache of its own.
     pub bounces: Option<u32>,
     /// The root mean square error that irradiance may have, relative to its mean over all points, more than 0 and at most
     /// [`MAX_ACCURACY`](Self::MAX_ACCURACY). Then `error` and `rays` are chosen for the scene; `None` takes them as they
@@ -39,7 +39,7 @@ pub enum Gradients {
 /// The metric of a record's radius and weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
-    /// The harmonic mean distance of what the record sees, and Ward's weight (Ward, Rubinstein and Clear 1988).
+    /// The harmonic mean distance of the record's surroundings, and Ward's weight (Ward, Rubinstein and Clear 1988).
     SplitSphere,
     /// The same, bounded by the gradient and by the size of a pixel, and a linear weight (Tabellion and Lamorlette 2004).
     Bounded,

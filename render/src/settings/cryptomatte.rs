@@ -35,7 +35,7 @@ impl MatteKind {
 pub struct Cryptomatte {
     /// The kinds of names, each once.
     pub kinds: Vec<MatteKind>,
-    /// How many names a pixel of the picture has at most: those that cover most of it. A film has all.
+    /// The most names of a pixel of the picture, by coverage. A film has all.
     pub levels: u32,
 }
 

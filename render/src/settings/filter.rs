@@ -63,7 +63,7 @@ impl Filter {
     /// The names that [`Filter::from_name`] knows.
     pub const NAMES: [&'static str; 4] = ["box", "tent", "gaussian", "mitchell"];
 
-    /// The widest filter that is allowed, in pixels. Anything near it is a mistake: it blurs the picture away.
+    /// The widest filter that is allowed, in pixels. Larger widths would blur the picture away.
     pub const MAX_WIDTH: f32 = 64.0;
 
     /// The filter called `name`, with its own width (box 1, tent 2, Gaussian 3, Mitchell 4) and sharpness (2/3) unless

@@ -2,7 +2,7 @@
 
 use super::{CachedOptions, Invalid};
 
-/// What is computed for each camera ray, with its options; [`named`](Self::named) gives each with its defaults.
+/// The integrator with its options; [`named`](Self::named) gives each with its defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Integrator {
     /// Global illumination by path tracing.
@@ -17,10 +17,10 @@ pub enum Integrator {
     Ao(AoOptions),
     /// The surfaces' colours, without any shading.
     Flat,
-    /// What path tracing with these options costs in each pixel: nodes and blocks of the tree visited by a sample's
+    /// The cost of path tracing with these options in each pixel: nodes and blocks of the tree visited by a sample's
     /// rays, on average.
     Heat(PathOptions),
-    /// Which light path tracing samples at the first surface, each in a colour of its own.
+    /// The lights that path tracing samples at the first surface, each in its own colour.
     HeatLights,
     /// Shading normals as colours.
     Normals,
@@ -46,8 +46,8 @@ pub struct PathOptions {
     pub guide: Option<u32>,
 }
 
-/// How light is found that more than one technique could find. Delta lights are always sampled, mirror
-/// images of lights are always found by bounces.
+/// The technique for light that several techniques can find. Delta lights are always sampled; lights in mirrors are
+/// always found by bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSampling {
     /// Bounces hit lights by chance.
@@ -67,7 +67,7 @@ pub enum Stop {
     Threshold {
         /// Throughput in 0..=1.
         cutoff: f32,
-        /// Whether what is left out is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
+        /// Whether the lost light is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
         add_back: bool,
     },
     /// Russian roulette, without bias: survivors have a greater weight.

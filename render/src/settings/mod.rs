@@ -42,10 +42,11 @@ pub struct Settings {
     pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
-    /// Whether these are of what mirrors and clear glass show, as denoisers need it, instead of the first surface.
+    /// Whether these hold the surfaces seen through mirrors and clear glass, as denoisers need, instead of the first
+    /// surface.
     pub aov_through: bool,
-    /// Whether the picture has the means of two halves of its samples too, `HalfA` and `HalfB`, from which denoisers learn
-    /// how far off it is.
+    /// Whether the picture also has the means of two halves of its samples, `HalfA` and `HalfB`, from which denoisers
+    /// estimate its error.
     pub halves: bool,
     /// The Cryptomatte layers of the picture.
     pub cryptomatte: Cryptomatte,
@@ -64,16 +65,16 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// An estimate of the bytes that a pixel takes until it is written: sums of 128 bits, then channels of 32, twice.
 pub const BYTES_PER_PIXEL: u64 = 4 * 16 + 3 * 4 * 2;
 
-/// What a pixel takes on top of that with AOVs.
+/// The additional bytes of a pixel with AOVs.
 pub const AOV_BYTES_PER_PIXEL: u64 = 17 * 16 + 5 * 4 + 24 * 4 * 2;
 
-/// What a pixel takes on top of that with halves.
+/// The additional bytes of a pixel with halves.
 pub const HALVES_BYTES_PER_PIXEL: u64 = 4 * 16 + 6 * 4 * 2;
 
-/// What a pixel takes on top of that with a light path expression.
+/// The additional bytes of a pixel with a light path expression.
 const LPE_BYTES_PER_PIXEL: u64 = 3 * 16 + 3 * 4 * 2;
 
-/// What a pixel takes on top of that with a Cryptomatte layer: lists of two names, and two channels for each level.
+/// The additional bytes of a pixel with a Cryptomatte layer: lists of two names, and two channels for each level.
 fn matte_bytes_per_pixel(cryptomatte: &Cryptomatte) -> u64 {
     let layer = 24 + 2 * 32 + u64::from(cryptomatte.levels) * 2 * 4 * 2;
     cryptomatte.kinds.len() as u64 * layer

@@ -26,7 +26,7 @@ impl Shard {
     /// Counts of present, duplicate and missing shards.
     ///
     /// # Errors
-    /// What is wrong with shards that have these names: they must be all of one number of shards, each once.
+    /// The error of shards with these names: they must have the same number of shards, each once.
     pub(crate) fn check_all(shards: &[(String, Self)]) -> Result<(), super::Invalid> {
         let Some((first, Self { count, .. })) = shards.first() else { return Ok(()) };
         let remedy = "name all shards of one number, each once";

@@ -49,7 +49,7 @@ pub(super) struct Instances {
     records: Vec<InstanceRecord>,
     /// The item that has the triangles that move by themselves, in the world's coordinates.
     moving: Option<u32>,
-    /// How many reach beyond what coordinates may be, and are not seen.
+    /// How many exceed the coordinate limits, and are invisible.
     pub(super) out_of_range: usize,
 }
 
@@ -83,7 +83,7 @@ impl InstanceRecord {
         Self { axes, translation, scale, side, ..self }
     }
 
-    /// Where corners of this triangle are, its unit normal on the front, and how far from its plane rays start.
+    /// The corners of this triangle, its unit normal on the front, and the offset of ray origins from its plane.
     #[inline(always)]
     pub(crate) fn place(&self, corners: &Triangle, offset: f32) -> (Triangle, Vec3, f32) {
         let [x, y, z] = self.axes;

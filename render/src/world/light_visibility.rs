@@ -12,7 +12,7 @@ use super::seen_points::SeenPoints;
 use super::{Surface, World};
 use crate::light::SkyPart;
 
-/// What lies in the shadow nearly everywhere counts as if it reached this part of the points.
+/// The least visibility, for lights that are occluded nearly everywhere.
 const LEAST: f32 = 0.05;
 
 impl World {

@@ -68,7 +68,7 @@ impl World {
         let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
         let mut lit = LitTriangles::new(lit, reach, self.triangle_records.len());
         let [received, reached] = self.mean_received(&lit, points);
-        // What bounces find, and how much of it and how much brighter than it lit triangles are.
+        // The mean radiance of bounces, and the share and the relative brightness of lit triangles.
         let found = mean + received * FRAC_1_PI;
         let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
         lit.aim_from(AIM_FROM * PI * found, PI * mean);
@@ -125,7 +125,7 @@ impl World {
         [received, reached].map(|sum| sum / count.max(1) as f32)
     }
 
-    /// How far light gets that leaves a lit triangle, and what is beyond the scene counts as far.
+    /// The reach of a lit triangle's light; misses count as far.
     fn reach(&self, prim_id: u32, light: &TriangleLight) -> Reach {
         let sampler = |number| Sampler::new(Pattern::Sobol, 0, prim_id, number);
         let ray = |number: u32| {

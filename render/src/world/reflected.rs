@@ -19,7 +19,7 @@ use crate::scene::PunctualLight;
 const SHADOW_RAYS: u32 = 16;
 /// The same, at a point that represents many.
 const POINT_SHADOW_RAYS: u32 = 4;
-/// What is so many times as bright as the mean does not count in full in a mean of few.
+/// Values above this multiple of the mean are clamped in a mean of few.
 const OUTLIER: f32 = 8.0;
 
 impl World {

@@ -23,12 +23,13 @@ use crate::scene::{Material, Mesh};
 
 /// The least cosine between a triangle and its vertex normals, of 30°.
 const STEEPEST: f32 = 0.866;
-/// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
+/// The height of a corner above the plane of another's normal, relative to their distance, below which it counts as
+/// rounding.
 const LEAST: f32 = 1e-4;
 /// A height below this part of a ray's length is not visible, and needs no ray.
 const UNSEEN: f32 = 1e-4;
 
-/// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
+/// The side on which the round surface of its vertex normals rises above a triangle: transforms preserve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bulge {
     /// On neither side, or the triangle is to stay flat.
@@ -72,7 +73,8 @@ impl Bulge {
     }
 }
 
-/// How high a point of the round surface is above a triangle, on its front and on its back; less than 0 where that is flat.
+/// The height of the round surface above a point of a triangle, on its front and on its back; less than 0 where that is
+/// flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rounding {
     front: f32,
@@ -121,8 +123,8 @@ impl Rounding {
 }
 
 impl World {
-    /// How far a hit's point just above its triangle, `origin`, may be lifted along the triangle's normal: what is in the way along the
-    /// smooth one decides.
+    /// The height by which a hit's `origin`, just above its triangle, may be lifted along the triangle's normal, given
+    /// the obstacles along the smooth normal.
     pub(super) fn free_lift(&self, hit: &Hit, origin: Vec3, [normal, smooth]: [Vec3; 2], lift: f32) -> f32 {
         if hit.t.is_finite() && lift < UNSEEN * hit.t {
             return lift;
@@ -133,8 +135,8 @@ impl World {
     }
 }
 
-/// The normal of a round surface as `wo` sees it, and how far from the point rays start that would be `offset` away from the
-/// triangle, and now are higher by `lift`.
+/// The normal of a round surface as seen from `wo`, and the offset of ray origins: `offset` from the triangle, plus
+/// `lift`.
 #[inline]
 pub(super) fn rounded(normal: Vec3, smooth: Vec3, wo: Vec3, (offset, lift): (f32, f32)) -> (Vec3, f32) {
     let round = bent_normal(normal, smooth, wo);

@@ -39,9 +39,9 @@ pub(crate) struct Surface<'w> {
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
-    /// How far from the triangle's plane rays start, or from the point where it is [rounded](super::rounding).
+    /// The offset of ray origins from the triangle's plane, or from the point where it is [rounded](super::rounding).
     pub offset: f32,
-    /// How far the front and the back are rounded.
+    /// The offsets of the front and the back.
     pub rounding: Rounding,
     /// The refractive index minus the material's, at the path's wavelength.
     pub dispersed: f32,
@@ -238,9 +238,8 @@ impl Surface<'_> {
         offset_point(self.position, self.normal, self.offset, direction)
     }
 
-    /// Where a ray from `point` ends that comes as far as this surface, and does not hit it. Its test sees the corners at
-    /// the distance of `point`, and errs by units in the last place of that, which are more than those of a ray that
-    /// leaves.
+    /// The end of a ray from `point` to this surface, just before a hit. Its test has errors of the last place at the
+    /// distance of `point`, which are more than those of a ray that leaves.
     #[inline(always)]
     pub(crate) fn end_from(&self, point: Vec3) -> Vec3 {
         const ERROR: f32 = 8.0 / (1u32 << 24) as f32;

@@ -29,7 +29,7 @@ const MOST: usize = 1024;
 const FIRST_RAYS: u32 = 512;
 /// ... and at most.
 const MOST_RAYS: u32 = 1 << 14;
-/// The standard error of a mean squared error, as a part of the one that is asked for, that is small enough.
+/// The relative standard error of a mean squared error that is small enough.
 const KNOWN_TO: f64 = 0.25;
 /// Samples of direct light, of which a mean over all points is taken.
 const LIGHT_SAMPLES: u32 = 32;
@@ -64,7 +64,7 @@ pub(crate) struct HeldOut<'w> {
     /// Rays of each of these gathers.
     rays: u32,
     light: f64,
-    /// The accuracy that is asked for.
+    /// The requested accuracy.
     accuracy: f64,
     /// Rays traced for all this.
     pub(crate) traced: u64,
@@ -125,7 +125,7 @@ impl<'w> HeldOut<'w> {
         self.light as f32
     }
 
-    /// The root mean square error that was asked for, in W/m².
+    /// The requested root mean square error, in W/m².
     pub(crate) fn allowed_error(&self) -> f64 {
         self.accuracy * self.light
     }
@@ -135,7 +135,7 @@ impl<'w> HeldOut<'w> {
         if self.light > 0.0 { (variance.sqrt() / self.light) as f32 } else { 0.0 }
     }
 
-    /// The standard error that is such a part of the error that was asked for, in W/m², and with how many rays to begin.
+    /// The standard error in W/m² that is this part of the requested error, and the first number of rays.
     pub(crate) fn rays_and_noise(&self, part: f32) -> (u32, f32) {
         let tolerance = (f64::from(part) * self.allowed_error()) as f32;
         // Where gathers end in what is known already they are less noisy, and more rays follow where it is too few.

@@ -85,7 +85,7 @@ impl<'a> Uncached<'a> {
 }
 
 impl GatherSource<'_> {
-    /// The paths that a cache with these options is made with: they meet the surface that a gather sees, and the light.
+    /// The paths of a cache with these options: they include the gather's hit and the light.
     pub(crate) fn paths(options: &CachedOptions) -> Self {
         Self::Paths(max_depth(options))
     }
@@ -113,8 +113,8 @@ const ROUNDS_AGAIN: usize = 3;
 const GATHERS: usize = 2;
 
 impl Level<'_> {
-    /// Adds records to `cache` until each site is covered, and gathers again those that are doubtful, or until the watcher
-    /// says stop; gives the rays traced.
+    /// Adds records to `cache` until each site is covered, and gathers outliers again, or until the watcher stops;
+    /// returns the rays traced.
     pub(crate) fn fill(&self, cache: &mut Cache, sites: &[RecordSite], passes: &[Pass]) -> u64 {
         let mut traced = self.cover(cache, sites, passes);
         let Some(gatherer) = &self.careful else { return traced };
@@ -187,9 +187,9 @@ impl Level<'_> {
         Some((gathers.into_iter().flat_map(|(records, _)| records).collect(), rays))
     }
 
-    /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
+    /// The allowed relative error of an ellipse, times its area (Jarosz et al. bound the error that is integrated over
     /// it). The fourth power makes radii proportional to the error, as those of the other metrics are; the scene's
-    /// extent makes them scale with it, as far as the record sees much of it.
+    /// extent makes them scale with the scene, as far as the record sees much of it.
     fn area_error(&self, mean_distance: f32) -> f32 {
         let scale = self.world.diagonal().min(SURROUNDINGS * mean_distance);
         let extent = HESSIAN_EXTENT * self.made_with * self.made_with * scale;

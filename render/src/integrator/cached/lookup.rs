@@ -42,12 +42,12 @@ pub(crate) struct Misses {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     radiance: Vec<Vec3>,
-    /// Of each camera ray's path, scattered last by a density: its throughput for all light but emission, less what
-    /// records know.
+    /// The throughput of each camera ray's path, scattered last by a density, for all light except emission, minus the
+    /// part covered by records.
     indirect: Vec<Vec3>,
 }
 
-/// Writes the radiance along each ray, and puts points without records into `misses`; gives the number of further rays.
+/// Writes the radiance along each ray, and adds points without records to `misses`; returns the number of further rays.
 pub(super) fn radiance(
     world: &World,
     frozen: &FrozenCache,
@@ -190,7 +190,8 @@ impl Lookup<'_> {
 }
 
 impl Misses {
-    /// Adds what paths of at most `max_depth` surfaces find in place of the missing records; gives the number of rays.
+    /// Adds the light of paths with at most `max_depth` surfaces in place of missing records; returns the number of
+    /// rays.
     pub(super) fn follow(
         &mut self,
         world: &World,

@@ -76,8 +76,8 @@ impl FrozenCache {
         self.count(self.cache.interpolate_tilted(point, tilted))
     }
 
-    /// The same for pictures, and for means over many points: of what is hidden these see little, and where a surface turns
-    /// within a few pixels, records with other normals do.
+    /// Like the above, but for pictures and means over many points: occluded regions contribute little, and where a
+    /// surface turns within a few pixels, records with other normals are accepted.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
         self.count(match self.cache.options().accuracy {
             Some(_) => self.cache.interpolate_tilted(&lookup_point_anywhere(surface), surface.shading_normal),
@@ -107,9 +107,9 @@ impl FrozenCache {
     }
 }
 
-/// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth`
-/// surfaces: all that is not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of
-/// further rays.
+/// Writes the light reflected by surfaces along each ray, and the sky without its sun, by paths of at most `max_depth`
+/// surfaces: everything except direct light for the surface that the rays leave, whose `density` is 0. Returns the
+/// number of further rays.
 pub(super) fn indirect(
     world: &World,
     max_depth: Option<u32>,
@@ -142,8 +142,8 @@ pub(super) fn radiance(
     traced + misses.follow(world, batch, max_depth(frozen.cache.options()), wave, radiance)
 }
 
-/// The most surfaces on a path in place of a record: it is reflected as often as light on its way to one, and then meets its
-/// source.
+/// The most surfaces on a path in place of a record: it has as many reflections as light before a record, and then
+/// reaches the source.
 pub(crate) fn max_depth(options: &CachedOptions) -> Option<u32> {
     options.bounces.map(|bounces| bounces + 1)
 }

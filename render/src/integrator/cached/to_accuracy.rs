@@ -15,8 +15,8 @@ use crate::cache::{Cache, ErrorEstimate, Record};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
 
-/// The error of the options with which the first cache is filled for 1%; for other accuracies it goes with their root. Few
-/// held-out points lie where interpolation is worst, so the first cache must not be a bad one.
+/// The error of the options with which the first cache is filled for 1%; for other accuracies it scales with their
+/// root. Few held-out points are where interpolation is worst, so the first cache must be good enough.
 const FIRST_ERROR: f32 = 0.3;
 /// The least and the greatest error of a first cache.
 const FIRST_ERRORS: [f32; 2] = [0.15, 0.6];
@@ -40,8 +40,7 @@ pub(crate) enum Aim<'a> {
     Options,
     /// As their options make them.
     Means,
-    /// They reach as far as their options say, and have as many rays as this asks for: rays at first, and a standard error
-    /// in W/m².
+    /// They have the radii of their options, and this many rays: rays at first, and a standard error in W/m².
     Noise(u32, f32),
     /// So that the cache has the accuracy of its options at the points that were held out.
     Accuracy(&'a HeldOut<'a>),
@@ -70,7 +69,7 @@ impl Aim<'_> {
     }
 }
 
-/// The error that the records of a cache with these options are made with. They reach less far if the cache does.
+/// The error of the records of a cache with these options. Their radii are smaller if the cache's are.
 pub(super) fn made_with(options: &CachedOptions) -> f32 {
     match options.accuracy {
         Some(accuracy) => (FIRST_ERROR * (100.0 * accuracy).sqrt()).clamp(FIRST_ERRORS[0], FIRST_ERRORS[1]),
@@ -78,8 +77,8 @@ pub(super) fn made_with(options: &CachedOptions) -> f32 {
     }
 }
 
-/// Fills caches like `cache`, which is empty or is added to, by `fill_one`, until one is right enough; gives the last of
-/// them, which knows its error, and the rays traced.
+/// Fills caches like `cache`, which is empty or is added to, by `fill_one`, until one is accurate enough; returns the
+/// last of them, with its estimated error, and the rays traced.
 pub(super) fn fill(
     mut cache: Cache,
     held_out: &HeldOut,

@@ -26,8 +26,7 @@ pub(crate) trait LeafLights: Default {
     /// Puts a light into a place that is free.
     fn put(&mut self, i: usize, light: &Self::Light);
 
-    /// The irradiance that each causes at the receiver if nothing is in between, about, as luminance; 0 in places that
-    /// are free.
+    /// The approximate unoccluded irradiance of each at the receiver, as luminance; 0 in free places.
     fn weights(&self, receiver: &Receiver) -> Lane;
 }
 

@@ -118,7 +118,8 @@ impl<L: LeafLights> Tree<L> {
         }
     }
 
-    /// What all lights may send to a receiver, by the children of the roots; their sum is an estimate of the irradiance.
+    /// The weights of all lights for a receiver, by the children of the roots; their sum is an estimate of the
+    /// irradiance.
     #[inline(always)]
     pub(crate) fn root_weights(&self, receiver: &Receiver) -> RootWeights {
         let mut weights = [[0.0; WIDTH]; ROOTS];

@@ -34,7 +34,8 @@ struct Patience {
     shots: usize,
     /// The number of halvings of a step.
     halvings: u32,
-    /// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
+    /// The greatest ratio of the angular error after a step to that before. Where no path leads to the light, the
+    /// search ends in a minimum.
     less: f32,
 }
 
@@ -42,7 +43,7 @@ struct Patience {
 const FROM_STRAIGHT: Patience = Patience { shots: 10, halvings: 3, less: 0.85 };
 /// Limits for a search that begins where a photon has left the glass: a path is near, or there is none.
 const FROM_PHOTON: Patience = Patience { shots: 5, halvings: 0, less: 0.5 };
-/// How far, as an angle, a ray may leave beside the light: a twentieth of the sun's width.
+/// The allowed angular error of a ray beside the light: a twentieth of the sun's width.
 const CLOSE: f32 = 2.5e-4;
 /// The most that a step turns the direction, as a tangent.
 const STEP: f32 = 0.4;
@@ -74,7 +75,7 @@ pub(crate) struct BentLight {
     pub left: Vec3,
     /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
     pub spread: f32,
-    /// How far the direction may be off, as a search ends close to the light.
+    /// The error of the direction, as a search ends close to the light.
     off: f32,
 }
 
@@ -107,7 +108,7 @@ impl BentLight {
     }
 }
 
-/// A ray on its way, and what it becomes for a change of the direction in which it began along each of two axes.
+/// A ray with its differentials by a change of its first direction along each of two axes.
 pub(super) struct Beam {
     pub(super) ray: Ray,
     pub(super) origin_by: [Vec3; 2],
@@ -122,14 +123,15 @@ struct Shot {
     beside: Vec2,
     /// Its derivative by the direction along each axis.
     jacobian: Mat2,
-    /// How long the way is to a point, and 1 to a sun: `beside` over the angle that it is.
+    /// The distance to a point, and 1 to a sun: `beside` divided by its angle.
     distance: f32,
     angle: f32,
 }
 
 impl World {
-    /// The ways on which light from `end`, the light of this number, arrives at a surface through glass that bends it. Where some is
-    /// on the straight line, and photons show no way, the search begins there; `straight` is that line, if light comes along it.
+    /// The paths of light from `end`, the light of this index, to a surface through refracting glass. Where glass is on
+    /// the straight line, and photons seed no path, the search begins there; `straight` is that line, if light comes
+    /// along it.
     #[inline(never)]
     pub(crate) fn bend_light(&self, from: &Surface, (end, light): (LightEnd, u32), straight: Option<Vec3>) -> BentWays {
         let mut ways = BentWays::default();
@@ -202,8 +204,8 @@ impl World {
         })
     }
 
-    /// Where to begin: straight towards the light, or from within a solid in the direction in which the face that is met there
-    /// refracts light from it.
+    /// The start direction: straight towards the light, or from within a solid the direction into which the next face
+    /// refracts its light.
     fn first_direction(&self, from: &Surface, end: LightEnd) -> Option<Vec3> {
         let towards = |point: Vec3| match end {
             LightEnd::Direction(direction) => direction,
@@ -306,7 +308,7 @@ impl Beam {
         self.ray.origin = face.surface.origin_towards(self.ray.direction);
     }
 
-    /// How the ray passes the light, having come a way already.
+    /// The miss of the ray beside the light, given the distance so far.
     fn past(self, end: LightEnd, way: f32) -> Option<Shot> {
         let direction = self.ray.direction;
         let (axis, beside, by, distance) = match end {

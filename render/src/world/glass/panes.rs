@@ -71,7 +71,7 @@ impl World {
         Between::Bends
     }
 
-    /// Whether two faces of a solid leave the direction of light as it is, and its divergence on a way of this length.
+    /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance.
     fn are_parallel(&self, entry: &Face, exit: &Face, way: f32) -> bool {
         let normal = entry.surface.smooth_normal;
         if normal.dot(exit.surface.smooth_normal) < PARALLEL {

@@ -34,9 +34,10 @@ use crate::scene::PunctualLight;
 const PHOTONS: usize = 1 << 18;
 /// ... and for one light and one body, at least and at most.
 const OF_BODY: [usize; 2] = [64, 8192];
-/// The least and the greatest extent of a footprint, as a part of the body's radius: what is spread more widely is faint.
+/// The least and the greatest extent of a footprint, as a part of the body's radius: wider footprints are faint.
 const EXTENTS: [f32; 2] = [0.01, 0.5];
-/// How far beside a footprint's plane a point may be, as a part of its length: where it folds, the second derivative counts.
+/// The allowed distance of a point from a footprint's plane, relative to its length: where it folds, the second
+/// derivative matters.
 const FOLD: f32 = 0.25;
 /// The least cosine with a surface that a photon's footprint on it is taken for.
 const LEAST_SLANT: f32 = 0.1;
@@ -74,11 +75,12 @@ struct Photon {
     origin_by: [Vec3; 2],
     direction_by: [Vec3; 2],
     sent: Sent,
-    /// How wide its source is, as an angle: by this times its way behind the glass, light from elsewhere on it arrives beside it.
+    /// The angular size of its source: times the distance behind the glass it is the offset of light from elsewhere on
+    /// the source.
     blur: f32,
 }
 
-/// Where a photon has been sent: of a sun, its origin, and of others its direction.
+/// The emission of a photon: for a sun its origin, for other lights its direction.
 #[derive(Clone, Copy, Debug)]
 struct Sent {
     at: Vec3,
@@ -90,11 +92,11 @@ struct Sent {
 #[derive(Clone, Copy, Debug, Default)]
 struct Start {
     direction: Vec3,
-    /// Where a photon that comes from there would have been sent, ...
+    /// The emission of a photon that arrives there, ...
     sent: Vec3,
     /// ... and how far apart photons were.
     apart: f32,
-    /// How far the point is from the middle of the footprint: the less, the likelier is a way near the start.
+    /// The distance of the point from the middle of the footprint: the less, the likelier is a path near the start.
     off: f32,
 }
 
@@ -301,8 +303,8 @@ impl World {
         bodies
     }
 
-    /// One of so many photons from the middle of a light towards the disc that a body is from there, or to all sides from within; and
-    /// the angle within which the rest of the light is.
+    /// One of several photons from the middle of a light towards a body's disc, or in all directions from within; and
+    /// the angular radius of the light.
     fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(Beam, f32)> {
         // Fibonacci's lattice.
         let of_count = (photon as f32 + 0.5) / count as f32;
