@@ -1,4 +1,4 @@
-//! What a bake writes, and how it ends.
+//! The output and the exit of bakes.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -23,7 +23,7 @@ pub(crate) fn in_folder(test: impl FnOnce(&Program)) {
     test(&program);
 }
 
-/// What is said of the level: it names an extension that nobody knows.
+/// What is said of the level: it names an unknown extension.
 const WARNING: &str = "warning: level.gltf: EXT_unknown is not read\n";
 
 fn succeed(outcome: &Outcome) {
@@ -244,7 +244,7 @@ fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
         assert!(talk("").contains("out.gltf is up to date"));
         assert!(talk("--threads 2").contains("up to date"), "threads do not matter");
         assert!(program.files() == before);
-        // A map that somebody changed is made again.
+        // A changed map is made again.
         fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
         assert!(talk("").contains("out-0.exr was changed since it was written"));
         assert!(program.files() == before);

@@ -1,4 +1,5 @@
-//! Cameras on the command line and in scene files: what is refused, what threads and formats change, and what `info` says.
+//! Cameras on the command line and in scene files: refused options, independence of threads and formats, and the output
+//! of `info`.
 
 use halfdome::output::read_exr;
 use halfdome_tests::program::{Outcome, Program};

@@ -1,4 +1,4 @@
-//! Films: a picture is the same bytes however it is split, stopped and gone on with; and when it is enough.
+//! Films: a picture has the same bytes however it is split, stopped and resumed; and noise targets.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use halfdome::output::read_exr;
 use crate::Desk;
 
 impl Desk {
-    /// Runs to the end it should have; files do not tell the time.
+    /// Runs to its expected end; files do not contain the time.
     fn ends(&self, code: i32, line: &str) -> String {
         let outcome = self.program().run_reproducibly(line);
         assert_eq!(outcome.code, Some(code), "{line}: {}", outcome.stderr);

@@ -1,4 +1,4 @@
-//! Scenes come back from their blobs as they were; blobs that are not right are told apart.
+//! Scenes are read back from their blobs unchanged; invalid blobs give their errors.
 
 use alloc::sync::Arc;
 use alloc::vec;

@@ -1,4 +1,4 @@
-//! What nobody sees from inside.
+//! Surfaces that cannot be seen from inside.
 
 use super::*;
 
