@@ -10,9 +10,9 @@
 //! m ∫ cos θ ds = φ̂(φ_{k-}) (sin θ_{j+} - sin θ_{j-})         the wall to sector k - 1; of sector 0 to the last
 //! ```
 //!
-//! The walls are Ward and Heckbert's ("Irradiance gradients", 1992). Their rotational gradient has tan θ of the ray
-//! where here the integral stands: its variance grows with the logarithm of the number of rays, and tan θ of the cell's
-//! centre is biased.
+//! The walls are Ward and Heckbert's ("Irradiance gradients", 1992). Their rotational gradient has tan θ of the ray in
+//! place of the integral: its variance grows with the logarithm of the number of rays, and tan θ of the cell's centre
+//! is biased.
 
 use core::f64::consts::{PI, TAU};
 

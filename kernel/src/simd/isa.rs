@@ -138,9 +138,9 @@ impl Isa {
     /// such as `x86_64-unknown-linux-musl`.
     ///
     /// # Safety
-    /// The processor must support every extension that [`Level`] names for `level` and those below it, and whoever
-    /// switches contexts (an operating system; the start-up code by `CR4.OSXSAVE` and `XCR0`) must have enabled and
-    /// keep the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
+    /// The processor must support every extension that [`Level`] names for `level` and those below it, and the code
+    /// that switches contexts (an operating system; start-up code by `CR4.OSXSAVE` and `XCR0`) must enable and preserve
+    /// the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
     pub const unsafe fn assume(level: Level) -> Self {
         match level {
             Level::Avx2 | Level::Avx512 if !HAS_VECTOR_CODE => Self::PORTABLE,

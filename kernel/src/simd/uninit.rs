@@ -5,8 +5,8 @@ use core::mem::MaybeUninit;
 /// What an index of eight bits reaches, and room for the eight that a push writes.
 const ROOM: usize = 256 + 8;
 
-/// Up to 255 numbers, the last one on top. All below `len` have been written: a push moves `len` over what it wrote, and
-/// one past 255 starts again at the bottom. Trees are refused that could need so many.
+/// Up to 255 numbers, the last one on top. All below `len` have been written: a push moves `len` over what it wrote,
+/// and one past 255 starts again at the bottom. Trees that could need that many are refused.
 pub(crate) struct UninitStack<T> {
     len: u8,
     numbers: [MaybeUninit<T>; ROOM],

@@ -18,7 +18,7 @@ use crate::world::{Bodies, Hit, World};
 const RAYS: u32 = 32;
 /// A point is covered if more than this part of its rays ends on the back of something.
 const BACKS: f32 = 0.5;
-/// Where free points of a covered texel are sought: on a grid of so many by so many.
+/// The side of the grid on which free points of a covered texel are sought.
 const GRID: u32 = 8;
 
 /// The treatment of covered texels.

@@ -29,8 +29,8 @@ pub struct BakeOptions {
     pub cache: CachedOptions,
     /// Ambient occlusion: the distance from which on hits do not occlude; `None` for any.
     pub ao_distance: Option<f32>,
-    /// Whether what nobody sees from inside is left out ([`LeftOut`](super::LeftOut)): from these places, or, if there are
-    /// none, from anywhere in front of a surface.
+    /// Whether surfaces that cannot be seen from inside are left out ([`LeftOut`](super::LeftOut)): from these
+    /// positions, or, if there are none, from anywhere in front of a surface.
     pub skip_outside: Option<Vec<Vec3>>,
     /// Whether noise is smoothed away inside each chart.
     pub denoise: bool,

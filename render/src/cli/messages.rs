@@ -45,12 +45,12 @@ impl Mode {
     }
 }
 
-/// Prints one line of JSON to stderr; if that is closed, nobody reads it.
+/// Prints one line of JSON to stderr, and ignores a closed stderr.
 pub(super) fn print_line(event: &Value) {
     let _ = writeln!(std::io::stderr(), "{event}");
 }
 
-/// Warnings matter even to those who want to see no progress.
+/// Warnings are printed even without progress.
 pub(super) fn print_warning(style: Style, warning: &str) {
     match style {
         Style::Json => print_line(&json!({ "event": "warning", "message": warning })),

@@ -113,7 +113,7 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
     }
 }
 
-/// The number of samples at which the wave ends that follows on so many.
+/// The number of samples at the end of the next wave after `samples`.
 pub(super) fn next_wave(samples: u32) -> u32 {
     let is_early = samples < MAX_WAVE;
     if is_early { (samples + 1).next_power_of_two() } else { (samples / MAX_WAVE + 1).saturating_mul(MAX_WAVE) }

@@ -25,7 +25,7 @@ const FILM_SET: u32 = 0;
 const LENS_SET: u32 = u32::MAX;
 const TIME_SET: u32 = u32::MAX - 1;
 
-/// Traces so many paths of the picture, in rounds; gives what they teach, and how many rays they were.
+/// Traces this many paths of the picture, in rounds; returns the guide and the number of rays.
 pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, paths: u32) -> (Option<Guide>, u64) {
     let camera = world.camera_on(settings.width, settings.height);
     let (mut guide, mut before, mut rays) = (None, Vec::new(), 0);

@@ -19,12 +19,12 @@ use crate::world::{Hit, World};
 const BACKS: f32 = 0.25;
 /// Rings of directions for the test.
 const RINGS: u32 = 8;
-/// Free points of a cell are sought on a grid of so many by so many by so many.
+/// The side of the grid on which free points of a cell are sought.
 const CANDIDATES: i32 = 5;
 /// How far from the middle of its cell a probe is moved at most, in cells.
 const REACH: f32 = 0.4;
 
-/// Whether what sees so many backs is covered.
+/// Whether a point that sees this many backs is covered.
 pub(super) fn is_covered(backs: f32) -> bool {
     backs > BACKS
 }

@@ -11,7 +11,7 @@ pub struct LoadOptions<'a> {
     pub sharing: Sharing,
     /// The moment of its animations; without one it is in the pose of its nodes.
     pub moment: Option<Moment>,
-    /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
+    /// Whether pictures are replaced by a white texel each: for callers that need only geometry.
     pub without_pictures: bool,
     /// The radius of glTF's points and lines, in the coordinates of their mesh, as spheres and cylinders. Without it
     /// they are left out.

@@ -47,7 +47,7 @@ impl Shutter {
     /// The default number of keys: a quarter of a turn deviates from a circle by half a percent of its radius.
     pub const DEFAULT_KEYS: usize = 5;
 
-    /// The seconds after the frame's time at each of so many keys.
+    /// The seconds after the frame's time at each of `keys` keys.
     pub(crate) fn times(&self, keys: usize, fps: f64) -> impl Iterator<Item = f64> + use<> {
         let unit = if self.in_seconds { 1.0 } else { fps.recip() };
         let (open, length) = (self.open * unit, (self.close - self.open) * unit);

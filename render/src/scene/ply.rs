@@ -211,7 +211,7 @@ impl<'a> File<'a> {
                 let name = &element.name;
                 if piece.line == 0 {
                     let part = Place::Part(format!("{name} {}", piece.first + place));
-                    return self.error(part, "its values are not what the header says", "export the model again");
+                    return self.error(part, "its values do not match the header", "export the model again");
                 }
                 let line = piece.line + place;
                 let properties: Vec<&str> = element.properties.keys().map(String::as_str).collect();

@@ -36,9 +36,9 @@ pub enum Command {
     LookAtPicked,
     /// Show what a pixel is, by its column and row.
     Pick(u32, u32),
-    /// Show the layer that is so many places further.
+    /// Show the layer this many places further.
     Layer(isize),
-    /// Make the picture brighter by so many stops.
+    /// Make the picture brighter by this many stops.
     Expose(f32),
     /// The exposure and tone curve that it began with.
     ResetTone,
@@ -48,7 +48,7 @@ pub enum Command {
     MoreSamples,
     /// Show this beside the picture, or what is shown at first if it is shown already.
     Show(Page),
-    /// Scroll the text by so many lines.
+    /// Scroll the text by this many lines.
     Scroll(isize),
     /// Save the camera.
     Save,

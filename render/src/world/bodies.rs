@@ -101,7 +101,7 @@ impl World {
         self.lights.lights().iter().filter_map(place).collect()
     }
 
-    /// All triangles by what they hang together with, in the order of the least x.
+    /// All triangles by connected component, in the order of the least x.
     fn pieces(&self) -> Vec<Piece> {
         let mut numbers: HashMap<Key, u32> = HashMap::new();
         let mut roots: Vec<u32> = Vec::new();

@@ -39,7 +39,7 @@ impl World {
         hits[0]
     }
 
-    /// The nearest hits of many, and quicker, for rays of which neighbours run side by side, as those of the camera.
+    /// The nearest hits of many rays; faster for coherent rays, such as the camera's.
     pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
         self.ray_counters.add_side_by_side(rays.len());

@@ -89,8 +89,8 @@ pub fn patch(path: &Path, bytes: &[u8], parts: &[Part], pages: &[Page], target: 
     Ok(Patched { bytes, warnings })
 }
 
-/// The files that the file whose `bytes` these are names, as it spells them: who puts the new file into another folder
-/// must bring them along.
+/// The files that the file with these `bytes` refers to, as it spells them: they must be copied along with the new
+/// file.
 ///
 /// # Errors
 /// If the file is broken.

@@ -135,8 +135,8 @@ impl Files {
         hashes(scene, options, self.preset)
     }
 
-    /// Why files must be written anew although nothing that they depend on changed: what is asked for and was not written,
-    /// or is not as it was written; `None` if all is well.
+    /// The reason to rewrite files although their inputs are unchanged: requested files that were not written, or have
+    /// changed; `None` if there is none.
     pub(super) fn fault(&self, manifest: &Manifest) -> Option<String> {
         let asked = [Some(self.model.as_path()), self.report.as_deref()].into_iter().flatten();
         let is_new = |path: &&Path| manifest.outputs.iter().all(|output| output.file != self.relative(path));

@@ -33,7 +33,7 @@ const STRENGTHS: [f32; 2] = [0.5, 1.0];
 /// Times that a picture is gone over: each strength by each half.
 const PASSES: usize = 2 * STRENGTHS.len();
 
-/// A neighbour counts in full up to so many times the usual variance.
+/// A neighbour has its full weight up to this multiple of the median variance.
 const BEARABLE: f32 = 6.0;
 
 /// What is added to variances, by the square of the mean brightness: what is equal to this is equal.
@@ -162,7 +162,7 @@ impl Input {
 fn variance(extent: Extent, a: &[f32], b: &[f32], sampled: Option<&[f32]>) -> Vec<f32> {
     let squares: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a - b) * (a - b)).collect();
     let Some(sampled) = sampled else { return blurred(extent, &squares, PATCH) };
-    // Relative to brightness, lest one bright pixel speak for all around it.
+    // Relative to brightness, so that one bright pixel does not dominate its surroundings.
     let relative = |values: &[f32]| {
         let scaled = |i: usize| values[i] / (a[i] + b[i]).powi(2).max(f32::MIN_POSITIVE);
         blurred(extent, &(0..extent.len()).map(scaled).collect::<Vec<_>>(), WINDOW)

@@ -41,7 +41,7 @@ struct Waiting {
 }
 
 impl Trainer {
-    /// Begins with so many paths.
+    /// Begins with this many paths.
     pub(in crate::integrator) fn start(&mut self, count: usize) {
         self.bounces.clear();
         self.last.clear();

@@ -88,7 +88,7 @@ pub(crate) struct Document<'a> {
     point_radius: Option<f32>,
 }
 
-/// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
+/// Splits a file that may be JSON text or a GLB container, for callers that need no scene.
 pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>, container::Chunks<'a>), SceneError> {
     let chunks = match bytes.starts_with(b"glTF") {
         true => container::split(path, bytes)?,

@@ -136,7 +136,7 @@ impl Textures {
     }
 }
 
-/// Says who uses what is wrong.
+/// Adds the user of an invalid texture to the error.
 fn about(error: SceneError, user: &str) -> SceneError {
     SceneError { remedy: format!("{}; it is used by {user}", error.remedy), ..error }
 }

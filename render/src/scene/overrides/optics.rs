@@ -115,7 +115,7 @@ impl Overrides {
                 };
                 let height = ortho_height.or(of_width).or(of_base).ok_or_else(|| {
                     let remedy = "give ortho_height or ortho_width in the model's units, or a target";
-                    Invalid::new("nothing says how much the orthographic camera sees", remedy)
+                    Invalid::new("the orthographic camera has no height or width", remedy)
                 })?;
                 Projection::Orthographic { height }
             }
@@ -171,7 +171,7 @@ impl Overrides {
         };
         let focus = focus.ok_or_else(|| {
             let remedy = "give focus, a distance in the model's units, or focus_at, a point";
-            Invalid::new("nothing says at which distance the lens is sharp", remedy)
+            Invalid::new("the lens has no focus distance", remedy)
         })?;
         let (blades_of_base, rotation, ratio) =
             base.lens.map_or((0, 0.0, 1.0), |lens| (lens.blades, lens.rotation, lens.ratio));

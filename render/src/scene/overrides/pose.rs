@@ -34,7 +34,7 @@ impl Overrides {
                 let up = self.up.unwrap_or(Vec3::Y);
                 let inside = if new { None } else { frame_inside(scene, up, vfov) };
                 if !new {
-                    let what = if inside.is_some() { "that stands in its closed room" } else { "that shows all of it" };
+                    let what = if inside.is_some() { "inside its closed room" } else { "that shows all of it" };
                     let how = if scene.meshes.iter().any(|mesh| mesh.origin.is_some()) {
                         "set --eye and --target, or export one: Blender leaves cameras out unless Include > Cameras is on"
                     } else {

@@ -146,7 +146,7 @@ impl Reader<'_> {
 /// A thing that pbrt-v3 had and pbrt-v4 has not.
 fn of_v3(at: &At, what: &str) -> SceneError {
     let remedy = "convert the file with pbrt-v4: `pbrt --upgrade old.pbrt > new.pbrt`";
-    at.error(format!("{what} is of pbrt-v3, and files of pbrt-v4 are read"), remedy)
+    at.error(format!("{what} belongs to pbrt-v3; only pbrt-v4 is supported"), remedy)
 }
 
 #[cfg(test)]
