@@ -434,7 +434,8 @@ impl fmt::Display for InvalidTree {
             }
             Self::BadPrimitive { block, lane } => write!(
                 f,
-                "primitive {lane} of block {block} has a coordinate that is not finite or beyond ±{MAX_COORDINATE:e}, or no radius"
+                "primitive {lane} of block {block} has no radius, or a coordinate that is not finite or beyond \
+                 ±{MAX_COORDINATE:e}"
             ),
             Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
             Self::BadKeys { keys } => {

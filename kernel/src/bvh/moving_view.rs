@@ -20,8 +20,8 @@ impl<'a> MovingView<'a> {
     /// Borrows a tree of `keys` keys, with nodes and blocks stored key by key.
     ///
     /// # Errors
-    /// The errors of [`BvhView::new`], as each key is a tree, and [`InvalidTree::BadKeys`] if they are not of one shape with the
-    /// same triangles.
+    /// The errors of [`BvhView::new`], as each key is a tree, and [`InvalidTree::BadKeys`] if they are not of one shape
+    /// with the same triangles.
     pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize) -> Result<Self, Error> {
         let bad_keys = InvalidTree::BadKeys { keys };
         let divided = keys > 0 && nodes.len().is_multiple_of(keys) && blocks.len().is_multiple_of(keys);

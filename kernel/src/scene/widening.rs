@@ -12,8 +12,8 @@
 //!   extent of what the scene's reach spans. `F` is the greatest of their errors.
 //!
 //! and a ray widens all boxes, those of inner nodes too, by `max(E ρ, F (ρ - N))`. That is enough for every item and
-//! every ray: for an ordinary one `e_i ρ <= E ρ`, and for a distorted one `e_i ρ = e_i N + e_i (ρ - N) <= e_i N + F (ρ
-//! - N)` if `ρ > N`, and `e_i ρ <= e_i N` if not. An origin in what the reach spans has `ρ <= N / 2`, and one that is
+//! every ray: for an ordinary one `e_i ρ <= E ρ`, and for a distorted one `e_i ρ = e_i N + e_i (ρ - N) <= e_i N + F
+//! (ρ - N)` if `ρ > N`, and `e_i ρ <= e_i N` if not. An origin in what the reach spans has `ρ <= N / 2`, and one that is
 //! as far out as that is large has `ρ <= N`: such rays are affected by the boxes of distorted items only.
 //!
 //! The limit does not affect correctness: it is the least power of two, from [`ORDINARY`] on, that

@@ -128,7 +128,7 @@ fn parse(
     }
     format.check_content(path, text)?;
     if let Some(name) = options.camera.filter(|_| !matches!(format, Format::Gltf | Format::Glb)) {
-        let problem = format!("--model-camera {name:?}: this format has no named cameras");
+        let problem = format!("`model_camera` is {name:?}, but this format has no named cameras");
         return Err(whole(&problem, "leave `model_camera` out, or export the model as glTF"));
     }
     let scene = match format {

@@ -25,8 +25,8 @@ pub(crate) fn furnace(emission: f64, reflectance: f64) -> f64 {
 /// Variance of one path in the room if it survives each surface with probability `p`, and finds light only by bounces:
 /// `L_e² [(1+ρ) / ((1-ρ)(1-ρ²/p)) - 1/(1-ρ)²]`; infinite up to `p = ρ²`.
 ///
-/// A path's value is `X = L_e + (B/p) ρ X'`, with `B` one if it survives and `X'` distributed like `X`. So `E X² = L_e²
-/// + 2 ρ L_e E X + ρ²/p E X²`, which has a solution for `p > ρ²` alone.
+/// A path's value is `X = L_e + (B/p) ρ X'`, with `B` one if it survives and `X'` distributed like `X`. So `E X² =
+/// L_e² + 2 ρ L_e E X + ρ²/p E X²`, which has a solution for `p > ρ²` alone.
 pub(crate) fn roulette_variance(emission: f64, reflectance: f64, p: f64) -> f64 {
     let (rho, squares) = (reflectance, 1.0 - reflectance * reflectance / p);
     if squares <= 0.0 {

@@ -412,9 +412,9 @@ impl Skipped {
                 "primitives of points or lines are",
                 "skipped: --point-radius shows them",
             ),
-            (self.skinless, "primitive is", "primitives are", "shown without the skin, as it has no JOINTS_0"),
+            (self.skinless, "primitive is", "primitives are", "shown without the skin: JOINTS_0 is missing"),
             (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
-            (self.weightless, "vertex is", "vertices are", "bound to their first joint, as they have no weights"),
+            (self.weightless, "vertex is", "vertices are", "bound to the first listed joint: weights are missing"),
             (self.ranges, "light has", "lights have", "a range, which is ignored"),
         ];
         let counts = counts.iter().filter(|(number, ..)| *number > 0);
