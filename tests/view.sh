@@ -88,7 +88,7 @@ differ() {
 "$HALFDOME" render "$work/room.obj" "${options[@]}" -o "$work/first.png" --progress none
 await first "$work/first.png"
 
-# A click in the middle shows what is there, and its paths; the tree and the help have pages of their own.
+# A click in the middle picks a surface and shows its light paths; the tree and the help have pages of their own.
 xdotool mousemove --window "$window" 128 360 click 1
 sleep 1
 shot picked
@@ -135,5 +135,5 @@ code=0
 wait "$viewer" || code=$?
 viewer=
 [ $code -eq 0 ] || fail "the exit code is $code: $(cat "$work/messages")"
-grep -q "saved the camera in" "$work/messages" || fail "nothing says where the camera is: $(cat "$work/messages")"
+grep -q "saved the camera in" "$work/messages" || fail "there is no message about the saved camera: $(cat "$work/messages")"
 echo "view.sh: all is well"

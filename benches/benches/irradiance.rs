@@ -1,6 +1,5 @@
-//! Times what the kernel does with the rays of a gather: their sums with gradients, and their Hessian, in nanoseconds a
-//! ray, on one thread with each instruction set. Beside them what it takes to trace such rays in the Cornell box, where
-//! that is cheapest.
+//! Times the sums of a gather with gradients, and its Hessian, in nanoseconds a ray, on one thread with each
+//! instruction set; for comparison the tracing of such rays in the Cornell box, where it is cheapest.
 //!
 //! `cargo bench -p halfdome-benches --bench irradiance [-- --rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes, everything runs once, untimed.

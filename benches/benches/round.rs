@@ -1,4 +1,4 @@
-//! Times points and curves: trees of spheres in blocks of eight beside the same spheres one by one as a shape of the caller's,
+//! Times points and curves: trees of spheres in blocks of eight beside the same spheres one by one as a custom shape,
 //! discs, and linear and cubic hairs.
 //!
 //! `cargo bench -p halfdome-benches --bench round -- [--rounds N]`. With `--test`, or without the `--bench` that `cargo bench`

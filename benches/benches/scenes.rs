@@ -72,7 +72,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// Moves all and commits; tells whether the scene's tree was built anew.
+/// Moves all items and commits; returns whether the scene's tree was rebuilt.
 fn advance(scene: &mut Scene, handles: &[Handle], places: &[glam::Affine3A]) -> Result<bool, Error> {
     for (&handle, place) in handles.iter().zip(places) {
         scene.set_transform(handle, place)?;

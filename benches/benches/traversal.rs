@@ -1,5 +1,5 @@
-//! Times the kernel's entry points on scenes and rays of several kinds, one thread, and checks that all find the same; and
-//! batches on two threads, as a multiple of one.
+//! Times the kernel's entry points on scenes and rays of several kinds, one thread, and checks that all results are
+//! equal; and batches on two threads, relative to one.
 //!
 //! `cargo bench -p halfdome-benches -- [--scene NAME]… [--rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes (so under `cargo test --benches`), each entry point traces a few rays once, untimed.

@@ -31,7 +31,7 @@ pub fn places(count: u32, frame: u32) -> Vec<Affine3A> {
 /// A scene of instances of `mesh`.
 ///
 /// # Errors
-/// Those of [`Scene::build`].
+/// The errors of [`Scene::build`].
 pub fn scene<'a>(mesh: &'a Bvh, places: &[Affine3A], quality: Quality) -> Result<Scene<'a>, Error> {
     let items = places.iter().map(|place| Item::new(mesh.view()).placed(place)).collect::<Result<_, _>>()?;
     Ok(Scene::build(items, &BuildOptions::from(quality))?.0)

@@ -1,5 +1,5 @@
-//! What the benchmarks share: [`scenes`] to trace, [`rays`] to trace in them, the ways to trace them ([`tracer`]) and
-//! how those are timed and their answers compared ([`measure`], [`rounds`]).
+//! The shared code of the benchmarks: [`scenes`] to trace, [`rays`] to trace in them, the ways to trace them
+//! ([`tracer`]) and how those are timed and their answers compared ([`measure`], [`rounds`]).
 //!
 //! `cargo bench -p halfdome-benches` times the kernel's entry points against each other; the binary `peers` times them
 //! against other ray tracers, and `renderers` times the path tracer against other renderers.

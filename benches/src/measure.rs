@@ -1,4 +1,4 @@
-//! Timing tracers against each other, and comparing what they answer.
+//! Timing tracers against each other, and comparing their results.
 //!
 //! All tracers take turns in every round, so that a machine that slows down slows all of them; a ratio is the median of
 //! the rounds' ratios, which drift cancels from.

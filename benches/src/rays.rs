@@ -1,7 +1,7 @@
-//! The rays to trace: those of a camera, and those that a renderer sends out from what the camera sees.
+//! The rays to trace: those of a camera, and those that a renderer traces from the camera's hits.
 //!
 //! They depend on the scene alone. All start at `t_min` 0 with directions of unit length; those that leave a surface
-//! start a ten-thousandth of the scene's diagonal above it, far enough that tracers that round otherwise hit the same.
+//! start a ten-thousandth of the scene's diagonal above it, far enough that tracers with other rounding hit the same.
 
 use glam::Vec3;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};

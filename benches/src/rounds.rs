@@ -1,4 +1,4 @@
-//! How often a benchmark runs, and the median of the times that it takes.
+//! The rounds of a benchmark, and the median of their times.
 
 use std::time::Instant;
 

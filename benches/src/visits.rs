@@ -1,4 +1,4 @@
-//! How much of a tree a ray sees: a measure of the tree that no other load on the machine disturbs.
+//! The nodes and blocks that a ray visits: a measure of the tree that is independent of the machine's load.
 
 use glam::Vec3;
 use halfdome_kernel::bvh::{Child, WIDTH};

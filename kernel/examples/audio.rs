@@ -1,5 +1,5 @@
-//! What a room does to a clap: rays from the source, reflected by the walls in batches, heard by a ball-shaped listener.
-//! `cargo run --release -p halfdome-kernel --example audio`
+//! The echo of a clap in a room: rays from the source, reflected by the walls in batches, recorded by a spherical
+//! listener. `cargo run --release -p halfdome-kernel --example audio`
 
 use glam::{Vec3, Vec3Swizzles, vec3};
 use halfdome_kernel::sampling::Stream;
@@ -8,7 +8,7 @@ use halfdome_kernel::{BuildOptions, Bvh, Error, Hit, Ray, Triangle, offset_origi
 
 const RAYS: u32 = 50_000;
 const REFLECTIONS: usize = 60;
-/// Of the energy, at each reflection.
+/// The part of the energy that each reflection keeps.
 const REFLECTED: f32 = 0.85;
 /// In metres a second.
 const SPEED_OF_SOUND: f32 = 343.0;

@@ -1,4 +1,4 @@
-//! A tree and a scene as bytes, traced where they lie: `cargo run -p halfdome-kernel --example blob`.
+//! A tree and a scene as bytes, traced in place: `cargo run -p halfdome-kernel --example blob`.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Questions that engines ask of a tree: filters, all hits, sides, the closest point, overlaps, refitting.
-//! `cargo run -p halfdome-kernel --example queries`
+//! Queries of engines: filters, all hits, sides, the closest point, overlaps, refitting. `cargo run -p halfdome-kernel
+//! --example queries`
 
 use core::ops::ControlFlow;
 

@@ -1,5 +1,5 @@
-//! Spheres of the caller's own among triangles, drawn as a PGM picture:
-//! `cargo run --release -p halfdome-kernel --example spheres > spheres.pgm`.
+//! Custom spheres among triangles, drawn as a PGM picture: `cargo run --release -p halfdome-kernel --example spheres >
+//! spheres.pgm`.
 
 use std::f32::consts::TAU;
 

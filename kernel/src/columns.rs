@@ -1,24 +1,24 @@
-//! Rows turned into columns and back: what lies together in memory, such as a ray or a triangle with all that is known of
-//! it, and what lies side by side in lanes, such as the same number of many rays.
+//! Transposes rows into columns and back: a row is one record in memory, such as a ray or a triangle with its data, and
+//! a column is one field of many records, side by side in lanes.
 //!
-//! Plain loops over columns become lanes, but to write columns number by number takes a store for each. Here eight rows at
-//! a time are loaded whole, mirrored at the diagonal in registers, and stored as eight parts of columns. Nothing but bits
-//! is moved: rows may hold integers as well as floats.
+//! The compiler vectorises plain loops over columns, but writing columns word by word takes a store for each word. Here
+//! eight rows at a time are loaded, transposed in registers, and stored as eight parts of columns. Only bits are moved:
+//! rows may hold integers as well as floats.
 
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
-/// Eight numbers that lie together.
+/// A row of eight words.
 pub type Row = [f32; 8];
 
-/// Of `LANES` rows the first numbers, the second numbers, and so on.
+/// The first words of `LANES` rows, then their second words, and so on.
 pub type Columns<const LANES: usize> = [[f32; LANES]; 8];
 
-/// Eight rows are mirrored together.
+/// Rows that are transposed together.
 const EIGHT: usize = 8;
 
-/// Writes those rows of `table` that have these `numbers` to the columns' lanes, in order; each row has `PARTS` times eight
-/// numbers. Rows beyond the table are zeros, numbers beyond the lanes are left out, and in lanes behind the last row
-/// anything may be written.
+/// Writes the rows of `table` with the indices `numbers` to the columns' lanes, in order; each row has `PARTS` times
+/// eight words. Indices beyond the table give zeros, `numbers` beyond the lanes are ignored, and the lanes after the
+/// last row are unspecified.
 pub fn load<const PARTS: usize, const LANES: usize>(
     isa: Isa,
     table: &[[Row; PARTS]],
@@ -28,9 +28,9 @@ pub fn load<const PARTS: usize, const LANES: usize>(
     dispatch(isa, Load { table, numbers, columns });
 }
 
-/// Writes rows of the first lanes of `columns` to the start of `rows`, as many lanes as `keeps` has elements, and of those
-/// in order the ones for which it is not 0. Gives their number; in as many rows as there are lanes, those behind the kept
-/// ones are of no meaning. Rows without a place are left out.
+/// Writes the rows of those lanes for which `keeps` is not 0 to the start of `rows`, in order. `keeps` has an element
+/// for each of the first lanes of `columns`. Returns the number of rows; the rows after them, up to the number of
+/// lanes, are unspecified. Rows beyond the end of `rows` are dropped.
 pub fn compress<const WIDTH: usize, const LANES: usize>(
     isa: Isa,
     columns: &[[f32; LANES]; WIDTH],
@@ -66,7 +66,7 @@ impl<const PARTS: usize, const LANES: usize> Work for Load<'_, PARTS, LANES> {
     }
 }
 
-/// Writes eight rows to the lanes of this number, times eight.
+/// Writes eight rows to the lanes from `8 * group` on.
 #[inline(always)]
 fn load_eight<S: Simd, const PARTS: usize, const LANES: usize>(
     table: &[[Row; PARTS]],
@@ -128,7 +128,7 @@ fn compress_rows<S: Simd, const WIDTH: usize>(
     mut kept: usize,
 ) -> usize {
     for (row, &keep) in rows.iter().zip(keeps) {
-        // Written in any case, and kept or written over: nobody can foresee which.
+        // Written in any case, and kept or written over: it is unpredictable which.
         if let Some(place) = places.get_mut(kept)
             && let Some(numbers) = row.store().first_chunk()
         {

@@ -20,7 +20,7 @@
 //! # }
 //! ```
 //!
-//! Trace many rays: slices are the quickest way.
+//! Trace many rays: slices are the fastest way.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -94,8 +94,8 @@
 //! | [`irradiance`] | irradiance of a point, its gradients and Hessian, from the rays of a gather |
 //! | [`columns`] | rows of memory transposed into SIMD lanes |
 //!
-//! Data flows one way: `geometry`, `mesh`, `bvh`, `traverse`, `scene`. `sampling`, then `irradiance`, stand beside them. No module
-//! imports from those after it.
+//! Modules depend on each other in one direction: `geometry`, `mesh`, `bvh`, `traverse`, `scene`. `sampling`, then
+//! `irradiance`, stand beside them. No module imports from those after it.
 //!
 //! # Features and instruction sets
 //!
@@ -105,9 +105,9 @@
 //! - `obvhs`: makes trees of the binary trees that the crate obvhs builds, by `Bvh::from_obvhs`; implies `std`.
 //! - none of them: traces trees that lie in the caller's memory.
 //!
-//! Without `std` the processor cannot be asked. The instruction set is then what the program is compiled for: the portable one
-//! (SSE2 on x86-64, NEON on AArch64) unless you ask for more by `-C target-cpu` or `-C target-feature`, or by
-//! [`Isa::assume`] and [`BvhView::with_isa`]. It is several times slower than AVX-512; hits are the same.
+//! Without `std` the processor is not detected. The instruction set is then the target's portable one (SSE2 on x86-64,
+//! NEON on AArch64) unless you choose another by `-C target-cpu` or `-C target-feature`, or by [`Isa::assume`] and
+//! [`BvhView::with_isa`]. It is several times slower than AVX-512; hits are the same.
 //!
 //! # What a hit is
 //! The hit of a ray with a triangle depends on these two alone: not on the tree, on other triangles, on the width of
@@ -118,8 +118,8 @@
 //! Coordinates up to [`MAX_COORDINATE`]; directions whose largest component is between [`MIN_DIRECTION`] and
 //! [`MAX_DIRECTION`]. Triangles beyond are dropped and counted when a tree is built; rays beyond, or with a NaN
 //! anywhere, hit nothing. In scenes this holds in every space that a transform takes a ray to, and a transform may
-//! distort by [`scene::MAX_CONDITION`]. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries of
-//! a traversal's stack. What is beyond is an [`Error`]; nothing here panics for it.
+//! distort by [`scene::MAX_CONDITION`]. A tree holds up to 2²⁹ - 1 triangles and needs up to [`bvh::MAX_STACK`] entries
+//! of a traversal's stack. Exceeding a limit gives an [`Error`], not a panic.
 //!
 //! # Trees in files and in flash
 //! `Bvh::to_bytes` gives a tree as bytes, which [`BvhView::from_bytes`] borrows and traces where they lie: see
@@ -155,7 +155,8 @@ pub use geometry::{
     RoundSurface, Sphere, Surface, SurfacePoint, Triangle, offset_distance, offset_origin, offset_point,
     triangle_normal,
 };
-/// The crate of the vectors and transforms in this crate's interface, version 0.34: another version has other types.
+/// The crate of the vectors and transforms in this crate's interface, version 0.34: types of other versions do not
+/// match.
 pub use glam;
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;

@@ -2,13 +2,13 @@
 
 use halfdome_kernel::Executor;
 
-/// The threads of the current rayon pool, and whom to tell of a build's progress: fractions that add up to about 1,
+/// The threads of the current rayon pool, and the receiver of a build's progress: fractions that add up to about 1,
 /// from all threads.
 #[derive(Clone, Copy)]
 pub struct RayonExecutor<'w>(pub &'w (dyn Fn(f32) + Sync));
 
 impl RayonExecutor<'_> {
-    /// Without anybody who is told.
+    /// An executor without a receiver of progress.
     pub const UNWATCHED: Self = Self(&|_| ());
 }
 

@@ -1,4 +1,4 @@
-//! What the tests of several modules build their scenes of.
+//! Fixtures for the scenes of several modules' tests.
 
 use std::f32::consts::{PI, TAU};
 

@@ -3,8 +3,8 @@
 //!
 //! # What one can do
 //!
-//! Render a scene and write the picture. A [`scene::Scene`] is a description, read from a file or made by you; a
-//! [`world::World`] is that made ready for tracing; a [`film::Picture`] is what comes out. It depends on the scene and the
+//! Render a scene and write the picture. A [`scene::Scene`] is a description, read from a file or built in memory; a
+//! [`world::World`] is a scene prepared for tracing; a [`film::Picture`] is the result. It depends on the scene and the
 //! settings alone, not on threads.
 //!
 //! ```
@@ -71,7 +71,7 @@
 //! | [`denoise`] | denoising of pictures |
 //! | [`cache`] | irradiance caches: records, interpolation, files |
 //! | [`irradiance`] | irradiance at points |
-//! | [`bake`] | lightmaps and ambient occlusion, for glTF and OBJ |
+//! | [`bake`] | lightmaps and ambient occlusion, for glTF, OBJ and PLY |
 //! | [`cubemap`] | prefiltered cube maps |
 //! | [`probes`] | light probes and irradiance volumes |
 //! | [`lpe`] | light path expressions |

@@ -1,4 +1,4 @@
-//! What is drawn over a picture: where the records of an irradiance cache are.
+//! Draws the records of an irradiance cache over a picture.
 
 use glam::Vec2;
 use halfdome_kernel::Ray;

@@ -1,4 +1,4 @@
-//! The world: a scene made ready for tracing.
+//! The world: a scene prepared for tracing.
 
 mod assemble;
 mod bodies;
@@ -51,23 +51,23 @@ pub struct World {
     has_holes: bool,
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
-    /// Of each `prim_id`.
+    /// The convexity of each `prim_id`.
     bulges: Vec<Bulge>,
     has_closures: bool,
-    /// What solids absorb.
+    /// The absorption of solids.
     solids: Solids,
-    /// What shadow rays pass through.
+    /// Glass that shadow rays cross.
     glass: Glass,
-    /// Of each material.
+    /// The closures of each material.
     closures: Vec<ClosureCell>,
-    /// What is behind each `prim_id`: first all triangles that are in world space, then those of each object.
+    /// The record of each `prim_id`: first all triangles in world space, then those of each object.
     triangle_records: Vec<TriangleRecord>,
     /// The number of the former, and of those of them that do not move, which come first.
     placed: usize,
     still: usize,
-    /// What each material says of plain surfaces.
+    /// The data of each material for plain surfaces.
     material_records: Vec<MaterialRecord>,
-    /// What is known of each light that is a triangle, by its index.
+    /// The record of each light that is a triangle, by its index.
     emitter_records: Vec<EmitterRecord>,
     /// The `prim_id` of each mesh's first triangle.
     first_faces: Vec<u32>,
@@ -86,7 +86,7 @@ pub struct World {
     /// Of each punctual light, in the scene's order.
     light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
-    /// Which of the lit triangles are plain otherwise.
+    /// The lit triangles that are plain otherwise.
     plain_lit: Vec<u32>,
     ray_counters: RayCounters,
 }
@@ -110,7 +110,7 @@ pub enum WorldError {
         number: usize,
         /// Its object's number.
         object: usize,
-        /// What is wrong with the transform.
+        /// The error of the transform.
         error: Error,
     },
     /// No tree can be built.
@@ -131,7 +131,7 @@ impl World {
     /// Likewise, to find light elsewhere than in a picture of its camera.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn looking_from(scene: Scene, from: LookFrom) -> Result<Self, WorldError> {
         // Only pictures are taken for a time.
         let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
@@ -144,7 +144,7 @@ impl World {
     /// Makes a scene ready, with a tree that is built where `executor` says.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let mut world = Self::assemble(scene, options, executor)?;
         world.look(LookFrom::Camera);
@@ -166,7 +166,7 @@ impl World {
         self.bvh.view()
     }
 
-    /// What loops in lanes are run with: that with which the tree is traced.
+    /// The instruction set of loops in lanes: that of the tree.
     #[inline(always)]
     pub(crate) fn isa(&self) -> Isa {
         self.isa
@@ -177,12 +177,12 @@ impl World {
         self.bvh.statistics()
     }
 
-    /// What was left out of the tree.
+    /// The report of the tree's build.
     pub fn build_report(&self) -> BuildReport {
         self.report
     }
 
-    /// How many instances reach beyond [`MAX_COORDINATE`](halfdome_kernel::MAX_COORDINATE), and are not seen.
+    /// How many instances reach beyond [`MAX_COORDINATE`](halfdome_kernel::MAX_COORDINATE), and are invisible.
     pub fn instances_out_of_range(&self) -> usize {
         self.instances.as_ref().map_or(0, |instances| instances.out_of_range)
     }
@@ -202,12 +202,12 @@ impl World {
         self.surroundings_hash
     }
 
-    /// Where pictures are taken from.
+    /// The camera.
     pub fn camera(&self) -> CameraPose {
         self.camera
     }
 
-    /// How pictures are taken from there.
+    /// The camera's optics.
     pub fn optics(&self) -> &Optics {
         &self.optics
     }
@@ -217,7 +217,7 @@ impl World {
         Camera::new(&self.camera, &self.optics, width, height)
     }
 
-    /// The camera at each key of the shutter's time; none if it stands still.
+    /// The camera at each key of the shutter's time; empty if it is static.
     pub(crate) fn cameras_on(&self, width: u32, height: u32) -> Vec<Camera> {
         let poses = self.motion.as_ref().map_or(&[][..], Motion::cameras);
         poses.iter().map(|pose| Camera::new(pose, &self.optics, width, height)).collect()
@@ -231,32 +231,32 @@ impl World {
         }
     }
 
-    /// The same, and prepares for what is seen from there, so that pictures have the noise of a world that was made with this
-    /// camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
+    /// The same, and prepares for the view from there, so that pictures have the noise of a world that was made with
+    /// this camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
     pub fn look_through(&mut self, camera: CameraPose) {
         self.set_camera(camera);
         self.look(LookFrom::Camera);
     }
 
-    /// What is known of each triangle.
+    /// The record of each triangle.
     #[inline(always)]
     pub(crate) fn triangle_records(&self) -> &[TriangleRecord] {
         &self.triangle_records
     }
 
-    /// What each material says of plain triangles.
+    /// The data of each material for plain triangles.
     #[inline(always)]
     pub(crate) fn material_records(&self) -> &[MaterialRecord] {
         &self.material_records
     }
 
-    /// What is known of each light that is a triangle, by its index.
+    /// The record of each light that is a triangle, by its index.
     #[inline(always)]
     pub(crate) fn emitter_records(&self) -> &[EmitterRecord] {
         &self.emitter_records
     }
 
-    /// What is known of the triangles that are in world space, not in an object.
+    /// The records of the triangles in world space, not in an object.
     #[inline(always)]
     pub(crate) fn placed_records(&self) -> &[TriangleRecord] {
         &self.triangle_records[..self.placed]

@@ -16,7 +16,7 @@ pub fn isas() -> impl Iterator<Item = Isa> {
     Level::ALL.into_iter().filter_map(Isa::new)
 }
 
-/// Bits of a hit, so that zeros of different signs tell.
+/// Bits of a hit, so that zeros of different signs differ.
 pub fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
     hit.map(|hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.prim_id])
 }

@@ -1,5 +1,5 @@
-//! What the tests of more than one topic share: all ways to trace compared, random numbers, exact lights, renders with their
-//! statistics, and runs of the program.
+//! Shared code of the tests: all ways to trace compared, random numbers, exact lights, renders with their statistics,
+//! and runs of the program.
 #![forbid(unsafe_code)]
 
 pub mod check;

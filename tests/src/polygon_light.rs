@@ -27,7 +27,7 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// Those of no light.
+    /// The derivatives of no light.
     pub const ZERO: Self = Self { irradiance: 0.0, gradient: DVec3::ZERO, hessian: DMat3::ZERO };
 }
 

@@ -1,4 +1,4 @@
-//! Runs of the program in a folder of its own, and what they leave there.
+//! Runs of the program in a folder of its own, and the files there.
 
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
@@ -53,7 +53,7 @@ impl Program<'_> {
         self.run(&line.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// Like [`run_line`](Self::run_line), but files that the run writes do not tell the time that it took.
+    /// Like [`run_line`](Self::run_line), but the files of the run do not contain its time.
     pub fn run_reproducibly(&self, line: &str) -> Outcome {
         let mut command = self.command(&line.split_whitespace().collect::<Vec<_>>());
         command.env("SOURCE_DATE_EPOCH", "0");

@@ -1,4 +1,4 @@
-//! Random numbers that owe nothing to the kernel's: PCG32 (O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient
+//! Random numbers independent of the kernel's: PCG32 (O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient
 //! Statistically Good Algorithms for Random Number Generation").
 
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Renders without the command line, and the statistics of what they give.
+//! Renders without the command line, and statistics of their results.
 
 use glam::{DVec3, Vec3};
 use halfdome::driver::{self, Watch};

@@ -1,5 +1,5 @@
-//! The Cornell box against a path tracer of another make: in `f64`, over all triangles at every step, with another
-//! random generator, direct light by uniform points of the lamp alone, and no weights between strategies.
+//! The Cornell box against an independent path tracer: in `f64`, over all triangles at every step, with another random
+//! generator, direct light by uniform points of the lamp alone, and no weights between strategies.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
-//! The documents at the root, in `docs/` and in `embed/`: links lead somewhere, files that ARCHITECTURE.md names exist, and
-//! what is to be read at one sitting is short.
+//! The documents at the root, in `docs/` and in `embed/`: links lead somewhere, files that ARCHITECTURE.md names exist,
+//! and pages for newcomers are short.
 
 use std::collections::HashSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Instances: what is kept once looks as its copies would, and rays leave it as they leave anything.
+//! Instances: shared meshes look like copies, and rays leave them as they leave other surfaces.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,4 +1,4 @@
-//! The way by which users come: the Cornell box as model files gives the very bytes of the built-in one.
+//! The Cornell box as model files gives the same bytes as the built-in one.
 //!
 //! All numbers survive the files: decimals have as many digits as tell a float from its neighbours, and the emission in
 //! glTF is split at a power of two.

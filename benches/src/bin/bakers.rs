@@ -1,11 +1,11 @@
-//! Bakes the Cornell box's lightmap with our baker and with Blender's Cycles, one thread each, onto the same texels, and says
-//! how long each takes for the same error.
+//! Bakes the Cornell box's lightmap with our baker and with Blender's Cycles, one thread each, onto the same texels,
+//! and prints the time of each for the same error.
 //!
-//! `setup-renderers.sh` installs Cycles; without it there is only our line. Errors are relative to each texel's irradiance,
-//! root mean square over the texels whose neighbours lie on the same chart, against two bakes of ours in which each texel
-//! gathers for itself, by paths: `mean((x - a)(x - b))` is free of their noise. That Cycles' maps tend to them too is seen
-//! from `brighter`. Cycles' error falls with the root
-//! of its samples, as long as noise is what it is: the time for our error follows from that.
+//! `setup-renderers.sh` installs Cycles; without it only our line is printed. Errors are relative to each texel's
+//! irradiance, root mean square over the texels whose neighbours lie on the same chart, against two bakes of ours in
+//! which each texel gathers for itself, by paths: `mean((x - a)(x - b))` is free of their noise. `brighter` shows that
+//! Cycles' maps converge to them too. Cycles' error falls with the root of its samples while it is noise: the time for
+//! our error follows from that.
 
 use std::fs;
 use std::io::Write as _;
@@ -180,7 +180,7 @@ fn cycles(scene: &Scene, atlas: &Atlas, spp: &[u32]) -> Result<Vec<Timed>, Failu
     let answers = str::from_utf8(&output.stdout)?.lines();
     let answers = answers.map(serde_json::from_str).collect::<Result<Vec<Value>, _>>()?;
     let mut maps = Vec::new();
-    // Behind the line that says what it is.
+    // After the header line.
     for (number, (spp, answer)) in asked.iter().zip(answers.iter().skip(1)).enumerate().skip(1) {
         let seconds = answer["seconds"].as_f64().ok_or_else(|| format!("it gives no time: {answer}"))?;
         let bytes = fs::read(picture.with_extension(number.to_string()))?;

@@ -1,8 +1,7 @@
-//! Compares the qualities of trees: how long they take to build, what they weigh, what they are expected to cost, and how
-//! fast rays are traced through them, in turns.
+//! Compares the qualities of trees: build time, memory, expected cost and tracing speed, in turns.
 //!
-//! How many nodes and blocks a ray visits is counted too: a figure without noise. Embree and the other ray tracers are in
-//! the binary `peers`.
+//! The nodes and blocks that a ray visits are counted too: a figure without noise. Embree and the other ray tracers are
+//! in the binary `peers`.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -1,9 +1,9 @@
-//! Counts the instructions of the kernel's hot paths in Valgrind, and fails where they exceed a limit: a slowdown that no
-//! busy machine hides. `benches/instructions.sh` installs Valgrind and runs it.
+//! Counts the instructions of the kernel's hot paths in Valgrind, and fails where they exceed a limit: a slowdown that
+//! shows on a busy machine too. `benches/instructions.sh` installs Valgrind and runs it.
 //!
-//! `instructions` runs itself in Callgrind once for each path, as `instructions NAME`; what [`counted`] calls is counted.
-//! Valgrind knows AVX2 and no AVX-512. Compilers differ by less than the 5% that are allowed. Who makes a path quicker
-//! lowers its count; the rays are a thousand.
+//! `instructions` runs itself in Callgrind once for each path, as `instructions NAME`; what [`counted`] calls is
+//! counted. Valgrind supports AVX2 but not AVX-512. Compilers differ by less than the allowed 5%. A faster path gets a
+//! lower limit; there are a thousand rays.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The scenes that are traced: triangles, where the camera stands and where the light is.
+//! The traced scenes: triangles, camera and light.
 //!
 //! All but the kitchen are built in. Those that are made come from the kernel's own sines and random numbers, and are
 //! the same on every machine.
@@ -151,7 +151,7 @@ impl fmt::Display for SceneError {
     }
 }
 
-/// Runs `work` on each scene, skips those that are not to be had, and stops at the first error; both are told on stderr.
+/// Runs `work` on each scene, skips unavailable ones, and stops at the first error; both are reported on stderr.
 pub fn for_each(names: &[String], mut work: impl FnMut(&Scene) -> Result<(), Box<dyn Error>>) -> ExitCode {
     for name in names {
         let result = match by_name(name) {

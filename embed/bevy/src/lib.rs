@@ -88,7 +88,7 @@ fn attach(
     }
 }
 
-/// The lightmap of each primitive, if the extras tell them.
+/// The lightmap of each primitive, if the extras have them.
 fn files(extras: &str) -> Option<Vec<Option<String>>> {
     let extras: Value = serde_json::from_str(extras).ok()?;
     let files = extras.get(KEY)?.as_array()?.iter();

@@ -1,6 +1,6 @@
-//! The header is what cbindgen makes of the source today.
+//! The header equals cbindgen's output for the source.
 //!
-//! After a change, `HALFDOME_HEADER=write cargo test -p halfdome-c --test header` writes it anew.
+//! After a change, `HALFDOME_HEADER=write cargo test -p halfdome-c --test header` rewrites it.
 
 use std::path::Path;
 

@@ -62,7 +62,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Draws the picture of `tree`, and a line that tells the rays and the checksum. `clock` tells the time.
+/// Draws the picture of `tree`, and a line with the rays and the checksum. `clock` gives the time.
 ///
 /// # Errors
 /// Those of `out`.

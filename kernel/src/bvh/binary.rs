@@ -1,4 +1,4 @@
-//! A binary tree: what is built first, improved by moving subtrees, and made eight children wide.
+//! A binary tree: it is built first, improved by moving subtrees, and collapsed to eight children a node.
 
 use alloc::vec::Vec;
 
@@ -10,7 +10,7 @@ use crate::geometry::Aabb;
 /// Siblings lie side by side, the first one at an odd index.
 pub(super) struct BinaryTree {
     pub nodes: Vec<BinaryNode>,
-    /// What is in the leaves.
+    /// The primitives of the leaves.
     pub prims: Vec<Primitive>,
 }
 

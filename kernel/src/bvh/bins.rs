@@ -49,7 +49,7 @@ impl Binning {
     }
 }
 
-/// What is in the bins of each axis.
+/// The contents of the bins of each axis.
 #[derive(Clone)]
 pub(super) struct Bins {
     bounds: [[Bounds; 3]; MAX_BINS],
@@ -138,7 +138,7 @@ impl Bins {
 }
 
 impl Split {
-    /// Moves the left side's primitives to the front; how many there are, and both sides' extents.
+    /// Moves the left side's primitives to the front; returns their number and both sides' extents.
     pub(super) fn partition<E: Executor>(
         &self,
         executor: &E,
@@ -150,7 +150,7 @@ impl Split {
         (middle, [side(0), side(1)])
     }
 
-    /// How many go to the left, and the boxes around both sides' centres.
+    /// The number of primitives on the left, and the boxes around both sides' centres.
     fn move_left<E: Executor>(&self, executor: &E, binning: &Binning, prims: &mut [Primitive]) -> (usize, [Bounds; 2]) {
         if prims.len() > CHUNK {
             let half = prims.len() / 2;
@@ -166,7 +166,7 @@ impl Split {
             front.swap_with_slice(&mut back[rest..]);
             return (left + more, centers);
         }
-        // Without a branch on the side, which nobody could predict.
+        // Without a branch on the side, which would be unpredictable.
         let mut centers = [Bounds::EMPTY; 2];
         let mut middle = 0;
         for i in 0..prims.len() {

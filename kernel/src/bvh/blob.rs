@@ -1,6 +1,7 @@
-//! Trees as bytes: written once, then traced where they lie, be it in flash, in a memory map or in a program's data.
+//! Trees as bytes: written once, then traced in place, in flash, in a memory map or in a program's data.
 //!
-//! A blob is a header of 64 bytes, the nodes (256 bytes each) and the blocks (320 bytes each), just as they lie in memory:
+//! A blob is a header of 64 bytes, the nodes (256 bytes each) and the blocks (320 bytes each), with the same layout as
+//! in memory:
 //!
 //! | offset | bytes | |
 //! | --- | --- | --- |
@@ -14,9 +15,9 @@
 //! | 56 | 4 | expected cost of a random ray, as in `TreeStatistics` |
 //! | 60 | 4 | CRC-32 (ISO-HDLC, as in PNG and zip) of all bytes but these four |
 //!
-//! Numbers are in the order of the machine that wrote them. Reading it elsewhere is refused, as turning them round would
-//! take memory; so are other versions. All that traversal relies on is checked when a blob is opened, in one pass over
-//! it: a blob that is accepted is safe to trace, whoever made it.
+//! Numbers have the byte order of the machine that wrote them. Blobs of the other byte order are refused, as swapping
+//! bytes would take memory; so are other versions. Everything that traversal relies on is checked when a blob is
+//! opened, in one pass: an accepted blob is safe to trace, whoever wrote it.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -50,7 +51,7 @@ struct Header {
 // Nodes follow the header, and lie aligned where it does.
 const _: () = assert!(size_of::<Header>() == HEADER && HEADER.is_multiple_of(BLOB_ALIGNMENT));
 
-/// Something at an address that suits a blob.
+/// A value at an address that suits a blob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(64))]
 pub struct Aligned<T: ?Sized>(pub T);
@@ -74,10 +75,10 @@ impl<'a> BvhView<'a> {
     /// memory.
     ///
     /// # Errors
-    /// - [`Error::NotABlob`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: by the first bytes.
+    /// - [`Error::NotABlob`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: the first bytes do not match.
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
-    /// - [`Error::Misaligned`]: it does not lie where it can be traced; with `alloc`, `Bvh::from_bytes` copies it.
-    /// - [`Error::Damaged`]: the checksum is another.
+    /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Bvh::from_bytes` copies it.
+    /// - [`Error::Damaged`]: the checksum does not match.
     /// - [`Error::BadHeader`], [`Error::InvalidTree`]: the bytes were not written by halfdome.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, Error> {
         let header = Header::read(bytes)?;
@@ -145,8 +146,8 @@ impl Header {
     }
 }
 
-/// The corners of the scene's box as a header has them: zeros without a sign, as which of 0 and -0 is the lesser differs
-/// between machines, and a tree must have one blob.
+/// The corners of the scene's box as a header has them: zeros without a sign, as machines differ in whether 0 or -0 is
+/// the lesser, and equal trees must have equal blobs.
 fn stored_bounds(root: &Node) -> [[f32; 3]; 2] {
     let Aabb { min, max } = root.bounds();
     [min + 0.0, max + 0.0].map(|corner| corner.to_array())
@@ -174,7 +175,7 @@ mod owned {
     struct Line([u8; BLOB_ALIGNMENT]);
 
     impl Blob {
-        /// So many zeros, a multiple of [`BLOB_ALIGNMENT`].
+        /// The given number of zeros, a multiple of [`BLOB_ALIGNMENT`].
         pub(crate) fn zeroed(len: usize) -> Self {
             Self(vec![Line::zeroed(); len / BLOB_ALIGNMENT])
         }
@@ -202,7 +203,7 @@ mod owned {
     }
 
     impl Bvh {
-        /// The tree as bytes: equal for equal trees, and to be read by machines with the same order of bytes.
+        /// The tree as bytes: equal for equal trees, and readable on machines of the same byte order.
         pub fn to_bytes(&self) -> Blob {
             let (nodes, blocks) = (self.view().nodes(), self.view().blocks());
             let [min, max] = stored_bounds(&nodes[0]);
@@ -233,7 +234,7 @@ mod owned {
         /// A copy of the tree in a blob, which may begin at any address.
         ///
         /// # Errors
-        /// Those of [`BvhView::from_bytes`], but for [`Error::Misaligned`].
+        /// The errors of [`BvhView::from_bytes`], but for [`Error::Misaligned`].
         pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
             let header = Header::read(bytes)?;
             header.check_sum(bytes)?;

@@ -1,11 +1,11 @@
-//! What the headers of blobs have in common, of trees and of scenes: one cache line, which begins with a magic number, the
-//! order of bytes and the version, and ends with a checksum.
+//! The common part of the headers of trees' and scenes' blobs: one cache line, which begins with a magic number, the
+//! byte order and the version, and ends with a checksum.
 
 use bytemuck::AnyBitPattern;
 
 use crate::error::Error;
 
-/// What tells the order of bytes.
+/// The marker of the byte order.
 pub(crate) const BYTE_ORDER: u32 = 0x0102_0304;
 
 /// Bytes of a header: one cache line.
@@ -17,7 +17,7 @@ pub(crate) trait BlobHeader: AnyBitPattern {
     const MAGIC: [u8; 8];
     /// The only version that is read.
     const VERSION: u32;
-    /// Of bytes that begin otherwise.
+    /// The error for bytes with another magic number.
     const NOT_THIS: Error;
 
     fn byte_order(&self) -> u32;

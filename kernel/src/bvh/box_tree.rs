@@ -72,13 +72,13 @@ impl BoxTree {
         Ok((tree, report))
     }
 
-    /// The tree over nothing.
+    /// The empty tree.
     pub(crate) fn empty() -> Self {
         Self { nodes: Vec::from([Node::EMPTY]), items: Vec::new(), keys: 1, bounds: Aabb::EMPTY, cost: 0.0 }
     }
 
-    /// Fits the tree to boxes that have moved: `aabb` gives that of an item at a key. Those that are empty cannot be
-    /// found any more, until they are given another box.
+    /// Fits the tree to boxes that have moved: `aabb` gives the box of an item at a key. Items with empty boxes cannot
+    /// be found until they get another box.
     pub(crate) fn fit<E: Executor>(&mut self, executor: &E, aabb: impl Fn(usize, u32) -> Aabb + Sync) {
         let (items, count) = (&self.items, self.nodes.len() / self.keys);
         for (key, nodes) in self.nodes.chunks_mut(count).enumerate() {
@@ -88,7 +88,7 @@ impl BoxTree {
         self.measure();
     }
 
-    /// The expected number of nodes that a random ray visits which meets the box around all, as a mean over the keys.
+    /// The expected number of nodes visited by a random ray that meets the root's box, as a mean over the keys.
     pub(crate) fn cost(&self) -> f32 {
         self.cost
     }
@@ -115,14 +115,14 @@ impl BoxTree {
     }
 }
 
-/// The mean of boxes: where a moving one is most of the time.
+/// The mean of a moving box over its keys.
 pub(super) fn mean(boxes: impl Iterator<Item = Aabb>, count: usize) -> Aabb {
     let sum = boxes.fold((glam::Vec3::ZERO, glam::Vec3::ZERO), |(min, max), aabb| (min + aabb.min, max + aabb.max));
     let each = 1.0 / count as f32;
     Aabb { min: sum.0 * each, max: sum.1 * each }
 }
 
-/// Leaves of one box, named by its number.
+/// Leaves of one box, by its index.
 struct Boxes;
 
 impl Contents for Boxes {

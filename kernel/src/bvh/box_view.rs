@@ -1,15 +1,14 @@
-//! A borrowed tree over boxes instead of triangles, standing still or moving: the nodes are the same, and a leaf is one
-//! box.
+//! A borrowed tree over boxes instead of triangles, static or moving: the nodes are the same, and a leaf is one box.
 //!
-//! A moving tree has one set of nodes a key, of the same shape: each is a tree of its own around the boxes at that key,
-//! and between two keys each box is interpolated (see `geometry/moment.rs`).
+//! A moving tree has one set of nodes a key, of the same shape: each set is a tree around the boxes at that key, and
+//! between two keys each box is interpolated (see `geometry/moment.rs`).
 
 use super::moving_view::part;
 use super::{Node, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::Aabb;
 
-/// A tree over boxes that lies in somebody's memory, checked once so that tracing need not.
+/// A tree over boxes in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxTreeView<'a> {
     nodes: &'a [Node],
@@ -19,8 +18,8 @@ pub struct BoxTreeView<'a> {
 }
 
 impl<'a> BoxTreeView<'a> {
-    /// Borrows a tree of `keys` sets of nodes, one behind the other, whose leaves name places in `items`, which are the
-    /// numbers of boxes. `boxes` gives the box of an item at a key, and `None` for one that there is not.
+    /// Borrows a tree of `keys` consecutive sets of nodes, whose leaves refer to places in `items`, the indices of
+    /// boxes. `boxes` gives the box of an item at a key, and `None` for an item that does not exist.
     ///
     /// # Errors
     /// [`InvalidTree`] says what is wrong, as for a tree of triangles; [`InvalidTree::BadItem`] is an item without a box, and
@@ -57,7 +56,7 @@ impl<'a> BoxTreeView<'a> {
         Self { nodes, items, keys, bounds: roots.fold(Aabb::EMPTY, |a, b| a.union(&b)) }
     }
 
-    /// Borrows a tree that is known to be valid, and what is around it.
+    /// Borrows a tree that is known to be valid, with its bounds.
     #[cfg(any(feature = "alloc", test))]
     pub(super) fn with_bounds(nodes: &'a [Node], items: &'a [u32], keys: usize, bounds: Aabb) -> Self {
         Self { nodes, items, keys, bounds }
@@ -69,7 +68,7 @@ impl<'a> BoxTreeView<'a> {
         part(self.nodes, key, self.keys)
     }
 
-    /// The numbers of the boxes, in the order of the leaves.
+    /// The indices of the boxes, in the order of the leaves.
     #[inline]
     pub fn items(&self) -> &'a [u32] {
         self.items

@@ -48,7 +48,7 @@ pub struct BuildReport {
     pub out_of_range: usize,
     /// The first primitive that was left out; of points and curves [`RoundPrimitive::fault`] says why.
     pub first_dropped: Option<u32>,
-    /// Trees that were too deep, before one that was built with less regard for cost.
+    /// How many trees were built and rejected as too deep, before one with less regard for cost was accepted.
     pub too_deep: u32,
 }
 
@@ -63,7 +63,7 @@ pub struct TreeStatistics {
     pub blocks: usize,
     /// Triangles.
     pub triangles: usize,
-    /// Nodes on the longest way from the root to a leaf.
+    /// Nodes on the longest path from the root to a leaf.
     pub depth: usize,
     /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a block.
     pub cost: f32,
@@ -74,7 +74,7 @@ pub struct TreeStatistics {
 }
 
 impl BuildReport {
-    /// Primitives that are not in the tree, for whatever reason.
+    /// Triangles that are not in the tree, for any reason.
     pub fn dropped(&self) -> usize {
         self.degenerate + self.not_finite + self.out_of_range
     }
@@ -91,7 +91,7 @@ impl BuildReport {
 }
 
 impl fmt::Display for BuildReport {
-    /// Such as `12 primitives kept, 3 dropped, the first of them 7: 2 degenerate, 1 not finite`.
+    /// Prints for example `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = if self.kept == 1 { "" } else { "s" };
         write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;
@@ -118,17 +118,17 @@ impl Bvh {
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
-    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if even
-    /// fewer do not fit, as few share a block.
+    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
+    /// fewer do not fit, as blocks are not full.
     pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, triangles, options)
     }
 
-    /// Like [`build`](Self::build), where `executor` says: it brings the threads, and hears how far the build is. The
-    /// tree does not depend on it.
+    /// Like [`build`](Self::build), on the threads of `executor`, which also receives the progress. The tree does not
+    /// depend on it.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_on<E: Executor>(
         executor: &E,
         triangles: &[Triangle],
@@ -137,19 +137,19 @@ impl Bvh {
         Self::build_mesh_on(executor, triangles, options)
     }
 
-    /// Like [`build`](Self::build), over triangles that lie otherwise, such as an [`IndexedMesh`](crate::mesh::IndexedMesh).
-    /// The tree is that over the same triangles in a slice.
+    /// Like [`build`](Self::build), over triangles in another layout, such as an
+    /// [`IndexedMesh`](crate::mesh::IndexedMesh). The tree is that over the same triangles in a slice.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_mesh<M: Mesh + ?Sized>(mesh: &M, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_mesh_on(&Serial, mesh, options)
     }
 
-    /// Like [`build_mesh`](Self::build_mesh), where `executor` says.
+    /// Like [`build_mesh`](Self::build_mesh), on the threads of `executor`.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_mesh_on<E: Executor, M: Mesh + ?Sized>(
         executor: &E,
         mesh: &M,
@@ -277,8 +277,8 @@ pub(super) fn in_range(triangle: &Triangle) -> bool {
     triangle.iter().all(|p| p.abs().cmple(glam::Vec3::splat(MAX_COORDINATE)).all())
 }
 
-/// Whether two corners are one point: then an edge function is zero, the other two cancel, and no ray can hit. Corners
-/// on a line are another matter, as rounding may give them an area, and meshes close cracks with such triangles.
+/// Whether two corners coincide: then an edge function is zero, the other two cancel, and no ray can hit. Triangles
+/// with collinear corners are kept, as rounding may give them an area, and meshes close cracks with them.
 fn is_degenerate([a, b, c]: &Triangle) -> bool {
     a == b || b == c || c == a
 }

@@ -1,7 +1,7 @@
 //! Lays out the eight-wide tree: nodes and blocks in the order that [`validate`](super::validate) describes.
 //!
-//! Where everything goes is found in one walk; what takes the time, filling blocks and ordering children, is then done
-//! in parallel.
+//! One walk finds where everything goes; the expensive steps, filling blocks and ordering children, then run in
+//! parallel.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,7 +14,7 @@ use super::pages;
 use super::plan::Plan;
 use crate::error::InvalidTree;
 
-/// Nodes or leaves that are one piece of work.
+/// Nodes or leaves that are one task.
 const TASK: usize = 1 << 10;
 
 /// The wide tree and its expected cost.
@@ -32,14 +32,14 @@ struct Leaf {
     first: u32,
 }
 
-/// What leaves are filled from.
+/// The source of the leaves' contents.
 struct Source<'a, C: ?Sized> {
     tree: &'a BinaryTree,
     contents: &'a C,
 }
 
-/// Collapses `tree`, whose nodes are [in order](BinaryTree::in_order); this is `work` of the whole build.
-/// Fails if there are more nodes or blocks than a child can name.
+/// Collapses `tree`, whose nodes are [in order](BinaryTree::in_order); `work` is its part of the whole build. Fails if
+/// there are more nodes or blocks than a child can refer to.
 pub(super) fn collapse<E: Executor, C: Contents + ?Sized>(
     executor: &E,
     tree: &BinaryTree,

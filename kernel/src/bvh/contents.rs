@@ -1,4 +1,4 @@
-//! What lies in the leaves of a tree: triangles in blocks of eight, or the indices of boxes, one a leaf.
+//! The contents of a tree's leaves: triangles in blocks of eight, or the indices of boxes, one a leaf.
 
 use super::node::{Node, TriangleBlock, WIDTH};
 use super::validate;
@@ -22,7 +22,7 @@ impl LeafShape {
         self.lanes * self.blocks
     }
 
-    /// Blocks that hold so many primitives.
+    /// The number of blocks for this many primitives.
     pub(super) fn blocks_of(&self, prims: u32) -> u32 {
         prims.div_ceil(self.lanes)
     }
@@ -30,17 +30,17 @@ impl LeafShape {
 
 /// Primitives that a tree is built over.
 pub(super) trait Contents: Sync {
-    /// What leaves consist of.
+    /// The blocks of leaves.
     type Block: Copy + Send + Sync;
     /// A block without primitives.
     const EMPTY: Self::Block;
-    /// How they lie in leaves.
+    /// The packing in leaves.
     const SHAPE: LeafShape;
 
     /// Puts a primitive into a lane of a block.
     fn put(&self, block: &mut Self::Block, lane: usize, prim_id: u32);
 
-    /// Checks a tree for what traversal relies on. Gives the entries that the stack of a traversal needs.
+    /// Checks the invariants that traversal relies on. Returns the number of stack entries that a traversal needs.
     fn validate(&self, nodes: &[Node], blocks: &[Self::Block]) -> Result<u32, InvalidTree>;
 }
 

@@ -1,4 +1,4 @@
-//! Copies of trees that lie in somebody's memory.
+//! Copies of trees in borrowed memory.
 
 use super::refit::expected_cost;
 use super::{Bvh, BvhView, MAX_STACK, Node, TriangleBlock, pages, validate};

@@ -1,19 +1,20 @@
-//! Where a build runs: the kernel splits the work, the caller brings the threads.
+//! Executors of builds: the kernel splits the work, the caller provides the threads.
 
-/// Runs the parts of a build, on as many threads as it likes, and hears how far the build is.
+/// Runs the parts of a build, on as many threads as it likes, and receives the build's progress.
 ///
-/// The tree does not depend on it: what is split, and in what order parts are put together, the triangles decide.
+/// The tree does not depend on the executor: the triangles alone decide what is split and in what order parts are
+/// joined.
 pub trait Executor: Sync {
-    /// Runs both, perhaps at the same time, and gives both results.
+    /// Runs both closures to their end, perhaps at the same time, and returns both results.
     fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B);
 
-    /// Hears that `fraction` of the build more is done; called from all threads. All fractions add up to about 1.
+    /// Reports that another `fraction` of the build is done; called from all threads. All fractions add up to about 1.
     fn advance(&self, fraction: f32) {
         let _ = fraction;
     }
 }
 
-/// One thread: the caller's.
+/// Runs everything on the caller's thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Serial;
 
@@ -23,7 +24,7 @@ impl Executor for Serial {
     }
 }
 
-/// The threads of the pool of rayon that it is called in.
+/// Runs on the current pool of rayon.
 #[cfg(feature = "rayon")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayonExecutor;

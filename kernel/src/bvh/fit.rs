@@ -1,4 +1,4 @@
-//! Makes boxes fit what is in them, from the leaves up.
+//! Fits boxes to their contents, from the leaves up.
 
 use core::ops::Range;
 
@@ -6,7 +6,7 @@ use super::executor::{Executor, Serial};
 use super::node::{Child, Node, WIDTH};
 use crate::geometry::Aabb;
 
-/// Subtrees of so many nodes are one piece of work.
+/// Subtrees of this many nodes are one task.
 const TASK: usize = 1 << 9;
 
 /// Sets the boxes of a tree whose children are right, and their orders. `leaf` gives the box around a range of blocks.
@@ -14,7 +14,7 @@ pub(super) fn fit(nodes: &mut [Node], leaf: impl Fn(Range<usize>) -> Aabb + Sync
     fit_on(&Serial, nodes, &leaf);
 }
 
-/// [`fit`], where `executor` says.
+/// [`fit`], on the threads of `executor`.
 pub(super) fn fit_on<E: Executor>(executor: &E, nodes: &mut [Node], leaf: &(impl Fn(Range<usize>) -> Aabb + Sync)) {
     if let Some((root, below)) = nodes.split_first_mut() {
         fit_below(executor, root, below, 1, leaf);

@@ -1,5 +1,5 @@
-//! Triangles by their numbers: where in a tree's blocks they are, for trees whose triangles are nowhere else, as those that
-//! are loaded.
+//! Triangles by their `prim_id`: where they are in a tree's blocks, for trees that hold the only copy, such as loaded
+//! ones.
 
 #[cfg(any(feature = "alloc", test))]
 use alloc::vec::Vec;
@@ -10,8 +10,8 @@ use super::WIDTH;
 use crate::geometry::Triangle;
 
 impl BvhView<'_> {
-    /// The triangle of this `prim_id`; of several the first in the tree. Looks at all blocks until it is found: who asks often
-    /// makes a `TriangleIndex`.
+    /// The triangle of this `prim_id`; of several the first in the tree. Searches all blocks; for many lookups build a
+    /// `TriangleIndex`.
     pub fn triangle(&self, prim_id: u32) -> Option<Triangle> {
         self.blocks().iter().find_map(|block| {
             let (lane, _) = block.used_lanes().find(|&(_, id)| id == prim_id)?;
@@ -20,7 +20,7 @@ impl BvhView<'_> {
     }
 }
 
-/// Where the triangles of a tree are, by `prim_id`: 8 bytes for each. It stays right when the tree is refitted.
+/// Where the triangles of a tree are, by `prim_id`: 8 bytes for each. It stays valid when the tree is refitted.
 #[cfg(any(feature = "alloc", test))]
 #[derive(Clone, Debug)]
 pub struct TriangleIndex {

@@ -1,12 +1,12 @@
 //! The bounding-volume hierarchy: eight boxes a node, triangles in blocks of eight.
 //!
-//! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by `bins`;
-//! `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can be made of
-//! it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit` moves a
-//! tree's triangles. [`BvhView`] borrows the result, from wherever it lies; as a [`blob`] it can be written to a file and
-//! traced from there.
+//! Building (`alloc`) runs in stages. `top_down` makes a binary tree, one block of triangles a leaf, splitting by
+//! `bins`; `reinsertion` moves its subtrees to better places; `plan` picks the eight-wide tree of least cost that can
+//! be made of it, and `collapse` lays that out; [`validate`](BvhView::new) checks what traversal relies on. `refit`
+//! moves a tree's triangles. [`BvhView`] borrows the result, wherever it is stored; as a [`blob`] it can be written to
+//! a file and traced there.
 //!
-//! A [`RoundView`] has points or curves in its blocks, all of a kind, and the same nodes.
+//! A [`RoundView`] has blocks of points or curves, all of one kind, and the same nodes.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;

@@ -35,10 +35,10 @@ impl MovingBvh {
         Self::build_on(&Serial, keys, options)
     }
 
-    /// Like [`build`](Self::build), where `executor` says. The tree does not depend on it.
+    /// Like [`build`](Self::build), on the threads of `executor`. The tree does not depend on it.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_on<E: Executor>(
         executor: &E,
         keys: &[&[Triangle]],
@@ -88,7 +88,7 @@ impl MovingBvh {
         Ok((tree, report))
     }
 
-    /// A copy of a tree that lies in somebody's memory.
+    /// A copy of a tree in borrowed memory.
     pub(crate) fn copy_of(tree: &MovingView) -> Self {
         let keys = 0..tree.keys();
         let nodes = keys.clone().flat_map(|key| tree.nodes(key)).copied().collect();

@@ -1,13 +1,13 @@
 //! A borrowed tree of triangles that move.
 //!
-//! It is one tree a key, all of one shape: nodes and blocks of a key are a tree of its own around the triangles where they
-//! are then. Between two keys, corners and boxes are interpolated (see `geometry/moment.rs`).
+//! It holds one tree a key, all of one shape: the nodes and blocks of a key are a tree around the triangles at that
+//! key. Between two keys, corners and boxes are interpolated (see `geometry/moment.rs`).
 
 use super::{BvhView, Node, TriangleBlock};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::Aabb;
 
-/// A tree of moving triangles that lies in somebody's memory, checked once so that tracing need not.
+/// A tree of moving triangles in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingView<'a> {
     nodes: &'a [Node],
@@ -17,11 +17,11 @@ pub struct MovingView<'a> {
 }
 
 impl<'a> MovingView<'a> {
-    /// Borrows a tree of `keys` keys, whose nodes and blocks lie one key behind the other.
+    /// Borrows a tree of `keys` keys, with nodes and blocks stored key by key.
     ///
     /// # Errors
-    /// Those of [`BvhView::new`], as each key is a tree, and [`InvalidTree::BadKeys`] if they are not of one shape with the
-    /// same triangles.
+    /// The errors of [`BvhView::new`], as each key is a tree, and [`InvalidTree::BadKeys`] if they are not of one shape
+    /// with the same triangles.
     pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock], keys: usize) -> Result<Self, Error> {
         let bad_keys = InvalidTree::BadKeys { keys };
         let divided = keys > 0 && nodes.len().is_multiple_of(keys) && blocks.len().is_multiple_of(keys);

@@ -1,4 +1,4 @@
-//! The tree in memory: plain arrays of numbers, traced as they lie.
+//! The tree in memory: plain arrays of numbers, traced in place.
 
 use core::ops::Range;
 
@@ -11,10 +11,10 @@ use crate::mesh::Mesh;
 /// Children a node, and triangles a block.
 pub const WIDTH: usize = 8;
 
-/// The greatest number of subtrees that a traversal keeps for later. A tree that could need more is refused.
+/// The greatest number of entries of a traversal's stack. A tree that could need more is refused.
 pub const MAX_STACK: usize = 192;
 
-/// Eight boxes and what is in them: four cache lines.
+/// Eight boxes and their contents: four cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -88,7 +88,7 @@ impl Child {
         bits & Self::LEAF == 0
     }
 
-    /// The blocks of a packed leaf; of nothing, blocks that no tree has.
+    /// The blocks of a packed leaf; of an empty slot, a range that no tree has.
     #[inline(always)]
     pub(crate) fn leaf_blocks(bits: u32) -> Range<usize> {
         let first = (bits & (Self::MAX_INDEX - 1)) as usize;
@@ -107,7 +107,7 @@ impl Child {
         bits >> 26 & (Self::MAX_BLOCKS - 1) != 0
     }
 
-    /// What is left of a packed leaf of several blocks without its first one.
+    /// A packed leaf of several blocks without its first one.
     #[inline(always)]
     pub(crate) fn without_first_block(bits: u32) -> u32 {
         bits.wrapping_sub(1 << 26).wrapping_add(1)
@@ -194,12 +194,12 @@ impl TriangleBlock {
         self.prim_id[lane] = prim_id;
     }
 
-    /// The lanes that hold triangles, and which.
+    /// The lanes that hold triangles, with their indices.
     pub(crate) fn used_lanes(&self) -> impl Iterator<Item = (usize, u32)> + use<> {
         self.prim_id.into_iter().enumerate().filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
     }
 
-    /// Moves the triangles to where they are in `triangles`, which has all of them.
+    /// Moves the triangles to their positions in `triangles`, which has all of them.
     #[cfg(any(feature = "alloc", test))]
     pub(super) fn place<M: Mesh + ?Sized>(&mut self, triangles: &M) {
         for (lane, prim_id) in self.used_lanes() {

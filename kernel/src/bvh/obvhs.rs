@@ -1,8 +1,8 @@
-//! Trees from elsewhere: a binary tree that [obvhs](https://docs.rs/obvhs) has built, made eight children wide.
+//! Conversion of binary trees built by [obvhs](https://docs.rs/obvhs) to eight children a node.
 //!
-//! Of the other tree counts alone which triangles lie near each other: the boxes are ours, around whole triangles, and the
-//! collapse, the order of children and all checks are those of every build. So the hits are those of any tree over the same
-//! triangles, bit for bit.
+//! Only the grouping of triangles is taken from the other tree: boxes are computed anew around whole triangles, and the
+//! collapse, the order of children and all checks are those of every build. So hits equal those of any tree over the
+//! same triangles, bit for bit.
 //!
 //! PLOC is built from the leaves up, in time that hardly depends on the triangles; `Bvh2` also inserts, removes and
 //! reinserts. Leaves of one primitive are best, as the collapse then decides what shares a block.
@@ -31,18 +31,18 @@ impl Bvh {
     /// first of them counts.
     ///
     /// # Errors
-    /// - [`InvalidTree::BadChild`] if `tree` is none: a node that is not there, or that two nodes have.
-    /// - [`InvalidTree::TooDeep`]; obvhs' reinsertion may do that to long chains of triangles.
+    /// - [`InvalidTree::BadChild`] if `tree` is not a tree: a node does not exist, or has two parents.
+    /// - [`InvalidTree::TooDeep`]; obvhs' reinsertion may cause it with long chains of triangles.
     /// - [`RefitError::Missing`] if it names a triangle that is not among `triangles`.
     /// - [`RefitError::Appeared`] if it leaves out triangles that can be hit.
     pub fn from_obvhs(tree: &Bvh2, triangles: &[Triangle]) -> Result<(Self, BuildReport), Error> {
         Self::from_obvhs_on(&Serial, tree, triangles)
     }
 
-    /// Like [`from_obvhs`](Self::from_obvhs), over triangles that lie in any way, and where `executor` says.
+    /// Like [`from_obvhs`](Self::from_obvhs), over triangles in any layout, on the threads of `executor`.
     ///
     /// # Errors
-    /// Those of [`from_obvhs`](Self::from_obvhs).
+    /// The errors of [`from_obvhs`](Self::from_obvhs).
     pub fn from_obvhs_on<E: Executor, M: Mesh + ?Sized>(
         executor: &E,
         tree: &Bvh2,
@@ -90,9 +90,9 @@ enum Contained {
 struct Reader<'a, M: ?Sized> {
     tree: &'a Bvh2,
     mesh: &'a M,
-    /// Of each triangle, whether it was met.
+    /// Whether each triangle has been visited.
     seen: Vec<bool>,
-    /// Nodes that were visited: no more than there are, if it is a tree.
+    /// The number of visited nodes: at most the number of nodes, if it is a tree.
     visits: usize,
     prims: Vec<Primitive>,
     parts: Vec<Part>,

@@ -1,4 +1,4 @@
-//! How much trouble a build takes.
+//! Options of a build: quality and effort.
 
 use core::fmt;
 use core::str::FromStr;
@@ -11,23 +11,23 @@ use super::top_down::Splitting;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BuildOptions {
-    /// How much time to spend on a tree that is quick to trace.
+    /// The trade between build time and tracing time.
     pub quality: Quality,
 }
 
-/// How much time to spend on a tree.
+/// The trade between build time and tracing time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
-    /// Splits by few bins: for trees that are traced little.
+    /// Splits by few bins: for trees that few rays are traced through.
     Fast,
-    /// Splits by more bins, and moves subtrees where that pays at once.
+    /// Splits by more bins, with few rounds of reinsertion.
     Medium,
-    /// Splits by many bins, and moves subtrees until it hardly pays any more.
+    /// Splits by many bins, with reinsertion until a round gains little.
     #[default]
     High,
 }
 
-/// What a quality means.
+/// The parameters of a quality.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
     pub splitting: Splitting,
@@ -35,13 +35,13 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// Splits by cost, and leaves it at that: hardly deeper than [`LEVELS`].
+    /// Splits by cost, without reinsertion: hardly deeper than [`LEVELS`].
     pub(super) const SPLIT_ONLY: Self = Self {
         splitting: Splitting { bins: MAX_BINS, levels: LEVELS, part_leaves: true },
         patience: Patience { rounds: 0, least_gain: 0.0 },
     };
 
-    /// Splits in the middle, always: the least depth that there is.
+    /// Always splits in the middle: the least possible depth.
     pub(super) const MEDIAN: Self = Self {
         splitting: Splitting { bins: 0, levels: 0, part_leaves: true },
         patience: Patience { rounds: 0, least_gain: 0.0 },
@@ -52,7 +52,7 @@ impl Effort {
 const LEVELS: u32 = 64;
 
 impl Quality {
-    /// All of them, the quickest first.
+    /// All qualities, the fastest build first.
     pub const ALL: [Self; 3] = [Self::Fast, Self::Medium, Self::High];
 
     /// `fast`, `medium` or `high`.
@@ -96,7 +96,7 @@ impl FromStr for Quality {
     }
 }
 
-/// A name that is none of a [`Quality`].
+/// A name that is not the name of a [`Quality`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownQuality;
 

@@ -1,15 +1,15 @@
-//! Memory for trees in pages of 2 MiB, where the system has such.
+//! Memory for trees in pages of 2 MiB, where the system supports them.
 //!
-//! Rays visit a large tree at random places: in pages of 4 KiB each visit costs a walk through the page table besides (3
-//! million triangles: 5 to 7% of the time). Linux gives large pages to memory that asks for them before it is used; what
-//! it gives changes nothing but speed, and where it gives none, nothing changes.
+//! Rays visit a large tree at random places: in pages of 4 KiB each visit costs a walk through the page table besides
+//! (3 million triangles: 5 to 7% of the time). Linux gives large pages to memory that asks for them before it is used;
+//! this changes nothing but speed.
 
 use alloc::vec::Vec;
 
-/// Less memory than this is not worth asking.
+/// The least memory worth a request, in bytes.
 const LEAST: usize = 4 << 20;
 
-/// `len` copies of `value`, in large pages if there may be such.
+/// `len` copies of `value`, in large pages if possible.
 pub(super) fn filled<T: Copy>(value: T, len: usize) -> Vec<T> {
     let mut memory = Vec::with_capacity(len);
     ask(&mut memory);
@@ -17,7 +17,7 @@ pub(super) fn filled<T: Copy>(value: T, len: usize) -> Vec<T> {
     memory
 }
 
-/// The same elements, in large pages if there may be such.
+/// The same elements, in large pages if possible.
 pub(super) fn moved<T: Copy>(elements: Vec<T>) -> Vec<T> {
     if size_of_val(&elements[..]) < LEAST {
         return elements;
@@ -42,12 +42,12 @@ fn ask<T>(memory: &mut Vec<T>) {
     let before = start.align_offset(PAGE);
     let bytes = size_of_val(memory).saturating_sub(before) / PAGE * PAGE;
     if bytes >= LEAST {
-        // SAFETY: these are whole pages of memory that is ours alone, and the advice changes none of its contents. Should it
-        // be refused, the pages stay small.
+        // SAFETY: these are whole pages of memory that this vector owns, and the advice does not change its contents.
+        // If it is refused, the pages stay small.
         let _ = unsafe { libc::madvise(start.add(before).cast(), bytes, libc::MADV_HUGEPAGE) };
     }
 }
 
-/// There is nobody to ask.
+/// No huge pages on this system.
 #[cfg(not(all(feature = "std", target_os = "linux", not(miri))))]
 fn ask<T>(_: &mut Vec<T>) {}

@@ -20,23 +20,23 @@ use super::node::WIDTH;
 
 /// Cost of visiting a node; the unit.
 pub(super) const NODE: f32 = 1.0;
-/// Subtrees of at least so many nodes are a piece of work of their own.
+/// Subtrees of at least this many nodes are a task of their own.
 const TASK: usize = 1 << 12;
 
-/// What is to become of each binary node.
+/// The choice for each binary node.
 pub(super) struct Plan<'a> {
     tree: &'a BinaryTree,
     choices: Vec<Choice>,
 }
 
-/// What the dynamic program knows of a binary node.
+/// The state of the dynamic program at a binary node.
 #[derive(Clone, Copy)]
 struct Choice {
     /// `cost[i - 1]` is `cost(n, i)`.
     cost: [f32; WIDTH - 1],
     /// `left[i - 1]` is how many of `i` roots go to the left child; 0 if `cost(n, i)` is `cost(n, i - 1)`.
     left: [u8; WIDTH - 1],
-    /// The same for the children of a wide node here.
+    /// The split of the roots among the children of a wide node at this node.
     node_left: u8,
     is_leaf: bool,
     prims: u32,

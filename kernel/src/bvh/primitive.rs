@@ -1,4 +1,4 @@
-//! What the builder moves about: boxes in registers, and primitives of 32 bytes.
+//! The builder's data: boxes in registers, and primitives of 32 bytes.
 
 use core::cmp::Ordering;
 
@@ -14,7 +14,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// The box around nothing.
+    /// The empty box.
     pub(super) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     #[inline(always)]
@@ -29,7 +29,7 @@ impl Bounds {
         self.max = self.max.max(point);
     }
 
-    /// Half the surface area; of no meaning for the box around nothing.
+    /// Half the surface area; unspecified for the empty box.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
         let d = self.max - self.min;
@@ -78,7 +78,7 @@ impl Primitive {
     }
 }
 
-/// What a set of primitives takes up.
+/// The extent of a set of primitives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitiveBounds {
     /// The box around the primitives.

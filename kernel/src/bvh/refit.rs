@@ -1,6 +1,6 @@
-//! Moves a tree's triangles without building it again: the boxes are fitted to them from the bottom up, and children put
-//! in order again. Which triangles share a leaf stays as it is, so a tree whose triangles move apart gets worse; how much,
-//! the expected cost tells.
+//! Moves a tree's triangles without a rebuild: boxes are fitted from the bottom up, and children are ordered again. The
+//! triangles of each leaf stay the same, so a tree whose triangles move apart gets worse; the expected cost measures by
+//! how much.
 
 use super::build::{Bvh, is_usable};
 use super::contents::TRIANGLES;
@@ -12,10 +12,10 @@ use crate::error::{Error, RefitError};
 use crate::geometry::{Aabb, Triangle};
 use crate::mesh::Mesh;
 
-/// Blocks that are one piece of work.
+/// Blocks that are one task.
 const TASK: usize = 1 << 10;
 
-/// What became of a tree that was refitted.
+/// The result of a refit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refit {
     /// The expected cost of a ray, as in [`TreeStatistics::cost`](super::TreeStatistics::cost).
@@ -25,34 +25,34 @@ pub struct Refit {
 }
 
 impl Refit {
-    /// The [`decay`](Self::decay) from which on a new tree pays, as a rule. Where sheets and clouds of triangles twist or
-    /// drift so far, rays visit 1.1 to 1.7 times as much as in a tree built anew; and a build takes as long as some two or
-    /// three rays a triangle.
+    /// The [`decay`](Self::decay) from which on a rebuild usually pays. Where sheets and clouds of triangles twist or
+    /// drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or three
+    /// rays a triangle.
     pub const REBUILD: f32 = 1.5;
 
-    /// Whether the tree has decayed so far that it had better be built again.
+    /// Whether a rebuild is advisable.
     pub fn should_rebuild(&self) -> bool {
         self.decay > Self::REBUILD
     }
 }
 
 impl Bvh {
-    /// Moves the tree's triangles to where they are in `triangles` now, indexed as when the tree was built. Hits are then
-    /// those of a tree built anew, bit for bit, but perhaps not as quick to find.
+    /// Moves the tree's triangles to where they are in `triangles` now, indexed as when the tree was built. Hits then
+    /// equal those of a new tree bit for bit, but tracing may be slower.
     ///
     /// # Errors
-    /// [`Error::Refit`] if the triangles that can be hit are not just those in the tree: one of them is missing, is now out
-    /// of limits or has two equal corners, or one that was left out when the tree was built could be hit now. The tree
-    /// is then as it was.
+    /// [`Error::Refit`] if the triangles that can be hit are not just those in the tree: one of them is missing, is now
+    /// out of limits or has two equal corners, or one that was left out when the tree was built could be hit now. The
+    /// tree is then unchanged.
     pub fn refit(&mut self, triangles: &[Triangle]) -> Result<Refit, Error> {
         self.refit_mesh_on(&Serial, triangles)
     }
 
-    /// Like [`refit`](Self::refit), to triangles that lie otherwise, and where `executor` says. The tree does not depend on
-    /// it.
+    /// Like [`refit`](Self::refit), to triangles in another layout, on the threads of `executor`. The tree does not
+    /// depend on it.
     ///
     /// # Errors
-    /// Those of [`refit`](Self::refit).
+    /// The errors of [`refit`](Self::refit).
     pub fn refit_mesh_on<E: Executor, M: Mesh + ?Sized>(&mut self, executor: &E, mesh: &M) -> Result<Refit, Error> {
         self.check_refit(mesh)?;
         for_each(executor, TASK, 0, &mut self.blocks, &|_, block| block.place(mesh));

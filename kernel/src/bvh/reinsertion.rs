@@ -1,10 +1,10 @@
 //! Improves a binary tree by moving subtrees: Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume
 //! Hierarchy Optimization".
 //!
-//! A round finds for each node the place where it would make the sum of all inner nodes' areas least, in
-//! parallel and on the tree as it is; then it carries out the moves, the greatest gain first, skipping those that change
-//! a node which an earlier one has changed. Deviation: a node is not moved below itself, which two moves together can
-//! ask for without changing the same nodes.
+//! A round finds for each node the place where it would make the sum of all inner nodes' areas least, in parallel and
+//! on the tree as it is; then it carries out the moves, the greatest gain first, skipping those that change a node
+//! which an earlier one has changed. Deviation: a node is not moved below itself, which two moves together could cause
+//! without changing the same nodes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,7 +13,7 @@ use super::binary::{BinaryNode, BinaryTree};
 use super::executor::Executor;
 use super::primitive::Bounds;
 
-/// Searches that are one piece of work.
+/// Searches that are one task.
 const TASK: usize = 1 << 8;
 
 /// A subtree and the node that it is to become the sibling of.
@@ -39,7 +39,7 @@ pub(super) struct Patience {
     pub least_gain: f32,
 }
 
-/// Improves `tree`; this is `work` of the whole build.
+/// Improves `tree`; `work` is its part of the whole build.
 pub(super) fn optimize<E: Executor>(executor: &E, tree: &mut BinaryTree, patience: Patience, mut work: f32) {
     if tree.nodes.len() < 5 {
         // The root's children and theirs have nowhere to go.
@@ -51,7 +51,7 @@ pub(super) fn optimize<E: Executor>(executor: &E, tree: &mut BinaryTree, patienc
         let before = optimizer.area();
         optimizer.search_all(executor, 1, &mut moves);
         optimizer.apply(&moves);
-        // Nobody knows how many rounds there will be.
+        // The number of rounds is not known beforehand.
         work *= 0.5;
         executor.advance(work);
         if optimizer.area() > before * (1.0 - f64::from(patience.least_gain)) {

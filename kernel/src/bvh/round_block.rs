@@ -1,4 +1,4 @@
-//! Points and curves as they lie in the leaves of a tree: in blocks of eight, number by number.
+//! Blocks of points and curves in a tree's leaves: eight primitives as a structure of arrays.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -24,7 +24,7 @@ pub trait RoundBlock: Pod + Send + Sync {
     /// The primitives' indices; [`Hit::NO_PRIM`] in unused lanes.
     fn prim_ids(&self) -> &[u32; WIDTH];
 
-    /// The lanes whose margins say that the ray may hit them.
+    /// The lanes that the ray may hit, by their margins.
     #[doc(hidden)]
     fn lanes_near(&self, frame: &RayFrame) -> u32;
 }
@@ -163,7 +163,7 @@ macro_rules! from {
 
 from!(SphereBlock: Spheres, DiscBlock: Discs, LinearCurveBlock: LinearCurves, CubicCurveBlock: CubicCurves);
 
-/// The lanes that hold primitives, and which.
+/// The lanes that hold primitives, with their indices.
 pub(crate) fn used_lanes<B: RoundBlock>(block: &B) -> impl Iterator<Item = (usize, u32)> + use<'_, B> {
     block.prim_ids().iter().copied().enumerate().filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)
 }

@@ -30,7 +30,7 @@ pub enum Blocks {
     CubicCurves(Vec<CubicCurveBlock>),
 }
 
-/// What trees can be built over.
+/// The primitives that trees can be built over.
 pub trait RoundBuild: RoundPrimitive {
     #[doc(hidden)]
     type Block: RoundBlock<Primitive = Self>;
@@ -62,22 +62,22 @@ build! {
 impl RoundBvh {
     /// Builds a tree over `primitives` on this thread; a hit's `prim_id` is an index into them.
     ///
-    /// Primitives that no ray can hit are left out and counted. The tree depends on the primitives and options alone, and has
-    /// them in it: of 100,000, some 32 bytes each for spheres, 50 for discs, 54 for linear and 115 for cubic curves, nodes
-    /// included.
+    /// Primitives that no ray can hit are left out and counted. The tree depends on the primitives and options alone,
+    /// and holds a copy of the primitives: with 100,000 of them about 32 bytes for each sphere, 50 for each disc, 54
+    /// for each linear and 115 for each cubic curve, nodes included.
     ///
     /// # Errors
-    /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold: up to
-    /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), if few share a block fewer.
+    /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold:
+    /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), or fewer where blocks are not full.
     pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, primitives, options)
     }
 
-    /// Like [`build`](Self::build), where `executor` says: it brings the threads, and hears how far the build is. The tree
-    /// does not depend on it.
+    /// Like [`build`](Self::build), on the threads of `executor`, which also receives the progress. The tree does not
+    /// depend on it.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_on<E: Executor, P: RoundBuild>(
         executor: &E,
         primitives: &[P],

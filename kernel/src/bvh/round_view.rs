@@ -1,4 +1,4 @@
-//! A borrowed tree over points or curves: what traversal works on.
+//! A borrowed tree over points or curves, for traversal.
 
 use super::round_block::{leaf_bounds, with_blocks};
 use super::{Node, RoundBlocks, validate};
@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 
-/// A tree over spheres, discs or round curves that lies in somebody's memory, checked once so that tracing need not.
+/// A tree over spheres, discs or round curves in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
 pub struct RoundView<'a> {
     nodes: &'a [Node],
@@ -20,8 +20,8 @@ impl<'a> RoundView<'a> {
     ///
     /// # Errors
     /// [`InvalidTree`](crate::InvalidTree) says what is wrong, as for a tree of triangles;
-    /// [`InvalidTree::BadPrimitive`](crate::InvalidTree::BadPrimitive) is a primitive that no ray can hit, or an unused lane
-    /// that holds numbers. `prim_id`s are the caller's, and are not looked at.
+    /// [`InvalidTree::BadPrimitive`](crate::InvalidTree::BadPrimitive) is a primitive that no ray can hit, or an unused
+    /// lane that holds numbers. `prim_id`s are the caller's and are not checked.
     pub fn new(nodes: &'a [Node], blocks: impl Into<RoundBlocks<'a>>) -> Result<Self, Error> {
         let blocks = blocks.into();
         with_blocks!(blocks, slice => {
@@ -41,14 +41,14 @@ impl<'a> RoundView<'a> {
         Self { nodes, blocks, bounds, isa: Isa::detect() }
     }
 
-    /// The same tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
+    /// The tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
     #[inline]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
     }
 
-    /// What the tree is traced with.
+    /// The instruction set that the tree is traced with.
     #[inline]
     pub fn isa(&self) -> Isa {
         self.isa

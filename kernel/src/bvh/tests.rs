@@ -1,4 +1,4 @@
-//! Trees of all qualities: what they cost, that executors do not matter, and triangles that are hard to tell apart.
+//! Trees of all qualities: their cost, independence of executors, and triangles that are hard to separate.
 
 use alloc::vec;
 use alloc::vec::Vec;

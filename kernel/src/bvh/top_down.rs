@@ -1,8 +1,8 @@
 //! Builds a binary tree from the root down, splitting where the surface area heuristic says.
 //!
-//! Leaves hold one block of primitives; in small trees, where memory does not matter, up to half of one. Where nothing
-//! tells primitives apart, and below so many levels that something is odd, ranges are halved instead, so that no tree is
-//! much deeper than it needs to be.
+//! Leaves hold one block of primitives; in small trees, where memory does not matter, up to half of one. Ranges whose
+//! centroids coincide, and ranges below a certain depth, are halved instead, so that no tree is much deeper than it
+//! needs to be.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,9 +14,9 @@ use super::node::WIDTH;
 use super::primitive::{Bounds, Primitive, PrimitiveBounds};
 use crate::geometry::Aabb;
 
-/// Ranges of at least so many primitives are a piece of work of their own.
+/// Ranges of at least this many primitives are tasks of their own.
 const TASK: usize = 1 << 12;
-/// Trees of up to so many primitives are small.
+/// Trees of up to this many primitives are small.
 const SMALL: usize = 1 << 14;
 
 /// How to split.
@@ -41,7 +41,8 @@ struct Builder<'a, E> {
     share: f32,
 }
 
-/// Builds a tree over `prims`, of which there is at least one and `lanes` fill a block; this is `work` of the whole build.
+/// Builds a tree over `prims`, of which there is at least one and `lanes` fill a block; `work` is its part of the whole
+/// build.
 pub(super) fn build<E: Executor>(
     executor: &E,
     mut prims: Vec<Primitive>,

@@ -1,9 +1,8 @@
-//! Checks a tree once for all that traversal relies on.
+//! Validates a tree once, so that traversal needs no checks.
 //!
-//! Nodes and blocks lie in the order in which a depth-first walk meets them, the inner children of a node side by side.
-//! The walk here expects just that, so it sees each of them once, and a cycle, a shared or a forgotten node is found without
-//! any memory but the walk's stack. On the way it counts the stack that a traversal can need, whatever the order in
-//! which it visits children.
+//! Nodes and blocks are stored in depth-first order, the inner children of a node side by side. The walk here expects
+//! exactly this order, so it visits each of them once, and finds cycles and shared or unreferenced nodes without any
+//! memory but its stack. It also counts the stack entries that a traversal can need, whatever its order of children.
 
 use super::node::{Child, WIDTH};
 use super::{MAX_STACK, Node, TriangleBlock};

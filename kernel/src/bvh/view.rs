@@ -1,11 +1,11 @@
-//! A borrowed tree: what traversal works on.
+//! A borrowed tree, for traversal.
 
 use super::{Node, TriangleBlock, validate};
 use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 
-/// A tree that lies in somebody's memory, checked once so that tracing need not.
+/// A tree in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
 pub struct BvhView<'a> {
     nodes: &'a [Node],
@@ -18,9 +18,10 @@ impl<'a> BvhView<'a> {
     /// Borrows a tree whose root is the first node.
     ///
     /// # Errors
-    /// [`Error::InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do not
-    /// enclose what is in them, orders of children that leave one out, coordinates out of limits, or a traversal that
-    /// would need more than [`MAX_STACK`](super::MAX_STACK) entries. `prim_id`s are the caller's, and are not looked at.
+    /// [`Error::InvalidTree`] says what is wrong: nodes or blocks out of the order of a depth-first walk, boxes that do
+    /// not enclose what is in them, orders of children that leave one out, coordinates out of limits, or a traversal
+    /// that would need more than [`MAX_STACK`](super::MAX_STACK) entries. `prim_id`s are the caller's and are not
+    /// checked.
     pub fn new(nodes: &'a [Node], blocks: &'a [TriangleBlock]) -> Result<Self, Error> {
         validate::validate(nodes, blocks)?;
         Ok(Self::trusted(nodes, blocks))
@@ -37,14 +38,14 @@ impl<'a> BvhView<'a> {
         Self { nodes, blocks, bounds, isa: Isa::detect() }
     }
 
-    /// The same tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
+    /// The tree, traced with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
     #[inline]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
     }
 
-    /// What the tree is traced with.
+    /// The instruction set that the tree is traced with.
     #[inline]
     pub fn isa(&self) -> Isa {
         self.isa

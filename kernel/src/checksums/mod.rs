@@ -1,8 +1,8 @@
-//! What the kernel gives, in checksums that are kept in the repository: hits, trees and numbers are equal bit for bit on
-//! every instruction set of this machine, and on every target that runs this (`tests/targets.sh`).
+//! Checksums of the kernel's results, kept in the repository: hits, trees and numbers are equal bit for bit on every
+//! instruction set of this machine, and on every target that runs these tests (`tests/targets.sh`).
 //!
-//! After a change that is meant, `HALFDOME_CHECKSUMS=write cargo test -p halfdome-kernel --lib checksums` writes them
-//! anew; what became different is to be read in the diff.
+//! After an intended change, `HALFDOME_CHECKSUMS=write cargo test -p halfdome-kernel --lib checksums` rewrites them;
+//! the diff shows the differences.
 
 mod hits;
 mod numbers;

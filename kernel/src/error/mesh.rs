@@ -20,7 +20,7 @@ pub enum InvalidMesh {
         /// How many there are.
         count: usize,
     },
-    /// An index of a vertex that there is not.
+    /// An index of a vertex that does not exist.
     IndexOutOfRange {
         /// The index's place among the indices.
         place: usize,
@@ -45,9 +45,9 @@ impl fmt::Display for InvalidMesh {
             Self::BadStride { stride, least } => {
                 write!(f, "positions of {least} bytes cannot lie {stride} bytes apart")
             }
-            Self::NotThrees { count } => write!(f, "{count} corners are not three for each triangle"),
+            Self::NotThrees { count } => write!(f, "{count} corners are not a multiple of 3"),
             Self::IndexOutOfRange { place, index, count } => {
-                write!(f, "index {place} is {index}, and there are only {count} vertices")
+                write!(f, "index {place} is {index}, but there are only {count} vertices")
             }
         }
     }

@@ -10,7 +10,7 @@ pub use mesh::InvalidMesh;
 pub use scene::InvalidScene;
 pub use tree::{InvalidTree, RefitError};
 
-/// Why there is no tree.
+/// Why a tree or scene cannot be built, read, changed or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -29,48 +29,48 @@ pub enum Error {
     Refit(RefitError),
     /// The buffers are not a mesh.
     InvalidMesh(InvalidMesh),
-    /// The bytes do not begin as a tree's blob does.
+    /// The bytes do not begin with the magic number of a tree's blob.
     NotABlob,
-    /// The bytes do not begin as a scene's blob does.
+    /// The bytes do not begin with the magic number of a scene's blob.
     NotAScene,
-    /// The blob was written by a machine with another order of bytes.
+    /// The blob was written by a machine of the other endianness.
     OtherByteOrder,
-    /// The blob is older or newer than what can be read.
+    /// The blob's version cannot be read.
     OtherVersion {
-        /// The version that it has.
+        /// The blob's version.
         found: u32,
-        /// The only one that can be read.
+        /// The only version that can be read.
         readable: u32,
     },
-    /// The blob's end is missing.
+    /// The blob is truncated.
     Truncated {
-        /// The length that it should have, or at least that of its header, in bytes.
+        /// The blob's whole length, or at least the length of its header, in bytes.
         needed: u64,
         /// The length that it has.
         found: u64,
     },
-    /// There is more than the blob.
+    /// Bytes follow the blob.
     TrailingBytes {
-        /// The length that it should have in bytes.
+        /// The blob's length in bytes.
         needed: u64,
         /// The length that it has.
         found: u64,
     },
     /// The blob begins at an address where it cannot be traced.
     Misaligned {
-        /// What the address should be a multiple of.
+        /// The alignment that the address needs.
         alignment: usize,
     },
     /// The blob has changed since it was written.
     Damaged {
-        /// The checksum that it should have.
+        /// The checksum stored in the blob.
         stored: u32,
-        /// The checksum that it has.
+        /// The checksum of the given bytes.
         computed: u32,
     },
     /// The blob's header does not describe what is in it.
     BadHeader {
-        /// What is wrong in it.
+        /// The invalid field.
         field: &'static str,
     },
 }
@@ -109,7 +109,7 @@ impl fmt::Display for Error {
             Self::Damaged { stored, computed } => {
                 write!(f, "the blob is damaged: its checksum should be {stored:08x} and is {computed:08x}")
             }
-            Self::BadHeader { field } => write!(f, "the blob's header is wrong: its {field} cannot be"),
+            Self::BadHeader { field } => write!(f, "the blob's header is invalid: {field}"),
         }
     }
 }

@@ -8,58 +8,59 @@ use super::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidScene {
-    /// A handle whose item was removed, or that is of another scene.
+    /// A handle whose item was removed, or that belongs to another scene.
     NoSuchItem {
         /// The handle's index.
         index: u32,
         /// The handle's generation.
         generation: u32,
     },
-    /// Something that moves needs a key at least.
+    /// A motion without a key.
     NoKeys,
     /// A transform with an element that is infinite or NaN.
     NotFinite {
         /// The transform's index; 0 if it stands still.
         key: usize,
     },
-    /// A transform without an inverse, or so near to one that the inverse is noise.
+    /// A transform that is singular, or so nearly that its inverse is rounding noise.
     Singular {
-        /// The transform's index; it is this one, or one on the way to the next.
+        /// The transform's index: this key, or an interpolated transform between it and the next key, is singular.
         key: usize,
     },
-    /// An item for which the bound of rounding gets out of hand: each level of scenes in scenes multiplies it, by the greatest
-    /// row sums of the item's transform and of its inverse. For rotations that is 1 to 3, however little they round.
+    /// An item whose bound of rounding is too large: each level of nested scenes multiplies it by the greatest row sums
+    /// of the item's transform and of its inverse. For rotations the factor is 1 to 3, however small their own rounding
+    /// is.
     Imprecise {
         /// The item's index.
         item: usize,
     },
-    /// More scenes lie one in the other than [`scene::MAX_LEVELS`](crate::scene::MAX_LEVELS).
+    /// Scenes are nested deeper than [`scene::MAX_LEVELS`](crate::scene::MAX_LEVELS).
     TooDeep {
-        /// The index of the item that is so deep.
+        /// The index of the item that is too deep.
         item: usize,
     },
-    /// Scenes lie in others so often that the ways through them are more than a number of 64 bits tells apart.
+    /// Nested scenes have more paths than a number of 64 bits can count.
     TooManyPaths {
         /// The index of the item with which they become too many.
         item: usize,
     },
-    /// An item is a shape of the caller's, which cannot be written as bytes.
+    /// An item is a custom shape, which cannot be written as bytes.
     NotSaved {
         /// The item's index in its scene.
         item: usize,
-        /// How many scenes that lies in.
+        /// How many scenes enclose that scene.
         depth: usize,
     },
-    /// A record in a scene's blob that names what there is not.
+    /// A record in a scene's blob that refers to something that does not exist.
     BadRecord {
-        /// What the record is of.
+        /// The kind of record.
         record: &'static str,
-        /// Its index among those.
+        /// Its index among the records of that kind.
         index: usize,
     },
-    /// There is less memory, or fewer scenes were given, than a scene's blob needs.
+    /// Less memory, or fewer scenes, were given than a scene's blob needs.
     TooFew {
-        /// What there is too few of.
+        /// What there are too few of.
         what: &'static str,
         /// How many are needed.
         needed: usize,
@@ -82,38 +83,38 @@ impl fmt::Display for InvalidScene {
             Self::NoSuchItem { index, generation } => {
                 write!(f, "there is no item {index} of generation {generation}: it was removed, or is in another scene")
             }
-            Self::NoKeys => write!(f, "what moves needs a key at least, and has none"),
+            Self::NoKeys => write!(f, "a motion needs at least one key, and has none"),
             Self::NotFinite { key } => write!(f, "transform {key} has an element that is infinite or not a number"),
             Self::Singular { key } => write!(
                 f,
-                "transform {key} has no useful inverse, or loses it on the way to the next: it should not flatten what it \
-                 moves, and keys of a rotation should be less than half a turn apart"
+                "transform {key}, or its interpolation to the next, has no useful inverse: it should not flatten its \
+                 object, and keys of a rotation should be less than half a turn apart"
             ),
             Self::Imprecise { item } => {
                 write!(
                     f,
-                    "the bound of the rounding error of item {item} is more than a quarter of the scene: transforms of scenes in \
-                     scenes multiply it, rotations by up to 3 a level and stretches by more; nest less deep, or combine \
-                     transforms into one"
+                    "item {item}: the rounding error of its nested transforms may exceed a quarter of the scene. Each level \
+                     multiplies the error: a rotation by up to 3, a stretch by its ratio. Nest fewer scenes, or combine \
+                     transforms"
                 )
             }
             Self::TooDeep { item } => write!(
                 f,
-                "with item {item} more scenes lie one in the other than tracing has stack for (scene::MAX_LEVELS); nest less deep"
+                "item {item} nests more than scene::MAX_LEVELS scenes, which is more than tracing has stack for; nest fewer"
             ),
             Self::TooManyPaths { item } => {
-                write!(f, "with item {item} there are more than 2^64 - 1 ways through scenes in scenes")
+                write!(f, "with item {item} there are more than 2^64 - 1 paths through nested scenes")
             }
             Self::NotSaved { item, depth } => {
-                write!(f, "item {item} is a shape of the program's, which cannot be written as bytes")?;
+                write!(f, "item {item} is a custom shape, which cannot be written as bytes")?;
                 match depth {
                     0 => Ok(()),
-                    1 => write!(f, "; it is in a scene in the scene"),
-                    _ => write!(f, "; it is in a scene {depth} scenes down"),
+                    1 => write!(f, "; it is in a scene nested in the scene"),
+                    _ => write!(f, "; it is in a scene nested {depth} levels deep"),
                 }
             }
             Self::BadRecord { record, index } => {
-                write!(f, "the blob's {record} {index} names what there is not, or is out of order")
+                write!(f, "the blob's {record} {index} refers to something that does not exist, or is out of order")
             }
             Self::TooFew { what, needed, given } => {
                 write!(f, "the scene needs {needed} {what}, and {given} were given")

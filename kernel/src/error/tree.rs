@@ -1,4 +1,4 @@
-//! What can be wrong with a tree, and with triangles that it is to be fitted to.
+//! Errors of triangles, trees, scenes and blobs. Tracing itself has no errors: its preconditions are checked before.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ use crate::geometry::MAX_COORDINATE;
 pub enum InvalidTree {
     /// There is no node; even an empty tree has a root.
     NoRoot,
-    /// There are more nodes or blocks than an index can tell apart.
+    /// There are more nodes or blocks than an index can address.
     TooLarge {
         /// How many there may be of each.
         limit: u32,
@@ -23,7 +23,7 @@ pub enum InvalidTree {
         /// The child's place in the node.
         slot: u32,
     },
-    /// An order of children that does not name each once.
+    /// An order of children that does not list each child once.
     BadOrder {
         /// The node that has it.
         node: u32,
@@ -45,29 +45,29 @@ pub enum InvalidTree {
         /// The child's place in the node.
         slot: u32,
     },
-    /// A triangle that is not finite or out of limits, or an unused lane that holds numbers.
+    /// A triangle that is not finite or out of limits, or an unused lane that is not empty.
     BadTriangle {
         /// The block that has it.
         block: u32,
         /// Its lane.
         lane: u32,
     },
-    /// A point or curve that no ray can hit, as it is not finite, out of limits or without a radius, or an unused lane that
-    /// holds numbers.
+    /// A point or curve that no ray can hit, as it is not finite, out of limits or without a radius, or an unused lane
+    /// that is not empty.
     BadPrimitive {
         /// The block that has it.
         block: u32,
         /// Its lane.
         lane: u32,
     },
-    /// A leaf names an item that there is not, or that has no box.
+    /// A leaf refers to an item that does not exist or has no box.
     BadItem {
         /// The place in the list of items.
         place: u32,
     },
-    /// There are no keys, or they are not of one number of triangles, boxes or nodes, or not of one shape.
+    /// There are no keys, or they differ in their number of triangles, boxes or nodes, or in the tree's shape.
     BadKeys {
-        /// How many keys there are said to be.
+        /// The number of keys.
         keys: usize,
     },
     /// Traversal would need a larger stack than it has.
@@ -90,12 +90,12 @@ pub enum RefitError {
         /// How many are given.
         count: usize,
     },
-    /// A triangle of the tree has now a coordinate out of limits, or two equal corners.
+    /// A triangle of the tree now has a coordinate out of limits, or two equal corners.
     Vanished {
         /// Its index.
         prim_id: u32,
     },
-    /// There are more triangles that can be hit than those in the tree.
+    /// Triangles that are not in the tree can now be hit.
     Appeared {
         /// How many more.
         count: usize,
@@ -129,11 +129,11 @@ impl fmt::Display for RefitError {
             }
             Self::Vanished { prim_id } => write!(
                 f,
-                "triangle {prim_id} is in the tree, but has now two equal corners, or a coordinate beyond \
-                 ±{MAX_COORDINATE:e} or none; build the tree again"
+                "triangle {prim_id} is in the tree, but now has two equal corners, or a coordinate that is not finite or \
+                 beyond ±{MAX_COORDINATE:e}; build the tree again"
             ),
             Self::Appeared { count } => {
-                write!(f, "there are {count} triangles that are not in the tree and could be hit; build it again")
+                write!(f, "{count} triangles that are not in the tree can now be hit; build it again")
             }
         }
     }
@@ -147,24 +147,30 @@ impl fmt::Display for InvalidTree {
             Self::BadChild { node, slot } => {
                 write!(f, "child {slot} of node {node} is out of range or out of order")
             }
-            Self::BadOrder { node } => write!(f, "an order of the children of node {node} does not name each once"),
+            Self::BadOrder { node } => {
+                write!(f, "an order of the children of node {node} does not list each child once")
+            }
             Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
             Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
             Self::BadBox { node, slot } => {
                 write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
             }
             Self::BadTriangle { block, lane } => {
-                write!(f, "triangle {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none")
+                write!(
+                    f,
+                    "triangle {lane} of block {block} has a coordinate that is not finite or beyond ±{MAX_COORDINATE:e}"
+                )
             }
             Self::BadPrimitive { block, lane } => write!(
                 f,
-                "primitive {lane} of block {block} has a coordinate beyond ±{MAX_COORDINATE:e}, or none, or no radius"
+                "primitive {lane} of block {block} has no radius, or a coordinate that is not finite or beyond \
+                 ±{MAX_COORDINATE:e}"
             ),
             Self::BadItem { place } => write!(f, "item {place} in the leaves does not exist, or has no box"),
             Self::BadKeys { keys } => {
                 write!(
                     f,
-                    "a tree of {keys} keys needs one at least, and all of one shape with the same number of parts"
+                    "a moving tree of {keys} keys needs at least one, and all keys need the same shape and number of parts"
                 )
             }
             Self::TooDeep { needed, allowed } => {

@@ -1,10 +1,10 @@
-//! Rays in lanes made ready together: the numbers of [`RaySetup`](super::setup::RaySetup), bit for bit, where their
-//! directions are of one class, and a shaft that no ray of them leaves.
+//! Setup of a packet of rays in lanes: equal to [`RaySetup`](super::setup::RaySetup) bit for bit, for directions of one
+//! class, and a shaft that encloses all rays.
 //!
 //! The shaft (Haines and Wallace 1991) is swept by a box that grows or shrinks from around the rays' origins to around
-//! their ends, which are at `t_max` or where they leave the scene: at the part `s` of their way all are in
-//! `(1 - s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It
-//! is as tight for rays that run together, to a light, as for those that spread.
+//! their ends, which are at `t_max` or where they leave the scene: at the fraction `s` of their length all are in `(1 -
+//! s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It is
+//! as tight for rays that converge at a light as for diverging ones.
 //!
 //! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's own
 //! box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
@@ -35,7 +35,7 @@ pub(crate) struct Bundle<L> {
     largest: L,
     /// Their least `t`.
     pub t_min: L,
-    /// The active rays that can hit something.
+    /// The active rays that can hit anything.
     pub live: u32,
 }
 
@@ -43,10 +43,10 @@ pub(crate) struct Bundle<L> {
 /// `plane * inverse - shift`, and so does the lower side.
 #[derive(Clone, Copy)]
 pub(crate) struct Shaft {
-    /// Of the upper sides, along each axis, and of the lower ones.
+    /// The values of the upper sides along each axis, then of the lower ones.
     pub inverse: [[f32; 3]; 2],
     pub shift: [[f32; 3]; 2],
-    /// Whether the side rises on its way.
+    /// Whether the side's coordinate increases along the rays.
     pub rises: [[bool; 3]; 2],
     /// What the box around the origins was widened by.
     pub pad: [f32; 3],
@@ -65,7 +65,7 @@ impl<L: Copy> Bundle<L> {
         let (t_min, t_max) = (L::load(&rays.t_min), L::load(&rays.t_max));
         let size = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
         let largest = size[0].max(size[1]).max(size[2]);
-        // Each component by itself: a maximum may lose a NaN.
+        // Each component on its own: a maximum may lose a NaN.
         let (coordinate, length) = (L::splat(MAX_COORDINATE), L::splat(MAX_DIRECTION));
         let valid = origin[0].abs().le(coordinate)
             & origin[1].abs().le(coordinate)
@@ -79,7 +79,7 @@ impl<L: Copy> Bundle<L> {
         Self { origin, direction, largest, t_min, live }
     }
 
-    /// The class of the direction of the first ray of `rays`, which are not none, and which of them share it.
+    /// The direction class of the first ray of `rays`, a non-empty mask, and which of the rays share it.
     #[inline(always)]
     pub(crate) fn class<const N: usize>(&self, rays: u32) -> (DirectionClass, u32)
     where
@@ -169,7 +169,7 @@ impl<L: Copy> Bundle<L> {
         t_max.min((far + pad) * lines.inverse[2]).max(L::splat(0.0))
     }
 
-    /// The shaft of `rays`, which are of `class` and not none, of the given lengths.
+    /// The shaft of `rays`, a non-empty mask of rays of `class`, of the given lengths.
     #[inline(always)]
     pub(crate) fn shaft<const N: usize>(&self, class: &DirectionClass, lengths: L, rays: u32, scene: &Aabb) -> Shaft
     where
@@ -210,7 +210,7 @@ impl<L: Copy> Bundle<L> {
 }
 
 impl<L: Copy> Bundle<L> {
-    /// The box around the origins of `rays`, which are not none, and whether they are one point.
+    /// The box around the origins of `rays`, a non-empty mask, and whether they are one point.
     #[inline(always)]
     fn origins<const N: usize>(&self, rays: u32) -> (Aabb, bool)
     where
@@ -232,7 +232,7 @@ impl<L: Copy> Bundle<L> {
     }
 }
 
-/// The least and the greatest of the lanes in `rays`, which are not none.
+/// The least and the greatest of the lanes in `rays`, a non-empty mask.
 #[inline(always)]
 fn range<const N: usize, L: Lanes<N>>(rays: L::Mask, lanes: L) -> (f32, f32) {
     let mut least = L::select(rays, lanes, L::splat(f32::INFINITY)).store();

@@ -1,11 +1,11 @@
 //! The point of a triangle that is closest to another point.
 //!
-//! Ericson 2005, "Real-Time Collision Detection", 5.1.5, tells by signs whether it is in the interior, on an edge or at
-//! a corner. Of a needle these signs are noise, so here the candidates are compared themselves: the closest points of
-//! the three edges, which are well-behaved however thin the triangle, and the foot of the perpendicular if that is inside
-//! (its barycentric weights are those of Heidrich 2005, "Computing the Barycentric Coordinates of a Projected Point").
-//! Of a needle these weights are rough, and the foot is off along its length: a step along two edges, each to where the
-//! distance is least, mends that.
+//! Ericson 2005, "Real-Time Collision Detection", 5.1.5, decides by signs whether it is in the interior, on an edge or
+//! at a corner. For needles these signs are noise, so here the candidates themselves are compared: the closest points
+//! of the three edges, which are well-behaved however thin the triangle, and the foot of the perpendicular if that is
+//! inside (its barycentric weights are those of Heidrich 2005, "Computing the Barycentric Coordinates of a Projected
+//! Point"). For needles these weights are inexact, and the foot is off along the needle: a step along two edges, each
+//! to the least distance, corrects that.
 //!
 //! The coordinates are relative to the point from which the distance is measured, and the closest point is clamped to
 //! the triangle's own box. So its distance, computed in the same way, is never less than that of a box around the
@@ -36,10 +36,10 @@ pub struct SurfacePoint {
     pub prim_id: u32,
 }
 
-/// A closest point under way.
+/// A candidate for the closest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
-    /// Relative to the point from which the distance is measured.
+    /// The position relative to the query point.
     pub offset: [f32; 3],
     /// The distance, squared.
     pub distance2: f32,
@@ -199,7 +199,7 @@ fn on_edge<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> (L, [L; 3]) {
     (s, [rest * p[0] + s * q[0], rest * p[1] + s * q[1], rest * p[2] + s * q[2]])
 }
 
-/// In each lane `foot` if it is nearer than `other`, else that.
+/// In each lane `foot` if it is nearer than `other`, else `other`.
 #[inline(always)]
 fn nearer<const N: usize, L: Lanes<N>>(foot: FootLanes<L>, other: FootLanes<L>) -> FootLanes<L> {
     let is_nearer = foot.distance2.lt(other.distance2);

@@ -1,26 +1,27 @@
-//! Time: what moves is known at keys, evenly spaced over 0..=1, and moves in straight lines between them.
+//! Time: motion is given at keys, evenly spaced over 0..=1, and is linear between them.
 //!
-//! `lerp(a, b, f) = (1 - f) a + f b`, each operation rounded. None of them reverses an order, so if `a` is at most `c` and
-//! `b` at most `d`, then `lerp(a, b, f)` is at most `lerp(c, d, f)`, rounding included: a box that is interpolated encloses
-//! what it encloses at both keys, without a tolerance.
+//! `lerp(a, b, f) = (1 - f) a + f b`, each operation rounded. None of them reverses an order, so if `a` is at most `c`
+//! and `b` at most `d`, then `lerp(a, b, f)` is at most `lerp(c, d, f)`, rounding included: an interpolated box
+//! encloses everything that it encloses at both keys, without a tolerance.
 
 use glam::Vec3;
 
 use super::Aabb;
 
-/// A time between two keys: what tells where corners that a [`MovingBvh`](crate::bvh::MovingBvh) has are at a ray's time.
+/// A time between two keys: the key interval and fraction at which a [`MovingBvh`](crate::bvh::MovingBvh) is
+/// interpolated for a ray's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// The key before.
+    /// The key at or before the time.
     pub key: usize,
-    /// How far it is to the next key: 0 at the key itself, never 1.
+    /// The fraction of the interval to the next key: 0 at the key itself, never 1.
     pub fraction: f32,
 }
 
 impl Moment {
     /// The moment of `time`, clamped to 0..=1, where there are `keys`, at least one; `None` if it is NaN.
     ///
-    /// The product is exact, so that keys of different numbers agree on a time. Then it is rounded once.
+    /// The product is exact and then rounded once, so that different numbers of keys agree on a time.
     #[inline(always)]
     pub fn new(time: f32, keys: usize) -> Option<Self> {
         if time.is_nan() {

@@ -1,8 +1,8 @@
-//! Where a ray may start that leaves a surface, so that it does not hit the very triangle it leaves.
+//! Origins of rays that leave a surface, so that they do not hit the triangle that they leave.
 //!
 //! Ize 2013, "Robust BVH Ray Traversal", and Pharr, Jakob and Humphreys, "Physically Based Rendering", 6.8, move the
-//! origin along the normal by a bound of its rounding error instead of by a length that somebody guessed for the scene.
-//! Two things are rounded, in units of `u = 2⁻²⁴`:
+//! origin along the normal by a bound of its rounding error instead of by a guessed length. Two values are rounded, in
+//! units of `u = 2⁻²⁴`:
 //!
 //! - the point, which `(1 - u - v) a + u b + v c` misses by up to 5 `u` of the greatest coordinate along each axis, and
 //!   its sum with the offset by one more;
@@ -10,9 +10,9 @@
 //!   across the ray, and finds the depth of the crossing by their weights, with one more (see [`geometry`](super)).
 //!
 //! The distance to the plane by which both can be wrong is the sum of the errors along the axes, weighted by the
-//! normal's components. So a wall in the plane x = 5 needs some units in the last place of 5 and of its own extent,
-//! wherever it is along y and z. In an experiment a third of the first with an eighth of the second was enough for six
-//! million rays, and a sixth with an eighth too little for 20 of them.
+//! normal's components. So a wall in the plane x = 5 needs a few units in the last place of 5 and of its own extent,
+//! whatever its position along y and z. In an experiment a third of the first with an eighth of the second was enough
+//! for six million rays, and a sixth with an eighth too little for 20 of them.
 
 use glam::{DVec3, Vec3};
 
@@ -35,8 +35,8 @@ pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
 /// as that of a triangle without area, the point stays.
 ///
 /// The distance is a few units in the last place of the triangle's coordinates and of its extent; it scales with the
-/// scene, and there is no length to tune. Who leaves the same triangle often may keep its [`offset_distance`], and
-/// move the point by [`offset_point`], which is all that this function does.
+/// scene, and there is no length to tune. For many rays from one triangle keep its [`offset_distance`] and call
+/// [`offset_point`]; this function does just that.
 #[inline]
 pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, direction: Vec3) -> Vec3 {
     let [a, b, c] = *triangle;

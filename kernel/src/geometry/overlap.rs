@@ -1,10 +1,10 @@
 //! Whether a triangle and a box have a point in common, by separating axes: Akenine-Möller 2001, "Fast 3D Triangle-Box
 //! Overlap Testing".
 //!
-//! The box's three axes are decided exactly. The triangle's plane and the nine products of edges and axes are
-//! computed in `f64`, and separate only if they do so by more than a bound of the rounding: so the test is conservative.
-//! It never denies an overlap, touching included, and of those that it asserts some may have a gap, of 2⁻⁴⁸ of the
-//! coordinates' size along such an axis. In `f32` that is no distance at all.
+//! The box's three axes are decided exactly. The triangle's plane and the nine products of edges and axes are computed
+//! in `f64`, and separate only if they do so by more than a bound of the rounding: so the test is conservative. It
+//! never misses an overlap, touching included; a reported overlap may have a gap of 2⁻⁴⁸ of the coordinates' size along
+//! such an axis, which is below the resolution of `f32`.
 
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
-//! The box of a primitive other than a triangle, and what it does to a hit.
+//! Clamping of hits to the box of a primitive other than a triangle.
 //!
-//! A hit's `t` is clamped to the interval in which the ray is inside the primitive's own box, widened by a bound of rounding,
-//! as that of a triangle is (see [`geometry`](super)). So boxes cull nothing that counts, and what is hit does not depend on
-//! the tree, however a primitive rounds.
+//! A hit's `t` is clamped to the interval in which the ray is inside the primitive's own box, widened by a bound of
+//! rounding, as that of a triangle is (see [`geometry`](super)). So culling by boxes never loses a hit, and hits do not
+//! depend on the tree, however a primitive rounds.
 
 use super::setup::{LEAST_COMPONENT, OWN_PAD, is_in_limits, raise};
 use super::{Aabb, Hit, Ray};

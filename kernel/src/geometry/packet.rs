@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use super::{Hit, Ray};
 use crate::simd::{Lanes, Portable, Simd};
 
-/// `N` rays; component-wise what [`Ray`] is.
+/// `N` rays as a structure of arrays; fields as in [`Ray`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct RayPacket<const N: usize> {
@@ -21,7 +21,7 @@ pub struct RayPacket<const N: usize> {
     pub active: u32,
 }
 
-/// `N` hits; component-wise what [`Hit`] is.
+/// `N` hits as a structure of arrays; fields as in [`Hit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct HitPacket<const N: usize> {

@@ -7,18 +7,18 @@ use glam::Vec3;
 
 /// The points `origin + t * direction` for `t_min <= t <= t_max`.
 ///
-/// The direction need not have unit length; `t` counts in its lengths. A ray that is out of the kernel's
-/// [numeric limits](crate#numeric-limits), has a NaN, or has `t_min > t_max` hits nothing.
+/// The direction need not have unit length; `t` is in units of its length. A ray that is out of the kernel's [numeric
+/// limits](crate#numeric-limits), has a NaN, or has `t_min > t_max` hits nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Ray {
     /// Where `t` is zero.
     pub origin: Vec3,
-    /// The least `t` that counts; negative ones reach behind the origin.
+    /// The least accepted `t`, inclusive; negative values reach behind the origin.
     pub t_min: f32,
-    /// Where the ray goes, of any length within the limits.
+    /// The direction, of any length within the limits.
     pub direction: Vec3,
-    /// The greatest `t` that counts; may be infinite.
+    /// The greatest accepted `t`, inclusive; may be infinite.
     pub t_max: f32,
 }
 
@@ -26,7 +26,7 @@ pub struct Ray {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Hit {
-    /// Distance in lengths of the ray's direction.
+    /// Distance in units of the direction's length.
     pub t: f32,
     /// Barycentric weight of the triangle's second corner, 0..=1.
     pub u: f32,
@@ -37,13 +37,13 @@ pub struct Hit {
 }
 
 impl Ray {
-    /// A ray from `origin` without an end.
+    /// A ray from `origin` with `t` in 0..=∞.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
     }
 
-    /// A ray from `origin` to `target`, whose `t` is 1.
+    /// A ray from `origin` to `target`, with `t` in 0..=1, ends included: a surface through either end is hit.
     #[inline]
     pub fn between(origin: Vec3, target: Vec3) -> Self {
         Self { origin, t_min: 0.0, direction: target - origin, t_max: 1.0 }
@@ -75,19 +75,19 @@ impl Hit {
         self.t < other.t || self.t == other.t && self.prim_id < other.prim_id
     }
 
-    /// The hit that a search starts with: any hit up to `t_max` precedes it.
+    /// The initial hit of a search: any hit up to `t_max` precedes it.
     #[inline(always)]
     pub(crate) fn none_before(t_max: f32) -> Self {
         Self { t: t_max, ..Self::MISS }
     }
 
-    /// One that stands for any hit, or a miss.
+    /// A hit that stands for any hit, or a miss.
     #[inline(always)]
     pub(crate) fn any_if(is_hit: bool) -> Self {
         Self { prim_id: if is_hit { 0 } else { Self::NO_PRIM }, ..Self::MISS }
     }
 
-    /// The result of a search, or a miss: without a branch, as it is as good as random which.
+    /// The result of a search, or a miss: without a branch, which would be unpredictable.
     #[inline(always)]
     pub(crate) fn or_miss(self) -> Self {
         Self { t: select_unpredictable(self.is_hit(), self.t, Self::MISS.t), ..self }

@@ -1,4 +1,5 @@
-//! The triangle test, one ray and one triangle: the definition of a hit, which every other path equals bit for bit.
+//! The triangle test of one ray and one triangle: the definition of a hit, which all other code paths equal bit for
+//! bit.
 
 use glam::Vec3;
 
@@ -8,7 +9,7 @@ use super::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, Triangle};
 /// Where `ray` meets `triangle`, from either side, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or
 /// if one of them is out of the [numeric limits](crate#numeric-limits).
 ///
-/// Woop, Benthin and Wald 2013, with the two deviations that the [module](super) explains.
+/// Woop, Benthin and Wald 2013, with the deviations that the [module](super) explains.
 pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<Hit> {
     intersect_side(ray, triangle).map(|(hit, _)| hit)
 }

@@ -1,4 +1,4 @@
-//! What is computed once a ray, before any box or triangle is tested.
+//! The setup of a ray, computed once before any box or triangle is tested.
 
 use glam::Vec3;
 
@@ -13,7 +13,7 @@ pub const MIN_DIRECTION: f32 = 1.0 / MAX_DIRECTION;
 pub const MAX_DIRECTION: f32 = (1u64 << 50) as f32;
 
 impl Aabb {
-    /// Whether something is inside, and nothing lies beyond the numeric limits.
+    /// Whether the box is not empty, and within the numeric limits.
     pub(crate) fn is_usable(&self) -> bool {
         !self.is_empty() && self.min.min_element() >= -MAX_COORDINATE && self.max.max_element() <= MAX_COORDINATE
     }
@@ -28,8 +28,8 @@ pub(crate) const NODE_ORIGIN_PAD: f32 = 4.0 / (1u32 << 24) as f32;
 /// Distances to nodes are widened by this besides: it changes only numbers so small that the pads above are rounded
 /// away.
 pub(crate) const UNDERFLOW_PAD: f32 = 4.0 * f32::MIN_POSITIVE;
-/// Components of the direction smaller than this times the largest one count as this, which keeps reciprocals finite.
-/// Over the whole scene the ray strays from its class by less than the boxes are widened.
+/// Smaller components of the direction, relative to the largest one, are raised to this value, which keeps reciprocals
+/// finite. Over the whole scene the ray strays from its class by less than the boxes are widened.
 pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
 /// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
@@ -87,7 +87,7 @@ pub(crate) struct Line {
     pub numbers: [f32; 8],
 }
 
-/// A ray made ready.
+/// A ray prepared for traversal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RaySetup {
     pub slabs: Slabs,

@@ -1,5 +1,5 @@
-//! Rays in lanes made ready together, each with a direction of its own class: the numbers of [`RaySetup`], bit for bit, and where
-//! the rays meet a box.
+//! Setup of rays in lanes, each with its own direction class: equal to [`RaySetup`] bit for bit; and the rays' test
+//! against a box.
 
 use super::Aabb;
 use super::setup::{
@@ -9,7 +9,7 @@ use super::setup::{
 use super::setup::{Line, RaySetup, Slabs};
 use crate::simd::{Lanes, Mask, Simd};
 
-/// Rays made ready. Lanes that are not `live` are of no meaning.
+/// Rays prepared for traversal. Lanes that are not `live` are unspecified.
 pub(crate) struct SetupLanes<const N: usize, L: Lanes<N>> {
     /// The rays that can hit something.
     pub live: u32,
@@ -115,7 +115,7 @@ impl<L> BoxLanes<L> {
         Self { min, max }
     }
 
-    /// The lanes in which something is inside.
+    /// The lanes whose boxes are not empty.
     #[inline(always)]
     fn not_empty<const N: usize>(&self) -> u32
     where
@@ -142,7 +142,7 @@ fn reach<const N: usize, L: Lanes<N>>(o: L, min: L, max: L) -> L {
 }
 
 impl<L: Lanes<8>> BoxLanes<L> {
-    /// From rows of a lower and an upper corner, the third and the last number of each of no meaning.
+    /// The boxes from rows of a lower and an upper corner; the fourth and the last word of a row are ignored.
     #[inline(always)]
     pub(crate) fn from_rows<S: Simd<F8 = L>>(rows: [L; 8]) -> Self {
         let [ax, ay, az, _, bx, by, bz, _] = S::transpose(rows);
@@ -187,7 +187,7 @@ impl DirectionClasses {
     #[inline(always)]
     pub(crate) fn fastest(&self, lane: usize) -> usize {
         let (x, y) = (self.fastest[0] >> lane & 1, self.fastest[1] >> lane & 1);
-        // Without a branch, which would be as good as random.
+        // Without a branch, which would be unpredictable.
         ((1 - x) * (2 - y)) as usize
     }
 
@@ -237,15 +237,15 @@ impl SetupRows {
 pub(crate) const FORWARD: [[Axis; 3]; 3] =
     [Axis::permutation(0, false), Axis::permutation(1, false), Axis::permutation(2, false)];
 
-/// Eight rows of lanes mirrored, and in memory.
+/// Eight rows of lanes, transposed and stored.
 #[inline(always)]
 pub(crate) fn rows<S: Simd>(lanes: [S::F8; 8]) -> [[f32; 8]; 8] {
     let [a, b, c, d, e, f, g, h] = S::transpose(lanes);
     [a.store(), b.store(), c.store(), d.store(), e.store(), f.store(), g.store(), h.store()]
 }
 
-/// The lanes that are within the [numeric limits](crate#numeric-limits). Each component by itself: a maximum may lose a
-/// NaN.
+/// The lanes that are within the [numeric limits](crate#numeric-limits). Each component on its own: a maximum may lose
+/// a NaN.
 #[inline(always)]
 fn in_limits<const N: usize, L: Lanes<N>>(o: &[L; 3], size: &[L; 3], largest: L) -> u32 {
     let (coordinate, length) = (L::splat(MAX_COORDINATE), L::splat(MAX_DIRECTION));

@@ -2,18 +2,18 @@
 
 use super::{Ray, Triangle, intersect_side, triangle_normal};
 
-/// What a hit says of the surface besides where it is.
+/// The surface at a hit: normal and side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// The unit normal of the side that the ray has met; zero if the triangle has no area that can be told.
+    /// The unit normal of the side that the ray has hit; zero if the triangle's area vanishes.
     pub normal: glam::Vec3,
     /// Whether that is the front, from which the corners run counter-clockwise.
     pub is_front: bool,
 }
 
 impl Surface {
-    /// The side of `triangle` that `ray` meets, and its geometric normal; `None` if it does not hit it. The side is that by
-    /// which [`Facing`](crate::Facing) judges: never in doubt, however the ray grazes the triangle.
+    /// The side of `triangle` that `ray` meets, and its geometric normal; `None` if it does not hit it.
+    /// [`Facing`](crate::Facing) uses the same side: it is exact, however the ray grazes the triangle.
     pub fn of(ray: &Ray, triangle: &Triangle) -> Option<Self> {
         let (_, is_front) = intersect_side(ray, triangle)?;
         let front = triangle_normal(triangle);

@@ -1,6 +1,6 @@
 //! The triangle test in lanes: one ray against several triangles, or several rays against one.
 //!
-//! The scalar original, which this equals bit for bit, is [`intersect_triangle`](super::intersect_triangle).
+//! It equals the scalar [`intersect_triangle`](super::intersect_triangle) bit for bit.
 
 #[cfg(doc)]
 use super::setup::Line;
@@ -81,7 +81,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
         (u, v, w) = (L::load(&weights[0]), L::load(&weights[1]), L::load(&weights[2]));
     }
     let (u, v, w) = refine([ax, ay], [bx, by], [cx, cy], [u, v, w]);
-    // Adding zero makes a negative zero positive: which one comes out is up to the backend.
+    // Adding zero makes a negative zero positive: backends differ in which one they give.
     let t = (u * a[2] + v * b[2] + w * c[2]) * ray.inverse[2] + zero;
 
     let (near, far) = own_box(ray, [a, b, c]);
@@ -91,8 +91,8 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     Some(Crossing { bits, front, t, u: unit(v), v: unit(w) })
 }
 
-/// The lanes whose lines cross their triangles in their intervals: [`cross`] and `t` within, but quicker, as where a line is
-/// in the triangle's box is mostly enough to tell.
+/// The lanes whose lines cross their triangles in their intervals: [`cross`] and `t` within, but faster, as the line's
+/// interval in the triangle's box mostly decides.
 #[inline(always)]
 pub(crate) fn occludes<const N: usize, L: Lanes<N>>(
     ray: &LineLanes<L>,

@@ -33,7 +33,7 @@ pub(super) struct Grid<'a> {
     pub(super) table: &'a [f32],
 }
 
-/// What is above the first row of a grid.
+/// The row above the first row of a grid.
 #[derive(Clone, Copy)]
 pub(super) enum Above {
     /// Nothing.
@@ -86,7 +86,7 @@ pub(super) fn fill_table(
     }
 }
 
-/// What the rays found: slices of equal length.
+/// The results of the rays: slices of equal length.
 #[derive(Clone, Copy)]
 pub(super) struct Samples<'a> {
     pub(super) radiance: &'a [Vec3],
@@ -234,7 +234,7 @@ impl Grid<'_> {
     }
 }
 
-/// What sums say together.
+/// The combined sums.
 #[inline(always)]
 fn total<const N: usize, L: Lanes<N>>(all: &[Sums<N, L>]) -> Gather {
     // A loop, whose body the compiler inlines; it does not inline closures that it sees several times.

@@ -1,4 +1,4 @@
-//! What the edges of polygon lights add to irradiance and to its Hessian, in lanes.
+//! Contributions of polygon lights' edges to irradiance and to its Hessian, in lanes.
 //!
 //! # The Hessian of an edge
 //! The irradiance of a polygon light is an integral around it, and so are its derivatives. An edge goes from d_0/i_0 to
@@ -43,7 +43,7 @@ pub(super) struct Ends<const N: usize, L> {
 }
 
 impl<const N: usize, L: Lanes<N>> Ends<N, L> {
-    /// Those in these unit directions at these reciprocal distances.
+    /// The ends in these unit directions at these reciprocal distances.
     #[inline(always)]
     pub(super) fn new(direction: [L; 3], inverse: L) -> Self {
         let [x, y, _] = direction;
@@ -65,7 +65,8 @@ impl<const N: usize, L: Lanes<N>> Sums<N, L> {
         Self { irradiance: L::splat(0.0), hessian: [L::splat(0.0); 3] }
     }
 
-    /// With edges added that have these radiances to the left, seen from below, more than to the right.
+    /// The sums with added edges, whose radiance to the left, seen from below, exceeds that to the right by these
+    /// values.
     #[inline(always)]
     pub(super) fn add(&self, from: &Ends<N, L>, to: &Ends<N, L>, radiance: L) -> Self {
         let ([x0, y0, z0], [x1, y1, z1]) = (from.direction, to.direction);
@@ -92,7 +93,7 @@ impl<const N: usize, L: Lanes<N>> Sums<N, L> {
         }
     }
 
-    /// Of the sums of all columns: irradiance, and xx, xy and yy.
+    /// The totals of all columns: irradiance, and xx, xy and yy.
     #[inline(always)]
     pub(super) fn total(all: &[Self]) -> (f32, [f32; 3]) {
         let hessian = |part: usize| sum(all.iter().map(|sums| sums.hessian[part]));

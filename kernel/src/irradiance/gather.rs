@@ -1,4 +1,4 @@
-//! What a gather gives, and what it says of other points and normals.
+//! The result of a gather, and its extrapolation to other points and normals.
 //!
 //! E(x, n) = E_i + (n_i × n)·∇_r + (x - x_i)·∇_t
 
@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use crate::sampling::Frame;
 
-/// Irradiance at a point with its gradients, and how far away the surroundings are.
+/// Irradiance at a point with its gradients, and the distance of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gather {
     /// E for each colour channel, in W/m².
@@ -18,13 +18,13 @@ pub struct Gather {
     pub rotational: [Vec3; 3],
     /// ∇_t, a vector for each colour channel, in W/m² a world unit.
     pub translational: [Vec3; 3],
-    /// R, the harmonic mean of the distances, weighted by the cosine; +∞ if no ray hit anything.
+    /// R, the harmonic mean of the distances, weighted by the cosine, in world units; +∞ if no ray hit anything.
     pub harmonic_mean_distance: f32,
-    /// The least of the distances; +∞ if no ray hit anything.
+    /// The least of the distances, in world units; +∞ if no ray hit anything.
     pub minimum_distance: f32,
-    /// The standard deviation of E, of the channel where it is greatest, in W/m²: √(½ Σ (ΔL ∫ cos θ dω)²) over cells and
-    /// their neighbours in a row, which see about the same, so that half of their squared difference is the variance of
-    /// one. Where they do not it is too much. Parts of E below 10⁻¹⁹ are lost, above 10¹⁹ it is infinite.
+    /// The standard error of E, in the channel where it is greatest, in W/m²: √(½ Σ (ΔL ∫ cos θ dω)²) over cells and
+    /// their neighbours in a row. Neighbours see nearly the same, so half of their squared difference is the variance
+    /// of one; where they do not, the estimate is too high. Parts of E below 10⁻¹⁹ are lost, above 10¹⁹ it is infinite.
     pub deviation: f32,
 }
 
@@ -49,7 +49,7 @@ impl Gather {
         }
     }
 
-    /// The same with the gradients in world coordinates; `frame` is the one that took the directions there.
+    /// The gather with its gradients in world coordinates; `frame` is the one that transformed the directions.
     pub fn to_world(&self, frame: &Frame) -> Self {
         Self {
             rotational: self.rotational.map(|gradient| frame.to_world(gradient)),
@@ -61,8 +61,8 @@ impl Gather {
     /// The irradiance at `displacement` = x - x_i from the record, on a surface with the unit normal `normal`;
     /// `record_normal` is n_i. All three vectors are in the coordinates of the gradients.
     ///
-    /// Gradients know nothing of zero, so what falls below it in a channel becomes zero; the second result says whether
-    /// any did.
+    /// Extrapolation may give negative values, which are clamped to zero in each channel; the second result says
+    /// whether any was.
     #[inline]
     pub fn extrapolate(&self, displacement: Vec3, record_normal: Vec3, normal: Vec3) -> (Vec3, bool) {
         let turn = record_normal.cross(normal);

@@ -120,7 +120,7 @@ fn texel(corner: impl Fn(f64, f64) -> DVec3, row: usize, column: usize, up: bool
 }
 
 impl<T> Hemicube<T> {
-    /// The same, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
+    /// The layout, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }

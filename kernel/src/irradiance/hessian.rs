@@ -1,6 +1,6 @@
 //! The translational Hessian of irradiance, and the ellipse in which a record may be used for it.
 //!
-//! Where gradients are used, what they leave out is the error: ½ Δxᵀ H Δx. With the radii
+//! Where gradients are used, the next term is the error: ½ Δxᵀ H Δx. With the radii
 //!
 //! (R_1, R_2) = (4 ε E / π)^¼ (|λ_1|^-¼, |λ_2|^-¼)
 //!
@@ -28,7 +28,7 @@ pub struct Hessian {
     pub irradiance: f32,
 }
 
-/// Where a record may be used: along each of two directions of the tangent plane up to a radius.
+/// The ellipse in which a record may be used: two directions of the tangent plane, each with a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipse {
     /// Unit vectors along which the radii are; orthogonal.
@@ -80,7 +80,7 @@ fn root4(x: f32) -> f32 {
 }
 
 impl Ellipse {
-    /// The same in world coordinates.
+    /// The ellipse in world coordinates.
     pub fn to_world(&self, frame: &Frame) -> Self {
         Self { axes: self.axes.map(|axis| frame.to_world(axis)), ..*self }
     }

@@ -2,8 +2,8 @@
 //!
 //! Neighbouring hit points make triangles, and each triangle is a polygon light with the radiance of its farthest
 //! vertex: what is nearer hides the light behind it, so that the edges of occluders are where the lights' edges are
-//! (Schwarzhaupt, Wann Jensen and Jarosz 2012). What a triangle adds is a sum over its [edges](super::edge), which change
-//! their sign if they are gone along the other way; so each edge of the mesh is computed once, for the difference of the
+//! (Schwarzhaupt, Wann Jensen and Jarosz 2012). The contribution of a triangle is a sum over its [edges](super::edge),
+//! which change their sign with the direction; so each edge of the mesh is computed once, for the difference of the
 //! radiances on its two sides.
 //!
 //! # Deviations
@@ -35,7 +35,7 @@ pub(super) struct Patch {
     /// Whether the patch goes around the zenith down to the horizon, with the last column beside the first. Else it
     /// is a rectangle of its own, with columns against the azimuth.
     pub(super) band: bool,
-    /// What a band starts from.
+    /// The start of a band.
     pub(super) above: Above,
 }
 
@@ -138,7 +138,7 @@ fn depth<const FROM: usize, const N: usize, L: Lanes<N>>(row: &Points, first: us
     Depth { inverse: row.lanes::<FROM, N, L>(3, first), luminance: row.lanes::<FROM, N, L>(4, first) }
 }
 
-/// How far away points are, and how bright.
+/// The distances and luminances of points.
 #[derive(Clone, Copy)]
 struct Depth<const N: usize, L> {
     inverse: L,

@@ -2,9 +2,9 @@
 //! and its Hessian.
 //!
 //! A record is made at x_i with the unit normal n_i. A [`Layout`] cuts the hemisphere above it into cells and gives a
-//! direction for each: [`Stratified`] in rings and sectors, [`Hemicube`] in the texels of half a cube. One traces a ray
-//! along each and says what came along it: its radiance L and the distance r to what it hit, +∞ where it missed.
-//! Then, per colour channel,
+//! direction for each: [`Stratified`] in rings and sectors, [`Hemicube`] in the texels of half a cube. The caller
+//! traces a ray along each and returns its radiance L and the distance r of its hit, +∞ for a miss. Then, per colour
+//! channel,
 //!
 //! ```text
 //! E    = Σ cells   L ∫ cos θ dω                                       irradiance
@@ -92,8 +92,8 @@ pub trait Layout {
     /// The number of cells, and so of rays.
     fn cells(&self) -> usize;
 
-    /// Writes a unit direction for each cell, z up, to `out`, in the order of the cells. `jitter(cell)`, in [0, 1)²,
-    /// says where in the cell it is; a layout of fixed directions does not ask.
+    /// Writes a unit direction for each cell, z up, to `out`, in the order of the cells. `jitter(cell)`, in [0, 1)², is
+    /// the position in the cell; a layout of fixed directions does not call it.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
-//! Light from a point of a surface that was chosen beforehand, as one chooses points on a lamp, for what cells of the
-//! hemisphere see too seldom.
+//! Light from a chosen point of a surface, as for a light sample, for sources that cells of the hemisphere hit too
+//! rarely.
 //!
-//! With `d` the way to the point, `r` its length, `n` the record's normal and `m` that of the surface there, a patch of
-//! it causes the irradiance `e ∝ (n·d) (-m·d) / r⁴`. Its derivatives with respect to the record's place, along the
+//! With `d` the vector to the point, `r` its length, `n` the record's normal and `m` that of the surface there, a patch
+//! of it causes the irradiance `e ∝ (n·d) (-m·d) / r⁴`. Its derivatives with respect to the record's place, along the
 //! tangent plane, and with respect to the normal are
 //!
 //! ```text
@@ -11,20 +11,20 @@
 //! ∇_r = e (n × d)/(n·d)
 //! ```
 //!
-//! What is between the record and the point stays as it is: that its shadow moves is left out.
+//! Visibility between the record and the point is taken as constant: the movement of shadows is ignored.
 
 use glam::Vec3;
 
 use super::{Gather, Hessian, LUMINANCE};
 
-/// A point of a surface that sends light to a record, in the record's local coordinates, whose normal is z.
+/// A point of a surface that lights a record, in the record's local coordinates, whose normal is z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointSource {
     /// From the record to the point, in world units, z > 0.
     pub to_point: Vec3,
     /// The unit normal of the surface there, on the side that faces the record.
     pub normal: Vec3,
-    /// What the point adds to the irradiance, W/m².
+    /// The point's contribution to the irradiance, W/m².
     pub irradiance: Vec3,
 }
 

@@ -10,9 +10,9 @@
 //! m ∫ cos θ ds = φ̂(φ_{k-}) (sin θ_{j+} - sin θ_{j-})         the wall to sector k - 1; of sector 0 to the last
 //! ```
 //!
-//! The walls are Ward and Heckbert's ("Irradiance gradients", 1992). Their rotational gradient has tan θ of the ray
-//! where here the integral stands: its variance grows with the logarithm of the number of rays, and tan θ of the cell's
-//! centre is biased.
+//! The walls are Ward and Heckbert's ("Irradiance gradients", 1992). Their rotational gradient has tan θ of the ray in
+//! place of the integral: its variance grows with the logarithm of the number of rays, and tan θ of the cell's centre
+//! is biased.
 
 use core::f64::consts::{PI, TAU};
 
@@ -69,7 +69,7 @@ impl<T: AsRef<[f32]> + AsMut<[f32]>> Stratified<T> {
 }
 
 impl<T> Stratified<T> {
-    /// The same, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
+    /// The layout, accumulating with the instructions of `isa` instead of those of [`Isa::detect`].
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }

@@ -1,9 +1,9 @@
 //! Strips of a layout's grid: sixteen columns of cells, down all rows.
 //!
-//! What is done with a cell involves its neighbours to the left and to the right, so one more column is read on each side.
-//! Rows are read a few at a time, and then used: lanes that are loaded before all of their parts have been stored for a
-//! while would have to wait. Each column of a strip has sums of its own, so it does not matter whether a strip is gone
-//! down once in sixteen lanes or twice in eight.
+//! Each cell needs its neighbours to the left and to the right, so one more column is read on each side. Rows are read
+//! a few at a time, and then used: lanes that are loaded before all of their parts have been stored for a while would
+//! have to wait. Each column of a strip has sums of its own, so it does not matter whether a strip is gone down once in
+//! sixteen lanes or twice in eight.
 
 use glam::Vec3;
 
@@ -21,11 +21,11 @@ pub(super) const BEFORE: usize = 0;
 pub(super) const HERE: usize = 1;
 pub(super) const NEXT: usize = 2;
 
-/// What there is to read: `PARTS` numbers a cell.
+/// The input: `PARTS` numbers a cell.
 pub(super) trait Cells<S: Simd, const PARTS: usize> {
-    /// Those of one cell.
+    /// The numbers of one cell.
     fn one(&self, cell: usize) -> [f32; PARTS];
-    /// Those of the cells of a strip's columns, from one on, if there are so many.
+    /// The numbers of the cells of a strip's columns, from one on, as far as they exist.
     fn many(&self, cell: usize) -> Option<[S::F16; PARTS]>;
 }
 
@@ -34,7 +34,7 @@ pub(super) trait Cells<S: Simd, const PARTS: usize> {
 pub(super) struct Row<const PARTS: usize>(pub(super) [[f32; WIDTH]; PARTS]);
 
 impl<const PARTS: usize> Row<PARTS> {
-    /// The same in all columns.
+    /// The same numbers in all columns.
     pub(super) fn splat(parts: [f32; PARTS]) -> Self {
         Self(parts.map(|part| [part; WIDTH]))
     }

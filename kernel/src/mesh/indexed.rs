@@ -4,7 +4,7 @@ use super::{Mesh, Positions};
 use crate::error::InvalidMesh;
 use crate::geometry::Triangle;
 
-/// Which vertices the corners of triangles are, three each.
+/// The vertex indices of the triangles' corners, three a triangle.
 #[derive(Clone, Copy, Debug)]
 pub enum Indices<'a> {
     /// 16 bits each.
@@ -24,10 +24,10 @@ pub struct IndexedMesh<'a> {
 }
 
 impl<'a> IndexedMesh<'a> {
-    /// Looks at all indices once.
+    /// Checks all indices once.
     ///
     /// # Errors
-    /// [`InvalidMesh::NotThrees`] if the indices, or without them the positions, are not three for each triangle, and
+    /// [`InvalidMesh::NotThrees`] if the indices, or without them the positions, are not a multiple of 3, and
     /// [`InvalidMesh::IndexOutOfRange`].
     pub fn new(positions: impl Into<Positions<'a>>, indices: Indices<'a>) -> Result<Self, InvalidMesh> {
         let positions = positions.into();

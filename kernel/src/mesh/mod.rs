@@ -1,8 +1,9 @@
-//! Triangles as others keep them: indexed, with positions in vertex buffers of any stride, as `f32` or quantised to 16 bits.
+//! Meshes in the caller's memory: indexed, with positions in vertex buffers of any stride, as `f32` or quantised to 16
+//! bits.
 //!
-//! A tree has its own copy of the corners: blocks of 320 bytes hold up to eight triangles, 40 bytes each in full ones, and
-//! nodes of 256 bytes have up to eight blocks or nodes. `Bvh::statistics` says what a tree takes in all. What is avoided is
-//! the copy before it: trees are built from and refitted to a [`Mesh`] as it lies, one triangle at a time.
+//! A tree has its own copy of the corners: blocks of 320 bytes hold up to eight triangles, 40 bytes each in full ones,
+//! and nodes of 256 bytes have up to eight blocks or nodes. `Bvh::statistics` gives a tree's total memory. No further
+//! copy is needed: trees are built from and refitted to a [`Mesh`] in place, one triangle at a time.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -27,12 +28,12 @@ pub use positions::Positions;
 
 use crate::geometry::Triangle;
 
-/// Triangles that are numbered from 0.
+/// A list of triangles with indices from 0.
 pub trait Mesh: Sync {
     /// How many triangles there are.
     fn len(&self) -> usize;
 
-    /// The triangle of this number, which is less than [`len`](Self::len). Always the same one.
+    /// The triangle of this index, which is less than [`len`](Self::len). It must not change between calls.
     fn triangle(&self, prim_id: usize) -> Triangle;
 
     /// Whether there are none.

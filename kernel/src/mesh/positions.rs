@@ -4,8 +4,8 @@ use glam::{I16Vec3, U16Vec3, Vec3};
 
 use crate::error::InvalidMesh;
 
-/// The positions of vertices: three numbers each, at a fixed distance from each other in somebody's bytes, in the machine's
-/// order, aligned or not.
+/// The positions of vertices: three numbers each, at a fixed stride in borrowed bytes, in the machine's byte order,
+/// aligned or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Positions<'a> {
     bytes: &'a [u8],
@@ -14,7 +14,7 @@ pub struct Positions<'a> {
     format: Format,
 }
 
-/// What the numbers are.
+/// The type of the numbers.
 #[derive(Clone, Copy, Debug)]
 enum Format {
     F32,
@@ -46,7 +46,7 @@ impl<'a> Positions<'a> {
     /// `f32`.
     ///
     /// # Errors
-    /// Those of [`f32`](Self::f32).
+    /// The errors of [`f32`](Self::f32).
     pub fn u16(bytes: &'a [u8], first: usize, stride: usize, scale: Vec3, offset: Vec3) -> Result<Self, InvalidMesh> {
         Self::new(bytes, first, stride, Format::U16 { scale, offset })
     }
@@ -55,7 +55,7 @@ impl<'a> Positions<'a> {
     /// `f32`.
     ///
     /// # Errors
-    /// Those of [`f32`](Self::f32).
+    /// The errors of [`f32`](Self::f32).
     pub fn i16(bytes: &'a [u8], first: usize, stride: usize, scale: Vec3, offset: Vec3) -> Result<Self, InvalidMesh> {
         Self::new(bytes, first, stride, Format::I16 { scale, offset })
     }
@@ -80,7 +80,7 @@ impl<'a> Positions<'a> {
         self.len == 0
     }
 
-    /// The position of a vertex; NaN if there is no such.
+    /// The position of a vertex; NaN if it does not exist.
     #[inline]
     pub fn get(&self, vertex: usize) -> Vec3 {
         let Some(bytes) = self.bytes.get(vertex.saturating_mul(self.stride)..) else {

@@ -39,7 +39,7 @@ impl<S: AsRef<[AliasEntry]> + AsMut<[AliasEntry]>> AliasTable<S> {
     ///
     /// # Errors
     ///
-    /// See [`AliasError`]; the contents of `entries` are then of no use.
+    /// See [`AliasError`]; the contents of `entries` are then unspecified.
     pub fn build(weights: &[f32], mut entries: S) -> Result<Self, AliasError> {
         let table = entries.as_mut();
         check_length(weights.len())?;
@@ -98,7 +98,7 @@ fn sweep(weights: &[f32], total: f64, table: &mut [AliasEntry]) {
 }
 
 impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
-    /// A table built before, as one in read-only memory.
+    /// A finished table, for example in read-only memory.
     ///
     /// # Errors
     ///
@@ -127,8 +127,8 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
         self.entries().get(index).map_or(0.0, |e| e.mass)
     }
 
-    /// For `u` in [0, 1): an index, its probability, and what is left of `u`, uniform in [0, 1) again. An index of
-    /// mass 0 is never drawn.
+    /// For `u` in [0, 1): an index, its probability, and the remainder of `u`, rescaled to be uniform in [0, 1). An
+    /// index of mass 0 is never drawn.
     ///
     /// All bits of `u` count. With b of them (53 at most) the probabilities are met to n 2⁻ᵇ of 1/n and what is left
     /// has about b - log₂ n bits: a single precision number of 24 is too coarse for more than some thousand entries,
@@ -151,7 +151,7 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
     }
 
     /// Writes the index and the rest that [`sample`](Self::sample) gives for each `u`, with the instructions of `isa`:
-    /// quicker, and equal bit for bit. Of slices of unequal length the ends are left alone.
+    /// faster, and equal bit for bit. Elements beyond the end of the shorter slice are left unchanged.
     pub fn sample_many(&self, isa: Isa, u: &[f64], indices: &mut [u32], rests: &mut [f64]) {
         let count = u.len().min(indices.len()).min(rests.len());
         let (indices, rests) = (&mut indices[..count], &mut rests[..count]);

@@ -1,21 +1,22 @@
 //! One function of each element of a slice, compiled for every instruction set.
 //!
-//! The loop is plain. What it calls is inlined and has no branch on its data, so the compiler turns it into lanes as
-//! wide as the instruction set has; and as each lane does the scalar's operations, results are equal bit for bit.
+//! The loop is plain. Its functions are inlined and have no branch on their data, so the compiler vectorises it to the
+//! width of the instruction set; as each lane does the scalar's operations, results are equal bit for bit.
 
 use crate::simd::{Isa, Simd, Work, dispatch};
 
-/// A function of one element. `apply` is to be `#[inline(always)]`, as is all that it calls.
+/// A function of one element. `apply` must be `#[inline(always)]`, as must all functions that it calls.
 pub(super) trait Function {
     type Input: Copy;
     type Output;
     fn apply(&self, input: Self::Input) -> Self::Output;
 }
 
-/// Writes the function of each input with the instructions of `isa`. Of slices of unequal length the ends are left
-/// alone.
+/// Writes the function of each input with the instructions of `isa`. Elements beyond the end of the shorter slice are
+/// left unchanged.
 ///
-/// Never a part of its caller: where the compiler sees both slices as parts of one value, it makes no lanes of the loop.
+/// Never a part of its caller: where the compiler sees both slices as parts of one value, it does not vectorise the
+/// loop.
 #[inline(never)]
 pub(super) fn apply_many<F: Function>(isa: Isa, function: F, inputs: &[F::Input], outputs: &mut [F::Output]) {
     dispatch(isa, Batch { function, inputs, outputs });

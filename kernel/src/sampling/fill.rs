@@ -1,4 +1,4 @@
-//! The numbers of one set for many samples at once: what a wavefront of paths needs at each bounce.
+//! The numbers of one set for many samples at once, for a wavefront of paths at a bounce.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
@@ -17,8 +17,8 @@ pub struct Address {
     pub sample: u32,
 }
 
-/// Writes [`Sampler::uniform2`] of set `set` for each address, with the instructions of `isa`: several times as quick,
-/// and equal bit for bit. Of slices of unequal length the ends are left alone.
+/// Writes [`Sampler::uniform2`] of set `set` for each address, with the instructions of `isa`: several times as fast,
+/// and equal bit for bit. Elements beyond the end of the shorter slice are left unchanged.
 pub fn fill2(isa: Isa, pattern: Pattern, seed: u64, set: u32, addresses: &[Address], numbers: &mut [Vec2]) {
     apply_many(isa, Uniform2 { pattern, seed, set }, addresses, numbers);
 }
@@ -29,7 +29,7 @@ pub fn fill4(isa: Isa, pattern: Pattern, seed: u64, set: u32, addresses: &[Addre
 }
 
 impl Sampler {
-    /// Which sample of which pixel: what differs between the samplers of a picture.
+    /// The sample and pixel of a sampler; the other parameters are the same for a whole picture.
     #[inline]
     pub fn address(&self) -> Address {
         Address { pixel: self.pixel, sample: self.sample }

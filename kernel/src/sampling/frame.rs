@@ -36,8 +36,8 @@ impl Frame {
         }
     }
 
-    /// [`from_normal`](Self::from_normal) of each normal, with the instructions of `isa`: equal bit for bit. Of slices
-    /// of unequal length the ends are left alone.
+    /// [`from_normal`](Self::from_normal) of each normal, with the instructions of `isa`: equal bit for bit. Elements
+    /// beyond the end of the shorter slice are left unchanged.
     pub fn from_normals(isa: Isa, normals: &[Vec3], frames: &mut [Self]) {
         apply_many(isa, FromNormal, normals, frames);
     }

@@ -1,4 +1,4 @@
-//! Random and quasi-random numbers, and what turns them into directions and points.
+//! Random and quasi-random numbers, and warps that turn them into directions and points.
 //!
 //! A *sampler* addresses numbers by (seed, pixel, sample, set) and so has no state: any thread may ask for any number
 //! in any order. A *warp* carries the unit square to a domain with a known density and back again.
@@ -49,7 +49,7 @@ pub use strata::{Strata, StrataError, Stratum};
 /// The largest `f32` below 1: the upper end of every unit interval [0, 1) here.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// The correctly rounded square root. Where the standard library is, it is one that loops can be vectorised with.
+/// The correctly rounded square root; with `std` a version that the compiler can vectorise.
 #[inline(always)]
 fn sqrt(x: f32) -> f32 {
     #[cfg(feature = "std")]

@@ -30,7 +30,7 @@ pub fn philox4x32(rounds: u32, counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     c
 }
 
-/// What a block of random words is for: the last word of the counter, so that no two uses share a block.
+/// The purpose of a block of random words: the last word of the counter, so that no two uses share a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
     /// The numbers of a [`Stream`].

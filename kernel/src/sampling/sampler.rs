@@ -57,7 +57,7 @@ impl Sampler {
         [unit_float(x), unit_float(y), unit_float(z), unit_float(w)]
     }
 
-    /// The four numbers as 32-bit fractions. What is not used of them costs nothing once this is inlined.
+    /// The four numbers as 32-bit fractions. Unused ones cost nothing once this is inlined.
     #[inline(always)]
     fn words(&self, set: u32) -> [u32; 4] {
         if self.pattern == Pattern::Random {

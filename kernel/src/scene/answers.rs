@@ -1,12 +1,12 @@
-//! What becomes of many rays: their nearest hits, or whether they have any.
+//! Results of the rays of a stream: their nearest hits, or whether they have any.
 
 use super::SceneHit;
 use super::search::{Any, Closest, Search};
 use crate::geometry::Hit;
 
-/// What is known of rays by their numbers in the batch.
+/// The results of rays by their indices in the batch.
 pub(super) trait Answers {
-    /// What a ray looks for.
+    /// The state of a ray's search.
     type Search: Search;
     /// Whether any hit is as good as another.
     const ANY: bool;
@@ -17,7 +17,7 @@ pub(super) trait Answers {
     /// The rest of a search.
     fn search(&self, number: usize, t_max: f32) -> Self::Search;
 
-    /// What a search has come to. Whether it has ended.
+    /// The result of a search so far, and whether it has ended.
     fn advance(&mut self, number: usize, search: Self::Search) -> bool;
 
     /// What a hit in an item has to precede, by `t` and `prim_id` alone.

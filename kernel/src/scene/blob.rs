@@ -1,7 +1,7 @@
-//! Scenes as bytes: items, where they are, the trees of their meshes, points and curves, and the scenes in them, in one blob that is traced where
-//! it lies or loaded.
+//! Scenes as bytes: items, where they are, the trees of their meshes, points and curves, and the scenes in them, in one
+//! blob that is traced in place or loaded.
 //!
-//! A blob is a header of 64 bytes and then, without gaps, as many of each as the header says:
+//! A blob is a header of 64 bytes and then, without gaps, these sections, with the counts in the header:
 //!
 //! | bytes each | |
 //! | --- | --- |
@@ -16,7 +16,8 @@
 //! | 8 | parts ([`Part`]) |
 //! | 4 | numbers in the leaves of the scenes' trees |
 //!
-//! and zeros up to a multiple of 64. A scene's items are meshes or scenes before it, so no scene is in itself. The header:
+//! and zeros up to a multiple of 64. A scene's items are meshes or earlier scenes, so no scene contains itself. The
+//! header:
 //!
 //! | offset | bytes | |
 //! | --- | --- | --- |
@@ -29,12 +30,12 @@
 //! | 56 | 4 | how many parts of blocks of points and curves |
 //! | 60 | 4 | CRC-32 of all bytes but these four, as in [`bvh::blob`](crate::bvh::blob) |
 //!
-//! What holds of a tree's blob holds of these: other orders of bytes and versions are refused, and a blob that is accepted is
-//! safe to trace, whoever made it. Every tree is checked once, however many items have it.
+//! As with blobs of trees, other byte orders and versions are refused, and an accepted blob is safe to trace, whoever
+//! wrote it. Every tree is checked once, however many items share it.
 //!
 //! # In place
-//! An [`Item`] is larger than what a blob says of it, so the caller gives memory for items: one slice for each scene. Where no
-//! scene lies in another, that is all:
+//! An [`Item`] is larger than its record in a blob, so the caller provides memory for items: one slice for each scene.
+//! Without nested scenes that is all:
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -53,7 +54,7 @@
 //! # Ok::<(), halfdome_kernel::Error>(())
 //! ```
 //!
-//! Where they do, [`SceneBlob`] opens one after the other.
+//! With nested scenes, [`SceneBlob`] opens one after the other.
 
 mod layout;
 
@@ -76,8 +77,8 @@ pub const SCENE_BLOB_VERSION: u32 = 2;
 
 /// A scene as bytes, checked.
 ///
-/// Scenes that lie in others have lower numbers than those: they are opened one after the other, each with memory for its
-/// items and with the views of those before it.
+/// Nested scenes have lower indices than the scenes that contain them: they are opened in order, each with memory for
+/// its items and with the views of the earlier ones.
 ///
 /// ```
 /// # #[cfg(feature = "alloc")] {
@@ -116,11 +117,11 @@ pub struct SceneBlob<'a> {
 }
 
 impl<'a> SceneView<'a> {
-    /// Borrows the scene in a blob that lies at a multiple of [`BLOB_ALIGNMENT`] bytes, and in which no scene lies in another.
-    /// What is in `items` is replaced; there may be more of them than needed.
+    /// Borrows the scene in a blob without nested scenes, at a multiple of [`BLOB_ALIGNMENT`] bytes. `items` are
+    /// overwritten; there may be more of them than needed.
     ///
     /// # Errors
-    /// Those of [`SceneBlob::open`] and [`SceneBlob::view`].
+    /// The errors of [`SceneBlob::open`] and [`SceneBlob::view`].
     pub fn from_bytes<'b: 'a>(bytes: &'b [u8], items: &'a mut [Item<'b>]) -> Result<Self, Error> {
         let blob = SceneBlob::open(bytes)?;
         blob.view(blob.scenes() - 1, items, &[])
@@ -131,10 +132,10 @@ impl<'a> SceneBlob<'a> {
     /// Checks a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and no memory.
     ///
     /// # Errors
-    /// - [`Error::NotAScene`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: by the first bytes.
+    /// - [`Error::NotAScene`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: the first bytes do not match.
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
-    /// - [`Error::Misaligned`]: it does not lie where it can be traced; with `alloc`, `Scene::from_bytes` copies it.
-    /// - [`Error::Damaged`]: the checksum is another.
+    /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Scene::from_bytes` copies it.
+    /// - [`Error::Damaged`]: the checksum does not match.
     /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by halfdome.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Error> {
         let header = Header::read(bytes)?;
@@ -156,7 +157,7 @@ impl<'a> SceneBlob<'a> {
         let blocks = section(&mut rest, header.blocks)?;
         let scene_nodes = section(&mut rest, header.scene_nodes)?;
         let block_parts = section(&mut rest, header.block_parts)?;
-        // Of a transform whose zeros are others, nothing is known.
+        // A transform whose padding is not zero is invalid.
         let words: &[[u32; 16]] = bytemuck::cast_slice(&rest[..header.transforms as usize * size_of::<Affine3A>()]);
         let transforms = section(&mut rest, header.transforms)?;
         let blob = Self {
@@ -181,7 +182,7 @@ impl<'a> SceneBlob<'a> {
         Ok(blob)
     }
 
-    /// Checks that records follow each other, that no scene is in itself, and all trees of meshes.
+    /// Checks that records follow each other, that no scene contains itself, and all trees of meshes.
     fn check(&self) -> Result<(), Error> {
         let (mut node, mut block, mut block_part) = (0, 0, 0);
         for (index, record) in self.meshes.iter().enumerate() {
@@ -234,22 +235,22 @@ impl<'a> SceneBlob<'a> {
         Ok(())
     }
 
-    /// How many scenes there are: those that lie in others, and last the outermost.
+    /// The number of scenes: nested ones first, the outermost last.
     pub fn scenes(&self) -> usize {
         self.scenes.len()
     }
 
-    /// How many items a scene has; `None` if there is no such scene.
+    /// The number of a scene's items; `None` if there is no such scene.
     pub fn item_count(&self, scene: usize) -> Option<usize> {
         self.scenes.get(scene).map(|record| record.items as usize)
     }
 
-    /// Borrows a scene. `items` are replaced by its own, of which there are [`item_count`](Self::item_count); `inner` are the
-    /// views of the scenes before it, as far as they are in it.
+    /// Borrows a scene. `items` are overwritten by its own, of which there are [`item_count`](Self::item_count);
+    /// `inner` are the views of the earlier scenes, at least of those that it contains.
     ///
     /// # Errors
-    /// [`InvalidScene::TooFew`] if there are fewer items or scenes than needed; and, of bytes that were not written by halfdome,
-    /// those of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
+    /// [`InvalidScene::TooFew`] if there are fewer items or scenes than needed; and, for bytes that were not written by
+    /// halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
     pub fn view<'s, 'i: 's>(
         &self,
         scene: usize,
@@ -287,7 +288,7 @@ impl<'a> SceneBlob<'a> {
         self.items.get(range(scene.first_item, scene.items)).unwrap_or(&[])
     }
 
-    /// Where an item is at its keys; nowhere else than its own coordinates say if there are none.
+    /// The transforms of an item at its keys; none for an item without a transform.
     fn transforms_of(&self, item: &ItemRecord) -> &'a [Affine3A] {
         self.transforms.get(range(item.first_transform, item.transforms)).unwrap_or(&[])
     }
@@ -311,7 +312,7 @@ impl<'a> SceneBlob<'a> {
         }
     }
 
-    /// What a mesh consists of; `None` if its record is about what is not there.
+    /// The parts of a mesh; `None` if its record refers to parts that do not exist.
     fn mesh_parts(&self, record: &MeshRecord) -> Option<Parts<'a>> {
         let nodes = self.nodes.get(range(record.first_node, record.nodes))?;
         let blocks = range(record.first_block, record.blocks);
@@ -324,10 +325,10 @@ impl<'a> SceneBlob<'a> {
     }
 }
 
-/// What a mesh consists of.
+/// The parts of a mesh.
 enum Parts<'a> {
     Still(&'a [Node], &'a [TriangleBlock]),
-    /// With the number of its keys.
+    /// The nodes, with the number of keys.
     Moving(&'a [Node], &'a [TriangleBlock], usize),
     Round(&'a [Node], RoundBlocks<'a>),
 }
@@ -344,7 +345,7 @@ fn range(first: u32, count: u32) -> Range<usize> {
     first as usize..(first as usize).saturating_add(count as usize)
 }
 
-/// Whether what a record has begins where that of the one before it ended.
+/// Whether a record's range begins where that of the record before it ended.
 fn follow(end: &mut u64, first: u32, count: u32, bad: InvalidScene) -> Result<(), InvalidScene> {
     if *end != u64::from(first) {
         return Err(bad);

@@ -1,8 +1,8 @@
-//! Names of items that stay valid while others come and go.
+//! Handles of items that stay valid while other items are inserted and removed.
 
 use alloc::vec::Vec;
 
-/// The name of an item in a scene, valid until the item is removed; places are used again, but under other names.
+/// The handle of an item in a scene, valid until the item is removed; indices are reused, with another generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Handle {
     pub(super) index: u32,
@@ -27,7 +27,7 @@ pub(super) struct Places {
     places: Vec<Place>,
     /// Places to be used again.
     vacant: Vec<u32>,
-    /// Places whose items were removed since the last commit, and are still seen.
+    /// Places whose items were removed since the last commit, and are still visible.
     leaving: Vec<u32>,
 }
 
@@ -75,7 +75,7 @@ impl Places {
         }
     }
 
-    /// The items that were removed are seen no more.
+    /// The removed items are no longer visible.
     pub(super) fn commit(&mut self) {
         self.vacant.append(&mut self.leaving);
     }

@@ -1,8 +1,8 @@
-//! A box around the image of a mesh.
+//! Boxes around the image of a mesh under a transform.
 //!
-//! The box of a mesh's box that was turned is larger than what is in it: around a ball by up to √3 along each axis. Rays then
-//! enter items that they miss. So the image is of the boxes two levels down in the mesh's tree, some 64. Along an axis with the
-//! matrix's row `m`, the greatest coordinate of the image of a box is `t + Σ_j max(m_j lower_j, m_j upper_j)`.
+//! The box around a rotated box is larger than necessary, for a ball by up to √3 along each axis, and rays enter items
+//! that they miss. So the transform is applied to the boxes two levels down in the mesh's tree, about 64. Along an axis
+//! with the matrix's row `m`, the greatest coordinate of the image of a box is `t + Σ_j max(m_j lower_j, m_j upper_j)`.
 
 use core::array;
 
@@ -35,7 +35,7 @@ pub(super) fn image_of_mesh(to_scene: &Affine3A, tree: &BvhView) -> Aabb {
 
 /// The box around the images of boxes, but for rounding.
 struct Image<'a> {
-    /// Of the matrix.
+    /// The rows of the matrix.
     rows: [[f32; 3]; 3],
     translation: [f32; 3],
     nodes: &'a [Node],
@@ -65,7 +65,7 @@ impl Work for Image<'_> {
 }
 
 impl Image<'_> {
-    /// Adds the boxes of a node. Those of empty slots, which are inside out, come out inside out or as NaN, which changes
+    /// Adds the boxes of a node. Empty slots have inverted boxes, whose images are inverted or NaN, which changes
     /// nothing.
     #[inline(always)]
     fn add<S: Simd>(&self, node: &Node, lower: &mut [S::F8; 3], upper: &mut [S::F8; 3]) {

@@ -9,7 +9,7 @@ use crate::geometry::Aabb;
 /// interpolation.
 pub(super) const MOVING_PAD: f64 = 16.0 / (1u32 << 24) as f64;
 
-/// By what boxes are widened that move with these transforms and a box.
+/// The widening of boxes that move with these transforms and a box.
 pub(super) fn moving_pad(keys: &[Affine3A], local: &Aabb) -> f64 {
     let images = keys.iter().map(|transform| image_at(transform, local, 0.0));
     let largest = images.fold(Vec3::ZERO, |largest, aabb| largest.max(aabb.min.abs()).max(aabb.max.abs()));
@@ -21,7 +21,7 @@ pub(super) fn image_at(transform: &Affine3A, local: &Aabb, pad: f64) -> Aabb {
     image(&linear(transform), translation(transform), local, pad)
 }
 
-/// The same by the transform's elements.
+/// A box around the image of a box, by the transform's elements.
 pub(super) fn image(linear: &DMat3, translation: DVec3, local: &Aabb, pad: f64) -> Aabb {
     if local.is_empty() {
         return Aabb::EMPTY;

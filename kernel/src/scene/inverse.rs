@@ -1,4 +1,4 @@
-//! Inverses of affine transforms in `f64`, and how large they get on the way from one transform to another.
+//! Inverses of affine transforms in `f64`, and bounds of their norms between two transforms.
 //!
 //! By cofactors, `M⁻¹ = adj M / det M`; norms are the greatest sum of absolute values along a row.
 
@@ -55,7 +55,7 @@ pub(super) fn linear(transform: &Affine3A) -> DMat3 {
     DMat3::from_cols(x, y, z)
 }
 
-/// Where a transform takes the origin.
+/// The translation of a transform.
 pub(super) fn translation(transform: &Affine3A) -> DVec3 {
     Vec3::from(transform.translation).as_dvec3()
 }
@@ -71,7 +71,7 @@ pub(super) fn norm(matrix: &DMat3) -> f64 {
     row_sums(matrix).max_element()
 }
 
-/// A bound of the inverse's norm on the way from one matrix to another; `None` if the condition gets too large.
+/// A bound of the inverse's norm during the interpolation between two matrices; `None` if the condition gets too large.
 ///
 /// If `A` is the inverse of `M` and `h ‖A D‖ <= 1/2`, then that of `M + h D` has at most twice the norm of `A`.
 pub(super) fn inverse_norm_between(from: &DMat3, to: &DMat3) -> Option<f64> {

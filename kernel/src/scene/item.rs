@@ -1,4 +1,4 @@
-//! What a scene is made of.
+//! The items of a scene.
 
 #[cfg(any(feature = "alloc", test))]
 use alloc::sync::Arc;
@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::geometry::moment::Moment;
 
-/// An object in a scene: where it is, and who sees it.
+/// An object in a scene, with its transform and its mask.
 #[derive(Clone)]
 pub struct Item<'a> {
     pub(super) object: Object<'a>,
@@ -22,7 +22,7 @@ pub struct Item<'a> {
     pub(super) first_path: u64,
 }
 
-/// What a scene has to know of an item; see the methods of the same names.
+/// A summary of an item for its scene; see the methods of the same names.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facts {
     pub reach: Aabb,
@@ -35,48 +35,47 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    /// Those of no item.
+    /// The facts of an empty scene.
     #[cfg(any(feature = "alloc", test))]
     pub(super) const NOTHING: Self =
         Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 0, keys: 1, count: 0 };
 }
 
 impl<'a> Item<'a> {
-    /// An object where its own coordinates say, for all rays to see.
+    /// An object without a transform, visible to all rays.
     pub fn new(object: impl Into<Object<'a>>) -> Self {
         Self { object: object.into(), placement: Placement::AsItIs, mask: u32::MAX, first_path: 0 }
     }
 
-    /// Nothing: a place in a scene that is free.
+    /// An empty item: a free place in a scene.
     pub const fn nothing() -> Self {
         Self { object: Object::Nothing, placement: Placement::AsItIs, mask: 0, first_path: 0 }
     }
 
-    /// The item where `to_scene` takes its points. A transform that flattens them, such as a scale of zero, hides it.
+    /// The item with the transform `to_scene`. A transform that flattens them, such as a scale of zero, hides it.
     ///
     /// # Errors
     /// [`InvalidScene::NotFinite`](crate::InvalidScene::NotFinite), and
-    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if the transform nearly flattens: the greatest row
-    /// sums of it and of its inverse may have a product of [`MAX_CONDITION`](super::MAX_CONDITION).
+    /// [`InvalidScene::Singular`](crate::InvalidScene::Singular) if the transform is nearly singular: the product of
+    /// the greatest row sums of it and of its inverse may be [`MAX_CONDITION`](super::MAX_CONDITION) at most.
     pub fn placed(self, to_scene: &Affine3A) -> Result<Self, Error> {
         Ok(Self { placement: Placement::still(to_scene)?, ..self })
     }
 
-    /// The item where transforms take its points, each at its time; times are evenly spaced over 0..=1, and in between
-    /// the elements are interpolated, so that points move in straight lines. Wheels want a key every eighth of a turn
-    /// or so.
+    /// The item with a transform at each of several times, evenly spaced over 0..=1; in between the elements are
+    /// interpolated, so that points move in straight lines. A wheel needs about a key every eighth of a turn.
     ///
     /// # Errors
-    /// Those of [`placed`](Self::placed), at a key or between, as halfway through half a turn; and
+    /// The errors of [`placed`](Self::placed), at a key or between keys, as halfway through half a turn; and
     /// [`InvalidScene::NoKeys`](crate::InvalidScene::NoKeys).
     pub fn moving(self, keys: &'a [Affine3A]) -> Result<Self, Error> {
         Ok(Self { placement: Placement::moving(Keys::Borrowed(keys))?, ..self })
     }
 
-    /// [`moving`](Self::moving), by transforms that the item keeps.
+    /// [`moving`](Self::moving) with transforms that the item owns.
     ///
     /// # Errors
-    /// Those of [`moving`](Self::moving).
+    /// The errors of [`moving`](Self::moving).
     #[cfg(any(feature = "alloc", test))]
     pub fn moving_shared(self, keys: Arc<[Affine3A]>) -> Result<Self, Error> {
         Ok(Self { placement: Placement::moving(Keys::Shared(keys))?, ..self })
@@ -88,12 +87,12 @@ impl<'a> Item<'a> {
         Self { mask, ..self }
     }
 
-    /// What it is.
+    /// The item's object.
     pub fn object(&self) -> &Object<'a> {
         &self.object
     }
 
-    /// Who sees it.
+    /// The item's mask.
     pub fn mask(&self) -> u32 {
         self.mask
     }
@@ -165,7 +164,7 @@ impl Item<'_> {
         Moment { key: before, fraction: rest as f32 / all as f32 }.aabb(&from, &self.aabb_at_key(part, before + 1))
     }
 
-    /// What a ray's reach has to span for this item.
+    /// The box that a ray's reach has to span for this item.
     fn reach(&self) -> Aabb {
         match self.object.target() {
             Target::Nothing => Aabb::EMPTY,
@@ -180,7 +179,7 @@ impl Item<'_> {
         }
     }
 
-    /// What the scene has to know of the item.
+    /// The item's summary for its scene.
     pub(super) fn facts(&self) -> Facts {
         Facts {
             reach: self.reach(),
@@ -209,7 +208,7 @@ impl Item<'_> {
         }
     }
 
-    /// The number of scenes one in the other, from here on.
+    /// The depth of nested scenes from here on.
     fn levels(&self) -> usize {
         match self.object.target() {
             Target::Scene(scene) => 1 + scene.levels(),
@@ -218,7 +217,7 @@ impl Item<'_> {
     }
 }
 
-/// A box around something that moves between places all of which are in `everywhere`, widened for rounding.
+/// A box around an object that moves within `everywhere`, widened for rounding.
 fn widened(aabb: &Aabb, everywhere: &Aabb) -> Aabb {
     let largest = everywhere.min.abs().max(everywhere.max.abs()).max_element();
     let pad = largest * MOVING_PAD as f32;

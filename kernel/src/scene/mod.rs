@@ -1,5 +1,4 @@
-//! Scenes: triangles, points, curves, geometry of the caller's and other scenes, each where a transform puts it, standing still or
-//! moving.
+//! Scenes: triangles, points, curves, custom geometry and other scenes, each with a transform, static or moving.
 //!
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
@@ -8,17 +7,17 @@
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
 //! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
 //!
-//! [`SceneView::closest_point`] finds the point of the surface that is closest to a point, [`SceneView::for_each_overlap`]
-//! what reaches into a box.
+//! [`SceneView::closest_point`] finds the point of the surface that is closest to a point,
+//! [`SceneView::for_each_overlap`] the primitives that overlap a box.
 //!
-//! An [`Item`] is an object and its place. Objects are borrowed or shared: ten thousand items may be the same million
-//! triangles. A `Scene` has a tree over its items' boxes, and may be an object in another.
+//! An [`Item`] is an object with a transform. Objects are borrowed or shared: ten thousand items may have the same
+//! million triangles. A `Scene` has a tree over its items' boxes, and may be an object in another.
 //!
 //! # Scenes that change
-//! With `alloc`, a `Scene` owns its items. What is inserted is named by a `Handle`, which stays valid until the item is
+//! With `alloc`, a `Scene` owns its items. An inserted item has a `Handle`, which stays valid until the item is
 //! removed. Changes are staged: rays see the scene as of its last `commit`, which checks all changes before it makes
-//! any, and fits the tree to them or builds it anew. A commit that was forgotten leaves the scene as it was, and
-//! `Scene::is_committed` tells. A `Scene<'static>`, whose items share their objects by `Arc`, is `Send` and `Sync` and
+//! any, and refits or rebuilds the tree. Without a commit the scene does not change; `Scene::is_committed` tells
+//! whether changes are pending. A `Scene<'static>`, whose items share their objects by `Arc`, is `Send` and `Sync` and
 //! can be an engine's resource.
 //!
 //! ```
@@ -42,29 +41,27 @@
 //! ```
 //!
 //! # What a hit is
-//! The ray is taken into the item's own space by the inverse of its transform, in `f64`, rounded once, and is there
-//! what it would be in a tree of its own: the hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with
-//! that local ray. Its direction is not normalised, so that `t` is the same in all spaces. Of equally near hits that
-//! with the lowest `geometry_id` counts, then the lowest `prim_id`, then the lowest `path`. So what is hit does not
-//! depend on the order of the tree, and is equal bit for bit on every instruction set and to the loop in
-//! [`mod@reference`].
+//! The ray is transformed into the item's own space by the inverse of its transform, in `f64`, and rounded once: the
+//! hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with this local ray. Its direction is not
+//! normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `geometry_id` counts,
+//! then the lowest `prim_id`, then the lowest `path`. So what is hit does not depend on the order of the tree, and is
+//! equal bit for bit on every instruction set and to the loop in [`mod@reference`].
 //!
-//! The [numeric limits](crate#numeric-limits) hold in every space: where a transform takes a ray beyond them, it hits
+//! The [numeric limits](crate#numeric-limits) hold in every space: a ray that a transform takes beyond them hits
 //! nothing there.
 //!
 //! # Instances
-//! A scene has a path for itself and those of each scene in it, as often as that is in it. They are numbered depth
-//! first: those through the first item, those through the second and so on, and last the scene's own. So one number
-//! says which items a hit lies in, however deep. Tracing recurses once a level, with up to 9 KB of stack each; how deep
-//! that will be [`SceneView::levels`] says. There are [`MAX_LEVELS`] at most.
+//! A scene has a path for itself and the paths of each nested scene, once for each item that has it. They are numbered
+//! depth first: the paths through the first item, those through the second and so on, and last the scene's own. So one
+//! number identifies the items around a hit, at any depth. Tracing recurses once a level, with up to 9 KB of stack
+//! each; [`SceneView::levels`] gives the depth. There are [`MAX_LEVELS`] at most.
 //!
 //! # Motion
-//! Times are 0..=1; what lies beyond counts as the nearer end, and at a time that is NaN a ray hits nothing. What moves
-//! has keys, evenly spaced over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are
-//! interpolated as `(1 - f) a + f b` with each operation rounded, and items ([`Item::moving`]), whose transform's
-//! elements are. At a key both are exactly what stands still there. A scene's tree has as many keys as the item that
-//! has most; its boxes are interpolated, and an item whose own keys do not fall on the tree's has one box around all
-//! places that it gets to.
+//! Times are 0..=1; other times are clamped, and a ray whose time is NaN hits nothing. Motion has keys, evenly spaced
+//! over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are interpolated as `(1 - f) a + f
+//! b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a key both equal
+//! static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes are interpolated,
+//! and an item whose own keys do not coincide with the tree's has one box around its whole motion.
 //!
 //! Nothing here allocates or panics while tracing.
 
@@ -125,14 +122,14 @@ use stream::StreamAll;
 use walk::{Trace, TraceAll};
 
 impl SceneView<'_> {
-    /// The nearest hit of `ray`; which of equally near ones, the [module](self) says.
+    /// The nearest hit of `ray`; the [module](self) defines the order of equally near ones.
     pub fn intersect(&self, ray: &SceneRay) -> Option<SceneHit> {
         let mut hit = SceneHit::MISS;
         self.intersect_many(slice::from_ref(ray), slice::from_mut(&mut hit));
         hit.is_hit().then_some(hit)
     }
 
-    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
+    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but faster.
     pub fn occluded(&self, ray: &SceneRay) -> bool {
         let mut occluded = false;
         self.occluded_many(slice::from_ref(ray), slice::from_mut(&mut occluded));
@@ -142,7 +139,7 @@ impl SceneView<'_> {
     /// The nearest hit of `ray` that `filter` accepts. If the filter stops the search, the hit that it stopped at.
     ///
     /// The filter sees those hits that precede the nearest one accepted so far: each triangle and each primitive of a
-    /// shape at most once for each way to it, roughly from near to far. The order is the same on all instruction sets
+    /// shape at most once for each path to it, roughly from near to far. The order is the same on all instruction sets
     /// but [`Isa::SCALAR`](crate::Isa::SCALAR).
     pub fn intersect_filtered(&self, ray: &SceneRay, filter: impl FnMut(&SceneHit) -> Verdict) -> Option<SceneHit> {
         match self.isa().level() {
@@ -151,7 +148,7 @@ impl SceneView<'_> {
         }
     }
 
-    /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but quicker. The
+    /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but faster. The
     /// filter sees the ray's hits up to the first that it accepts or stops at.
     pub fn occluded_filtered(&self, ray: &SceneRay, mut filter: impl FnMut(&SceneHit) -> Verdict) -> bool {
         let stop = |hit: &SceneHit| match filter(hit) {
@@ -161,8 +158,8 @@ impl SceneView<'_> {
         self.intersect_filtered(ray, stop).is_some()
     }
 
-    /// Gives `visit` every hit of `ray`, each once for each way to it and roughly from near to far, until it breaks
-    /// off; tells whether it did.
+    /// Gives `visit` every hit of `ray`, each once for each path to it and roughly from near to far, until it breaks
+    /// off; returns whether it did.
     pub fn for_each_hit(&self, ray: &SceneRay, mut visit: impl FnMut(&SceneHit) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut flow = ControlFlow::Continue(());
         let t_max = ray.ray.t_max;
@@ -195,7 +192,7 @@ impl SceneView<'_> {
     }
 
     /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives
-    /// their number. The rest of `hits` is of no meaning. The search leaves out what is behind the last of them.
+    /// their number. The rest of `hits` is unspecified. The search skips everything behind the last of them.
     pub fn nearest_hits(&self, ray: &SceneRay, hits: &mut [SceneHit]) -> usize {
         let mut len = 0;
         let room = hits.len();
@@ -223,10 +220,11 @@ impl SceneView<'_> {
         len
     }
 
-    /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Of slices of unequal length the ends are left alone.
+    /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Elements beyond the end of the shorter slice are left
+    /// unchanged.
     ///
-    /// The quickest way for many rays, whether they share an origin, run side by side or neither: 32 of them are traced at
-    /// the same time, as a stream, unless there are scenes in the scene.
+    /// The fastest way for many rays, coherent or not: 32 of them are traced at the same time, as a stream, unless
+    /// there are nested scenes.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         match self.isa().level() {
@@ -239,7 +237,7 @@ impl SceneView<'_> {
         }
     }
 
-    /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
+    /// Writes for each ray whether it hits anything. Elements beyond the end of the shorter slice are left unchanged.
     pub fn occluded_many(&self, rays: &[SceneRay], occluded: &mut [bool]) {
         let rays = &rays[..rays.len().min(occluded.len())];
         match self.isa().level() {
@@ -253,8 +251,7 @@ impl SceneView<'_> {
     }
 }
 
-/// Traces as many rays as there are answers: one by one if they are too few for a stream, or if there is no room for one
-/// on the stack, as where scenes in scenes recurse.
+/// Whether rays are too few for a stream, or the stack has no room for one, as below nested scenes.
 fn trace_many<A: Answers>(scene: &SceneView, rays: &[SceneRay], answers: A) {
     if cfg!(target_os = "none") || rays.len() < stream::LEAST || scene.levels() > 0 {
         dispatch(scene.isa(), TraceAll { scene, rays, answers });

@@ -1,10 +1,10 @@
-//! What of a scene is near: the point of its triangles that is closest to another point, and all that reaches into a box.
+//! Proximity queries of scenes: the closest point of the triangles, and all primitives that overlap a box.
 //!
-//! A triangle is looked at where the scene shows it: its corners are taken there by the product of all transforms on the
-//! way, in `f64`, and rounded once. Boxes of trees are taken there likewise and rounded outwards. Rounding keeps order, so
-//! they enclose the triangles in them, and a walk that passes over boxes loses nothing: the answers are those of the loops
-//! in [`reference`], bit for bit, on all instruction sets. Of triangles that stand still where their own coordinates say
-//! they are those of [`BvhView::closest_point`](crate::BvhView::closest_point) and
+//! Triangles are tested in the scene's space: their corners are transformed by the product of all transforms on the
+//! path, in `f64`, and rounded once. Boxes of trees are transformed likewise and rounded outwards. Rounding is
+//! monotonic, so they enclose their triangles, and culling by boxes loses nothing: the results equal the loops in
+//! [`reference`] bit for bit on all instruction sets. For static triangles without a transform they equal
+//! [`BvhView::closest_point`](crate::BvhView::closest_point) and
 //! [`BvhView::for_each_overlap`](crate::BvhView::for_each_overlap).
 //!
 //! Nothing here allocates or panics. Walks recurse once a level, with up to 8 KB of stack each.
@@ -23,10 +23,10 @@ use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle, overlaps};
 use crate::simd::Level;
 
 impl SceneView<'_> {
-    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and whose
-    /// it is: a hit with the distance for its `t`. Items count whose mask has a bit in common with `mask`; points, curves and
-    /// shapes of the caller's do not. Of equally close ones the lowest `geometry_id` counts, then the lowest `prim_id`, then the lowest
-    /// `path`.
+    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and
+    /// the hit that identifies the triangle, with the distance as its `t`. Only items whose mask has a bit in common
+    /// with `mask` count; points, curves and custom shapes do not. Of equally close ones the lowest `geometry_id`
+    /// counts, then the lowest `prim_id`, then the lowest `path`.
     ///
     /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
     /// NaN; it may be infinite.
@@ -40,10 +40,10 @@ impl SceneView<'_> {
         search.found()
     }
 
-    /// Gives `visit` whatever [overlaps](overlaps()) a box at a time, once for each way to it and in an order that is the
-    /// tree's own, until it breaks off; tells whether it did. Hits have a `t` of 0. Touching counts; the box may be
-    /// infinite, or a point. Items count whose mask has a bit in common with `mask`, and points, curves and
-    /// primitives of the caller's shapes with their boxes.
+    /// Gives `visit` every primitive that [overlaps](overlaps()) a box at a time, once for each path to it and in the
+    /// tree's order, until it breaks off; returns whether it did. Hits have a `t` of 0. Touching counts; the box may be
+    /// infinite, or a point. Only items whose mask has a bit in common with `mask` count; points, curves and primitives
+    /// of custom shapes count with their boxes.
     pub fn for_each_overlap(
         &self,
         aabb: &Aabb,
@@ -60,7 +60,7 @@ impl SceneView<'_> {
     }
 
     fn search(&self, search: &mut impl Proximity, time: f32, mask: u32) {
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = match self.isa().level() {
             Level::Scalar => reference::search(self, &Space::OWN, (time, mask), (0, 0), search),
             _ => Visit { time, mask, search }.scene(self, &Space::OWN, 0, 0),
@@ -72,7 +72,7 @@ impl SceneView<'_> {
 struct Closest {
     point: Vec3,
     best: Foot,
-    /// Whose it is, but for its hit.
+    /// The item and path of the closest point.
     place: SceneHit,
 }
 
@@ -118,7 +118,7 @@ impl Proximity for Closest {
     }
 }
 
-/// What reaches into a box.
+/// The primitives that overlap a box.
 struct Overlapping<'a> {
     aabb: &'a Aabb,
     visit: &'a mut dyn FnMut(&SceneHit) -> ControlFlow<()>,
@@ -207,7 +207,7 @@ impl<Q: Proximity> Visit<'_, Q> {
         }
     }
 
-    /// Meets the triangles that a walk comes to.
+    /// Tests the triangles that a walk reaches.
     fn triangles(&mut self, mut walk: Walk, blocks: [&[TriangleBlock]; 2], place: SceneHit) -> ControlFlow<()> {
         while let Some(numbers) = walk.next(self.search) {
             let [from, to] = blocks.map(|blocks| blocks.get(numbers.clone()).unwrap_or(&[]));
@@ -225,7 +225,7 @@ impl<Q: Proximity> Visit<'_, Q> {
 
 /// A walk through a tree, from leaf to leaf, the nearest first.
 struct Walk<'a> {
-    /// At two keys, or one twice.
+    /// The nodes at two keys, or at one key twice.
     nodes: [&'a [Node]; 2],
     fraction: f32,
     space: Space,
@@ -240,7 +240,7 @@ impl<'a> Walk<'a> {
         Self { nodes, fraction, space, stack: [(0, f32::NEG_INFINITY); MAX_STACK], height: 1 }
     }
 
-    /// What is in the next leaf that matters.
+    /// The contents of the next leaf within the search.
     fn next(&mut self, search: &impl Proximity) -> Option<Range<usize>> {
         while let Some(top) = self.height.checked_sub(1) {
             self.height = top;
@@ -256,7 +256,7 @@ impl<'a> Walk<'a> {
         None
     }
 
-    /// Puts the children of a node that matter on top, the nearest last.
+    /// Pushes the children of a node that are within the search, the nearest last.
     fn enter(&mut self, node: usize, search: &impl Proximity) {
         let (Some(from), Some(to)) = (self.nodes[0].get(node), self.nodes[1].get(node)) else { return };
         let moment = Moment { key: 0, fraction: self.fraction };

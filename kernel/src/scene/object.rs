@@ -1,5 +1,5 @@
-//! What an item is an instance of: triangles, points, curves, geometry of the caller's, another scene. Borrowed, or with `alloc` shared by
-//! [`Arc`].
+//! The object of an item: triangles, points, curves, custom geometry, another scene. Borrowed, or with `alloc` shared
+//! by [`Arc`].
 
 #[cfg(any(feature = "alloc", test))]
 use alloc::sync::Arc;
@@ -10,34 +10,34 @@ use super::shape::Shape;
 use crate::bvh::{Bvh, MovingBvh, RoundBvh};
 use crate::bvh::{BvhView, MovingView, RoundView};
 
-/// What an item is. Many items may have the same object, whose memory is there once.
+/// The object of an item. Many items may share an object in memory.
 ///
-/// What is shared keeps its memory alive, so an `Item<'static>` and a `Scene<'static>` are possible.
+/// Shared objects keep their memory alive, so an `Item<'static>` and a `Scene<'static>` are possible.
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Object<'a> {
-    /// Nothing at all: a place that is free.
+    /// No object: a free place.
     Nothing,
     /// Triangles.
     Mesh(BvhView<'a>),
-    /// Triangles that move by themselves.
+    /// Triangles that move between keys.
     Moving(MovingView<'a>),
     /// Points or curves.
     Round(RoundView<'a>),
-    /// Geometry of the caller's.
+    /// Custom geometry.
     Shape(&'a dyn Shape),
     /// A scene.
     Scene(&'a SceneView<'a>),
     /// Triangles, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedMesh(Arc<Bvh>),
-    /// Triangles that move by themselves, shared.
+    /// Triangles that move between keys, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedMoving(Arc<MovingBvh>),
     /// Points or curves, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedRound(Arc<RoundBvh>),
-    /// Geometry of the caller's, shared.
+    /// Custom geometry, shared.
     #[cfg(any(feature = "alloc", test))]
     SharedShape(Arc<dyn Shape + Send + 'a>),
     /// A scene as of its last commit, shared.
@@ -45,7 +45,7 @@ pub enum Object<'a> {
     SharedScene(Arc<super::Scene<'a>>),
 }
 
-/// An object, borrowed from whoever has it.
+/// A borrowed object.
 #[derive(Clone, Copy)]
 pub(super) enum Target<'a> {
     Nothing,

@@ -17,7 +17,7 @@ use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
 use crate::error::{Error, InvalidScene};
 use crate::geometry::Aabb;
 
-/// A scene that owns its list of items and their tree. What items are is borrowed or shared; where all of it is shared,
+/// A scene that owns its list of items and their tree. The items' objects are borrowed or shared; where all are shared,
 /// by [`Arc`](alloc::sync::Arc), this is a `Scene<'static>`.
 ///
 /// Changes are staged until [`commit`](Self::commit): [`view`](Self::view) shows the scene as of the last one.
@@ -35,7 +35,7 @@ pub struct Scene<'a> {
     summary: SceneSummary,
 }
 
-/// What is to become of the item at an index.
+/// The staged change of the item at an index.
 #[derive(Clone)]
 struct Staged<'a> {
     index: u32,
@@ -50,12 +50,13 @@ const UNCHANGED: u32 = u32::MAX;
 pub struct Commit {
     /// How many items were inserted, changed or removed.
     pub changed: usize,
-    /// Whether the scene's tree was built anew, or else fitted to the changes.
+    /// Whether the scene's tree was rebuilt; otherwise it was refitted.
     pub is_rebuilt: bool,
-    /// How many items, or primitives of items that are shapes, rays can see if their masks allow; others have no
-    /// summary, as they are empty, flat or removed, or reach beyond the [numeric limits](crate#numeric-limits).
+    /// How many items, or primitives of items that are shapes, are in the tree, so that rays whose mask allows it can
+    /// hit them. Empty, flat and removed items are not, nor those that reach beyond the [numeric
+    /// limits](crate#numeric-limits).
     pub seen: usize,
-    /// The expected number of the tree's nodes that a random ray visits which meets the scene's box.
+    /// The expected number of nodes visited by a random ray that meets the scene's box.
     pub cost: f32,
 }
 
@@ -73,8 +74,8 @@ impl fmt::Debug for Scene<'_> {
 }
 
 impl<'a> Scene<'a> {
-    /// An empty scene. `options` are for its own tree, which is over items: where they move each frame,
-    /// [`Quality::Fast`](crate::Quality::Fast) is right, as the tree is built again now and then.
+    /// An empty scene. `options` are for its own tree, which is over items: if they move each frame, choose
+    /// [`Quality::Fast`](crate::Quality::Fast), as the tree is rebuilt from time to time.
     pub fn new(options: BuildOptions) -> Self {
         Self {
             options,
@@ -90,18 +91,18 @@ impl<'a> Scene<'a> {
 
     /// Builds a scene of `items`, on this thread. A hit names an item by its index. The report counts parts, which are
     /// items, or primitives of items that are shapes: those with an empty box as degenerate, and those that reach
-    /// beyond the [numeric limits](crate#numeric-limits) at some time as out of range. Neither are in the scene.
+    /// beyond the [numeric limits](crate#numeric-limits) at some time as out of range. Neither is in the scene.
     ///
     /// # Errors
-    /// Those of [`commit`](Self::commit).
+    /// The errors of [`commit`](Self::commit).
     pub fn build(items: Vec<Item<'a>>, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, items, options)
     }
 
-    /// Like [`build`](Self::build), where `executor` says. The scene does not depend on it.
+    /// Like [`build`](Self::build), on the threads of `executor`. The scene does not depend on it.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// The errors of [`build`](Self::build).
     pub fn build_on<E: Executor>(
         executor: &E,
         items: Vec<Item<'a>>,
@@ -148,17 +149,17 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Puts an item where `to_scene` takes its points, from the next commit on. A transform that flattens hides it.
+    /// Sets an item's transform, from the next commit on. A transform that flattens hides it.
     ///
     /// # Errors
-    /// [`InvalidScene::NoSuchItem`] and those of [`Item::placed`]; the item then stays where it was.
+    /// [`InvalidScene::NoSuchItem`] and those of [`Item::placed`]; the item then keeps its transform.
     pub fn set_transform(&mut self, handle: Handle, to_scene: &Affine3A) -> Result<(), Error> {
         let placement = Placement::still(to_scene)?;
         self.item_mut(handle)?.placement = placement;
         Ok(())
     }
 
-    /// Says who sees an item, from the next commit on; 0 hides it.
+    /// Sets an item's mask, from the next commit on; 0 hides it.
     ///
     /// # Errors
     /// [`InvalidScene::NoSuchItem`].
@@ -167,8 +168,8 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Says what an item is, from the next commit on; its place and mask stay. So a mesh that deforms has two trees, of
-    /// which one is in the scene and the other one is refitted: after the commit nobody else shares the first.
+    /// Sets an item's object, from the next commit on; its transform and mask stay. A deforming mesh can use two trees,
+    /// one in the scene while the other is refitted: after the commit the first is no longer shared.
     ///
     /// # Errors
     /// [`InvalidScene::NoSuchItem`].
@@ -177,7 +178,7 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Exchanges an item as a whole, from the next commit on; the handle stays.
+    /// Replaces an item, from the next commit on; the handle stays.
     ///
     /// # Errors
     /// [`InvalidScene::NoSuchItem`].
@@ -186,7 +187,7 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// An item with the changes that were made to it since the last commit; `None` if it was removed.
+    /// An item with its changes since the last commit; `None` if it was removed.
     pub fn get(&self, handle: Handle) -> Option<&Item<'a>> {
         if !self.places.contains(handle) {
             return None;
@@ -212,27 +213,27 @@ impl<'a> Scene<'a> {
         self.staged.is_empty()
     }
 
-    /// Makes all changes since the last commit, on this thread: from now on rays see them. The scene's tree is fitted
-    /// to where its items are now; where there are new ones, or fitting makes it worse by a fifth than it was when
-    /// built, it is built again.
+    /// Makes all changes since the last commit, on this thread: from now on rays see them. The scene's tree is refitted
+    /// to its items; if there are new ones, or its cost exceeds that of its build by a fifth, it is rebuilt.
     ///
     /// # Errors
-    /// [`InvalidScene::Imprecise`] if distorting transforms lie one in the other so that rounding gets out of hand,
-    /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`], and [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then is
-    /// as of the last commit, and the changes wait still.
+    /// [`InvalidScene::Imprecise`] if nested distorting transforms make the bound of rounding too large,
+    /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`], and
+    /// [`InvalidTree::TooLarge`](crate::InvalidTree::TooLarge). The scene then stays as of the last commit, and the
+    /// changes stay pending.
     pub fn commit(&mut self) -> Result<Commit, Error> {
         self.commit_on(&Serial)
     }
 
-    /// Like [`commit`](Self::commit), where `executor` says. The scene does not depend on it.
+    /// Like [`commit`](Self::commit), on the threads of `executor`. The scene does not depend on it.
     ///
     /// # Errors
-    /// Those of [`commit`](Self::commit).
+    /// The errors of [`commit`](Self::commit).
     pub fn commit_on<E: Executor>(&mut self, executor: &E) -> Result<Commit, Error> {
         self.commit_with_report(executor).map(|(commit, _)| commit)
     }
 
-    /// The report is that of a tree that was built, and else empty.
+    /// The report is that of a rebuilt tree, and else empty.
     fn commit_with_report<E: Executor>(&mut self, executor: &E) -> Result<(Commit, BuildReport), Error> {
         let changed = self.staged.len();
         let mut report = BuildReport::default();
@@ -283,12 +284,12 @@ impl<'a> Scene<'a> {
         SceneView::trusted(&self.items, &self.top.parts, self.top.tree.view(), self.summary, self.top.bounds)
     }
 
-    /// Memory of items, parts and the tree in bytes; what items borrow or share is not counted.
+    /// Memory of items, parts and the tree in bytes; borrowed and shared objects are not counted.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.bytes()
     }
 
-    /// How its own tree is built.
+    /// The options of its own tree.
     pub fn options(&self) -> BuildOptions {
         self.options
     }

@@ -4,47 +4,48 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::geometry::{Hit, Ray};
 
-/// A ray with what a scene asks of it besides.
+/// A ray in a scene, with its time and mask.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SceneRay {
     /// The ray.
     pub ray: Ray,
-    /// When: in 0..=1, over which keys are spread; less counts as 0 and more as 1. With a NaN it hits nothing.
+    /// The time in 0..=1, over which keys are spread; other times are clamped. With NaN the ray hits nothing.
     pub time: f32,
-    /// What it sees: items whose mask has a bit in common with it, at every level.
+    /// The ray's mask: it sees items whose mask has a bit in common with it, at every level.
     pub mask: u32,
 }
 
-/// Where a ray meets something in a scene.
+/// A hit of a ray in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SceneHit {
-    /// Where, and which part of the geometry. `t` is the same in all spaces, as the direction is not normalised.
+    /// The hit in the item's geometry. `t` is the same in all spaces, as the direction is not normalised.
     pub hit: Hit,
-    /// The item that has the geometry: its index in the scene that has the item.
+    /// The index of the item with the geometry, in the scene that has the item.
     pub geometry_id: u32,
-    /// How many items that are scenes the ray went through on its way there; 0 in the outermost scene itself.
+    /// The number of nested scenes around the item; 0 in the outermost scene itself.
     pub depth: u32,
-    /// The number of that way among all in the scene; [`SceneView::instances`](super::SceneView::instances) lists the items.
+    /// The index of the path to it among all paths of the scene; [`SceneView::instances`](super::SceneView::instances)
+    /// lists its items.
     pub path: u64,
 }
 
 impl SceneRay {
-    /// At time 0, seeing all.
+    /// A ray at time 0 that sees all items.
     #[inline]
     pub fn new(ray: Ray) -> Self {
         Self { ray, time: 0.0, mask: u32::MAX }
     }
 
-    /// The same ray at another time.
+    /// The ray at another time.
     #[inline]
     #[must_use]
     pub fn at_time(self, time: f32) -> Self {
         Self { time, ..self }
     }
 
-    /// The same ray with another mask.
+    /// The ray with another mask.
     #[inline]
     #[must_use]
     pub fn with_mask(self, mask: u32) -> Self {

@@ -1,5 +1,5 @@
-//! Scenes as plain as can be: loops over all items and all triangles, one after the other, without any tree. Slow; every
-//! other way to trace a scene gives the same hits bit for bit.
+//! The reference for scenes: loops over all items and all triangles, without any tree. Slow; all other ways to trace a
+//! scene give the same hits bit for bit.
 
 use core::ops::ControlFlow;
 
@@ -11,12 +11,12 @@ use crate::geometry::moment::Moment;
 use crate::geometry::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, intersect_triangle};
 use crate::traverse::Verdict;
 
-/// What [`SceneView::intersect`] gives.
+/// The result of [`SceneView::intersect`].
 pub fn intersect(scene: &SceneView, ray: &SceneRay) -> Option<SceneHit> {
     intersect_filtered(scene, ray, |_| Verdict::Accept)
 }
 
-/// What [`SceneView::intersect_filtered`] gives, but for filters that stop: the order in which hits come is another.
+/// The result of [`SceneView::intersect_filtered`], except for filters that stop, as the order of hits differs.
 pub fn intersect_filtered(
     scene: &SceneView,
     ray: &SceneRay,
@@ -42,7 +42,7 @@ pub fn intersect_filtered(
     best
 }
 
-/// What [`SceneView::for_each_hit`] shows if it does not break off, in another order.
+/// The hits of [`SceneView::for_each_hit`] if it does not break off, in another order.
 pub fn for_each_hit(scene: &SceneView, ray: &SceneRay, see: &mut dyn FnMut(SceneHit)) {
     all_hits(scene, ray, 0, 0, see);
 }

@@ -1,4 +1,4 @@
-//! What a walk through a scene looks for: the nearest hit, any hit, or those that somebody else judges.
+//! The searches of a walk through a scene: the nearest hit, any hit, or hits passed to a callback.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
@@ -10,12 +10,12 @@ use crate::simd::Simd;
 use crate::traverse::TraversalStack;
 use crate::traverse::single::{self, Collector};
 
-/// What becomes of the hits that a ray finds in a scene.
+/// Receives the hits of a ray in a scene.
 pub(super) trait Search: Sized {
-    /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
+    /// Hits with a greater `t` are ignored. It starts at the ray's `t_max` or less, and never grows.
     fn t_max(&self) -> f32;
 
-    /// Sees a hit that is not behind [`t_max`](Self::t_max). `Break` ends the search.
+    /// Takes a hit that is not behind [`t_max`](Self::t_max). `Break` ends the search.
     fn report(&mut self, hit: SceneHit) -> ControlFlow<()>;
 
     /// Looks for hits with triangles that stand still; all have in common what `common` says. `stack` is memory.
@@ -123,8 +123,8 @@ impl Search for Any {
     }
 }
 
-/// The hits that somebody else judges. Not generic, so that a program has this once for each instruction set: a filter is
-/// called a few times a ray.
+/// Passes hits to a callback. Not generic, so that it is compiled once for each instruction set: a filter is called
+/// only a few times a ray.
 pub(super) struct Judged<'a> {
     pub t_max: f32,
     /// Gives the new [`t_max`](Search::t_max).
@@ -144,10 +144,10 @@ impl Search for Judged<'_> {
     }
 }
 
-/// Hits with one item, on their way to the search.
+/// Passes hits with one item to the search.
 pub(super) struct ItemCollector<'s, Q> {
     pub search: &'s mut Q,
-    /// What all of them have in common.
+    /// The fields that all of them share.
     pub common: SceneHit,
 }
 

@@ -1,13 +1,13 @@
-//! Geometry of the caller's: boxes, and what decides whether a ray hits what is in them.
+//! Custom geometry: primitives with boxes, and their test against a ray.
 //!
-//! A hit's `t` is clamped to the interval in which the ray is inside the primitive's own box (`geometry/own_box.rs`), so that
-//! what is hit does not depend on the tree, however a shape rounds.
+//! A hit's `t` is clamped to the interval in which the ray is inside the primitive's own box (`geometry/own_box.rs`),
+//! so that hits do not depend on the tree, however a shape rounds.
 
 use crate::geometry::{Aabb, Hit, Ray, own_box};
 
-/// A set of primitives that the caller knows how to hit: spheres, curves, height fields …
+/// A set of primitives with the caller's own ray test: spheres, height fields …
 ///
-/// Answers depend on the arguments alone.
+/// Results must depend on the arguments alone.
 pub trait Shape: Sync {
     /// The number of primitives.
     fn count(&self) -> u32;
@@ -16,8 +16,8 @@ pub trait Shape: Sync {
     /// empty is left out.
     fn bounds(&self, prim_id: u32) -> Aabb;
 
-    /// The nearest hit of `ray` with a primitive within the ray's interval, at a time. What its `u` and `v` mean is up to the
-    /// shape; its `prim_id` is not looked at. A `t` outside of the primitive's box is moved to where the ray leaves it.
+    /// The nearest hit of `ray` with a primitive within the ray's interval, at a time. The shape defines `u` and `v`;
+    /// `prim_id` is ignored. A `t` outside of the primitive's box is clamped to it.
     fn intersect(&self, prim_id: u32, ray: &Ray, time: f32) -> Option<Hit>;
 }
 

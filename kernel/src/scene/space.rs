@@ -1,4 +1,4 @@
-//! Where the scene shows what is in its items, for queries without rays.
+//! Spaces of items relative to the outermost scene, for queries without rays.
 
 use core::ops::ControlFlow;
 
@@ -18,10 +18,10 @@ pub(super) struct Space {
 }
 
 impl Space {
-    /// The scene's own.
+    /// The scene's own space.
     pub(super) const OWN: Self = Self { linear: DMat3::IDENTITY, translation: DVec3::ZERO };
 
-    /// That of an item in this space at a time; `None` if it is nowhere to be seen.
+    /// The space of an item in this space at a time; `None` if the item is hidden.
     pub(super) fn of(&self, placement: &Placement, time: f32) -> Option<Self> {
         let (linear, translation) = placement.elements(time)?;
         Some(Self { linear: self.linear * linear, translation: self.linear * translation + self.translation })
@@ -38,18 +38,18 @@ impl Space {
     }
 }
 
-/// What is looked for.
+/// A proximity search.
 pub(super) trait Proximity {
     /// A measure of a box, never greater than that of anything in it.
     fn measure(&self, aabb: &Aabb) -> f32;
 
-    /// What has a greater measure is of no interest.
+    /// Primitives with a greater measure are ignored.
     fn most(&self) -> f32;
 
-    /// Sees a triangle. `Break` ends the search.
+    /// Takes a triangle. `Break` ends the search.
     fn meet(&mut self, triangle: &Triangle, place: SceneHit) -> ControlFlow<()>;
 
-    /// Sees the box of a primitive of a shape.
+    /// Takes the box of a primitive of a shape.
     fn meet_box(&mut self, aabb: &Aabb, place: SceneHit) -> ControlFlow<()>;
 }
 
@@ -58,7 +58,7 @@ pub(super) fn next(moment: Moment) -> usize {
     moment.key + usize::from(moment.fraction != 0.0)
 }
 
-/// A triangle on its way from one key to the next.
+/// A triangle interpolated between two keys.
 pub(super) fn between(from: &Triangle, to: &Triangle, fraction: f32) -> Triangle {
     let corner = |i: usize| if fraction == 0.0 { from[i] } else { from[i] * (1.0 - fraction) + to[i] * fraction };
     [corner(0), corner(1), corner(2)]

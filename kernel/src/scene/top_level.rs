@@ -1,4 +1,4 @@
-//! The tree over a scene's items: built, or fitted to where they are now.
+//! The tree over a scene's items: built or refitted.
 
 use alloc::vec::Vec;
 
@@ -10,11 +10,11 @@ use crate::bvh::{BoxTree, BuildOptions, BuildReport, Child, Executor, for_each};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::Aabb;
 
-/// A tree that costs so many times what it did when it was built had better be built again. It is over boxes, of which
-/// there are few, so that a build takes no longer than some ten times a fit.
+/// The cost ratio from which on the tree is rebuilt. It is over few boxes, so a build takes only about ten times as
+/// long as a refit.
 const REBUILD: f32 = 1.2;
 
-/// Items that are one piece of work.
+/// Items that are one task.
 pub(super) const TASK: usize = 256;
 
 /// A tree over the boxes of a scene's parts, at each key.
@@ -22,7 +22,7 @@ pub(super) const TASK: usize = 256;
 pub(super) struct TopLevel {
     pub parts: Vec<Part>,
     pub tree: BoxTree,
-    /// Around all that is in the tree, whose own boxes may be widened.
+    /// The bounds of the tree's contents; the tree's own boxes may be widened.
     pub bounds: Aabb,
     /// The boxes of all parts at the first key, then those at the next …
     boxes: Vec<Aabb>,
@@ -35,7 +35,7 @@ pub(super) struct TopLevel {
 }
 
 impl TopLevel {
-    /// The tree over nothing.
+    /// The empty tree.
     pub(super) fn empty() -> Self {
         Self {
             parts: Vec::new(),
@@ -91,7 +91,7 @@ impl TopLevel {
         Ok((top, report))
     }
 
-    /// Finds what is around all.
+    /// Computes the bounds.
     fn measure(&mut self, widening: &Widening) {
         self.bounds = self.tree.view().bounds();
         if !widening.is_by_rays() {
@@ -105,8 +105,8 @@ impl TopLevel {
         self.bounds = self.bounds.union(bounds);
     }
 
-    /// Fits the tree to items some of which have changed. `None` if it has to be built again, or had better be; then it
-    /// is of no more use.
+    /// Fits the tree to items some of which have changed. `None` if it has to be or should be rebuilt; then it is
+    /// unusable.
     pub(super) fn fit<E: Executor>(
         &mut self,
         executor: &E,
@@ -159,7 +159,7 @@ impl TopLevel {
         (self.tree.cost() <= REBUILD * self.built_cost).then_some(())
     }
 
-    /// How many parts can be seen.
+    /// The number of visible parts.
     pub(super) fn count_seen(&self) -> usize {
         self.boxes[..self.parts.len()]
             .iter()
@@ -169,7 +169,7 @@ impl TopLevel {
     }
 }
 
-/// Whether there are no more parts than a tree can name.
+/// Whether a tree can hold this many parts.
 ///
 /// # Errors
 /// [`InvalidTree::TooLarge`].

@@ -1,9 +1,10 @@
-//! Where an item is: an affine transform from its own space to the scene's, `p = M q + T`, standing still or moving.
+//! The transform of an item: an affine map from its own space to the scene's, `p = M q + T`, static or moving.
 //!
-//! A ray goes the other way: `o' = M⁻¹ (o - T)` and `d' = M⁻¹ d`, computed in `f64` and rounded once. Its direction keeps
-//! the length that this gives it, so `t` is the same in both spaces. Between two keys the elements of `M` and `T` are
-//! interpolated, and the result inverted, in `f64` too; every point of the item then moves in a straight line, and a box that
-//! is interpolated between boxes that enclose the item at the keys encloses it in between.
+//! A ray is transformed the other way: `o' = M⁻¹ (o - T)` and `d' = M⁻¹ d`, computed in `f64` and rounded once. Its
+//! direction keeps the length that this gives it, so `t` is the same in both spaces. Between two keys the elements of
+//! `M` and `T` are interpolated, and the result inverted, in `f64` too; every point of the item then moves in a
+//! straight line, and a box that is interpolated between boxes that enclose the item at the keys encloses it in
+//! between.
 //!
 //! # Error bounds
 //! With `u = 2⁻²⁴`, the local ray's point at `t` is off by `u (|o'| + t |d'|)`, and a hit there lies in the item's local
@@ -16,9 +17,9 @@
 //! error_k = (Σ_j |M_kj|) ‖M⁻¹‖ (e' + 32 u)          ‖.‖: greatest row sum of absolute values
 //! ```
 //!
-//! and by so much boxes are widened, in the tree or by the ray (see [`widening`](super::widening)): no hit is lost at an
-//! instance's box. Where this bound is not worth much, above a [quarter](MAX_ERROR), a scene is refused; a rotation's is
-//! 6e-6 at most.
+//! so boxes are widened by this amount, in the tree or by the ray (see [`widening`](super::widening)), and no hit is
+//! lost at an instance's box. A scene where this bound exceeds a [quarter](MAX_ERROR) is refused; a rotation's is 6e-6
+//! at most.
 
 #[cfg(any(feature = "alloc", test))]
 use alloc::sync::Arc;
@@ -85,21 +86,21 @@ impl Packed {
     }
 }
 
-/// Where an item is.
+/// The transform of an item.
 #[derive(Clone, Debug)]
 pub(super) enum Placement<'a> {
-    /// Where its own coordinates say.
+    /// No transform.
     AsItIs,
-    /// Where a transform takes it that makes it flat: nowhere to be hit.
+    /// A transform that flattens the item: it cannot be hit.
     Flat { to_scene: Packed },
-    /// Where a transform takes it.
+    /// A static transform.
     Still { to_scene: Packed, to_local: Inverse, inverse_norm: f32 },
-    /// Where transforms at evenly spaced times take it; the inverse's norm is a bound for all times.
+    /// Transforms at evenly spaced times; the inverse's norm is a bound for all times.
     Moving { keys: Keys<'a>, inverse_norm: f32 },
 }
 
 impl<'a> Placement<'a> {
-    /// By a transform that stands still.
+    /// A placement by a static transform.
     ///
     /// # Errors
     /// [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`].
@@ -120,7 +121,7 @@ impl<'a> Placement<'a> {
         Ok(Self::Still { to_scene: Packed::new(to_scene), to_local, inverse_norm: round_up(inverse_norm) })
     }
 
-    /// By transforms at evenly spaced times.
+    /// A placement by transforms at evenly spaced times.
     ///
     /// # Errors
     /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is singular
@@ -214,7 +215,7 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// What a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
+    /// The box that a ray's reach has to span for this item: the images of `local` and of the local origin at all keys.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
         match self {
             Self::AsItIs => return *local,

@@ -1,4 +1,4 @@
-//! A borrowed scene: what is traced.
+//! A borrowed scene, for tracing.
 
 use core::cell::Cell;
 
@@ -14,7 +14,7 @@ use crate::error::{Error, InvalidScene};
 use crate::geometry::Aabb;
 use crate::simd::Isa;
 
-/// What a leaf of a scene's tree stands for: an item, or one primitive of an item that is a [`Shape`](super::Shape).
+/// The contents of a leaf of a scene's tree: an item, or one primitive of an item that is a [`Shape`](super::Shape).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Part {
@@ -24,24 +24,24 @@ pub struct Part {
     pub prim_id: u32,
 }
 
-/// A scene that lies in somebody's memory, checked once so that tracing need not.
+/// A scene in borrowed memory, checked once so that tracing needs no checks.
 ///
-/// How deep scenes lie in each other is known from the outset, as each borrows those in it.
+/// The depth of nesting is known from the start, as each scene borrows the nested ones.
 #[derive(Clone, Copy)]
 pub struct SceneView<'a> {
     items: &'a [Item<'a>],
     parts: &'a [Part],
     tree: BoxTreeView<'a>,
     summary: SceneSummary,
-    /// Around all items at all times; those of the tree may be wider.
+    /// The box around all items at all times; boxes of the tree may be wider.
     bounds: Aabb,
     isa: Isa,
 }
 
-/// The most scenes one in the other below a scene: tracing takes some 9 KB of stack for each.
+/// The deepest nesting of scenes below a scene: tracing takes some 9 KB of stack for each level.
 pub const MAX_LEVELS: usize = 64;
 
-/// What is known of all items together.
+/// The summary of all items.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneSummary {
     reach: Aabb,
@@ -53,7 +53,7 @@ pub(super) struct SceneSummary {
 }
 
 impl SceneSummary {
-    /// That of nothing.
+    /// The summary of an empty scene.
     pub(super) const NOTHING: Self =
         Self { reach: Aabb::EMPTY, widening: Widening::NONE, levels: 0, paths: 1, keys: 1 };
 
@@ -85,7 +85,7 @@ impl SceneSummary {
         if item.levels > MAX_LEVELS {
             return Err(InvalidScene::TooDeep { item: index });
         }
-        // Not for a NaN either.
+        // False for NaN.
         if !item.error.cmple(Vec3::splat(MAX_ERROR)).all() {
             return Err(InvalidScene::Imprecise { item: index });
         }
@@ -96,7 +96,7 @@ impl SceneSummary {
         Ok(())
     }
 
-    /// All items have been added; these are their errors.
+    /// Finishes the summary after the last item; `errors` are those of all items.
     pub(super) fn finish(&mut self, errors: &Errors) {
         self.widening = Widening::of(errors, &self.reach);
     }
@@ -119,7 +119,7 @@ impl<'a> SceneView<'a> {
     /// as many keys as the item that has most. The items' paths are numbered.
     ///
     /// # Errors
-    /// [`InvalidTree`](crate::InvalidTree) says what is wrong with the tree, and [`InvalidScene`] what is with the items.
+    /// [`InvalidTree`](crate::InvalidTree) for the tree, and [`InvalidScene`] for the items.
     pub fn new<'b: 'a>(
         items: &'a mut [Item<'b>],
         parts: &'a [Part],
@@ -162,15 +162,15 @@ impl<'a> SceneView<'a> {
         Self { items, parts, tree, summary, bounds, isa: Isa::detect() }
     }
 
-    /// The same scene, traced with the instructions of `isa` instead of those of [`Isa::detect`], whatever the trees in it say.
-    /// With [`Isa::SCALAR`] that is a loop over all triangles, for small scenes.
+    /// The scene, traced with the instructions of `isa` instead of those of [`Isa::detect`], whatever the trees in it
+    /// say. With [`Isa::SCALAR`] that is a loop over all triangles, for small scenes.
     #[must_use]
     #[inline]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
     }
 
-    /// What the scene is traced with.
+    /// The instruction set that the scene is traced with.
     #[inline]
     pub fn isa(&self) -> Isa {
         self.isa
@@ -182,20 +182,20 @@ impl<'a> SceneView<'a> {
         self.items
     }
 
-    /// The tree over the boxes of [`parts`](Self::parts). Those of items that their transforms distort by more than 100 or so
-    /// are wider there than what is in them, for what rounding does to rays.
+    /// The tree over the boxes of [`parts`](Self::parts). Boxes of items distorted by more than about 100 are wider
+    /// than their contents there, to allow for the rounding of rays.
     #[inline]
     pub fn tree(&self) -> &BoxTreeView<'a> {
         &self.tree
     }
 
-    /// What the tree's boxes stand for.
+    /// The items or primitives that the tree's boxes stand for.
     #[inline]
     pub fn parts(&self) -> &'a [Part] {
         self.parts
     }
 
-    /// What has the box of this number in the tree, and its item.
+    /// The entry with the box of this index in the tree, and its item.
     #[inline(always)]
     pub(super) fn item_of(&self, number: u32) -> Option<(&'a Part, &'a Item<'a>)> {
         let part = self.parts.get(number as usize)?;
@@ -208,14 +208,14 @@ impl<'a> SceneView<'a> {
         self.bounds
     }
 
-    /// The number of scenes one in the other, below this one.
+    /// The depth of nested scenes below this one.
     #[inline]
     pub fn levels(&self) -> usize {
         self.summary.levels
     }
 
-    /// The transform from the space of the geometry of a hit to that of this scene at a time, rounded; `None` if the hit
-    /// is none of this scene, or the time is NaN. Normals take its inverse transpose.
+    /// The transform from the space of the geometry of a hit to that of this scene at a time, rounded; `None` if the
+    /// hit does not belong to this scene, or the time is NaN. Normals take its inverse transpose.
     pub fn to_scene(&self, hit: &SceneHit, time: f32) -> Option<Affine3A> {
         let mut instances = self.instances(hit);
         let mut whole = Affine3A::IDENTITY;
@@ -225,7 +225,7 @@ impl<'a> SceneView<'a> {
         Some(whole * instances.scene?.items.get(hit.geometry_id as usize)?.to_scene(time)?)
     }
 
-    /// The items that are scenes on the way to a hit, the outermost first; none for what is no hit of this scene.
+    /// The items with nested scenes on the path to a hit, the outermost first; empty for a hit of another scene.
     pub fn instances(&self, hit: &SceneHit) -> Instances<'a> {
         Instances { scene: (hit.path < self.paths()).then_some(*self), path: hit.path }
     }
@@ -236,13 +236,13 @@ impl<'a> SceneView<'a> {
         self.summary.paths
     }
 
-    /// What is known of all items together.
+    /// The summary of all items.
     #[cfg(any(feature = "alloc", test))]
     pub(super) fn summary(&self) -> &SceneSummary {
         &self.summary
     }
 
-    /// What rays' reach has to span.
+    /// The box that a ray's reach has to span.
     #[inline(always)]
     pub(super) fn reach(&self) -> Aabb {
         self.summary.reach
@@ -260,12 +260,12 @@ impl<'a> SceneView<'a> {
     }
 }
 
-/// The items on the way to a hit, each with its index in the scene that has it; made by [`SceneView::instances`].
+/// The items on the path to a hit, each with its index in the scene that has it; returned by [`SceneView::instances`].
 #[derive(Clone)]
 pub struct Instances<'a> {
-    /// Where the way has led so far; `None` if there is no such way.
+    /// The scene that the path has reached so far; `None` if there is no such path.
     scene: Option<SceneView<'a>>,
-    /// The rest of the way, from there.
+    /// The rest of the path, from there.
     path: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Walks through scenes: the scene's own tree, and in its leaves whatever lies there, in its own space.
+//! Traversal of scenes: the scene's own tree, and in its leaves the objects, in their own spaces.
 
 use core::ops::{ControlFlow, Range};
 
@@ -38,7 +38,7 @@ pub(super) fn filtered(
     best.is_hit().then_some(best)
 }
 
-/// One ray, and what it looks for.
+/// One ray and its search.
 pub(super) struct Trace<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
@@ -53,7 +53,7 @@ impl<Q: Search> Work for Trace<'_, Q> {
     }
 }
 
-/// One ray, and what has the box of a number in the scene's tree.
+/// One ray, and the entry with the box of an index in the scene's tree.
 pub(super) struct MeetItem<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
@@ -68,12 +68,12 @@ impl<Q: Search> Work for MeetItem<'_, Q> {
         let Self { scene, ray, number, search } = self;
         let triangles = &mut TraversalStack::new();
         let mut visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = visit.meet_number::<S>(number);
     }
 }
 
-/// Rays to trace one by one, and their answers, of which there are as many.
+/// Rays whose nearest hits are written to `hits`, which has as many elements.
 pub(super) struct TraceAll<'a, A> {
     pub scene: &'a SceneView<'a>,
     pub rays: &'a [SceneRay],
@@ -111,12 +111,12 @@ impl Memory {
     fn trace<S: Simd, Q: Search>(&mut self, scene: &SceneView, ray: &SceneRay, search: &mut Q) {
         let triangles = &mut self.triangles;
         let visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
-        // Whether it was ended early, the search knows.
+        // The search itself records whether it was ended early.
         let _ = visit.walk::<S>(&mut self.items);
     }
 }
 
-/// A ray in a scene, on the way to which it went through others.
+/// A ray in a nested scene.
 struct Visit<'a, 's, Q> {
     scene: &'a SceneView<'a>,
     isa: Isa,
@@ -130,8 +130,8 @@ struct Visit<'a, 's, Q> {
 }
 
 impl<Q: Search> Visit<'_, '_, Q> {
-    /// Shows the search the hits of the ray that are not behind its `t_max`. `Break` if the search was ended. `stack` is
-    /// memory, whatever is in it.
+    /// Shows the search the hits of the ray that are not behind its `t_max`. `Break` if the search was ended. `stack`
+    /// is memory with any contents.
     #[inline(always)]
     fn walk<S: Simd>(self, stack: &mut TraversalStack) -> ControlFlow<()> {
         let Visit { scene, ray, .. } = self;
@@ -142,7 +142,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
     }
 }
 
-/// What the boxes of a scene's tree are tested with, and when; `None` if the ray can hit nothing.
+/// The setup for the boxes of a scene's tree, and the moment; `None` if the ray can hit nothing.
 #[inline(always)]
 fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(Slabs, Moment)> {
     let mut setup = RaySetup::new(ray, &scene.reach())?;
@@ -153,7 +153,7 @@ fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(S
     Some((setup.slabs, moment))
 }
 
-/// Enters a scene that lies in another. Not inlined: this is where the recursion turns.
+/// Enters a nested scene. Not inlined: this is the recursive call.
 #[inline(never)]
 fn enter<Q: Search>(visit: Visit<Q>) -> ControlFlow<()> {
     dispatch(visit.isa, visit)
@@ -202,7 +202,7 @@ impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
 }
 
 impl<Q: Search> Visit<'_, '_, Q> {
-    /// Traces the ray through what has the box of this number, if it sees that.
+    /// Traces the ray through the entry with the box of this index, if its mask allows.
     #[inline(always)]
     fn meet_number<S: Simd>(&mut self, number: u32) -> ControlFlow<()> {
         match self.scene.item_of(number) {

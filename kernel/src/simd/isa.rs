@@ -1,11 +1,11 @@
-//! Which instruction set to run on, and running a kernel on it.
+//! Selection of an instruction set, and dispatch of kernels to it.
 
 use core::fmt;
 use core::str::FromStr;
 
 use super::{Portable, Simd};
 
-/// Whether this processor is known to have a feature: detected if that is possible, else what the compiler was told.
+/// Whether this processor has a feature: detected if possible, else as the program was compiled.
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use std::arch::is_x86_feature_detected as has;
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
@@ -21,7 +21,7 @@ macro_rules! has {
 pub enum Level {
     /// The scalar reference: for comparison, many times slower.
     Scalar,
-    /// What the target always has: SSE2 on x86-64, NEON on AArch64, simd128 on wasm if it is enabled.
+    /// The target's baseline: SSE2 on x86-64, NEON on AArch64, simd128 on wasm if it is enabled.
     Portable,
     /// AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
     Avx2,
@@ -61,7 +61,7 @@ impl FromStr for Level {
     }
 }
 
-/// A name that is none of a [`Level`].
+/// A name that is not the name of a [`Level`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownLevel;
 
@@ -86,7 +86,7 @@ pub struct Isa(Level);
 impl Isa {
     /// The scalar reference.
     pub const SCALAR: Self = Self(Level::Scalar);
-    /// What the target always has.
+    /// The target's baseline.
     pub const PORTABLE: Self = Self(Level::Portable);
 
     /// The level.
@@ -94,8 +94,8 @@ impl Isa {
         self.0
     }
 
-    /// The proof for `level`, if this processor is known to have it: detected with `std`, and without what the compiler
-    /// was told (`-C target-feature=+avx2,+fma,…`, `-C target-cpu=…`). Under Miri only what every target has.
+    /// The proof for `level`, if this processor is known to have it: detected with `std`, otherwise as the compiler was
+    /// told (`-C target-feature=+avx2,+fma,…`, `-C target-cpu=…`). Under Miri only the target's baseline.
     pub fn new(level: Level) -> Option<Self> {
         let has = match level {
             Level::Scalar | Level::Portable => true,
@@ -116,15 +116,15 @@ impl Isa {
         })
     }
 
-    /// The best level that this processor is known to have. Without `std` that is what the compiler was told: who knows
-    /// better says so by [`Isa::assume`].
+    /// The best level that this processor is known to have. Without `std` that is what the program was compiled for;
+    /// [`Isa::assume`] overrides it.
     #[cfg(not(feature = "std"))]
     pub fn detect() -> Self {
         Self::best()
     }
 
-    /// Runs `task` with the instructions of this level: plain loops in it, and in what is inlined into it, become as
-    /// wide as those are. Results do not depend on the level, as the compiler fuses nothing.
+    /// Runs `task` with the instructions of this level: plain loops in it, and in what is inlined into it, are
+    /// vectorised to that width. Results do not depend on the level, as the compiler fuses nothing.
     #[inline]
     pub fn run<T: Task>(self, task: T) -> T::Output {
         dispatch(self, Plain(task))
@@ -144,9 +144,9 @@ impl Isa {
     /// such as `x86_64-unknown-linux-musl`.
     ///
     /// # Safety
-    /// The processor must support every extension that [`Level`] names for `level` and those below it, and whoever
-    /// switches contexts (an operating system; the start-up code by `CR4.OSXSAVE` and `XCR0`) must have enabled and
-    /// keep the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
+    /// The processor must support every extension that [`Level`] names for `level` and those below it, and the code
+    /// that switches contexts (an operating system; start-up code by `CR4.OSXSAVE` and `XCR0`) must enable and preserve
+    /// the registers: 256 bits wide for AVX2, 512 and the masks for AVX-512.
     pub const unsafe fn assume(level: Level) -> Self {
         match level {
             Level::Avx2 | Level::Avx512 if !HAS_VECTOR_CODE => Self::PORTABLE,
@@ -158,7 +158,7 @@ impl Isa {
 /// Whether AVX2 and AVX-512 are compiled: x86-64, with floats in registers.
 const HAS_VECTOR_CODE: bool = cfg!(all(target_arch = "x86_64", target_feature = "sse2"));
 
-/// Whether this processor is known to have the instructions of [`Level::Avx2`].
+/// Whether this processor has the instructions of [`Level::Avx2`].
 fn has_avx2() -> bool {
     let features = [has!("avx2"), has!("fma"), has!("bmi1"), has!("bmi2"), has!("lzcnt"), has!("popcnt")];
     HAS_VECTOR_CODE && !cfg!(miri) && features == [true; 6]
@@ -171,11 +171,11 @@ fn has_avx512() -> bool {
 
 /// Code without intrinsics that [`Isa::run`] compiles for every level.
 pub trait Task {
-    /// What it gives.
+    /// The result.
     type Output;
 
-    /// The code. It is to be `#[inline(always)]`, as is all in it that takes time: what stays a function of its own is
-    /// compiled for what the target always has.
+    /// The code. It must be `#[inline(always)]`, as must all expensive functions that it calls: functions that are not
+    /// inlined are compiled for the target's baseline.
     fn run(self) -> Self::Output;
 }
 
@@ -190,8 +190,8 @@ impl<T: Task> Work for Plain<T> {
     }
 }
 
-/// A kernel: code that is generic over the instruction set. `run` is to be `#[inline(always)]`, as is all that it
-/// calls.
+/// A kernel: code that is generic over the instruction set. `run` must be `#[inline(always)]`, as must all functions
+/// that it calls.
 pub(crate) trait Work {
     type Output;
     fn run<S: Simd>(self) -> Self::Output;

@@ -1,5 +1,5 @@
-//! Lanes of `f32`: the few operations that the kernels are written in, and their backends. All of the kernel's `unsafe`
-//! is in this folder.
+//! SIMD lanes of `f32`: the operations that the kernels use, and their backends. All of the kernel's `unsafe` is in
+//! this folder.
 //!
 //! Code in lanes is written in `#[inline(always)]` functions, never in closures or `array::map`: intrinsics are inlined
 //! only into code that is compiled for their instruction set, which the kernels are once all of their parts have become
@@ -40,14 +40,15 @@ pub(crate) trait Simd: Copy {
     type F16: Lanes<16>;
     /// Thirty-two lanes.
     type F32: Lanes<32>;
-    /// Whether sixteen lanes are one register: else code that holds many of them at once does better with eight.
+    /// Whether sixteen lanes are one register: otherwise code with many live registers is faster with eight.
     const WIDE: bool;
 
-    /// Fetches the `BYTES` bytes at an address into the first-level cache, if they and such an instruction are there.
+    /// Fetches the `BYTES` bytes at an address into the first-level cache, if the address is valid and such an
+    /// instruction exists.
     fn prefetch<const BYTES: usize>(start: *const u8);
 
-    /// Writes `base` plus the number of each set bit, of the lowest eight, to the start of `out`, lowest first, and gives their number; what follows
-    /// them is of no meaning.
+    /// Writes `base` plus the index of each set bit among the lowest eight to the start of `out`, lowest first, and
+    /// returns their count; the rest of `out` is unspecified.
     fn compress_indices(bits: u32, base: u32, out: &mut [u32; 8]) -> usize;
 
     /// Of eight words, those whose highest bit is set, and those with all bits set: bit `i` is word `i`.
@@ -56,18 +57,18 @@ pub(crate) trait Simd: Copy {
     /// In each lane that of eight numbers whose index the lane of `places` holds, in its lowest three bits.
     fn permute(numbers: &[f32; 8], places: &[u32; 8]) -> Self::F8;
 
-    /// Eight times eight numbers, mirrored at the diagonal: lane `i` of row `j` becomes lane `j` of row `i`.
+    /// Eight times eight numbers, transposed: lane `i` of row `j` becomes lane `j` of row `i`.
     fn transpose(rows: [Self::F8; 8]) -> [Self::F8; 8];
 
     /// Of sixteen triples that follow each other the first numbers, the second and the third ones.
     fn deinterleave(triples: &[[f32; 16]; 3]) -> [Self::F16; 3];
 }
 
-/// `N` numbers that are computed with together.
+/// `N` numbers in lanes.
 pub(crate) trait Lanes<const N: usize>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// What comparisons give: all or no bits set in each lane.
+    /// The result of comparisons: all or no bits set in each lane.
     type Mask: Mask;
 
     /// `value` in every lane.
@@ -107,11 +108,11 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn from_bits(bits: u32) -> Self;
 }
 
-/// What traversal does with the eight children of a node.
+/// Compression of the eight children of a node in traversal.
 pub(crate) trait CompressChildren: Sized {
     /// Writes those children for which `near <= far` to the start of `kept`, and their `near` to that of `distances`,
-    /// in `order`: three bits a child, the first one lowest. Gives their number; what follows them in the arrays is of
-    /// no meaning.
+    /// in `order`: three bits a child, the first one lowest. Returns their count; the rest of the arrays is
+    /// unspecified.
     fn compress(
         near: Self,
         far: Self,

@@ -3,7 +3,7 @@
 use super::twice::Twice;
 use super::{CompressChildren, Lanes, Mask, Simd};
 
-/// What the target always has.
+/// The target's baseline.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable;
 

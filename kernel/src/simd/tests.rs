@@ -96,7 +96,7 @@ fn check_children<L: Lanes<8> + CompressChildren>() {
     }
 }
 
-/// Every number is told apart.
+/// Every number is distinguished.
 #[inline(always)]
 fn check_transposition<S: Simd>() {
     let rows: [[f32; 8]; 8] = core::array::from_fn(|row| core::array::from_fn(|lane| (8 * row + lane) as f32));

@@ -1,38 +1,38 @@
-//! A stack in memory that is not initialised: to fill it for each ray would take longer than some rays do.
+//! A stack in uninitialised memory: initialising it for each ray would take longer than tracing some rays.
 
 use core::mem::MaybeUninit;
 
 /// What an index of eight bits reaches, and room for the eight that a push writes.
 const ROOM: usize = 256 + 8;
 
-/// Up to 255 numbers, the last one on top. All below `len` have been written: a push moves `len` over what it wrote, and
-/// one past 255 starts again at the bottom. Trees are refused that could need so many.
+/// Up to 255 numbers, the last one on top. All below `len` have been written: a push moves `len` over what it wrote,
+/// and one past 255 starts again at the bottom. Trees that could need that many are refused.
 pub(crate) struct UninitStack<T> {
     len: u8,
     numbers: [MaybeUninit<T>; ROOM],
 }
 
 impl<T: Copy> UninitStack<T> {
-    /// An empty one.
+    /// An empty stack.
     #[inline(always)]
     pub(crate) fn new() -> Self {
         Self { len: 0, numbers: [const { MaybeUninit::uninit() }; ROOM] }
     }
 
-    /// Forgets all of them.
+    /// Clears the stack.
     #[inline(always)]
     pub(crate) fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Puts a number on top.
+    /// Pushes a number.
     #[inline(always)]
     pub(crate) fn push(&mut self, number: T) {
         self.numbers[usize::from(self.len)] = MaybeUninit::new(number);
         self.len = self.len.wrapping_add(1);
     }
 
-    /// Puts the first `count` of the numbers on top, the last one of these topmost; `count` is at most 8.
+    /// Pushes the first `count` of the numbers, the last one topmost; `count` is at most 8.
     #[inline(always)]
     pub(crate) fn push_first(&mut self, numbers: [T; 8], count: usize) {
         let len = usize::from(self.len);
@@ -42,7 +42,7 @@ impl<T: Copy> UninitStack<T> {
         self.len = self.len.wrapping_add(count.min(8) as u8);
     }
 
-    /// Takes the topmost number.
+    /// Pops a number.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;

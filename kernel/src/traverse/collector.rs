@@ -1,12 +1,12 @@
-//! What becomes of the hits that a ray finds.
+//! Collectors: receivers of the hits that a ray finds.
 
 use core::ops::ControlFlow;
 
 use crate::geometry::Hit;
 
-/// What becomes of the hits that a ray finds.
+/// Receives the hits that a ray finds.
 pub(crate) trait Collector {
-    /// Hits with a greater `t` are of no interest. It starts at the ray's `t_max` or less, and never grows.
+    /// Hits with a greater `t` are ignored. It starts at the ray's `t_max` or less, and never grows.
     fn t_max(&self) -> f32;
 
     /// Sees a hit between the ray's `t_min` and [`t_max`](Self::t_max), and whether it is from the front. `Break` ends

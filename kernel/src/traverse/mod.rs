@@ -54,7 +54,7 @@ impl BvhView<'_> {
         }
     }
 
-    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
+    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but faster.
     pub fn occluded(&self, ray: &Ray) -> bool {
         match self.isa().level() {
             Level::Scalar => reference::occluded(self, ray),
@@ -63,9 +63,9 @@ impl BvhView<'_> {
     }
 
     /// The nearest hit of each active ray of a packet, [`Hit::MISS`] for those that hit nothing. Lanes of inactive rays
-    /// are left as they are.
+    /// are left unchanged.
     ///
-    /// Pays where rays run side by side, as camera rays do; those of other packets are traced one by one.
+    /// Faster for coherent rays, such as camera rays; rays of other packets are traced one by one.
     pub fn intersect_packet<const N: usize>(&self, rays: &RayPacket<N>, hits: &mut HitPacket<N>)
     where
         Width<N>: PacketWidth<N>,
@@ -79,7 +79,7 @@ impl BvhView<'_> {
         }
     }
 
-    /// A bit mask of the active rays of a packet that hit anything.
+    /// A bit mask of the active rays of a packet that hit anything; bits of inactive lanes are 0.
     pub fn occluded_packet<const N: usize>(&self, rays: &RayPacket<N>) -> u32
     where
         Width<N>: PacketWidth<N>,
@@ -92,9 +92,10 @@ impl BvhView<'_> {
         }
     }
 
-    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.
+    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Elements beyond the end of the shorter slice are left
+    /// unchanged.
     ///
-    /// The quickest way for many rays that do not run side by side: 64 of them are traced at the same time, as a stream.
+    /// The fastest way for many incoherent rays: 64 of them are traced at the same time, as a stream.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
@@ -106,7 +107,7 @@ impl BvhView<'_> {
         }
     }
 
-    /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
+    /// Writes for each ray whether it hits anything. Elements beyond the end of the shorter slice are left unchanged.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
         let rays = &rays[..rays.len().min(occluded.len())];
         if self.isa().level() == Level::Scalar {
@@ -120,7 +121,7 @@ impl BvhView<'_> {
 
     /// Shows `collector` the hits of `ray`.
     fn collect<C: Collector>(&self, ray: &Ray, collector: &mut C) {
-        // Whether it was ended early, the collector knows.
+        // The collector itself records whether it was ended early.
         let _ = match self.isa().level() {
             Level::Scalar => reference::walk(self, ray, collector),
             _ => dispatch(self.isa(), Walk { tree: self, ray, collector }),
@@ -144,9 +145,9 @@ impl<C: Collector> Work for Walk<'_, C> {
 }
 
 impl BvhView<'_> {
-    /// Like [`intersect_many`](Self::intersect_many), and quicker for rays that share an origin and go many ways, as those
-    /// of a hemisphere's strata: 256 at a time are sorted by direction and traced in packets. In a tree of one node they
-    /// are the same.
+    /// Like [`intersect_many`](Self::intersect_many), but faster for rays of one origin with many directions, such as a
+    /// hemisphere's strata: 256 at a time are sorted by direction and traced in packets. In a tree of one node they are
+    /// the same.
     pub fn intersect_gather(&self, rays: &[Ray], hits: &mut [Hit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         if self.isa().level() == Level::Scalar {
@@ -155,7 +156,7 @@ impl BvhView<'_> {
         trace_gather::<false>(self, rays, write_hits(hits));
     }
 
-    /// Like [`occluded_many`](Self::occluded_many), and quicker for rays that share an origin, likewise.
+    /// Like [`occluded_many`](Self::occluded_many), but faster for rays of one origin, likewise.
     pub fn occluded_gather(&self, rays: &[Ray], occluded: &mut [bool]) {
         let rays = &rays[..rays.len().min(occluded.len())];
         if self.isa().level() == Level::Scalar {
@@ -183,9 +184,9 @@ fn write_occluded(occluded: &mut [bool]) -> impl FnMut(usize, Hit) {
     }
 }
 
-/// Rays of one origin, by what suits the tree.
+/// Rays of one origin, by the method that suits the tree.
 fn trace_gather<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
-    // Not where there is no room on the stack, either.
+    // Also false where the stack has no room.
     if leaf_queues::suit(tree) && !cfg!(target_os = "none") {
         dispatch(tree.isa(), LeafQueues::<ANY, _> { tree, rays, write });
     } else {
@@ -193,12 +194,12 @@ fn trace_gather<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut
     }
 }
 
-/// Rays that are worth a stream.
+/// The least number of rays that pays for a stream.
 const LEAST_STREAM: usize = 24;
 
-/// Rays of any kind, by what suits their number and the tree.
+/// Rays of any kind, by the method that suits their number and the tree.
 fn trace_many<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
-    // Of few rays most would be on their way alone, and to set up a stream would take longer than what it saves.
+    // With few rays most lanes would be empty, and setting up a stream would take longer than it saves.
     if cfg!(target_os = "none") || rays.len() < LEAST_STREAM {
         dispatch(tree.isa(), Few::<ANY, _> { tree, rays, write });
     } else if leaf_queues::suit(tree) {

@@ -1,5 +1,5 @@
-//! The node test: eight boxes against a ray, or against eight rays, by the slab test of Kay and Kajiya 1986. Which of a
-//! node's planes are near, the signs of the direction say.
+//! The node test: eight boxes against a ray, or against eight rays, by the slab test of Kay and Kajiya 1986. The signs
+//! of the direction determine which of a node's planes are near.
 
 use core::hint::select_unpredictable;
 
@@ -77,7 +77,7 @@ pub(super) fn intersect_children<S: Simd>(
 }
 
 /// The octant in whose order a node's children are visited: the ray's own, from near to far. A search for any hit goes
-/// from far to near: what is near the origin is mostly what the ray has just left.
+/// from far to near: triangles near the origin mostly belong to the surface that the ray has just left.
 #[inline(always)]
 pub(super) fn visit_octant(octant: u8, any: bool) -> u8 {
     if any { octant ^ 7 } else { octant }
@@ -89,7 +89,7 @@ pub(super) fn prefetch<S: Simd>(tree: &BvhView, child: u32) {
     prefetch_of::<S>(tree.nodes(), tree.blocks(), child);
 }
 
-/// The same, of a tree of these nodes and blocks.
+/// Prefetches a node, or a leaf's first block, of these nodes and blocks.
 #[inline(always)]
 pub(crate) fn prefetch_of<S: Simd>(nodes: &[Node], blocks: &[TriangleBlock], child: u32) {
     let node = nodes.as_ptr().wrapping_add(child as usize).cast();

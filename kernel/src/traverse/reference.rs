@@ -1,5 +1,5 @@
-//! Traversal as plain as it can be: one ray, one box or triangle at a time, in the tree's order, and a loop over all
-//! triangles without any tree. Slow; every other path gives the same hits bit for bit.
+//! The reference traversal: one ray, one box or triangle at a time, in the tree's order, and a loop over all triangles
+//! without any tree. Slow; all other code paths give the same hits bit for bit.
 
 use core::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use crate::bvh::{BvhView, Child, MAX_STACK, RoundBlock, RoundView, TriangleBlock
 use crate::geometry::closest::{self, Foot};
 use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_round, intersect_side, intersect_triangle, overlaps};
 
-/// What [`BvhView::intersect`] gives.
+/// The result of [`BvhView::intersect`].
 pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
     let mut best: Option<Hit> = None;
     let mut stack = [0u32; MAX_STACK];
@@ -41,13 +41,13 @@ pub fn intersect(tree: &BvhView, ray: &Ray) -> Option<Hit> {
     best
 }
 
-/// What [`BvhView::occluded`] gives.
+/// The result of [`BvhView::occluded`].
 pub fn occluded(tree: &BvhView, ray: &Ray) -> bool {
     intersect(tree, ray).is_some()
 }
 
-/// What [`single::walk`](super::single::walk) does: shows `collector` the hits of `ray`, in the order of the octant of its
-/// direction. No box is left out for being far away.
+/// The work of [`single::walk`](super::single::walk): shows `collector` the hits of `ray`, in the order of the octant
+/// of its direction. No box is skipped for its distance.
 pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
     let octant = (0..3).fold(0, |octant, axis| octant | usize::from(ray.direction[axis].is_sign_negative()) << axis);
     let mut stack = [0u32; MAX_STACK];
@@ -82,7 +82,7 @@ pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -
     ControlFlow::Continue(())
 }
 
-/// Shows `collector` the hits of `ray` with all points or curves of a tree as they lie.
+/// Shows `collector` the hits of `ray` with all points or curves of a tree in memory order.
 pub(crate) fn walk_round<C: Collector>(tree: &RoundView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
     with_blocks!(tree.blocks(), slice => {
         for block in slice {
@@ -98,7 +98,7 @@ pub(crate) fn walk_round<C: Collector>(tree: &RoundView, ray: &Ray, collector: &
     ControlFlow::Continue(())
 }
 
-/// What [`BvhView::closest_point`] gives, if it precedes `best`: a loop over the triangles as they lie.
+/// The result of [`BvhView::closest_point`], if it precedes `best`: a loop over the triangles in memory order.
 pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: Foot) -> Foot {
     for (triangle, prim_id) in triangles(tree.blocks()) {
         let foot = Foot { prim_id, ..closest::closest_point(point, &triangle) };
@@ -109,7 +109,7 @@ pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: Foot) -> Foot
     best
 }
 
-/// What [`BvhView::for_each_overlap`] does: a walk that leaves out no box.
+/// The work of [`BvhView::for_each_overlap`]: a walk that skips no box.
 pub(crate) fn for_each_overlap(
     tree: &BvhView,
     aabb: &Aabb,
@@ -138,7 +138,7 @@ pub(crate) fn for_each_overlap(
     ControlFlow::Continue(())
 }
 
-/// The triangles of blocks as they lie, and their indices.
+/// The triangles of blocks in memory order, and their indices.
 fn triangles(blocks: &[TriangleBlock]) -> impl Iterator<Item = (Triangle, u32)> {
     let lanes = blocks.iter().flat_map(|block| (0..WIDTH).map(|lane| (block.triangle(lane), block.prim_id[lane])));
     lanes.filter(|&(_, prim_id)| prim_id != Hit::NO_PRIM)

@@ -19,7 +19,7 @@ pub(crate) struct TraversalStack {
 }
 
 impl TraversalStack {
-    /// Nothing left to visit.
+    /// An empty stack.
     #[inline(always)]
     pub(crate) fn new() -> Self {
         Self { children: UninitStack::new(), near: UninitStack::new() }
@@ -34,13 +34,13 @@ impl TraversalStack {
         self.near.push(f32::NEG_INFINITY);
     }
 
-    /// Takes what is next, and where its box begins.
+    /// Pops the next subtree, and where its box begins.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<(u32, f32)> {
         self.children.pop().zip(self.near.pop())
     }
 
-    /// Puts the children whose boxes the ray meets within its interval on top, the nearest one last.
+    /// Pushes the children whose boxes the ray meets within its interval, the nearest one last.
     #[inline(always)]
     pub(crate) fn push_children<S: Simd>(&mut self, node: &Node, ray: &Slabs, octant: u8, t_min: f32, t_max: f32) {
         let (near, far) = NodeTest::<S::F8>::new(ray, t_min).intersect(node, t_max);
@@ -50,7 +50,7 @@ impl TraversalStack {
         self.push(children, distances, count);
     }
 
-    /// The same for the node of this index, if there is one.
+    /// Pushes the children of the node of this index, if there is one.
     #[inline(always)]
     pub(crate) fn push_children_of<S: Simd>(
         &mut self,
@@ -65,7 +65,7 @@ impl TraversalStack {
         }
     }
 
-    /// Puts those children on top for which `near <= far`, the one with the least `near` last.
+    /// Pushes the children for which `near <= far`, the one with the least `near` last.
     #[inline(always)]
     pub(super) fn push_nearest_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {
         let (mut children, mut distances) = ([0; WIDTH], [0.0; WIDTH]);
@@ -81,7 +81,7 @@ impl TraversalStack {
         self.push(children, distances, count);
     }
 
-    /// Puts those children on top for which `near <= far`, the first slot last.
+    /// Pushes the children for which `near <= far`, the first slot last.
     #[inline(always)]
     pub(super) fn push_first_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {
         let (mut children, mut distances) = ([0; WIDTH], [0.0; WIDTH]);

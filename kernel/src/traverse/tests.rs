@@ -33,7 +33,7 @@ impl Random {
     }
 }
 
-/// Bits of a hit, so that NaN and zeros of different signs tell.
+/// Bits of a hit, so that NaN and zeros of different signs are compared.
 fn bits(hit: Option<Hit>) -> [u32; 4] {
     hit.map_or([0; 4], |hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.prim_id])
 }

@@ -1,4 +1,4 @@
-//! Primitives that are none, extremes, and what is told of them.
+//! Invalid primitives, extremes, and their reports.
 
 use super::*;
 use halfdome_kernel::MAX_COORDINATE;

@@ -1,5 +1,5 @@
-//! Points and curves: hits against an oracle in `f64` that knows no formula for them, rays that leave, and primitives that
-//! are none.
+//! Points and curves: hits against an oracle in `f64` without formulas for them, rays that leave, and invalid
+//! primitives.
 
 mod faults;
 mod leaving;

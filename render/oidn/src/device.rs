@@ -53,7 +53,7 @@ pub enum FilterError {
     Size {
         /// The image's.
         found: usize,
-        /// Those of the size.
+        /// The errors of the size.
         expected: usize,
     },
 }
@@ -70,12 +70,12 @@ struct Filter<'a> {
     handle: Handle,
 }
 
-/// Whoever hears how far a run is, from 0 to 1, and says whether to go on. Called from any thread.
+/// Receives the progress of a run, from 0 to 1, and returns whether to continue. Called from any thread.
 type Watcher<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 
 impl Device {
     pub(crate) fn new(api: Arc<Api>, threads: u32) -> Result<Self, FilterError> {
-        // SAFETY: a call without pointers. A handle that is null stands for an error.
+        // SAFETY: a call without pointers. A null handle means an error.
         let handle = unsafe { (api.new_device)(CPU) };
         let device = Self { api, handle };
         if handle.is_null() {
@@ -158,7 +158,7 @@ impl Device {
     /// The first error since the last time; of the thread, if there is no device.
     fn error(&self) -> Option<FilterError> {
         let mut text: *const c_char = ptr::null();
-        // SAFETY: `text` may be written to; null stands for the thread's own errors.
+        // SAFETY: `text` may be written to; null means the thread's own errors.
         let code = unsafe { (self.api.get_device_error)(self.handle, &raw mut text) };
         let message = if text.is_null() {
             format!("error {code}")

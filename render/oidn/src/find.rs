@@ -65,7 +65,7 @@ impl Library {
     /// The library at `path`; a name without a folder is looked up by the system.
     ///
     /// # Errors
-    /// Those of [`find`](Self::find).
+    /// The errors of [`find`](Self::find).
     pub fn open(path: &Path) -> Result<Self, LoadError> {
         Self::first(&[path.to_owned()], &[])
     }

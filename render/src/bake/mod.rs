@@ -1,10 +1,10 @@
 //! Lightmaps: irradiance at every texel of the pages that a level's surfaces are laid out on.
 //!
-//! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture coordinates
-//! ([`atlas`]), the point on a surface that stands for each texel (`layout::texels`), moved where something covers it
-//! (`visibility::covered`), its light (`light`), then what makes a map of it (`finish`): less noise, gutters and borders of
-//! charts that cannot be seen. A texel's value is irradiance E in W/m², on the front of its surface; a white surface there
-//! reflects the radiance E/π.
+//! The steps are those of Castaño's baker for The Witness (2010 to 2014), in the order of the modules: texture
+//! coordinates ([`atlas`]), the point on a surface that stands for each texel (`texels`), moved where something covers
+//! it (`covered`), its light (`baker`, `cached`), then what makes a map of it: less noise (`denoise`), gutters
+//! (`dilate`) and borders of charts that cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the
+//! front of its surface; a white surface there reflects the radiance E/π.
 //!
 //! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
 //! with the same bytes.
@@ -69,7 +69,7 @@ impl Atlas {
         Self::watched(scene, left_out, options, &|_| {})
     }
 
-    /// The same; `watch` hears how far it is, if new charts are made.
+    /// The same; `watch` receives the progress, if new charts are made.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -83,8 +83,8 @@ impl Atlas {
     }
 }
 
-/// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher says stop: what was
-/// found is in the checkpoint. The watcher hears of texels in place of samples, [`work`] in all.
+/// Finds the light of all pages; `world` must be of `scene`, and `atlas` as well. `None` if the watcher stops: the
+/// results so far are in the checkpoint. The watcher receives texels in place of samples, [`work`] in all.
 pub fn bake(
     scene: &Scene,
     world: &World,
@@ -165,10 +165,10 @@ pub fn bake(
     Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 
-/// Finds the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light, ambient
-/// occlusion, or all of a bake without a cache. A bake that goes on from the checkpoints of all shards, [merged](Checkpoint::merge),
-/// ends with the bytes of one that was never shared. Whether it came to its end before the watcher said stop. The watcher
-/// hears of texels in place of samples, [`shard_work`] in all.
+/// Computes the light of a shard's texels that needs no irradiance cache, and keeps it in the checkpoint: direct light,
+/// ambient occlusion, or all of a bake without a cache. A bake that continues from the checkpoints of all shards,
+/// [merged](Checkpoint::merge), ends with the bytes of one without shards. Whether it came to its end before the
+/// watcher stopped. The watcher receives texels in place of samples, [`shard_work`] in all.
 pub fn bake_shard(
     scene: &Scene,
     world: &World,
@@ -183,7 +183,7 @@ pub fn bake_shard(
     Baker { world, surfaces: &surfaces, options, checkpoint, watch }.bake_shard(&lit, shard).is_some()
 }
 
-/// The number of texels that a shard tells its watcher of, about.
+/// The approximate number of texels that a shard reports to its watcher.
 pub fn shard_work(scene: &Scene, atlas: &Atlas, shard: Shard) -> u64 {
     shard.items(Surfaces::new(scene, atlas).texels().len()) as u64
 }
@@ -199,14 +199,15 @@ fn free_texels(world: &World, surfaces: &Surfaces) -> (Vec<Texel>, Vec<Texel>, U
     (lit, covered, uncovered)
 }
 
-/// The number of texels that a bake tells its watcher of, about: those on surfaces, again for each cache that serves them.
+/// The approximate number of texels that a bake reports to its watcher: those on surfaces, once for each cache that
+/// serves them.
 pub fn work(scene: &Scene, atlas: &Atlas, options: &BakeOptions) -> u64 {
     let texels = Surfaces::new(scene, atlas).texels().len() as u64;
     let by_cache = options.has_cache();
     texels * (1 + u64::from(by_cache) + u64::from(by_cache && options.cache.bounces.is_none()))
 }
 
-/// For each page what is known of its texels.
+/// The data of each page's texels.
 fn page_texels(atlas: &Atlas, lit: &[Texel], covered: &[Texel]) -> Vec<PageTexels> {
     let grid = |page: &atlas::Page| PageTexels {
         page: *page,

@@ -1,4 +1,4 @@
-//! What a bake depends on besides the scene.
+//! The options of a bake.
 
 use glam::Vec3;
 
@@ -7,13 +7,13 @@ use crate::settings::{CachedOptions, named};
 /// The options of a bake; defaults as `BakeOptions::default()` has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakeOptions {
-    /// What of the light counts.
+    /// The part of the light that counts.
     pub mode: Mode,
-    /// What is kept of where light comes from.
+    /// The directional components of light.
     pub directional: Directional,
-    /// How the maps will be sampled: decides gutters and seams.
+    /// The sampling of the maps, which decides gutters and seams.
     pub sampling: Sampling,
-    /// What becomes of lightmap coordinates that a model has.
+    /// The use of a model's own lightmap coordinates.
     pub coordinates: Coordinates,
     /// Texels across and down a page, [`MIN_SIZE`](Self::MIN_SIZE) to [`MAX_SIZE`](Self::MAX_SIZE).
     pub size: u32,
@@ -29,8 +29,8 @@ pub struct BakeOptions {
     pub cache: CachedOptions,
     /// Ambient occlusion: the distance from which on hits do not occlude; `None` for any.
     pub ao_distance: Option<f32>,
-    /// Whether what nobody sees from inside is left out ([`LeftOut`](super::LeftOut)): from these places, or, if there are
-    /// none, from anywhere in front of a surface.
+    /// Whether surfaces that cannot be seen from inside are left out ([`LeftOut`](super::LeftOut)): from these
+    /// positions, or, if there are none, from anywhere in front of a surface.
     pub skip_outside: Option<Vec<Vec3>>,
     /// Whether noise is smoothed away inside each chart.
     pub denoise: bool,
@@ -38,12 +38,12 @@ pub struct BakeOptions {
     pub seed: u64,
 }
 
-/// What of the light counts.
+/// The part of the light that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// All of it: direct and indirect.
     Full,
-    /// What surfaces reflect, and the sky without the sun of its picture.
+    /// Light reflected by surfaces, and the sky without the sun of its picture.
     Indirect,
     /// Emitters, delta lights, and the sun of a sky's picture: that by which its texels are brighter than eight
     /// times the rest.
@@ -52,7 +52,7 @@ pub enum Mode {
     Ao,
 }
 
-/// What is kept of where light comes from.
+/// The directional components of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Directional {
     /// Nothing: irradiance on the surface alone.
@@ -63,7 +63,7 @@ pub enum Directional {
     Sh1,
 }
 
-/// How a map is sampled.
+/// The sampling of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// Between four texels.
@@ -72,7 +72,7 @@ pub enum Sampling {
     Bicubic,
 }
 
-/// What becomes of lightmap coordinates that a model has.
+/// The use of a model's own lightmap coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinates {
     /// They are used if nothing is wrong with them, else new ones are made.
@@ -83,7 +83,7 @@ pub enum Coordinates {
     New,
 }
 
-/// For whom a bake is written.
+/// The engine that a bake is written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Bevy: E/π as KTX2 in half floats.

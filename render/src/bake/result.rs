@@ -9,28 +9,28 @@ use super::layout::atlas::Atlas;
 /// Light for every page of an atlas.
 #[derive(Clone, Debug)]
 pub struct Bake {
-    /// What the pages show.
+    /// The contents of the pages.
     pub atlas: Atlas,
     /// A map for each page.
     pub maps: Vec<Map>,
     /// Where the cache's records are: the page, and the place there from 0 to 1.
     pub record_places: Vec<(usize, Vec2)>,
-    /// What it took.
+    /// The cost.
     pub statistics: Statistics,
-    /// What the user should know about the light, a line each.
+    /// Warnings about the light, a line each.
     pub warnings: Vec<String>,
-    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was asked for.
+    /// An estimate of the root mean square error of texels, relative to their mean, if an accuracy was requested.
     pub accuracy: Option<f32>,
 }
 
 /// The map of a page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// Irradiance, and what else was asked for.
+    /// Irradiance and the requested moments.
     pub layers: Vec<Layer>,
     /// The chart of each texel, [`NO_CHART`](super::atlas::NO_CHART) outside of all; gutters belong to their chart.
     pub owners: Vec<u32>,
-    /// Where each texel's value comes from.
+    /// The source of each texel's value.
     pub sources: Vec<TexelSource>,
     /// An estimate of the error of irradiance at each texel with light of its own, 0 for others, relative to its
     /// irradiance or to a tenth of the mean of all, whichever is more. It knows noise, and how far the cache's records
@@ -48,7 +48,7 @@ pub struct Layer {
     pub texels: Vec<Vec3>,
 }
 
-/// What a bake took.
+/// The cost of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Texels on surfaces.

@@ -1,4 +1,4 @@
-//! What the user should know of a bake's model and light.
+//! Warnings about a bake's model and light.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::{BakeOptions, Map, Mode, Statistics};
 use crate::scene::{Scene, count, listed};
 use crate::world::World;
 
-/// What is wrong with a model whose light is to be baked, a line each; `world` must be of `scene`.
+/// Warnings about a model to be baked, a line each; `world` must be of `scene`.
 pub fn model_warnings(scene: &Scene, world: &World) -> Vec<String> {
     let mut warnings: Vec<String> = world.dropped(scene.files.first().map(PathBuf::as_path)).into_iter().collect();
     let names: Vec<String> = world.inside_out().into_iter().map(|mesh| world.mesh_name(mesh)).collect();
@@ -24,7 +24,7 @@ pub fn model_warnings(scene: &Scene, world: &World) -> Vec<String> {
     warnings
 }
 
-/// What is wrong with the light, a line each; charts of the meshes `mixed` are too close.
+/// Warnings about the light, a line each; charts of the meshes `mixed` are too close.
 pub(super) fn warnings(
     world: &World,
     options: &BakeOptions,

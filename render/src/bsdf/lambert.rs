@@ -1,5 +1,5 @@
-//! Lambert's closure without a branch, so that loops over it become lanes; [`Matte`](crate::material::Matte) is the same
-//! in a shading frame.
+//! Lambert's closure without a branch, so that loops over it are vectorised; [`Matte`](crate::material::Matte) is the
+//! same closure in a shading frame.
 
 use std::f32::consts::FRAC_1_PI;
 

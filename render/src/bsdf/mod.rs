@@ -1,7 +1,7 @@
-//! What a surface of the world does with light: its closure in world space.
+//! BSDFs of surfaces: closures in world space.
 //!
-//! A closure ([`material`](crate::material)) knows the shading frame alone, and [`Shading`] what becomes of light that a
-//! shading normal sends through the surface. [`Scattering`] puts both into the world.
+//! A closure ([`material`](crate::material)) works in the shading frame alone, and [`Shading`] handles light that a
+//! shading normal sends through the surface. [`Scattering`] combines both in world space.
 
 mod lambert;
 
@@ -10,19 +10,19 @@ use glam::{Vec2, Vec3};
 use crate::material::{Bsdf, Closure, Inputs, Kind, Matte, Shading};
 use crate::world::{Surface, World};
 
-/// How a path goes on.
+/// The continuation of a path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounce {
     /// Unit vector.
     pub direction: Vec3,
-    /// What the path's throughput is multiplied by: `f cos θ / density`.
+    /// The factor on the path's throughput: `f cos θ / density`.
     pub weight: Vec3,
     /// Density per solid angle of this direction; infinite for mirrors and clear glass.
     pub density: f32,
 }
 
 impl Bounce {
-    /// What stands for no bounce.
+    /// The value for no bounce.
     pub(crate) const NONE: Self = Self { direction: Vec3::Z, weight: Vec3::ZERO, density: 0.0 };
 }
 
@@ -70,7 +70,7 @@ impl<B: Bsdf> Scattering<B> {
         self.shading.glossy(&self.closure, self.wo, direction)
     }
 
-    /// Where a path goes on; `None` if it is absorbed.
+    /// The next direction of a path; `None` if it is absorbed.
     #[inline]
     pub(crate) fn sample(&self, u: Vec2) -> Option<Bounce> {
         let sample = self.shading.sample(&self.closure, self.wo, u)?;
@@ -83,7 +83,7 @@ impl<B: Bsdf> Scattering<B> {
         self.closure.albedo(self.shading.frame().to_local(self.wo))
     }
 
-    /// That of diffuse reflection alone.
+    /// The albedo of diffuse reflection alone.
     #[inline]
     pub(crate) fn diffuse_albedo(&self) -> Vec3 {
         self.closure.diffuse_albedo(self.shading.frame().to_local(self.wo))
@@ -97,7 +97,7 @@ impl<B: Bsdf> Scattering<B> {
 }
 
 impl World {
-    /// The closure of a surface whose normals face the viewer; tells the surface what it must know of it.
+    /// The closure of a surface whose normals face the viewer; passes the surface the data that it needs.
     pub(crate) fn scattering(&self, surface: &mut Surface) -> Scattering<Closure> {
         let kind = self.kind(surface.prim_id);
         if kind == Kind::Matte {

@@ -1,15 +1,15 @@
-//! Error control by what neighbours know (Křivánek, Bouatouch, Pattanaik and Žára 2006, "adaptive caching").
+//! Error control by neighbours (Křivánek, Bouatouch, Pattanaik and Žára 2006, "adaptive caching").
 //!
-//! Where records overlap, what one says about the place of another can be compared with what that other one gathered there.
-//! If the two differ by more than `ε` times the greater irradiance, and by more than both gathers' noise explains, the
-//! record is used too far away. What gradients leave out grows with the square of the distance, so the radius within which
-//! the difference `δ` is tolerated is
+//! Where records overlap, the extrapolation of one record to another's position can be compared with the other's own
+//! gather. If the two differ by more than `ε` times the greater irradiance, and by more than both gathers' noise
+//! explains, the record's radius is too large. The error of extrapolation by gradients grows with the square of the
+//! distance, so the radius within which the difference `δ` is tolerated is
 //!
 //! `R √(ε/δ) t`, with `t` the distance of the other in units of `R`.
 //!
-//! Deviation: the article shrinks the records that a picture's pixel finds at odds, in the order of pixels. Here it is a
-//! minimum over pairs of records with the radii that they had before, in one pass of any order. What then is no longer
-//! covered gets records of its own, which are compared in turn.
+//! Deviation: the article shrinks records that disagree at a pixel, in the order of pixels. Here the radius is a
+//! minimum over pairs of records with their previous radii, in one pass of any order. Points that are then no longer
+//! covered get records of their own, which are compared in turn.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(backwards, found);
     }
 
-    /// Noise that the gathers know of is no disagreement, and other noise would be.
+    /// Known noise of the gathers does not count as disagreement; unknown noise would.
     #[test]
     fn noise_shortens_nothing() {
         // Uniform, so that it ends at √3 standard errors.

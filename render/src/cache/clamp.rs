@@ -1,4 +1,4 @@
-//! What keeps a record from reaching too far, or not far enough.
+//! Bounds on a record's radii.
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -1,9 +1,8 @@
-//! Finds the least of `radius + slope * distance` over many points, as it seems from one of them: the lower envelope of
-//! cones.
+//! Finds the least `radius + slope * distance` over many points, for each of them: the lower envelope of cones.
 //!
-//! The points lie along a space-filling curve, so that eight neighbours in their order are near each other, as are eight
-//! such groups, and so on: a tree without pointers. A group can be left out if its least radius and the distance of its
-//! box say so, of which few are left where radii do not grow faster than the cones.
+//! The points lie along a space-filling curve, so that eight neighbours in their order are near each other, as are
+//! eight such groups, and so on: a tree without pointers. A group is skipped by its least radius and the distance of
+//! its box; few groups remain where radii do not grow faster than the cones.
 
 use glam::Vec3;
 
@@ -17,7 +16,7 @@ pub(super) struct Cones {
     levels: Vec<Vec<Group>>,
 }
 
-/// What a group's points have in common.
+/// The bounds of a group of points.
 #[derive(Clone, Copy)]
 struct Group {
     lower: Vec3,
@@ -47,7 +46,7 @@ impl Group {
 }
 
 impl Cones {
-    /// Of points along a curve, with finite places.
+    /// The tree of points along a curve, with finite positions.
     pub(super) fn new(points: Vec<(Vec3, f32)>) -> Self {
         let mut levels: Vec<Vec<Group>> = vec![points.chunks(WIDTH).map(Group::of).collect()];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {

@@ -1,9 +1,10 @@
-//! Which records are to be gathered again, with more rays: those that a few bright rays made, and those that such rays
-//! have missed.
+//! Outlier records, which are gathered again with more rays: records dominated by a few bright rays, and records whose
+//! rays have missed that light.
 //!
-//! A record is doubtful if its standard error is large beside the light around, `σ_i > ε Ē`, as that of one is in which a
-//! single ray found much. Where those have been gathered again, their neighbours are doubtful that disagree with one by more
-//! than both standard errors allow: `|E_i - E_j| > 3 √(σ_i² + σ_j²)`. One that has missed the light knows nothing of it.
+//! A record is an outlier if its standard error is large relative to the surrounding light, `σ_i > ε Ē`, as when a
+//! single ray found most of the light. After these have been gathered again, neighbours that disagree with one by more
+//! than both standard errors allow are outliers too: `|E_i - E_j| > 3 √(σ_i² + σ_j²)`. The standard error of a record
+//! that has missed the light does not show it.
 
 use std::collections::HashSet;
 
@@ -12,11 +13,12 @@ use super::record::Record;
 
 /// ε.
 const LARGE: f32 = 0.25;
-/// The light around counts as at least this part of the mean of all records: nobody sees by how much the dark is wrong.
+/// The surrounding light counts as at least this part of the mean of all records, as errors in the dark are not
+/// visible.
 const DARK: f32 = 0.1;
-/// By how many standard errors records may differ.
+/// The number of standard errors by which records may differ.
 const DEVIATIONS: f32 = 3.0;
-/// The part of irradiance by which they may differ besides: gradients do not tell all of what is between them.
+/// The additional part of irradiance by which they may differ, as gradients do not explain all differences.
 const TOLERANCE: f32 = 0.1;
 
 impl Cache {

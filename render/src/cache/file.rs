@@ -174,7 +174,7 @@ impl Cache {
         match expected.and_then(|expected| expected.checked_add(CHECKSUM)) {
             Some(expected) if expected == rest.0.len() => {}
             Some(expected) if expected < rest.0.len() => {
-                return Err(CacheFileError::new("goes on after its end", again));
+                return Err(CacheFileError::new("has bytes after its end", again));
             }
             _ => return Err(cut()),
         }
@@ -182,7 +182,8 @@ impl Cache {
         if Bytes(checksum).long() != Some(fnv(contents)) {
             return Err(CacheFileError::new("is damaged: its checksum is wrong", again));
         }
-        let options = from_words(options).ok_or_else(|| CacheFileError::new("has options that do not exist", again))?;
+        let options = from_words(options)
+            .ok_or_else(|| CacheFileError::new("has options that this version does not know", again))?;
         let mut records = Vec::with_capacity(count as usize);
         for _ in 0..count {
             let key = rest.long().ok_or_else(cut)?;

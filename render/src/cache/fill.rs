@@ -1,11 +1,11 @@
-//! Where records go: in rounds, so that the order of records does not depend on threads.
+//! Places records in rounds, so that their order does not depend on threads.
 //!
 //! A round evaluates places in a fixed order against the frozen cache, in parallel; picks among those that no record
-//! covers, in the same order, so that no two picks are closer than the round's separation; has them gathered; and commits
-//! them by their order. Separations shrink by √2 from round to round, so that records are about as far apart as they reach, without
-//! anybody having to guess how far that is. The last round repeats until every place is covered. Where its records cover
-//! little more than their own places, as on many things that are no larger than a texel, a distance between them saves no
-//! record and costs rounds: so it halves.
+//! covers, in the same order, so that no two picks are closer than the round's separation; has them gathered; and
+//! commits them by their order. Separations shrink by √2 from round to round, so that the spacing of records adapts to
+//! their radii without an initial guess. The last round repeats until every place is covered. Where its records cover
+//! little more than their own places, as on many objects no larger than a texel, a separation saves no records and
+//! costs rounds: so it halves.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Several caches of one scene made one. Records are sorted by their keys, so the order of the caches does not matter.
+//! Merges caches of one scene. Records are sorted by their keys, so the order of the caches does not matter.
 
 use super::file::CacheFileError;
 use super::record::Record;

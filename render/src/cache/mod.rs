@@ -1,12 +1,12 @@
-//! The irradiance cache (Ward, Rubinstein and Clear 1988): indirect irradiance at few points of the surfaces, from which
-//! that of all others is interpolated,
+//! The irradiance cache (Ward, Rubinstein and Clear 1988): indirect irradiance at few points of the surfaces,
+//! interpolated at all other points,
 //!
 //! `E(x, n) = Σ w_i (E_i + (n_i × n)·∇_r E_i + (x - x_i)·∇_t E_i) / Σ w_i`.
 //!
-//! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, which records have
-//! from their neighbours as well (`regression`): what limits gradients is that irradiance curves.
+//! Where both gradients are in use, a polynomial of the second degree takes the place of `E_i` and `∇_t`, fitted to the
+//! neighbours too (`regression`): the curvature of irradiance limits the reach of gradients.
 //!
-//! Here is what is known about records, and nothing about rays: who fills a cache brings the irradiance along.
+//! This module stores and interpolates records and traces no rays: callers compute the irradiance.
 //!
 //! A cache is frozen while it is read. It grows in rounds (`fill`), and each ends with one commit, in which radii are
 //! clamped (`clamp`) and shortened where records disagree (`agreement`), and the tree is built anew. Everything is in a
@@ -48,22 +48,22 @@ pub use record::{Record, SECTORS};
 #[derive(Clone, Debug)]
 pub struct Cache {
     options: CachedOptions,
-    /// What the records depend on besides the options.
+    /// The hash of the records' inputs besides the options.
     scene: u64,
     /// Whether records reach as far as their own gathers say, whatever neighbours know.
     is_rough: bool,
-    /// What is known of its error, if it is filled to an accuracy.
+    /// The estimate of its error, if it is filled to an accuracy.
     estimate: Option<ErrorEstimate>,
     /// The records with their radii as they are used.
     records: Vec<Record>,
     /// Their radii as they were made.
     original_radii: Vec<[f32; 2]>,
-    /// What each record and its neighbours say together, if the options have both gradients; else nothing.
+    /// The local regression of each record, if the options have both gradients; else empty.
     polynomials: Vec<Polynomial>,
     tree: Octree,
 }
 
-/// How right a cache is that was filled to an accuracy, as independent gathers at some of its points tell.
+/// The estimated error of a cache that was filled to an accuracy, by independent gathers at some of its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorEstimate {
     /// The mean irradiance of the points that it was filled for, direct light included, in W/m², over all channels.
@@ -80,32 +80,31 @@ impl ErrorEstimate {
     }
 }
 
-/// What to say where an error that was asked for was not reached by the estimate; both are relative to the mean. What both
-/// round to is told as reached.
+/// The warning where the estimate exceeds the requested error; both are relative to the mean. An error that rounds to
+/// the same number counts as reached.
 pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
     let hundredths = |part: f32| (1e4 * part).round();
     (hundredths(estimated) > hundredths(asked)).then(|| {
         format!(
-            "the accuracy that was asked for is not reached: the error is {:.2}% of the mean light, estimated, and {}% was \
-             asked for; --cache-error and --record-rays in place of --accuracy ask for more and smaller records",
+            "the requested accuracy is not reached: the estimated error is {:.2}% of the mean light, and {}% was \
+             requested; --cache-error and --record-rays in place of --accuracy give more and smaller records",
             100.0 * estimated,
             hundredths(asked) / 100.0
         )
     })
 }
 
-/// By how much records may disagree, as a part of irradiance, over the error that was asked for.
+/// The allowed disagreement of records, relative to irradiance, over the requested error.
 const TOLERANCE: f32 = 0.2;
-/// The least part of its radius that disagreement leaves a record: an edge of light is no nearer if a radius is shorter, so
-/// there must be an end; ...
+/// The least factor on a radius by disagreement, as an edge of light is no closer for a smaller radius; ...
 const LEAST: f32 = 0.5;
 /// ... and where an accuracy is asked for.
 const ACCURATE_LEAST: f32 = 0.25;
-/// By how much records may disagree where an accuracy is asked for, over what the root mean square error may be: a record
-/// counts less and less where it disagrees most.
+/// The allowed disagreement of records with an accuracy, relative to the root mean square error: a record has the least
+/// weight where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
 
-/// How the records around a point are read.
+/// The reconstruction at a point from the surrounding records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     /// Each by what its own gather says, as published.
@@ -149,7 +148,7 @@ impl Cache {
         Self { estimate: Some(estimate), ..Self::new(CachedOptions { error, ..self.options }, self.scene) }
     }
 
-    /// What is known of its error, if it was filled to an accuracy.
+    /// The estimate of its error, if it was filled to an accuracy.
     pub fn estimate(&self) -> Option<ErrorEstimate> {
         self.estimate
     }
@@ -166,7 +165,7 @@ impl Cache {
         cache
     }
 
-    /// What the records were made with.
+    /// The options of the records.
     pub fn options(&self) -> &CachedOptions {
         &self.options
     }
@@ -200,7 +199,7 @@ impl Cache {
         self.records = records;
     }
 
-    /// By how much records may disagree: as a part of their irradiance, or of the mean if an accuracy is asked for.
+    /// The allowed disagreement of records, relative to their irradiance, or to the mean with an accuracy.
     fn tolerance(&self) -> Tolerance {
         match (self.options.accuracy, self.estimate) {
             (Some(accuracy), Some(estimate)) => Tolerance {
@@ -218,8 +217,8 @@ impl Cache {
         records.map(|(record, radii)| Record { radii, ..record })
     }
 
-    /// By how much a record's reach may grow with the distance from a neighbour. A Hessian can be 0 where irradiance turns
-    /// from one curve into another, as below the edge of something that hangs low: the neighbours know that it does.
+    /// The slope by which a record's radius may grow with the distance from a neighbour. A Hessian can be 0 at a
+    /// transition of irradiance, as below the edge of a low object: the neighbours' radii reveal it.
     fn slope(&self) -> f32 {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => self.options.error,
@@ -228,8 +227,8 @@ impl Cache {
         }
     }
 
-    /// By how much farther records are used than they keep other records away. Where the Hessian says so, all of that way
-    /// has the error that was asked for; then less of it is better.
+    /// The stretch of radii in lookups relative to placing. With the Hessian's metric the whole radius has the
+    /// requested error, so the stretch is smaller.
     fn stretch(&self) -> f32 {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => 2.0,
@@ -241,9 +240,9 @@ impl Cache {
         Weighting::new(self.options.metric, self.options.error, stretch)
     }
 
-    /// From how far away neighbours tell a record what they know, and what their gradients are worth; of tents, as the
-    /// split-sphere's own weight has no bound near a record. A Hessian's records are closest where irradiance curves, and
-    /// so have neighbours who know how; others need gradients more.
+    /// The distance of neighbours in the regression, and the weight of their gradients; with tent weights, as the
+    /// split-sphere's own weight is unbounded near a record. A Hessian's records are densest where irradiance curves,
+    /// so neighbours determine the curvature; other metrics need gradients more.
     fn neighbourhood(&self) -> Neighbourhood {
         match self.options.metric {
             Metric::SplitSphere | Metric::Bounded => Neighbourhood {
@@ -298,7 +297,7 @@ impl Cache {
         strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), point, tilted))
     }
 
-    /// How the options ask for records to be read.
+    /// The reconstruction by the options.
     fn reading(&self) -> Reading {
         match self.options.gradients {
             Gradients::Both => Reading::Together,
@@ -306,7 +305,7 @@ impl Cache {
         }
     }
 
-    /// What records say of a point, for light that falls on a tilted normal.
+    /// The irradiance of records at a point, for a tilted normal.
     #[inline]
     fn mix(&self, reading: Reading, weighting: &Weighting, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
         let LookupPoint { position, normal, .. } = *point;

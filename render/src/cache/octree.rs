@@ -1,8 +1,9 @@
-//! Finds the spheres that a point is in.
+//! Finds the spheres that contain a point.
 //!
-//! A sphere lies in all the cells that its box meets, at the depth where half a cell would be less wide than its radius.
-//! So a query walks down one path and looks at the spheres of the cells on it, four at a time; nothing is locked, as a tree is
-//! built at once and never changed. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to eight.)
+//! A sphere is stored in all cells that its box overlaps, at the depth where half a cell would be narrower than its
+//! radius. So a query descends one path and tests the spheres of its cells, four at a time; nothing is locked, as a
+//! tree never changes after its build. (Ward, Rubinstein and Clear 1988 keep a sphere in one cell and search up to
+//! eight.)
 
 use glam::{Vec3, Vec4};
 
@@ -126,7 +127,7 @@ impl Octree {
 }
 
 impl Block {
-    /// Of at most four spheres.
+    /// A block of at most four spheres.
     fn new(entries: &[Entry]) -> Self {
         let of =
             |value: fn(&Entry) -> f32| Vec4::from_array(std::array::from_fn(|i| entries.get(i).map_or(0.0, value)));

@@ -1,4 +1,4 @@
-//! A record: the irradiance at a point of a surface, how it changes around, and how far that can be trusted.
+//! A record: the irradiance at a point of a surface, its derivatives, and the radii within which it is valid.
 
 use glam::Vec3;
 
@@ -20,13 +20,13 @@ pub(crate) struct LookupPoint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Record {
-    /// Where it is.
+    /// The position.
     pub position: Vec3,
     /// The unit normal, on the side that is lit.
     pub normal: Vec3,
     /// Unit tangent along which it reaches the least far.
     pub axis: Vec3,
-    /// How far it reaches: the ellipse's radii along [`axis`](Self::axis) and across it; the former is the lesser.
+    /// The radii of the ellipse along [`axis`](Self::axis) and across it; the former is the lesser.
     pub radii: [f32; 2],
     /// The least distance of what it sees, and of the occluders.
     pub min_distance: f32,
@@ -45,17 +45,17 @@ pub struct Record {
     /// For each sector of azimuth, from the first tangent of the frame about the normal, the distance along the surface
     /// of the nearest occluder; infinite if there is none.
     pub occluders: [f32; SECTORS],
-    /// The distance of the farthest of what rays hit that leave halfway up on four sides; infinite if one hits nothing.
+    /// The greatest distance of the hits of rays halfway up on four sides; infinite if one misses.
     pub clearance: f32,
 }
 
 impl Record {
-    /// Where it is, as a point that asks for records.
+    /// The position as a lookup point.
     pub(crate) fn point(&self) -> LookupPoint {
         LookupPoint { position: self.position, normal: self.normal, clearance: Some(self.clearance) }
     }
 
-    /// Irradiance at a point that the record can see, with this normal, by the given gradients: Ward and Heckbert's
+    /// Irradiance at a point where the record is valid, with this normal, by the given gradients: Ward and Heckbert's
     /// (1992) `E + (n_i × n)·∇_r E + (x - x_i)·∇_t E`. May be negative.
     #[inline]
     pub fn extrapolate(&self, position: Vec3, normal: Vec3, rotation: bool, translation: bool) -> Vec3 {
@@ -71,8 +71,8 @@ impl Record {
         irradiance
     }
 
-    /// What is left of `irradiance` for a normal that a map tilts, on a surface with this unit normal. Light comes from above
-    /// the surface alone: of uniform light `(1 + cos) / 2` is left, and the gradient tells how other light differs.
+    /// The `irradiance` for a normal tilted by a map, on a surface with this unit normal. Light only comes from above
+    /// the surface: of uniform light `(1 + cos) / 2` remains, and the gradient gives the difference for other light.
     #[inline]
     pub(crate) fn tilt(&self, irradiance: Vec3, normal: Vec3, tilted: Vec3, rotation: bool) -> Vec3 {
         let left = irradiance * (0.5 + 0.5 * normal.dot(tilted));
@@ -83,7 +83,7 @@ impl Record {
         left + Vec3::from_array(self.rotational.map(|gradient| gradient.dot(axis)))
     }
 
-    /// How far away `step` from the record is, in units of how far it reaches there.
+    /// The distance of `step` from the record, in units of its radius in that direction.
     #[inline]
     pub fn relative_distance(&self, step: Vec3) -> f32 {
         let [minor, major] = self.radii;

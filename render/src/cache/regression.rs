@@ -1,19 +1,20 @@
-//! What a record and its neighbours say together: irradiance around a record as a polynomial of the second degree.
+//! Local regression over a record and its neighbours: irradiance around a record as a polynomial of the second degree.
 //!
-//! A gather is noisy, and its gradient leaves out how irradiance curves. Its neighbours know more of both: around record
-//! i, with x and y along and across its ellipse's axis, `E(x, y) = E + g·(x, y) + ½ (x, y) H (x, y)` is the polynomial that
-//! minimizes
+//! A gather is noisy, and its gradient does not include curvature. Its neighbours add information on both: around
+//! record i, with x and y along and across its ellipse's axis, `E(x, y) = E + g·(x, y) + ½ (x, y) H (x, y)` is the
+//! polynomial that minimizes
 //!
 //! `Σ_j w_j [ (E(x_j) - E_j)² + (β R_j)² |∇E(x_j) - ∇_t E_j|² ]`,
 //!
-//! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is what record j is worth at
-//! record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of what it sees: `β R_j` is the way over
-//! which a gradient is about as uncertain as irradiance is. It is short, as a gather's gradient is that of the few walls
-//! between its cells where something changes; gradients decide where there are too few neighbours to tell. So noise is
-//! shared among neighbours without a ray, and what is left of the bias is of the third order in their distance.
+//! for each channel: local regression (Cleveland 1979), with the gradients as data too. `w_j` is the weight of record j
+//! at record i, `E_j` its irradiance turned to the normal of i, and `R_j` the mean distance of its surroundings: `β
+//! R_j` is the distance over which a gradient is about as uncertain as irradiance is. It is short, as a gather's
+//! gradient depends on the few walls between cells with different radiance; gradients decide where there are too few
+//! neighbours. So noise is averaged among neighbours without further rays, and the remaining bias is of the third order
+//! in their distance.
 //!
-//! A polynomial of few neighbours can be anything a little farther away, so it is limited: no channel is less or more than
-//! all of what the record alone says there and the neighbours say at the record, where the polynomial was found.
+//! A polynomial fitted to few neighbours may extrapolate to any value, so it is clamped: each channel stays within the
+//! range of the record's own extrapolation there and of the neighbours' values at the record.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -34,7 +35,7 @@ pub(super) struct Polynomial {
     range: [Vec3; 2],
 }
 
-/// Which neighbours a record listens to, and what their gradients are worth.
+/// The neighbours used in a record's regression, and the weight of their gradients.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Neighbourhood {
     pub(super) weighting: Weighting,
@@ -44,8 +45,8 @@ pub(super) struct Neighbourhood {
 
 /// The least of a gradient's weights' roots, so that the equations always have a solution.
 const LEAST_CERTAINTY: f32 = 1e-3;
-/// What a second derivative other than 0 costs, in units of the record's own weight: it decides where there are too few
-/// neighbours to tell.
+/// The penalty on second derivatives, in units of the record's own weight: it decides where there are too few
+/// neighbours.
 const CURVATURE_COST: f64 = 0.01;
 
 /// The polynomials of all records.
@@ -67,7 +68,8 @@ pub(super) fn polynomials(records: &[Record], neighbourhood: &Neighbourhood) -> 
 }
 
 impl Polynomial {
-    /// Irradiance at a point with this normal, which the record can see. May be negative, where that of the record alone is.
+    /// Irradiance at a point with this normal, where the record is valid. May be negative, where that of the record
+    /// alone is.
     #[inline]
     pub(super) fn extrapolate(&self, record: &Record, position: Vec3, normal: Vec3) -> Vec3 {
         let step = position - record.position;
@@ -230,7 +232,7 @@ mod tests {
                 let found = unlimited(polynomial).extrapolate(record, position, frame.normal);
                 let plain = record.extrapolate(position, frame.normal, true, true);
                 let (error, before) = ((found - exact).length(), (plain - exact).length());
-                // At the border, where neighbours are few, curvature has its price.
+                // At the border, where neighbours are few, curvature is penalised.
                 let is_inside = (local.truncate() - 0.5).abs().max_element() < 0.5 - 0.5 * RADIUS;
                 let (part, rest) = if is_inside { (0.05, 3e-3) } else { (0.15, 0.01) };
                 assert!(error <= part * before + rest, "{local}: {error}, by the gradient alone {before}");
@@ -252,7 +254,7 @@ mod tests {
         assert!(after < 0.35 * before, "{after}, was {before}");
     }
 
-    /// Where neighbours are few and lie on one side, what they say together is no more than what they say.
+    /// With few neighbours on one side, the regression stays within their values.
     #[test]
     fn nothing_is_beyond_what_neighbours_say() {
         let noise = |i| Vec3::from_array([0, 1, 2].map(|channel| Stream::new(10, i, channel).uniform2(0).x));
@@ -281,7 +283,7 @@ mod tests {
         assert!(exceeded > limited / 5, "{exceeded} of {limited} needed a limit");
     }
 
-    /// What no neighbour sees is what the record itself says, and other sides of an edge do not count.
+    /// Beyond all neighbours the record's own values hold, and other sides of an edge do not count.
     #[test]
     fn a_record_alone_is_itself() {
         let (all, frame) = records(|x, y, _| quadratic(x, y));

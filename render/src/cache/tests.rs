@@ -175,7 +175,7 @@ fn damaged_and_foreign_files_are_refused() {
         damaged[i] ^= 0x10;
         assert!(Cache::decode(&damaged).is_err(), "a change of byte {i} was not noticed");
     }
-    assert!(problem(&[&bytes[..], b"x"].concat()).contains("goes on after its end"));
+    assert!(problem(&[&bytes[..], b"x"].concat()).contains("has bytes after its end"));
     let with = |range: std::ops::Range<usize>, new: &[u8]| {
         let mut changed = bytes.clone();
         changed[range].copy_from_slice(new);
@@ -366,8 +366,8 @@ fn records_that_cannot_be_right_are_doubtful() {
 #[test]
 fn an_accuracy_that_was_not_reached_is_told_with_both_numbers() {
     let told = missed_accuracy(0.03, 0.0412).unwrap();
-    assert!(told.contains("4.12% of the mean light") && told.contains("3% was asked for"), "{told}");
-    assert!(missed_accuracy(0.001, 0.0011).unwrap().contains("0.1% was asked for"));
+    assert!(told.contains("4.12% of the mean light") && told.contains("3% was requested"), "{told}");
+    assert!(missed_accuracy(0.001, 0.0011).unwrap().contains("0.1% was requested"));
     for reached in [0.0, 0.0299, 0.03, 0.030_04] {
         assert_eq!(missed_accuracy(0.03, reached), None, "{reached}");
     }

@@ -1,27 +1,27 @@
-//! What a record is worth at a point: a weight that is 0 where the record is no longer valid.
+//! The weight of a record at a point, which is 0 where the record is not valid.
 //!
-//! With `t` the distance in units of how far the record reaches, `a` the error, and `c = n·n_i`:
+//! With `t` the distance in units of the record's radius, `a` the error, and `c = n·n_i`:
 //!
 //! - split-sphere (Ward, Rubinstein and Clear 1988): `1/e - 1` with `e = t + sqrt(1 - c)/a`. The shift by 1 takes away the
 //!   jump at the end, a cap the pole at the record.
 //! - bounded (Tabellion and Lamorlette 2004): the tent `1 - max(t, sqrt(1 - c)/sqrt(1 - cos 10°))`.
 //! - Hessian (Schwarzhaupt, Wann Jensen and Jarosz 2012): `(1 - t)(c - cos 10°)/(1 - cos 10°)`.
 //!
-//! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count half
-//! (Tabellion and Lamorlette again), or of √2 with the Hessian. So a record's neighbours reach over it, and a point
-//! between points that had records has some, too. Where a surface turns by more than these angles within a few pixels, as a
+//! Records are placed where none has a weight, and used with a *stretch*: of 2, so that `e`, `t` and the angles count
+//! half (Tabellion and Lamorlette again), or of √2 with the Hessian. So records overlap their neighbours, and points
+//! between covered points are covered, too. Where a surface turns by more than these angles within a few pixels, as a
 //! thin column does, pictures take records with any normal up to 45° away (`wide`).
 //!
-//! A record may not be used where it does not see what the point sees. All these tests are in units of the record's
-//! own: the point must not be above or below the surface that the record and it could share, by the mean of the
-//! normals, as Ward's in-front test has it, here in both directions, which tells shelves apart; and no occluder that
-//! the record saw may stand between (deviation: Radiance traces a ray, here the record remembers the nearest one for
-//! each sector of azimuth). Nor may the point be higher than the nearest of what the record sees: a record of a wall
-//! behind a poster says nothing of the poster.
+//! A record is not used where its surroundings differ from the point's. All these tests are in the record's units: the
+//! point must not be above or below the surface that the record and it could share, by the mean of the normals, like
+//! Ward's in-front test, here in both directions, which separates shelves; and no occluder of the record may be in
+//! between (deviation: Radiance traces a ray, here the record stores the nearest occluder for each sector of azimuth).
+//! Nor may the point be higher than the record's nearest hit: a record of a wall behind a poster is not valid on the
+//! poster.
 //!
-//! Records reach at least from texel to texel, also those in a gap that is narrower than a texel, where light is another than outside.
-//! So if the clearances of record and point differ much, and that of the point is known, the record is used no farther away than
-//! the lesser clearance.
+//! Radii are at least the distance of texels, even in a gap narrower than a texel, where light differs from outside. So
+//! if the clearances of record and point differ much, and that of the point is known, the record is used no farther
+//! away than the lesser clearance.
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Frame;
@@ -30,15 +30,15 @@ use super::record::{LookupPoint, Record};
 use crate::estimator::sector;
 use crate::settings::Metric;
 
-/// How records are weighted.
+/// The weighting of records.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weighting {
     pub(crate) metric: Metric,
     /// Ward's `a`.
     pub(crate) error: f32,
-    /// By how much more a record is worth than when records are placed: at least 1.
+    /// The stretch of radii relative to the placing of records: at least 1.
     pub(crate) stretch: f32,
-    /// By how many times more `1 - c` may be: at least 1.
+    /// The stretch of the limit on `1 - c`: at least 1.
     pub(crate) turn: f32,
 }
 
@@ -52,9 +52,10 @@ const CAP: f32 = 0.1;
 const SLOPE: f32 = 0.1;
 /// ... and of the record's reach, for what rounding does to points that are near.
 const LEVEL: f32 = 0.01;
-/// A clearance that is less than this part of another is that of a gap, which the other point is outside of.
+/// A clearance below this part of another means that its point is in a gap, and the other is outside.
 const HIDDEN: f32 = 0.125;
-/// The part of the way to an occluder up to which a record can be used: occluders are not quite where rays found them.
+/// The part of the distance to an occluder up to which a record is used, as occluders may be nearer than rays found
+/// them.
 const BEFORE: f32 = 0.995;
 
 impl Weighting {
@@ -101,7 +102,7 @@ fn shares_surface(record: &Record, step: Vec3, normal: Vec3) -> bool {
     height.abs() <= SLOPE * step.length() + LEVEL * record.radii[0] && height <= BEFORE * record.min_distance
 }
 
-/// Whether no occluder that the record saw stands between it and a point a `step` away.
+/// Whether no occluder of the record is between it and a point a `step` away.
 #[inline]
 fn sees(record: &Record, step: Vec3) -> bool {
     let distance_squared = step.length_squared();
@@ -235,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Along a chord of a sphere the mean of the normals is level: curvature is no reason to refuse a record.
+    /// Along a chord of a sphere the mean of the normals is level: curvature does not exclude a record.
     #[test]
     fn curved_surfaces_share_records() {
         for side in [-1.0, 1.0] {

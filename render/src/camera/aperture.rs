@@ -1,7 +1,7 @@
 //! Points of a lens: a disc, or a regular polygon whose corners lie on its border.
 //!
-//! Both maps from the square keep areas, so that equally spread numbers become equally spread points. The polygon's is one
-//! triangle from the centre for each blade, of which each has a part of the numbers.
+//! Both maps from the square keep areas, so that equally spread numbers become equally spread points. The polygon's is
+//! one triangle from the centre for each blade, each for a part of the numbers.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Where a camera stands, and its axes.
+//! The position and the axes of a camera.
 
 use glam::{DVec3, Vec3};
 

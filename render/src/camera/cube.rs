@@ -38,7 +38,7 @@ impl Cube {
         Face::ALL[face].point(u, v).to_array()
     }
 
-    /// Where a direction is on the film.
+    /// The film point of a direction.
     pub(super) fn film(&self, direction: [f64; 3]) -> Option<[f64; 2]> {
         let direction = DVec3::from_array(direction);
         let face = Face::of(direction);

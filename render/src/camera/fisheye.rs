@@ -45,7 +45,7 @@ impl Fisheye {
         [across.x, -across.y, cos]
     }
 
-    /// Where a direction is on the film, if the disc has it.
+    /// The film point of a direction, if it is in the disc.
     pub(super) fn film(&self, [right, up, forward]: [f64; 3]) -> Option<[f64; 2]> {
         let sin = right.hypot(up);
         let angle = sin.atan2(forward);

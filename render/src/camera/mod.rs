@@ -1,7 +1,7 @@
 //! Cameras: from points of the film to rays, and from points in space to the film.
 //!
-//! Kinds of cameras are an enum, matched once for many rays. A pinhole's rays are made in lanes; those of the others one by
-//! one, which is little beside tracing them.
+//! Kinds of cameras are an enum, matched once for many rays. A pinhole's rays are computed in lanes, the rays of other
+//! kinds one by one, which costs little beside tracing them.
 
 mod aperture;
 mod basis;
@@ -54,7 +54,7 @@ pub(crate) struct FilmPoint {
     pub point: Vec2,
 }
 
-/// What a camera makes a ray of.
+/// The input of a camera for a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FilmSample {
     pub film: FilmPoint,
@@ -62,7 +62,7 @@ pub(crate) struct FilmSample {
     pub lens: Vec2,
 }
 
-/// How a point in space is seen.
+/// The projection of a point in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sight {
     /// In pixels from the film's top left corner, be it on the film or not.
@@ -113,7 +113,7 @@ impl Camera {
         matches!(&self.kind, Kind::Plane(Plane { lens: Some(_), .. }))
     }
 
-    /// Whether parts of the film see nothing, so that a picture has holes.
+    /// Whether parts of the film have no rays, so that a picture has holes.
     pub(crate) fn has_border(&self) -> bool {
         matches!(self.kind, Kind::Fisheye(_))
     }
@@ -127,7 +127,7 @@ impl Camera {
         }
     }
 
-    /// The ray through a point of the film and the lens's middle, `None` where the film sees nothing; its direction is a
+    /// The ray through a point of the film and the lens's middle, `None` where the film has no ray; its direction is a
     /// unit vector.
     pub(crate) fn central_ray(&self, film: &FilmPoint) -> Option<Ray> {
         self.covers(film).then(|| match &self.kind {

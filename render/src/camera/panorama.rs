@@ -1,7 +1,7 @@
 //! Equirectangular panoramas, of one eye or two.
 //!
-//! The azimuth runs from -180° at the left border over the view in the middle to 180°, to the right; the elevation from 90°
-//! at the top to -90°. So a camera that looks along -z with +y up writes what a sky picture is read from.
+//! The azimuth runs from -180° at the left border over the view in the middle to 180°, to the right; the elevation from
+//! 90° at the top to -90°. So a camera that looks along -z with +y up writes a valid sky picture.
 //!
 //! For two eyes (omni-directional stereo) rays start on a circle about the eye, of which they are tangents: wherever the
 //! viewer looks horizontally, the eyes are beside each other. The left eye's picture is above the right one's.
@@ -14,7 +14,7 @@ use super::FilmPoint;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panorama {
     width: f64,
-    /// Of each eye's part.
+    /// The height of each eye's part.
     height: f64,
     /// Half the distance of the eyes; `None` for one eye.
     half_distance: Option<f64>,
@@ -39,7 +39,7 @@ impl Panorama {
         u32::from(self.half_distance.is_some() && f64::from(film.pixel.1) + 0.5 >= self.height)
     }
 
-    /// How far to the right an eye is.
+    /// The offset of an eye to the right.
     fn offset(&self, view: u32) -> f64 {
         self.half_distance.map_or(0.0, |half| if view == 0 { -half } else { half })
     }

@@ -56,7 +56,7 @@ impl Plane {
         let pixel = 2.0 * half_height / f64::from(height);
         let [across, upwards] = shift.to_array().map(|part| f64::from(part) * f64::from(width.max(height)) * pixel);
         let middle = if is_parallel { DVec3::ZERO } else { forward };
-        // Without a shift these are the numbers that they always were: adding 0 could change the sign of a 0.
+        // The shift is added to the factors: so a zero shift changes no value, not even the sign of a 0.
         let corner = middle - right * (0.5 * pixel * f64::from(width) - across) + up * (half_height + upwards);
         Self {
             eye,
@@ -112,7 +112,7 @@ impl Plane {
         Ray { origin, t_min: self.clip.near * stretch, direction, t_max: self.clip.far * stretch }
     }
 
-    /// How a point is seen through the lens's middle.
+    /// The projection of a point through the lens's middle.
     pub(super) fn sight(&self, point: Vec3) -> Option<Sight> {
         let way = point.as_dvec3() - self.eye.as_dvec3();
         let depth = way.dot(self.forward);

@@ -1,4 +1,4 @@
-//! What cameras see, from the formulas of their kinds.
+//! Rays of cameras against the formulas of their kinds.
 
 mod lens;
 mod projections;

@@ -1,4 +1,4 @@
-//! A render's film on disk: read to go on with it, written now and then and in the end, by one run at a time.
+//! A render's film on disk: read to resume it, written periodically and at the end, by one run at a time.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::messages::{Style, print_warning};
 use crate::film::Film;
 use crate::output::OutputFile;
 
-/// Where a film is kept while it is rendered.
+/// The file of a film while it is rendered.
 #[derive(Debug)]
 pub(super) struct Checkpoint {
     file: OutputFile,
@@ -32,7 +32,7 @@ struct Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Who waits for it finds that it is free, with or without the file.
+        // The lock is released with or without the file.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -51,12 +51,12 @@ impl Checkpoint {
         milliseconds(self.start.elapsed()) >= self.due.load(Ordering::Relaxed)
     }
 
-    /// Writes a film that is not complete. A failure is told once: the render is worth more, and in the end is told again.
+    /// Writes a film that is not complete. A failure is reported once without ending the render, and again at the end.
     pub(super) fn write(&self, film: &Film, style: Style) {
         if let Err(error) = self.file.write(&film.encode())
             && !self.has_failed.swap(true, Ordering::Relaxed)
         {
-            print_warning(style, &format!("the checkpoint was not written; the render goes on: {error}"));
+            print_warning(style, &format!("the checkpoint was not written; the render continues: {error}"));
         }
         self.due.store(milliseconds(self.start.elapsed() + self.interval), Ordering::Relaxed);
     }
@@ -82,7 +82,7 @@ fn lock(path: &Path) -> Result<Lock, CliError> {
             format!("{}: another run is rendering this film", path.display()),
             "wait for it, stop it, or give this run a film of its own",
         )),
-        // Some network file systems know no locks.
+        // Some network file systems do not support locks.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { path, _file: file }),
     }
 }

@@ -27,7 +27,7 @@ use super::prepare::CORNELL;
 #[derive(Parser, Debug)]
 #[command(version, after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 pub(super) struct Arguments {
-    /// What to do; without one, renders the built-in Cornell box.
+    /// The command; without one, renders the built-in Cornell box.
     #[command(subcommand)]
     pub(super) command: Option<Command>,
 }
@@ -37,19 +37,19 @@ pub(super) enum Command {
     /// Render a scene to pictures
     #[command(after_help = format!("{RENDER_EXAMPLES}\n\n{EXIT_CODES}"))]
     Render(Box<RenderArguments>),
-    /// Look around in a scene while it is rendered, in a window
+    /// View a scene in a window while it is rendered
     #[command(after_help = format!("{VIEW_EXAMPLES}\n\n{EXIT_CODES}"))]
     View(Box<ViewArguments>),
-    /// Put together what several runs or machines have done: films to a picture, shards of a bake, shards of sensors
+    /// Merge the parts of several runs or machines: films to a picture, shards of a bake, shards of sensors
     #[command(after_help = format!("{MERGE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Merge(MergeArguments),
     /// Denoise a rendered picture
     #[command(after_help = format!("{DENOISE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Denoise(DenoiseArguments),
-    /// Show what is in a scene, or in a tree that `halfdome tree` wrote
+    /// Show the contents of a scene, or of a tree that `halfdome tree` wrote
     #[command(after_help = EXIT_CODES)]
     Info(Box<InfoArguments>),
-    /// Print a scene's materials as they were understood, as [[material]] tables for a scene file
+    /// Print a scene's materials, as they were read, as [[material]] tables for a scene file
     #[command(after_help = EXIT_CODES)]
     Materials(MaterialsArguments),
     /// Bake lightmaps or ambient occlusion for a model
@@ -70,7 +70,7 @@ pub(super) enum Command {
     /// Compute light probes: spherical harmonics at points or on a grid
     #[command(after_help = format!("{PROBES_EXAMPLES}\n\n{EXIT_CODES}"))]
     Probes(Box<ProbesArguments>),
-    /// Check the renderer on scenes with exact answers
+    /// Validate the renderer on scenes with exact answers
     #[command(after_help = format!("{VALIDATE_EXAMPLES}\n\n{EXIT_CODES}"))]
     Validate(ValidateArguments),
     /// Make manual pages of the program and its commands
@@ -80,7 +80,7 @@ pub(super) enum Command {
 }
 
 impl Command {
-    /// What the program does without arguments.
+    /// The program without arguments.
     pub(super) fn cornell() -> Self {
         // A few seconds on two cores.
         let arguments = Arguments::parse_from(["halfdome", "render", CORNELL, "--spp", "32"]);

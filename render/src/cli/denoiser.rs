@@ -1,4 +1,4 @@
-//! Denoising as commands do it: the method is made ready before hours of rendering, and shown at work.
+//! Denoising in commands: the method is set up before a long render starts, and its progress is shown.
 
 use std::time::Instant;
 
@@ -59,12 +59,12 @@ fn oidn() -> Result<Method, CliError> {
     Err(invalid("this program was built without Open Image Denoise", "use nlm, or build with the feature `oidn`"))
 }
 
-/// Adds to a render's settings what denoising needs: AOVs of what is seen, and halves.
+/// Adds to a render's settings what denoising needs: AOVs of visible surfaces, and halves.
 pub(super) fn prepare(settings: Settings) -> Settings {
     Settings { aov: true, aov_through: true, halves: true, ..settings }
 }
 
-/// The denoised picture; says what did it and how long it took. Runs on the threads of `pool`.
+/// The denoised picture; prints the method and the time. Runs on the threads of `pool`.
 pub(super) fn denoise(
     method: &Method,
     picture: Picture,

@@ -1,4 +1,4 @@
-//! What ends a run before it is done, and the exit code that it has.
+//! Errors that end a run early, and their exit codes.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -31,7 +31,7 @@ pub(super) enum CliError {
     /// The machine is at its limits, or a file cannot be written.
     #[error("{0}")]
     System(String),
-    /// What was checked is wrong.
+    /// A check failed.
     #[error("{0}")]
     Failed(String),
 }
@@ -59,7 +59,7 @@ impl CliError {
             return print_line(&json!({ "event": "error", "message": self.to_string() }));
         }
         let error = painted("error:", "1;31");
-        // If stderr is closed, there is nobody to tell.
+        // If stderr is closed, the message is lost.
         let _ = writeln!(std::io::stderr(), "{error} {self}");
     }
 }

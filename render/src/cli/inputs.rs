@@ -1,4 +1,4 @@
-//! No output may be an input: whoever mistypes a name must not lose the file.
+//! Refuses outputs that are inputs, so that a mistyped name does not overwrite a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub(super) fn check_report(path: Option<&Path>) -> Result<(), CliError> {
     }
 }
 
-/// What tells one file from another.
+/// The identity of a file.
 struct Identity {
     path: PathBuf,
     #[cfg(unix)]

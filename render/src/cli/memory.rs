@@ -1,4 +1,4 @@
-//! Refuses what the machine cannot hold, before hours are spent on it.
+//! Refuses work that exceeds the machine's memory, before it starts.
 
 use super::error::CliError;
 use crate::denoise::Method;
@@ -29,7 +29,7 @@ pub(super) fn require(what: &str, bytes: u64, remedy: &str) -> Result<(), CliErr
     }
 }
 
-/// The machine's memory, as Linux tells it.
+/// The machine's memory as reported by Linux.
 fn machine_bytes() -> Option<u64> {
     total_bytes(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }

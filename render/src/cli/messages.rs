@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 
 use serde_json::{Value, json};
 
-/// How progress is shown, as the user asks for it.
+/// The requested display of progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Mode {
     /// A bar if stderr is a terminal, else lines of JSON
@@ -18,7 +18,7 @@ pub(super) enum Mode {
     None,
 }
 
-/// How progress is shown.
+/// The display of progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Style {
     Bar,
@@ -45,12 +45,12 @@ impl Mode {
     }
 }
 
-/// Prints one line of JSON to stderr; if that is closed, nobody reads it.
+/// Prints one line of JSON to stderr, and ignores a closed stderr.
 pub(super) fn print_line(event: &Value) {
     let _ = writeln!(std::io::stderr(), "{event}");
 }
 
-/// Warnings matter even to those who want to see no progress.
+/// Warnings are printed even without progress.
 pub(super) fn print_warning(style: Style, warning: &str) {
     match style {
         Style::Json => print_line(&json!({ "event": "warning", "message": warning })),

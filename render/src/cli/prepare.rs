@@ -14,14 +14,14 @@ use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
 use crate::world::{LookFrom, World};
 
-/// What a name stands for, with options.
+/// The scene of a name, with options.
 pub(super) struct Prepared {
     pub(super) scene: Scene,
     pub(super) settings: Settings,
     /// The options of the scene file.
     #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "the viewer alone asks"))]
     pub(super) from_file: Overrides,
-    /// Where the file's own camera stands, if it has one.
+    /// The position of the file's own camera, if it has one.
     pub(super) eye: Option<Vec3>,
 }
 

@@ -11,7 +11,7 @@ use super::error::{CliError, invalid};
 use super::messages::{Style, print_warning};
 use crate::film::{Film, Picture};
 
-/// Where tev listens by default.
+/// The default address of tev.
 pub(super) const ADDRESS: &str = "127.0.0.1:14158";
 
 /// How often the picture is sent at most.
@@ -80,7 +80,7 @@ impl Tev {
         if let Some(viewer) = place.as_mut()
             && let Err(error) = work(viewer)
         {
-            print_warning(self.style, &format!("tev is gone, the render goes on without it: {error}"));
+            print_warning(self.style, &format!("tev is gone, the render continues without it: {error}"));
             *place = None;
         }
     }

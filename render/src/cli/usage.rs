@@ -1,4 +1,4 @@
-//! What this process has taken of the machine so far, as the system counts it.
+//! The resources used by this process so far, as counted by the system.
 
 /// Processor time and memory.
 #[derive(Clone, Copy, Debug)]

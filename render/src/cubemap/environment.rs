@@ -1,4 +1,4 @@
-//! Where a cube map's light comes from: the sky alone, or a point in a scene, where it is found by path tracing.
+//! The radiance of a cube map: the sky alone, or the view from a point in a scene by path tracing.
 
 use std::ops::Range;
 
@@ -21,14 +21,14 @@ const TEXEL_SET: u32 = 0;
 const MAX_POINTS: u32 = 256;
 /// Points of a texel across at which its solid angle is asked for.
 const WEIGHTS: u32 = 8;
-/// Paths that tell the mean radiance.
+/// Paths for the mean radiance.
 const MEAN_PATHS: u32 = 4096;
 /// Keeps the numbers of these paths apart from those of texels.
 const MEAN_NUMBER: u32 = u32::MAX;
 /// Paths that are traced together, at most.
 const BATCH: u32 = 4096;
 
-/// What is seen in all directions.
+/// The view in all directions.
 pub struct Environment<'a>(Kind<'a>);
 
 enum Kind<'a> {
@@ -36,7 +36,7 @@ enum Kind<'a> {
     Point { world: &'a World, position: Vec3, paths: Paths, mean: f64, seed: u64 },
 }
 
-/// How many paths a texel gets.
+/// The number of paths of a texel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paths {
     /// So many, at least 1.
@@ -45,7 +45,7 @@ pub enum Paths {
     Accuracy(f32),
 }
 
-/// What is seen in a texel.
+/// The view in a texel.
 pub(super) struct Seen {
     pub(super) radiance: Vec3,
     /// The square of its standard error, as a mean over the channels, if that is known.
@@ -54,7 +54,7 @@ pub(super) struct Seen {
     pub(super) rays: u64,
 }
 
-/// What looks at a source, and its memory.
+/// A viewer of a source, with its memory.
 #[derive(Default)]
 pub(super) struct Viewer {
     rays: Vec<Ray>,
@@ -130,7 +130,7 @@ impl<'a> Environment<'a> {
         }
     }
 
-    /// Samples of a texel that it tells a watcher of.
+    /// Samples of a texel that it reports to a watcher.
     pub(super) fn samples(&self) -> u64 {
         match self.0 {
             Kind::Sky { .. } => 1,

@@ -1,11 +1,11 @@
-//! What engines look up in a cube map for a direction of the world.
+//! The lookup of engines in a cube map for a direction of the world.
 
 use glam::DVec3;
 
 pub use crate::camera::Face;
 use crate::settings::named;
 
-/// What an engine looks up for a direction of its right-handed world.
+/// The lookup direction of an engine for a direction of its right-handed world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axes {
     /// `(x, y, -z)`, as Bevy does: the face +z shows what is in front, at -z.

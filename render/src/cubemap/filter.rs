@@ -60,7 +60,7 @@ impl Square {
 }
 
 impl Pyramid {
-    /// Of the texels of a grid whose side is a power of two.
+    /// The pyramid of the texels of a grid whose side is a power of two.
     pub(super) fn new(grid: TexelGrid, texels: &[Vec3]) -> Self {
         let mut levels: Vec<Vec<Square>> = Vec::new();
         let mut side = grid.size;
@@ -132,7 +132,7 @@ fn children(number: usize, side: u32) -> [usize; 4] {
     [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| ((2 * side * face) + 2 * y + dy) * 2 * side + 2 * x + dx)
 }
 
-/// What becomes of a square.
+/// The treatment of a square.
 enum Verdict {
     Nothing,
     Whole,

@@ -1,4 +1,4 @@
-//! Where the texels of a face are, and where a lookup goes: the three treatments of seams of Castaño's "Seamless Cube Map
+//! Positions of a face's texels and of lookups: the three treatments of seams of Castaño's "Seamless Cube Map
 //! Filtering" (The Witness blog, 2012).
 //!
 //! Hardware that filters within one face alone never looks half a texel beyond its outermost texels' centres, and so sees a
@@ -8,8 +8,8 @@
 //! - `stretch`: the outermost texels lie on the edge, where the neighbour has the same ones: `s n/(n - 1)`, all of the face
 //!   being a little too small. (His `map_2`.)
 //! - `warp`: likewise, but the middle stays in place: `a s³ + s` with `a = n²/(n - 1)³`.
-//! - `lookup`: texels are as for `stretch`, and the lookup shrinks its coordinates by `(n - 1)/n`, so that nothing is out of
-//!   place.
+//! - `lookup`: texels are as for `stretch`, and the lookup shrinks its coordinates by `(n - 1)/n`, so that all texels
+//!   are at their exact positions.
 //!
 //! Texels that faces share are made equal bit for bit. A face of one texel has no edge but its neighbours': there, all six
 //! are the same with any treatment.
@@ -21,7 +21,7 @@ use glam::{DVec3, Vec3};
 use super::face::Face;
 use crate::settings::named;
 
-/// What is done against seams between faces.
+/// The treatment of seams between faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seams {
     /// Nothing: for hardware that filters across edges.
@@ -41,7 +41,7 @@ named!(Seams: None = "none", Stretch = "stretch", Warp = "warp", Lookup = "looku
 pub struct TexelGrid {
     /// Texels across, at least 1.
     pub size: u32,
-    /// How they are placed.
+    /// Their placement.
     pub seams: Seams,
 }
 

@@ -1,4 +1,4 @@
-//! One level of a cube map: its texels, and what a lookup reads.
+//! One level of a cube map: its texels and lookups.
 
 use glam::{DVec3, Vec3};
 
@@ -9,9 +9,9 @@ use super::lobe::Lobe;
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Where the texels are.
+    /// The positions of the texels.
     pub grid: TexelGrid,
-    /// What they are filtered by; `None` for radiance as it is.
+    /// The lobe of their filter; `None` for unfiltered radiance.
     pub lobe: Option<Lobe>,
     /// Radiance, W/(m² sr), linear sRGB: face by face, row by row from the top.
     pub texels: Vec<Vec3>,

@@ -1,19 +1,19 @@
-//! What a level of a prefiltered cube map is filtered by, and which level a shader looks up.
+//! The lobes that filter the levels of a prefiltered cube map, and the level that a shader looks up.
 //!
 //! - `ggx`: the split sum's first half (Karis, "Real Shading in Unreal Engine 4", 2013) with normal, view and reflection the
 //!   same: light from an angle `θ` to the reflection counts `D(h) cos θ`, `h = θ/2`, with the distribution of Trowbridge and
 //!   Reitz, `D ∝ (α² cos² h + sin² h)⁻²`, and `α` the square of the roughness that artists set.
 //! - `phong`: `cosᵖ θ`.
 //!
-//! With `n` levels, the roughness of level `i` is `i/(n - 1)`, so that the level is `roughness (n - 1)`: so looks Bevy.
-//! Or it is the square of that, so that the level is `√roughness (n - 1)`: so does Godot, which has more levels for what is
-//! smooth. (three.js filters what it gets once more, for a layout of its own.) A power falls to a quarter from one level to
-//! the next, as the lobe's width doubles with the texels', and ends at 1: the level is `n - 1 - log₂(power)/2`. The first
+//! With `n` levels, the roughness of level `i` is `i/(n - 1)`, so that the level is `roughness (n - 1)`, as in Bevy. Or
+//! it is the square of that, so that the level is `√roughness (n - 1)`, as in Godot, which has more levels for smooth
+//! surfaces. (three.js filters its input again for its own layout.) A power falls to a quarter from one level to the
+//! next, as the lobe's width doubles with the texels', and ends at 1: the level is `n - 1 - log₂(power)/2`. The first
 //! level is not filtered.
 
 use crate::settings::named;
 
-/// How levels are filtered.
+/// The filter of levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
     /// Trowbridge and Reitz's distribution, by roughness.
@@ -22,7 +22,7 @@ pub enum Filter {
     Phong,
 }
 
-/// How roughness and levels belong together.
+/// The mapping between roughness and levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mapping {
     /// The level is proportional to the roughness: Bevy.
@@ -37,12 +37,12 @@ named!(Mapping: Linear = "linear", Sqrt = "sqrt");
 /// A lobe about a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lobe {
-    /// By roughness, more than 0 and at most 1.
+    /// GGX by roughness, more than 0 and at most 1.
     Ggx {
         /// As artists set it: the square root of the distribution's `α`.
         roughness: f64,
     },
-    /// By a power of the cosine, at least 1; 1 gives irradiance over π.
+    /// A power of the cosine, at least 1; 1 gives irradiance over π.
     Phong {
         /// The power.
         power: f64,
@@ -60,7 +60,7 @@ impl Lobe {
         }
     }
 
-    /// What light counts from an angle `θ`, of which this is `sin²(θ/2)`; 1 at 0.
+    /// The weight of light from an angle `θ`, given `sin²(θ/2)`; 1 at 0.
     pub(super) fn weight(&self, sin2: f64) -> f64 {
         let cosine = 1.0 - 2.0 * sin2;
         if cosine <= 0.0 {

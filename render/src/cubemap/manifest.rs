@@ -1,4 +1,4 @@
-//! What is in a cube map's files, for programs: JSON beside them.
+//! The manifest of a cube map's files for programs: JSON beside them.
 
 use serde_json::{Value, json};
 

@@ -1,8 +1,8 @@
-//! How well seams are treated: what a lookup reads on both sides of every edge and corner, and how far it is from the truth.
+//! Measures the treatment of seams: the difference of lookups on both sides of every edge and corner, and their error.
 //!
-//! The filter is bilinear and knows one face alone. *Seam* is the greatest difference between the faces that meet at a point
-//! of an edge, *error* that between a lookup anywhere and the function that was stored, both relative to the mean. They are
-//! measured on a smooth function of the direction, for which every treatment has the same texels to work with.
+//! The filter is bilinear within one face. *Seam* is the greatest difference between the faces that meet at a point of
+//! an edge, *error* that between a lookup anywhere and the function that was stored, both relative to the mean. They
+//! are measured on a smooth function of the direction, so that all treatments start from the same function.
 
 use glam::{DVec3, Vec3};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use super::face::Face;
 use super::grid::{Seams, TexelGrid};
 use super::level::Level;
 
-/// What a treatment of seams leaves in a level.
+/// The seams that a treatment leaves in a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeamError {
     /// Greatest difference between faces that meet, relative to the mean.
@@ -52,7 +52,7 @@ pub fn seam(level: &Level) -> f64 {
     directions.map(jump).fold(0.0, f64::max) / mean
 }
 
-/// What each treatment leaves in a level of this size, in the order of [`Seams::ALL`].
+/// The seams that each treatment leaves in a level of this size, in the order of [`Seams::ALL`].
 pub fn smooth(size: u32) -> [SeamError; 4] {
     Seams::ALL.map(|seams| {
         let grid = TexelGrid { size, seams };

@@ -31,20 +31,20 @@ use crate::watch::Watch;
 use environment::Viewer;
 use filter::Pyramid;
 
-/// What a cube map depends on besides its source.
+/// The options of a cube map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Texels across a face: a power of two from [`MIN_SIZE`](Self::MIN_SIZE) to [`MAX_SIZE`](Self::MAX_SIZE).
     pub size: u32,
     /// Levels, from 1 to as many as halving takes to get to one texel.
     pub levels: u32,
-    /// What is done against seams.
+    /// The treatment of seams.
     pub seams: Seams,
-    /// How levels after the first are filtered.
+    /// The filter of levels after the first.
     pub filter: Filter,
-    /// Which roughness a level has.
+    /// The roughness of a level.
     pub mapping: Mapping,
-    /// What engines look up.
+    /// The lookup of engines.
     pub axes: Axes,
     /// Texels across a face of a further map of irradiance over π, a power of two in the same range; `None` for no such map.
     pub diffuse: Option<u32>,
@@ -57,7 +57,7 @@ impl Options {
     pub const MIN_SIZE: u32 = 2;
     /// The largest: a gigabyte while it is filtered.
     pub const MAX_SIZE: u32 = 2048;
-    /// Texels across the last level if nobody says otherwise: below, too few are left for a lobe's shape.
+    /// The default width of the last level in texels: fewer texels cannot represent a lobe's shape.
     pub const LAST_SIZE: u32 = 4;
 
     /// The most levels that a map of this size has.
@@ -74,7 +74,7 @@ impl Options {
 /// A cube map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubeMap {
-    /// How it was made.
+    /// The options that it was made with.
     pub options: Options,
     /// Its levels, the largest first.
     pub levels: Vec<Level>,
@@ -89,14 +89,14 @@ pub struct CubeMap {
 /// Texels that a thread takes at once.
 const CHUNK: usize = 64;
 
-/// Steps that [`make`] tells its watcher of: samples of the first level, and texels of the others.
+/// Steps that [`make`] reports to its watcher: samples of the first level, and texels of the others.
 pub fn work(source: &Environment, options: &Options) -> u64 {
     let texels = |size: u32| TexelGrid { size, seams: options.seams }.texels() as u64;
     let filtered: u64 = (1..options.levels).map(|level| texels(options.size >> level)).sum();
     texels(options.size) * source.samples() + filtered + options.diffuse.map_or(0, texels)
 }
 
-/// Makes a cube map on the threads of the current rayon pool; `None` if the watcher says stop. It depends on the source and
+/// Makes a cube map on the threads of the current rayon pool; `None` if the watcher stops. It depends on the source and
 /// the options alone.
 ///
 /// # Panics

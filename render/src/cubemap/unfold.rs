@@ -10,10 +10,10 @@
 //! ```
 //!
 //! The first level's cross stands on the left. On its right stand those of all others, each below the one before, which
-//! together are as high. What is between them is black.
+//! together are as high. The area between them is black.
 //!
-//! To look at, there is a second picture, in which all crosses are equally large and stand side by side: there each pixel is
-//! what a bilinear filter that knows one face alone would show, so that seams can be seen.
+//! A second picture shows all crosses at equal size side by side, each pixel by a bilinear filter within one face, so
+//! that seams are visible.
 
 use glam::Vec3;
 
@@ -21,7 +21,7 @@ use super::face::Face;
 use super::level::Level;
 use crate::film::{Channel, Metadata, Picture};
 
-/// Where a face stands in a picture.
+/// The position of a face in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Its left column and top row.
@@ -36,7 +36,7 @@ pub fn extent(size: u32, levels: usize) -> [u32; 2] {
     [3 * size + if levels > 1 { 3 * (size / 2) } else { 0 }, 4 * size]
 }
 
-/// Where a face of a level stands.
+/// The position of a level's face.
 pub fn place(size: u32, level: u32, face: Face) -> Place {
     let side = size >> level;
     let left = if level == 0 { 0 } else { 3 * size };

@@ -1,4 +1,4 @@
-//! What a denoiser reads of a picture, found by the names of its channels.
+//! A denoiser's input channels, found by name in a picture.
 
 use super::DenoiseError;
 use crate::film::Picture;

@@ -1,8 +1,8 @@
-//! Denoising of rendered pictures, guided by what their AOVs say of the surfaces.
+//! Denoising of rendered pictures, guided by AOVs of the surfaces.
 //!
-//! Two ways: [`Method::Nlm`], which is our own, and with the feature `oidn` `Method::Oidn`, by Intel's Open Image Denoise.
-//! They read a picture's channels by name and put the result into `R`, `G` and `B`; the noisy colours stay as `Noisy.R`, `G`
-//! and `B`, from which a picture can be denoised again.
+//! Two methods: the built-in [`Method::Nlm`], and with the feature `oidn` `Method::Oidn`, by Intel's Open Image
+//! Denoise. They read a picture's channels by name and put the result into `R`, `G` and `B`; the noisy colours stay as
+//! `Noisy.R`, `G` and `B`, from which a picture can be denoised again.
 
 mod channels;
 mod nlm;
@@ -18,7 +18,7 @@ use crate::watch::Watch;
 #[cfg(feature = "oidn")]
 pub use self::oidn::Oidn;
 
-/// How to denoise.
+/// Options of denoising.
 #[derive(Clone)]
 pub enum Method {
     /// Regression on features with weights of non-local means. Needs halves.
@@ -48,7 +48,7 @@ pub enum DenoiseError {
     /// Whoever watched has stopped it.
     #[error("stopped")]
     Stopped,
-    /// What Open Image Denoise says.
+    /// The error of Open Image Denoise.
     #[error("{0}")]
     Failed(String),
 }
@@ -127,7 +127,7 @@ impl Method {
     /// besides, which count as black.
     ///
     /// # Errors
-    /// Those of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.
+    /// The errors of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.
     pub fn denoise(&self, picture: Picture, watch: &dyn Watch) -> Result<(Picture, usize), DenoiseError> {
         self.check(&picture)?;
         let channels = Channels::of(&picture)?;
@@ -141,7 +141,7 @@ impl Method {
     }
 }
 
-/// Of a pixel, in [`Channels`].
+/// Bytes of a pixel in [`Channels`].
 const CHANNEL_BYTES: u64 = 4 * (3 + 6 + 3 + 9);
 
 const COLORS: [&str; 3] = ["R", "G", "B"];

@@ -13,9 +13,9 @@ use super::DenoiseError;
 use super::channels::{Channels, Rgb};
 use crate::watch::Watch;
 
-/// Steps in which progress is told.
+/// Steps of progress.
 const STEPS: u64 = 1000;
-/// Of three filters: albedo, normal, colour.
+/// The work of three filters: albedo, normal, colour.
 pub(super) const WORK: u64 = 3 * STEPS;
 
 /// Bytes that a pixel takes: four images of three numbers and their copies, and what the library takes, about.
@@ -29,7 +29,7 @@ impl Oidn {
     /// Finds the library: where the environment variable `OIDN_LIB` says, or else where it usually is.
     ///
     /// # Errors
-    /// What was looked for and where, and what would be right.
+    /// The library that was not found, the places, and the remedy.
     pub fn find() -> Result<Self, String> {
         Library::find().map(Self).map_err(|error| {
             format!(
@@ -86,7 +86,7 @@ fn interleaved(planes: &Rgb, map: impl Fn(f32) -> f32) -> Vec<[f32; 3]> {
     a.iter().zip(b).zip(c).map(|((&a, &b), &c)| [map(a), map(b), map(c)]).collect()
 }
 
-/// One filter's part of the progress, told in steps; from any thread.
+/// One filter's part of the progress, in steps; from any thread.
 struct Progress<'a> {
     watch: &'a dyn Watch,
     told: Mutex<u64>,
@@ -97,7 +97,7 @@ impl<'a> Progress<'a> {
         Self { watch, told: Mutex::new(0) }
     }
 
-    /// Tells that so much is done, from 0 to 1; whether to go on.
+    /// Reports the finished fraction, 0 to 1; returns whether to continue.
     fn reach(&self, done: f64) -> bool {
         let steps = (done.clamp(0.0, 1.0) * STEPS as f64) as u64;
         if let Ok(mut told) = self.told.lock()

@@ -1,9 +1,9 @@
-//! What AOVs are of: the first surface along a camera ray, or what it shows.
+//! The surfaces of AOVs: the first surface along a camera ray, or those seen through it.
 //!
-//! A mirror or clear glass has no albedo or normal of its own worth a denoiser's while: what one sees there are the surfaces
-//! behind. So these are followed. At the first such surface both the reflection and the transmission are, and blended by how
-//! much light they carry (Fresnel); from then on the greater one alone. Nothing is random: a closure is asked what it does at
-//! fixed numbers, and where most of it is a delta function, its directions and weights are known exactly.
+//! The albedo and normal of a mirror or clear glass do not help a denoiser: the visible surfaces are those behind. So
+//! mirrors and clear glass are followed. At the first such surface both reflection and transmission are followed, and
+//! blended by their light (Fresnel); after that only the greater one. Nothing is random: a closure is sampled at fixed
+//! numbers, and where most of it is a delta function, its directions and weights are known exactly.
 //!
 //! Source: the manual of Intel's Open Image Denoise 2, "Albedos" and "Normals", which recommends just that.
 
@@ -15,7 +15,7 @@ use crate::world::{Hit, World};
 
 /// Mirrors and panes of glass that are looked through, one behind the other.
 const MOST_BOUNCES: u32 = 8;
-/// Numbers at which a closure is asked: lobes that are chosen less often than one in so many are left out.
+/// Fixed numbers at which a closure is sampled: lobes with a smaller probability are left out.
 const PROBES: u32 = 16;
 /// Directions that differ by less than this are one.
 const SAME: f32 = 1e-6;
@@ -27,7 +27,7 @@ struct Branch {
     weight: Vec3,
 }
 
-/// Of the first surface.
+/// The features of the first surface.
 pub(super) fn first(world: &World, ray: &Ray, hit: &Hit) -> Features {
     if !hit.is_hit() {
         return Features::default();
@@ -42,7 +42,7 @@ pub(super) fn first(world: &World, ray: &Ray, hit: &Hit) -> Features {
     }
 }
 
-/// Of what the first surface shows, if it is a mirror or clear glass; with albedos as these tint them.
+/// The features of the surfaces seen through the first one, if it is a mirror or clear glass; with tinted albedos.
 pub(super) fn through(world: &World, ray: &Ray, hit: &Hit) -> Features {
     follow(world, ray, hit, 0)
 }
@@ -78,7 +78,7 @@ fn follow(world: &World, ray: &Ray, hit: &Hit, bounce: u32) -> Features {
     sum
 }
 
-/// The two delta functions of a closure, the second perhaps of no weight; `None` if there is more to it than these.
+/// The two delta functions of a closure, the second perhaps with the weight 0; `None` if it has other lobes.
 fn branches(world: &World, surface: &mut crate::world::Surface) -> Option<[Branch; 2]> {
     let scattering = world.scattering(surface);
     let none = Branch { direction: Vec3::Z, weight: Vec3::ZERO };

@@ -18,7 +18,7 @@ use crate::world::{Hit, World};
 
 /// The set of random numbers that places a sample on the film.
 const FILM_SET: u32 = 0;
-/// The set that places it on the lens: one that no integrator comes to, so that a lens changes no other number.
+/// The set of random numbers for the lens: no integrator uses it, so that a lens changes no other number.
 const LENS_SET: u32 = u32::MAX;
 /// The set that places it in the time that the shutter is open.
 const TIME_SET: u32 = u32::MAX - 1;
@@ -40,12 +40,12 @@ pub(super) struct TileScratch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     radiance: Vec<Vec3>,
-    /// Of each ray the AOVs by light path expressions.
+    /// The AOVs by light path expressions of each ray.
     light: Vec<Vec3>,
     scratch: Scratch,
 }
 
-/// What a sample depends on besides the world.
+/// The inputs of a sample besides the world.
 pub(super) struct FrameRender {
     pub(super) settings: Settings,
     pub(super) prepared: Prepared,
@@ -55,7 +55,7 @@ pub(super) struct FrameRender {
     /// If it moves.
     moving_camera: Option<MovingCamera>,
     filter: FilterSampler,
-    /// Of each Cryptomatte layer.
+    /// The ids of each Cryptomatte layer.
     mattes: Vec<MatteIds>,
     /// If anything moves.
     motion: Option<MotionVectors>,
@@ -143,7 +143,7 @@ impl FrameRender {
                     tile.add_blind(number, sample, &filter);
                     continue;
                 }
-                // Those that see something move up.
+                // Samples that hit something move up.
                 samplers[film.len()] = samplers[i];
                 if !times.is_empty() {
                     times[film.len()] = times[i];

@@ -1,5 +1,4 @@
-//! What the light of a pixel's samples has been through: the paths that light path expressions are matched with,
-//! listed.
+//! Lists the light paths of a pixel's samples, as matched by light path expressions.
 
 use std::ops::Range;
 
@@ -26,16 +25,16 @@ pub struct SampleHistory {
 /// A path from the camera to a light, or several of one sample to which the same has happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPath {
-    /// What happened at each surface, and the light.
+    /// The events at surfaces, and the light.
     pub events: Vec<Event>,
-    /// What it adds to the sample's radiance.
+    /// The contribution to the sample's radiance.
     pub light: Vec3,
 }
 
 /// The paths of some samples of a pixel, which are those of [`render`](super::render()) with these settings.
 ///
 /// # Errors
-/// If the integrator follows no light paths, adds light without one, or needs to learn first where they go.
+/// If the integrator follows no light paths, adds light without a path, or is guided.
 pub fn pixel_history(
     world: &World,
     settings: &Settings,

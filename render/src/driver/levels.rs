@@ -1,9 +1,8 @@
 //! From coarse to fine: the first sample of every pixel in an order in which the picture can be looked at early.
 //!
-//! Driscoll renders "with each ray covering 32 by 32 pixels, then when that completes, I immediately kick off another
-//! render at 16 by 16, and so on". Here the ray of a square is the first sample of its upper left pixel, so that no work
-//! is done twice and the picture in the end is the one that would have been made anyway: a level takes the pixels on its
-//! grid that the grid before has not.
+//! The ray of a square is the first sample of its upper left pixel, so that no work is done twice and the final picture
+//! is unchanged: a level takes the pixels on its grid that are not on the grid before. (Driscoll renders squares of 32,
+//! 16, 8 … pixels as separate pictures.)
 
 use crate::film::Picture;
 use crate::watch::MAX_PREVIEW_SIDE;

@@ -1,4 +1,4 @@
-//! The ids that Cryptomatte layers have of what camera rays hit.
+//! The Cryptomatte ids of the surfaces that camera rays hit.
 
 use crate::film::{NO_NAME, id};
 use crate::settings::MatteKind;
@@ -7,7 +7,7 @@ use crate::world::{Hit, World};
 /// The ids of one layer.
 pub(super) struct MatteIds {
     kind: MatteKind,
-    /// Of objects or materials, by their numbers.
+    /// The ids of objects or materials, by index.
     ids: Vec<u32>,
 }
 

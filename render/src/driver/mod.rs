@@ -1,9 +1,9 @@
-//! Runs an integrator over the tiles of a picture on all threads, and keeps whoever watches informed.
+//! Runs an integrator over the tiles of a picture on all threads, and reports to a watcher.
 //!
-//! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped, then as many as there
-//! are already, so that a render which is stopped leaves a picture without holes, unless nobody wants it. The first wave can be watched from
-//! coarse to fine. The film's sums do not depend on the order of the samples, and so the picture on no tiles, waves and
-//! threads, on no shards and no interruption.
+//! Samples are taken in waves over the whole picture: first one a pixel, which cannot be stopped unless the watcher
+//! gives up the picture, then as many as there are already, so that a stopped render leaves a picture without holes.
+//! The first wave can be watched from coarse to fine. The film's sums do not depend on the order of the samples, so the
+//! picture does not depend on tiles, waves, threads, shares or interruptions.
 
 mod features;
 mod frame;
@@ -31,16 +31,16 @@ pub use history::{LightPath, SampleHistory, pixel_history};
 pub use plan::{Plan, film_header};
 pub use worker::{Step, TileWorker};
 
-/// What a render gives.
+/// The result of a render.
 #[derive(Clone, Debug)]
 pub struct Render {
     /// The picture, complete or as far as it went.
     pub picture: Picture,
     /// The sums that the picture is made of.
     pub film: Film,
-    /// Whether nobody stopped it.
+    /// Whether it ran to its end.
     pub finished: bool,
-    /// Whether the error that was asked for is reached in all of the picture; true if none was.
+    /// Whether the requested error is reached in the whole picture; true if none was requested.
     pub is_precise: bool,
     /// Rays traced.
     pub rays: u64,
@@ -48,9 +48,10 @@ pub struct Render {
     pub rays_by_kind: RaysByKind,
     /// Wall-clock time.
     pub elapsed: Duration,
-    /// How the irradiance cache was used, if there was one.
+    /// The use of the irradiance cache, if there was one.
     pub cache: Option<CacheUse>,
-    /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was asked for.
+    /// An estimate of the cache's root mean square error, relative to the mean irradiance, if an accuracy was
+    /// requested.
     pub cache_error: Option<f32>,
 }
 
@@ -59,11 +60,11 @@ pub struct Render {
 pub struct RaysByKind {
     /// Before the first sample: those that fill an irradiance cache, or train a guide.
     pub preparation: u64,
-    /// From the camera.
+    /// Camera rays.
     pub camera: u64,
-    /// From surfaces, to find what is there.
+    /// Rays from surfaces to the nearest hit.
     pub bounce: u64,
-    /// From surfaces, to find whether anything is in the way: to lights, and those of ambient occlusion.
+    /// Occlusion rays from surfaces: to lights, and those of ambient occlusion.
     pub shadow: u64,
 }
 
@@ -74,7 +75,8 @@ impl RaysByKind {
     }
 }
 
-/// Camera rays of a tile that are traced together, about: enough to fill batches, few enough to stay in the cache.
+/// Approximate number of a tile's camera rays that are traced together: enough to fill batches, few enough to stay in
+/// the cache.
 const BATCH: usize = 4096;
 
 /// Renders on the threads of the current rayon pool. The picture depends on `world` and `settings` alone.
@@ -88,7 +90,7 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
     }
 }
 
-/// Like [`render`], but what the plan says of the picture.
+/// Like [`render`], but only the plan's part of the picture.
 ///
 /// # Errors
 /// If the plan's film is not of this picture, or has other samples than the plan's; if these begin at the end; if the light path expressions are too
@@ -157,7 +159,7 @@ pub fn fill_cache(world: &World, settings: &Settings, cache: Cache, watch: &dyn 
     integrator::fill_for_camera(world, settings, cache, watch).0.cache
 }
 
-/// What all tiles share.
+/// The shared data of all tiles.
 struct Renderer<'a> {
     world: &'a World,
     frame: FrameRender,
@@ -207,7 +209,7 @@ impl Renderer<'_> {
         rays
     }
 
-    /// Takes a tile's samples up to `target`, or fewer if the watcher says stop; gives the rays traced.
+    /// Takes a tile's samples up to `target`, or fewer if the watcher stops; gives the rays traced.
     fn sample(&self, scratch: &mut TileScratch, tile: &mut Tile, target: u32) -> u64 {
         let pixels: Vec<_> = tile.pixels().enumerate().collect();
         let mut traced = 0;

@@ -1,7 +1,7 @@
-//! Motion vectors: how far what a pixel shows moves on the film from the opening of the shutter to its closing.
+//! Motion vectors: the movement of a pixel's visible point on the film from the opening of the shutter to its closing.
 //!
-//! The point of the surface that a ray hits is taken to both times, with its triangle and its instance, and seen by the camera
-//! of each. What lies beyond all surfaces is infinitely far away. In mirrors and behind glass it is the motion of these.
+//! The point of the surface that a ray hits is moved to both times, with its triangle and its instance, and projected
+//! by the camera of each. Rays that miss use a point at infinity. Mirrors and glass have their own motion.
 
 use glam::Vec2;
 use halfdome_kernel::Ray;
@@ -28,7 +28,8 @@ impl MotionVectors {
         Some(Self { cameras: [at(cameras.first()), at(cameras.last())], height: settings.height })
     }
 
-    /// The way in pixels, to the right and up, of what a ray through the row `y` hits; zero where a camera does not see it.
+    /// The motion in pixels, to the right and up, of the hit of a ray through the row `y`; zero where a camera does not
+    /// see it.
     pub(super) fn at(&self, world: &World, y: u32, ray: &Ray, hit: &Hit) -> [f32; 2] {
         let place = |time: f32| match hit.is_hit() {
             true => world.surface_at(&Hit { time, ..*hit }).position,

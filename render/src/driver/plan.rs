@@ -1,10 +1,10 @@
-//! Which samples of a picture are taken, and when they are enough.
+//! Decides which samples of a picture are taken, and when they are enough.
 //!
-//! A tile has had enough when it has all its samples, or when its own error, as its own samples tell, is small enough. So
-//! it does not matter who renders which tiles, or how often they were interrupted. That question is asked at the ends of
-//! waves alone: 1, 2, 4, 8, 16 samples and every multiple of 16. Whoever stops as soon as an estimate is small favours
-//! pixels that came out dark by chance; as a tile has a thousand pixels, and the question is not asked before
-//! [`MIN_SAMPLES`], that is small against the noise.
+//! A tile is finished when it has all its samples, or when its error, estimated from its own samples, is small enough.
+//! So the result does not depend on which process renders which tiles, or on interruptions. The test is made only at
+//! the ends of waves: at 1, 2, 4, 8, 16 samples and every multiple of 16. Stopping as soon as an estimate is small
+//! favours pixels that are dark by chance; as a tile has a thousand pixels, and there is no test before
+//! [`MIN_SAMPLES`], this bias is small against the noise.
 
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, FilmHeader, MatteLayer, Tile};
@@ -17,7 +17,7 @@ const MAX_WAVE: u32 = 16;
 /// Samples before which no error is trusted.
 pub(super) const MIN_SAMPLES: u32 = 32;
 
-/// What is taken of a picture, and when it is enough.
+/// The samples of a picture to take, and when they are enough.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     /// The `cached` integrator adds to this; it must be of the world and of the integrator's options.
@@ -28,12 +28,12 @@ pub struct Plan {
     pub shard: Shard,
     /// The first sample of each pixel; the settings' samples per pixel are the end.
     pub first_sample: u32,
-    /// The relative error, more than 0, at which a tile has had enough, if it comes to that before all its samples are
-    /// taken. The settings must ask for halves.
+    /// The relative error, more than 0, at which a tile is finished before all its samples are taken. The settings must
+    /// include halves.
     pub noise: Option<f64>,
 }
 
-/// What the film of a picture is told by: equal for all parts of it.
+/// The header that identifies a picture's film: equal for all parts of it.
 pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) -> FilmHeader {
     let Settings {
         width,
@@ -55,7 +55,7 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
     let mut options = vec![
         ("the pixel filter".to_owned(), format!("{filter:?}")),
         ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
-        (format!("what the integrator {} is told", integrator.name()), format!("{integrator:?}")),
+        (format!("the options of the integrator {}", integrator.name()), format!("{integrator:?}")),
     ];
     if *aov_through {
         options.push(("what AOVs show".to_owned(), "what mirrors and clear glass show".to_owned()));
@@ -92,7 +92,7 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
     }
 }
 
-/// The number of samples at which the wave ends that follows on so many.
+/// The number of samples at the end of the next wave after `samples`.
 pub(super) fn next_wave(samples: u32) -> u32 {
     let is_early = samples < MAX_WAVE;
     if is_early { (samples + 1).next_power_of_two() } else { (samples / MAX_WAVE + 1).saturating_mul(MAX_WAVE) }
@@ -104,7 +104,7 @@ fn is_end_of_wave(samples: u32) -> bool {
 }
 
 impl Plan {
-    /// The film to go on with, up to `spp` samples a pixel.
+    /// The film to continue.
     pub(super) fn begin(&mut self, header: FilmHeader, spp: u32) -> Result<Film, FilmError> {
         if self.first_sample > 0 && self.first_sample >= spp {
             let problem = format!("the first sample is {}, and a pixel has {spp}", self.first_sample);

@@ -1,7 +1,7 @@
-//! A picture shared out among workers that have neither memory in common nor a clock, as those of a browser: each has some
-//! of the tiles, and goes on by a step whenever it is asked to, so that it can be told of other things in between.
+//! A picture shared among workers without common memory or a clock, such as a browser's: each has some of the tiles,
+//! and does one step per call, so that it can handle other messages in between.
 //!
-//! The picture is the one that [`render`](super::render()) gives, to the bit, for any number of workers.
+//! The picture equals that of [`render`](super::render()) to the bit, for any number of workers.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub struct TileWorker {
     side: u32,
 }
 
-/// What a step has done to one tile.
+/// The result of a step on one tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// The tile's columns.
@@ -74,7 +74,7 @@ impl TileWorker {
         }
     }
 
-    /// Goes on by a step; `None` if all is done. `world` is the one that the share was made for, looked at from anywhere.
+    /// Does a step; `None` if everything is done. `world` is the one that the share was made for, with any camera.
     pub fn step(&mut self, world: &World) -> Option<Step> {
         let Self { frame, tiles, scratch, next, side } = self;
         let spp = frame.settings.spp;

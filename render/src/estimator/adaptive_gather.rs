@@ -1,8 +1,9 @@
-//! Gathers with as many rays as their standard error asks for.
+//! Gathers with as many rays as their standard error requires.
 //!
-//! A gather of few rays says how noisy it is, and so how many rays would be enough: the variance of a mean falls with their
-//! number. It is made again with that many, a power of two times the first number, until it is right enough. Rays of the
-//! gathers before do not count: those that are made again found more than others do, and a mean with them would be too high.
+//! The standard error of a gather with few rays tells how many rays would be enough, as the variance of a mean falls
+//! with their number. The gather is repeated with that many, a power of two times the first number, until its error is
+//! small enough. Rays of earlier gathers are discarded: repeated gathers had found more light than others on average,
+//! and would bias the mean upwards.
 
 use super::follow::Follow;
 use super::gather::{GatherPoint, Gathered, Gatherer};
@@ -11,12 +12,12 @@ use crate::world::World;
 
 /// The most rays of a gather.
 const MOST_RAYS: u32 = 1 << 15;
-/// By how much a variance may be above what is asked for.
+/// The ratio by which a variance may exceed the requested one.
 const SLACK: f32 = 1.25;
 
 /// Makes gathers of one number of rays, or of as many as they need.
 pub(crate) struct AdaptiveGatherer {
-    /// Of twice as many rays each time.
+    /// Gatherers with twice as many rays each.
     gatherers: Vec<Gatherer>,
     /// The standard error that is small enough, in W/m².
     tolerance: f32,

@@ -1,9 +1,9 @@
-//! Rays that points aim at lit triangles, besides those that they send over a hemisphere, for what these seldom find.
+//! Rays that sample secondary lights (lit triangles), besides the rays over a hemisphere, which rarely hit them.
 //!
-//! What both may find is weighted by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
-//! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and one
-//! of the aimed rays the rest. All that a lit triangle reflects counts, not light samples alone as in [`lit`](super::lit),
-//! as what is gathered is to have no noise.
+//! Both techniques are combined by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
+//! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and
+//! one of the aimed rays the rest. All light reflected by a lit triangle counts, not light samples alone as in
+//! [`lit`](super::lit), as gathers should have little noise.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -15,11 +15,10 @@ use super::salts;
 use crate::light::Receiver;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says where a ray is aimed. Those after it are for whoever
-/// follows the ray.
+/// The set of random numbers for the direction of a ray. Later sets are for the path that follows the ray.
 const AIM_SET: u32 = 0;
 
-/// How one point aims.
+/// The sampling of secondary lights by one point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AimedFrom {
     receiver: Receiver,
@@ -36,27 +35,28 @@ pub(crate) struct AimedRays {
     aimed: Vec<Aimed>,
 }
 
-/// What is known of a ray before it is traced.
+/// The data of a ray before it is traced.
 struct Aimed {
     point: usize,
     prim_id: u32,
-    /// What its radiance is multiplied by.
+    /// The factor on its radiance.
     solid_angle: f32,
 }
 
-/// What an aimed ray found.
+/// The result of an aimed ray.
 pub(crate) struct FoundLit {
     /// A unit vector.
     pub direction: Vec3,
     pub distance: f32,
-    /// Of the triangle, towards the point.
+    /// The triangle's normal on the side of the point.
     pub normal: Vec3,
     /// Radiance times solid angle; its mean over many rays is what they all find.
     pub flux: Vec3,
 }
 
 impl AimedFrom {
-    /// From a surface that sends so many rays by other means: the more, the more of its light comes from lit triangles.
+    /// The number of such rays for a surface with this many other rays: more where more of its light comes from lit
+    /// triangles.
     pub(crate) fn new(world: &World, surface: &Surface, others: usize) -> Self {
         let receiver = Receiver::new(surface.position, surface.shading_normal, false);
         let share = world.lights.lit.share(&receiver);
@@ -68,8 +68,8 @@ impl AimedFrom {
         self.count
     }
 
-    /// The part of its radiance that another ray keeps where it hit something; `others` such rays are expected a
-    /// steradian there.
+    /// The weight of another ray's radiance at its hit; `others` is the expected number of such rays per steradian
+    /// there.
     #[inline]
     pub(crate) fn kept(&self, world: &World, ray: &Ray, hit: &Hit, others: f32) -> f32 {
         match self.count {
@@ -87,8 +87,8 @@ impl AimedRays {
         self.aimed.clear();
     }
 
-    /// Aims from `surface`, point number `point`; `sampler(seed, i)` has the random numbers of ray `i`, for a `seed` that
-    /// is not that of others, and `others(direction)` rays are expected a steradian.
+    /// Samples lit triangles from `surface`, the point of index `point`; `sampler(seed, i)` has the random numbers of
+    /// ray `i`, for a `seed` of its own, and `others(direction)` is the expected number of other rays per steradian.
     pub(crate) fn push(
         &mut self,
         world: &World,
@@ -131,7 +131,7 @@ impl AimedRays {
         rays.len() as u64 + follow.follow(rays, hits, samplers, radiance)
     }
 
-    /// What the rays of a point found.
+    /// The results of a point's rays.
     pub(crate) fn found<'a>(&'a self, world: &'a World, point: usize) -> impl Iterator<Item = FoundLit> + 'a {
         let hits = self.hits.iter().zip(&self.rays).zip(&self.radiance).zip(&self.aimed);
         hits.filter(move |(((hit, _), _), aimed)| aimed.point == point && hit.is_hit()).map(

@@ -1,15 +1,14 @@
 //! Direct light by sampling one light (next-event estimation).
 //!
-//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` for this point (see
-//! [`light`](crate::light)) and then, on a triangle, by a point `y` of density `p` per area:
-//! `f L_e cos θ cos θ_y / (P p |y - x|²)`. The density per solid angle, which multiple importance sampling compares with that
-//! of the bounce, is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see
-//! [`light_warp`]). A sky that is as bright everywhere is sampled by the cosine, with the density `P cos θ / π`, and one that
-//! is not by its brightness.
+//! `L_direct = ∫ f L_e cos θ dω` is estimated by one direction to one light, chosen with probability `P` for this point
+//! (see [`light`](crate::light)) and then, on a triangle, by a point `y` of density `p` per area: `f L_e cos θ cos θ_y
+//! / (P p |y - x|²)`. The density per solid angle, which multiple importance sampling compares with that of the bounce,
+//! is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see [`light_warp`]). A
+//! constant sky is sampled by the cosine, with the density `P cos θ / π`, any other sky by its brightness.
 //!
-//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of [`seen_lights`](super::seen_lights),
-//! are all that integrators, sensors, bakes and probes have of it. Which part of the sky is for light samples, the caller
-//! knows ([`SkyPart`]).
+//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of
+//! [`seen_lights`](super::seen_lights), are the interface for integrators, sensors, bakes and probes. The caller
+//! chooses the part of the sky that light samples cover ([`SkyPart`]).
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -25,10 +24,10 @@ use crate::world::{Hit, Surface, World};
 
 /// Light that a surface reflects if `ray` is not occluded.
 pub(crate) struct ShadowRay {
-    /// From the surface to the light.
+    /// The shadow ray from the surface to the light.
     pub ray: Ray,
-    /// The unit vector by which the surface receives it. That of the ray is another, as its ends are moved: far from the origin by
-    /// much.
+    /// The unit direction from which the surface receives it. The ray's direction differs, as its ends are offset: far
+    /// from the origin by much.
     pub direction: Vec3,
     /// Radiance reflected, over the density of the sample and with the weight of its technique.
     pub radiance: Vec3,
@@ -48,9 +47,9 @@ pub(crate) struct LightSample {
     pub is_punctual: bool,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if nothing of it is scattered. The
-/// first of the numbers in [0, 1) chooses the light, and what is left of it, with the second, a point or a direction. All that
-/// lights without a surface send is found.
+/// Samples a light for a point of a surface whose normals face the viewer; `None` if no light is scattered. The first
+/// of the numbers in [0, 1) chooses the light, and its remainder, with the second number, a point or a direction.
+/// Lights without a surface are sampled completely.
 #[inline(always)]
 pub(crate) fn sample_direct(
     world: &World,
@@ -103,7 +102,7 @@ pub(crate) fn scattered_weight(
     LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The density per solid angle with which light samples at `surface` look to this part of the sky in the unit vector
+/// The density per solid angle with which light samples at `surface` sample this part of the sky in the unit direction
 /// `direction`.
 #[inline(always)]
 pub(crate) fn sky_density(world: &World, surface: &Surface, part: SkyPart, direction: Vec3) -> f32 {

@@ -1,11 +1,11 @@
-//! Who follows rays on from what they hit: paths, or a coarser irradiance cache.
+//! Sources of radiance at the hits of gathers' rays: paths, or a coarser irradiance cache.
 
 use crate::world::Hit;
 use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
-/// Finds the radiance along rays whose hits are known; gives the number of further rays. What the hit surfaces emit
+/// Computes the radiance along rays with known hits; returns the number of further rays. Emission of the hit surfaces
 /// must not count.
 pub(crate) trait Follow {
     /// Writes radiance for each ray that hit something.

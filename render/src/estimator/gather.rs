@@ -1,12 +1,11 @@
-//! A gather: what a point receives from all sides, by a ray through each cell of its hemisphere.
+//! A gather: the light that a point receives, by a ray through each cell of its hemisphere.
 //!
-//! Direct light does not count: a gather is of what *surfaces reflect*, and of the sky without its sun, which is as
-//! smooth as that and is not sampled elsewhere where a cache is in use. The radiance along the rays is someone else's to
-//! find, by paths or from a cache; here rays are made and their results summed up. Many gathers go together, so that rays
-//! travel in large batches.
+//! Direct light is excluded: a gather collects light *reflected by surfaces*, and the sky without its sun, which is as
+//! smooth and is not sampled elsewhere with a cache. Paths or a cache provide the radiance along the rays; this module
+//! makes rays and sums up their results. Many gathers run together, so that rays are traced in large batches.
 //!
-//! Lit triangles, which few cells would find, are [aimed at](super::aimed_rays) besides, and what is found there has
-//! gradients and second derivatives of its own.
+//! Lit triangles, which few cells would hit, are [sampled](super::aimed_rays) as secondary lights, and their light has
+//! its own gradients and second derivatives.
 
 use std::f32::consts::PI;
 
@@ -22,9 +21,9 @@ use super::salts;
 use crate::settings::GatherLayout;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says where in its cell a ray is. Those after it are for whoever follows the rays.
+/// The set of random numbers for the position of a ray in its cell. Later sets are for the paths that follow the rays.
 const JITTER_SET: u32 = 0;
-/// The first set of random numbers that is free for whoever follows the rays.
+/// The first set of random numbers that is free for the paths that follow the rays.
 pub(crate) const GATHER_FIRST_SET: u32 = 1;
 /// Rays that are traced together, about.
 const BATCH: usize = 2048;
@@ -45,14 +44,14 @@ impl GatherPoint<'_> {
     }
 }
 
-/// What a gather found.
+/// The result of a gather.
 #[derive(Clone, Debug)]
 pub(crate) struct Gathered {
     /// Irradiance, gradients and distances, in world space.
     pub(crate) gather: Gather,
-    /// How irradiance curves, in the frame about the normal, if that was asked for.
+    /// The Hessian of irradiance, in the frame about the normal, if requested.
     pub(crate) hessian: Option<Hessian>,
-    /// What stands around.
+    /// The occluders.
     pub(crate) occluders: OccluderSectors,
 }
 
@@ -72,11 +71,11 @@ struct GatherScratch {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     addresses: Vec<Address>,
-    /// Where in its cell each direction is.
+    /// The position of each direction in its cell.
     jitter: Vec<Vec2>,
     radiance: Vec<Vec3>,
     distance: Vec<f32>,
-    /// How each point aims at lit triangles, and what that finds.
+    /// The sampling of lit triangles by each point, and its results.
     aimed_from: Vec<AimedFrom>,
     aimed: AimedRays,
 }
@@ -176,7 +175,7 @@ impl GatherScratch {
         self.rays.len() as u64 + further
     }
 
-    /// Aims at lit triangles, and leaves to these rays what they find better; gives the number of rays.
+    /// Samples lit triangles, with weights against the other rays; returns the number of rays.
     fn aim(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
         let cells = gatherer.layout.cells();
         self.aimed.clear();

@@ -16,7 +16,7 @@ use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says which light is sampled, and where on it.
+/// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
 /// The set of a direction.
 const DIRECTION_SET: u32 = 1;
@@ -25,7 +25,7 @@ const PLACE_SET: u32 = 2;
 /// Samples that are traced together, about.
 const BATCH: u32 = 2048;
 
-/// What arrives at a point and from where: a unit vector, and irradiance on a surface that faces it.
+/// Incident light at a point: a unit vector, and irradiance on a surface that faces it.
 pub(crate) trait IncidentSink {
     /// Light from a direction in world space, as irradiance on the surface and over the cosine there.
     fn add_light(&mut self, direction: Vec3, irradiance: Vec3);
@@ -41,7 +41,7 @@ pub(crate) struct IncidentSampler {
     values: Vec<Vec3>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    /// Of their directions, and the surfaces that they leave.
+    /// The densities of the scattered rays, and the surfaces that they leave.
     scattered: Vec<(f32, Receiver)>,
 }
 

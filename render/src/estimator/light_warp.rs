@@ -19,8 +19,8 @@ use crate::settings::LightSampling;
 const FLOOR_WITH_BOUNCES: f32 = 0.05;
 /// … and where they do not: samples are then at most twice as noisy as even ones.
 const FLOOR_ALONE: f32 = 0.25;
-/// The least cosine of a corner, where samples are alone. Lower ones may be the ends of an edge that the surface shares with
-/// the light: near it the light is brightest, of which corners tell nothing.
+/// The least cosine of a corner, where samples are alone. Lower ones may belong to an edge shared by the surface and
+/// the light: the light is brightest near it, which corners do not show.
 const MIN_COSINE: f32 = 0.1;
 
 /// The weights of the square that [`Triangle`](halfdome_kernel::sampling::warp::Triangle) maps to a light with these

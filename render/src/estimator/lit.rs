@@ -1,10 +1,10 @@
-//! Aiming at lit triangles (see [`light`](crate::light)): light that a lamp sends to a point `y` of such a triangle,
-//! and that to the surface at `x`.
+//! Sampling of lit triangles as secondary lights (see [`light`](crate::light)): light from a lamp by way of a point `y`
+//! of such a triangle to the surface at `x`.
 //!
-//! What `y` reflects has two estimates. A path's bounce may arrive at `y`, or `x` chooses `y` as it would choose a point
-//! on a lamp, with the density `p` per solid angle, and another path goes from `x` to `y` and on. Both are weighted by
-//! their densities at `x` (Veach 1997). What `y` emits is left to the first, so that nothing is counted twice. Lit
-//! triangles themselves do not aim, as their bounces find each other: so paths do not multiply in a shade.
+//! Light reflected at `y` has two estimates. A bounce of a path may hit `y`, or `x` chooses `y` like a point on a lamp,
+//! with the density `p` per solid angle, and another path continues from `x` by way of `y`. Both are weighted by their
+//! densities at `x` (Veach 1997). Emission at `y` belongs to the first estimate, so that nothing is counted twice. Lit
+//! triangles do not sample other lit triangles, as their bounces hit each other: so paths do not multiply in a shade.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -17,15 +17,15 @@ use crate::world::{Hit, Surface, World, interpolate};
 
 /// A ray to a point of a lit triangle.
 pub(crate) struct AimedRay {
-    /// With a unit direction and no end.
+    /// A ray with a unit direction and no end.
     pub ray: Ray,
     pub prim_id: u32,
     /// The reciprocal of its density per solid angle.
     pub inv_density: f32,
 }
 
-/// Aims from a surface, as numbers in [0, 1) say: one for the triangle, and one for the point with what the first
-/// leaves. `None` if that is not worth it.
+/// Samples a lit triangle from a surface, by numbers in [0, 1): one for the triangle, and one for the point, with the
+/// remainder of the first. `None` if that does not pay.
 pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
     let chosen = world.lights.lit.choose(receiver, choice)?;
     let record = &world.triangle_records()[chosen.prim_id as usize];
@@ -61,8 +61,8 @@ pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: 
     probability * on_triangle * hit.t * hit.t / (area(&record.corners) * cosine)
 }
 
-/// What a path's throughput is multiplied by that was aimed: `scattered` is `f cos θ`, and `bounce` the density with
-/// which the surface's own bounce would have gone there.
+/// The factor on the throughput of such a path: `scattered` is `f cos θ`, and `bounce` the density of the surface's own
+/// bounce in this direction.
 pub(crate) fn aimed_weight(scattered: Vec3, inv_density: f32, bounce: f32) -> Vec3 {
     scattered * (inv_density * LightSampling::Mis.light_weight(inv_density, bounce))
 }
@@ -129,7 +129,7 @@ mod tests {
         assert!(aimed_rays > 300 && missed <= 1, "{aimed_rays}, {missed}");
     }
 
-    /// From afar a small light sends `L Ω cos θ`, which samples of the triangles' solid angle have to find.
+    /// A distant small light causes the irradiance `L Ω cos θ`, which samples by the triangles' solid angle must find.
     #[test]
     fn aimed_rays_find_the_solid_angle() {
         let world = world();

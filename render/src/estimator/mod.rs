@@ -1,4 +1,4 @@
-//! What a point of a surface receives, estimated. Knows no cache and no path.
+//! Estimators of the light received at a point of a surface, independent of caches and paths.
 
 mod adaptive_gather;
 mod aimed_rays;

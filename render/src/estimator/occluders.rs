@@ -1,15 +1,15 @@
-//! What stands around a point: for each sector of azimuth, how far away along the surface the nearest occluder is.
+//! The occluders around a point: for each sector of azimuth, the distance along the surface to the nearest one.
 //!
-//! Radiance keeps 32 directions of nearby occluders with a record of its ambient cache, to know where light that the
-//! record has seen may not reach. Here a gather's own flat rays tell: an occluder is what they hit under less than 30
-//! degrees above the surface and what rises more steeply than a bowl would that the point lies in, whose slope at an
-//! elevation of e is 2 e. As rays do not hit everything, an occluder counts as a plane that goes on through its sector and
-//! those beside it, and a sector without a flat ray has the occluders of these.
+//! Radiance keeps 32 directions of nearby occluders with a record of its ambient cache, to know where the record's
+//! light may not reach. Here a gather's own flat rays tell: an occluder is what they hit under less than 30 degrees
+//! above the surface and what rises more steeply than a bowl would that the point lies in, whose slope at an elevation
+//! of e is 2 e. As rays do not hit everything, an occluder counts as a plane that goes on through its sector and those
+//! beside it, and a sector without a flat ray has the occluders of these.
 //!
-//! What hangs over the surface, facing it, is no occluder, but under it is another world: a harmonic mean distance hardly
-//! notices a gap from outside of it, and a record that reached in would light it. A point under a large plane at height h
-//! has a mean distance of 3/2 h, so that as its neighbour (Křivánek et al. 2006, "neighbour clamping") a point at distance
-//! s from there has one of s + 3/2 h at most.
+//! A surface that overhangs, facing the record's surface, is not an occluder, but the light below it differs: a
+//! harmonic mean distance hardly changes before such a gap, and a record that reached into the gap would light it. A
+//! point under a large plane at height h has a mean distance of 3/2 h, so that as its neighbour (Křivánek et al. 2006,
+//! "neighbour clamping") a point at distance s from there has one of s + 3/2 h at most.
 
 use glam::{Vec2, Vec3, Vec3Swizzles as _, vec2};
 
@@ -36,7 +36,7 @@ const NEIGHBOURS: [[usize; 2]; SECTORS] = {
     beside
 };
 
-/// What stands around; all infinite where nothing does.
+/// The occluders; all infinite where there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OccluderSectors {
     /// The nearest occluder of each sector.
@@ -52,7 +52,7 @@ impl OccluderSectors {
     pub(crate) const OPEN: Self =
         Self { occluders: [f32::INFINITY; SECTORS], clearance: f32::INFINITY, seen: [false; SECTORS] };
 
-    /// Whether a ray in this local direction, z up, tells something.
+    /// Whether a ray in this local direction, z up, is used.
     pub(crate) fn is_flat(direction: Vec3) -> bool {
         direction.z < MAX_SINE
     }
@@ -62,7 +62,8 @@ impl OccluderSectors {
         self.seen[sector(direction.xy())] = true;
     }
 
-    /// Takes note of what a flat ray hit at a distance, with this unit normal, on the side that was hit. All is local.
+    /// Adds the hit of a flat ray at a distance, with this unit normal, on the side that was hit. All vectors are
+    /// local.
     pub(crate) fn add_hit(&mut self, direction: Vec3, distance: f32, normal: Vec3) {
         let along = distance * direction.xy().length();
         let (sin, cos) = (direction.z, (1.0 - direction.z * direction.z).max(0.0).sqrt());
@@ -85,7 +86,7 @@ impl OccluderSectors {
         }
     }
 
-    /// The occluders, also of sectors where nobody looked.
+    /// The occluders, also of sectors without a ray.
     pub(crate) fn occluders(&self) -> [f32; SECTORS] {
         std::array::from_fn(|number| match self.seen[number] {
             true => self.occluders[number],
@@ -96,7 +97,8 @@ impl OccluderSectors {
     }
 }
 
-/// How near a plane comes in a sector, along the surface: it is `depth` away, and its normal points away from `towards`.
+/// The least distance of a plane in a sector, along the surface: it is `depth` away, and its normal points away from
+/// `towards`.
 fn nearest_of_plane(number: usize, towards: Vec2, depth: f32) -> f32 {
     let [first, second] = borders(number);
     // Where its normal points from, if that is within the sector, or else at one of the borders.
@@ -116,7 +118,7 @@ fn borders(number: usize) -> [Vec2; 2] {
 #[inline]
 pub(crate) fn sector(local: Vec2) -> usize {
     const { assert!(SECTORS == 16) };
-    // Of 22.5, 45 and 67.5 degrees.
+    // Tangents of 22.5, 45 and 67.5 degrees.
     const TANGENTS: [f32; 3] = [0.414_213_57, 1.0, 2.414_213_7];
     let (x, y) = (local.x.abs(), local.y.abs());
     let within_quadrant = TANGENTS.iter().filter(|&&tangent| y >= tangent * x).count();

@@ -6,8 +6,8 @@
 //! causes the irradiance `E` likewise gives `2 E / (1 + cos θ_max)`. Within the sphere light comes from everywhere,
 //! with `4π L`.
 //!
-//! Rays meet those that have a size ([`seen`]), if they come from a mirror or a glossy surface. Shadow rays to all of them cross
-//! panes, and light that [glass](crate::world::Between) bends is looked for.
+//! Rays from mirrors and glossy surfaces hit the lights with a size ([`seen`]). Shadow rays to all of them cross panes,
+//! and light refracted by [glass](crate::world::Between) is found by manifold exploration.
 
 use std::f32::consts::{PI, TAU};
 
@@ -24,7 +24,7 @@ use crate::world::{BentLight, Between, LightEnd, Surface, World};
 pub(super) struct PunctualSample {
     /// Unit vector.
     pub direction: Vec3,
-    /// From the surface to the light, what is left of it behind panes.
+    /// The shadow ray from the surface to the light, or its part behind panes.
     pub shadow: Ray,
     /// Radiance over density; of a delta light, irradiance on what faces it.
     pub received: Vec3,
@@ -35,9 +35,9 @@ pub(super) struct PunctualSample {
 /// Such a light on the way of a ray.
 pub(super) struct Seen {
     pub radiance: Vec3,
-    /// How far away it begins.
+    /// The distance to its near side.
     pub distance: f32,
-    /// What it subtends at the ray's origin.
+    /// The solid angle at the ray's origin.
     pub solid_angle: f32,
 }
 
@@ -127,7 +127,7 @@ fn intensity(light: &PunctualLight, leaving: Vec3) -> Vec3 {
     }
 }
 
-/// What a light subtends, seen from a point; 0 of a delta light.
+/// The solid angle of a light from a point; 0 for a delta light.
 fn solid_angle(from: Vec3, light: &PunctualLight) -> f32 {
     let sin_squared = match light {
         PunctualLight::Directional { half_angle, .. } => half_angle.sin() * half_angle.sin(),
@@ -145,7 +145,7 @@ pub(super) fn seen(ray: &Ray, t_max: f32, light: &PunctualLight) -> Option<Seen>
     let (distance, radiance) = match *light {
         PunctualLight::Directional { direction: axis, irradiance, half_angle } => {
             let sin = half_angle.sin();
-            // By the chord, as a cosine near 1 is not exact.
+            // Compares chords, as a cosine near 1 is inexact.
             let is_in = (direction + axis).length_squared() < 4.0 * (0.5 * half_angle).sin().powi(2);
             (is_in && t_max == f32::INFINITY).then(|| (f32::INFINITY, irradiance / (PI * sin * sin)))?
         }

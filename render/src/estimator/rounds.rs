@@ -1,8 +1,8 @@
 //! Means of samples that are taken in rounds, until their standard error is small enough.
 //!
-//! Samples of one Sobol' sequence depend on each other, so their own variance says little of that of their mean. Here are
-//! eight sequences with scrambles of their own (Owen 1995), whose means are independent: the variance of all is told from
-//! these. A round doubles the number of samples.
+//! Samples of one Sobol' sequence are correlated, so their variance does not give that of their mean. So there are
+//! eight sequences with independent scrambles (Owen 1995), and the variance of their means gives the variance of the
+//! result. A round doubles the number of samples.
 
 use std::ops::Range;
 

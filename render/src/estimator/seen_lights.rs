@@ -1,7 +1,7 @@
-//! Punctual lights of a size that rays from mirrors and glossy surfaces see.
+//! Punctual lights with a size that rays from mirrors and glossy surfaces hit.
 //!
-//! A light sample at such a surface looks in one direction of the cap that the light subtends. Where the surface scatters into
-//! directions that are fewer still, its own bounces find the light better, and of a mirror they alone do.
+//! A light sample at such a surface is one direction in the cap that the light subtends. Where the surface's lobe is
+//! narrower than the cap, bounces have less variance, and at a mirror only they find the light.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -15,7 +15,7 @@ pub(crate) struct SeenLight {
     /// Its number among all lights.
     pub number: u32,
     pub radiance: Vec3,
-    /// How far away it is; infinite for a sun.
+    /// The distance; infinite for a sun.
     pub distance: f32,
     solid_angle: f32,
 }

@@ -1,14 +1,15 @@
-//! Light that two techniques can find counts once: the part of it that each may keep, by their densities.
+//! Multiple importance sampling weights: light that two techniques can find counts once, split by their densities.
 
 use halfdome_kernel::sampling::power;
 
 use crate::settings::LightSampling;
 
-/// Weights of light that a bounce could find with the density `bounce` and a light sample with the density `light`, both
-/// per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function, which the other
-/// technique cannot meet: a mirror or the camera's pinhole for bounces, a delta light for light samples.
+/// Multiple importance sampling weights of a bounce with the density `bounce` and a light sample with the density
+/// `light`, both per solid angle. Each pair of them adds up to 1. An infinite density is that of a delta function,
+/// which the other technique cannot find: a mirror or the camera's pinhole for bounces, a delta light for light
+/// samples.
 impl LightSampling {
-    /// Of light that a bounce found.
+    /// The weight of light that a bounce found.
     #[inline]
     pub(crate) fn bounce_weight(self, bounce: f32, light: f32) -> f32 {
         match self {
@@ -19,7 +20,7 @@ impl LightSampling {
         }
     }
 
-    /// Of light that was sampled; by the reciprocal of its density, which whoever samples a light needs anyway.
+    /// The weight of a light sample, by the reciprocal of its density, which light sampling needs anyway.
     #[inline]
     pub(crate) fn light_weight(self, per_light: f32, bounce: f32) -> f32 {
         match self {

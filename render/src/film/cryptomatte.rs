@@ -29,7 +29,7 @@ pub struct MatteLayer {
     pub names: Vec<String>,
 }
 
-/// What covers a pixel: names by their ids, sorted, and the weights of their samples.
+/// The coverage of a pixel: names by their ids, sorted, and the weights of their samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Coverage(pub(super) Vec<(u32, Sum)>);
 

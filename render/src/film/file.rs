@@ -14,7 +14,7 @@ use super::tile::{BadSamples, FEATURE_NAMES, FirstHit, Pixel, Tile};
 use super::{Film, FilmError, FilmHeader};
 use crate::settings::Settings;
 
-/// How films are called.
+/// The extension of films.
 pub const FILM_EXTENSION: &str = "hdf";
 
 const MAGIC: [u8; 8] = *b"halfdFLM";

@@ -25,7 +25,7 @@ pub struct FilterSampler {
     profile: Profile,
 }
 
-/// Where a sample lies, and what it counts for.
+/// The position and the weight of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
     /// Pixels from the pixel's centre: right and down.

@@ -1,4 +1,4 @@
-//! What all parts of one picture have in common, and how two pictures differ.
+//! The common header of all parts of one picture, and the differences between two pictures.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Extras, MatteLayer};
 use crate::settings::Invalid;
 
-/// What a film is of. Films with equal headers are parts of one picture.
+/// The identity of a film. Films with equal headers are parts of one picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FilmHeader {
     /// The version of the program.
@@ -16,7 +16,7 @@ pub struct FilmHeader {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Whether there are pixels that see nothing.
+    /// Whether there are pixels without rays.
     pub has_border: bool,
     /// Whether there are channels of the first surface.
     pub aov: bool,
@@ -40,8 +40,8 @@ pub struct FilmHeader {
     pub surroundings_hash: u64,
     /// Rows of the matrix that takes world points to camera space, if the camera has a pose.
     pub world_to_camera: Option<[[f32; 4]; 4]>,
-    /// How bright the picture is, with which errors are compared, if they are. In a file it stands behind the header, as JSON
-    /// may round it.
+    /// The brightness to which errors are relative, if they are estimated. In a file it stands behind the header, as
+    /// JSON may round it.
     #[serde(skip)]
     pub level: Option<f64>,
 }
@@ -70,12 +70,12 @@ impl FilmError {
 }
 
 impl FilmHeader {
-    /// What its tiles have.
+    /// The contents of its tiles.
     pub(super) fn extras(&self) -> Extras {
         Extras { features: self.aov, halves: self.halves, mattes: self.cryptomatte.len(), light: self.light.len() }
     }
 
-    /// Refuses a film of another picture than `expected`; the error says what differs.
+    /// Refuses a film of another picture than `expected`; the error names the difference.
     ///
     /// # Errors
     /// If anything differs but the level, which follows from the rest.

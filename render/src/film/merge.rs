@@ -1,4 +1,4 @@
-//! Parts of one picture, added up.
+//! Adds up the parts of one picture.
 
 use std::ops::Range;
 
@@ -9,9 +9,9 @@ use super::{Film, FilmError};
 #[derive(Debug, Default)]
 pub struct Merger {
     sum: Option<Film>,
-    /// What messages call the parts.
+    /// The names of the parts in messages.
     names: Vec<String>,
-    /// Of each tile, the samples that it has and which part's they are.
+    /// The samples of each tile, and the parts that they come from.
     ranges: Vec<Vec<(Range<u32>, usize)>>,
 }
 
@@ -70,7 +70,7 @@ impl Merger {
     }
 }
 
-/// What a picture lacks.
+/// The missing parts of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// Tiles without samples, or with a gap in them.
@@ -92,7 +92,7 @@ fn overlap(tile: &Tile, common: &Range<u32>, (one, other): (&str, &str)) -> Film
         "{one} and {other} both have the samples {}..{} of the pixels {}..{} by {}..{}",
         common.start, common.end, x.start, x.end, y.start, y.end
     );
-    FilmError::new(problem, "leave one of them out, or render shards of one and the same number")
+    FilmError::new(problem, "leave one of them out, or render all shards with the same N")
 }
 
 impl Tile {

@@ -1,7 +1,7 @@
-//! The film: samples of pixel filters, sums of samples in any order, and the picture that they are.
+//! The film: samples of pixel filters, order-independent sums of samples, and the resulting picture.
 //!
-//! A film may have a part of a picture's tiles, or of their samples. Parts of one picture add up to the film of all, to
-//! the bit, whoever took them and when; as files they are checkpoints and what machines send home.
+//! A film may hold a part of a picture's tiles or samples. Parts of one picture add up to the whole film to the bit,
+//! whichever processes made them; as files they are checkpoints and shards.
 
 mod bytes;
 mod cryptomatte;
@@ -53,7 +53,7 @@ impl Film {
         Self { header, tiles, seconds: 0.0 }
     }
 
-    /// What it is a film of.
+    /// The header of the film.
     pub fn header(&self) -> &FilmHeader {
         &self.header
     }
@@ -119,7 +119,7 @@ impl Film {
             None => Ok(()),
             Some(tile) => Err(FilmError::new(
                 format!("the film begins with sample {}, not {first}", tile.samples.start),
-                "go on with the film of the same samples",
+                "resume the film of the same samples",
             )),
         }
     }

@@ -1,10 +1,10 @@
-//! How noisy a film is, by the two halves of its samples.
+//! The noise of a film, estimated from the two halves of its samples.
 //!
-//! The halves are independent estimates `a` and `b` of a pixel, of weights `p` and `q` that sum to 1, so that the variance
-//! of the pixel, `p a + q b`, is estimated without bias by `p q (a - b)²`. One pixel's estimate is poor; a tile's mean of
-//! 1024 is good. Errors are relative to the luminance of the darker half, as a sample that is too bright by chance would
-//! excuse its own error, and to no less than a tenth of the film's level: the squared mean of the roots of the first
-//! samples' luminance, which bright lamps hardly move.
+//! The halves are independent estimates `a` and `b` of a pixel, of weights `p` and `q` that sum to 1, so that the
+//! variance of the pixel, `p a + q b`, is estimated without bias by `p q (a - b)²`. One pixel's estimate is inaccurate;
+//! a tile's mean over 1024 is accurate. Errors are relative to the luminance of the darker half, as a firefly would
+//! otherwise hide its own error, and to no less than a tenth of the film's level: the squared mean of the roots of the
+//! first samples' luminance, which bright lamps hardly affect.
 
 use glam::DVec3;
 
@@ -85,7 +85,7 @@ mod tests {
         tile
     }
 
-    /// One sample of 32 is a thousand times too bright: about 32 times too much, which is to be told and not excused.
+    /// One sample of 32 is a thousand times too bright: about 32 times too much, which must be reported.
     #[test]
     fn bright_dots_do_not_excuse_themselves() {
         let dot = tile(32, |pixel, sample| if (pixel, sample) == (0, 5) { 1000.0 } else { 1.0 });

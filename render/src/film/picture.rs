@@ -1,8 +1,8 @@
 //! A finished picture: named channels of 32-bit floats, and what produced them.
 //!
-//! The time that a render took is the only thing in a picture that its scene and options do not decide. Where files
-//! must be the same from one run to the next, the environment variable `SOURCE_DATE_EPOCH` leaves it out, whatever its
-//! value: it is then stored as 0.
+//! The render time is the only content of a picture that does not follow from its scene and options. Where files must
+//! be the same from run to run, the environment variable `SOURCE_DATE_EPOCH` leaves it out, whatever its value: it is
+//! then stored as 0.
 //!
 //! Source: "SOURCE_DATE_EPOCH specification", version 1.1, of reproducible-builds.org.
 
@@ -18,14 +18,14 @@ pub struct Picture {
     /// At least `R`, `G` and `B`, linear sRGB radiance; `A`, the part of each pixel that sees anything, if the film has a
     /// border (then colours are multiplied by it); further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
     pub channels: Vec<Channel>,
-    /// How the picture came about.
+    /// The origin of the picture.
     pub metadata: Metadata,
 }
 
 /// One named plane of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// For example `R` or `Albedo.R`.
+    /// The name, for example `R` or `Albedo.R`.
     pub name: String,
     /// `width * height` values.
     pub values: Vec<f32>,
@@ -51,7 +51,7 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// What is stored of the time that a render took: seconds, or 0 under `SOURCE_DATE_EPOCH`.
+    /// The stored render time: seconds, or 0 under `SOURCE_DATE_EPOCH`.
     pub(crate) fn stored_seconds(seconds: f64) -> f32 {
         let reproducible = std::env::var_os("SOURCE_DATE_EPOCH").is_some();
         if reproducible { 0.0 } else { seconds as f32 }

@@ -1,4 +1,4 @@
-//! A film's channels: what its sums say of each pixel.
+//! A film's channels, computed from its sums.
 
 use super::tile::{FEATURE_NAMES, Tile};
 use super::{Channel, Film};
@@ -6,7 +6,7 @@ use super::{Channel, Film};
 /// The names of the colours.
 const COLORS: [&str; 3] = ["R", "G", "B"];
 
-/// Those of first hits and samples.
+/// The channels of first hits and samples.
 const DEPTH: &str = "Depth.Z";
 const IDS: [&str; 4] = ["Id.Object", "Id.Material", "Id.Triangle", "Id.Instance"];
 /// As compositors call it (Foundry's Nuke).

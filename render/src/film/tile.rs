@@ -14,7 +14,7 @@ pub(crate) const TILE_SIDE: u32 = 32;
 /// Samples in a row that belong to the same half: as many as a stratified set of two dimensions has at least.
 const HALF_BLOCK: u32 = 4;
 
-/// What the first surface along a camera ray is.
+/// The first surface along a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Features {
     pub albedo: Vec3,
@@ -46,7 +46,7 @@ impl FirstHit {
         Self { sample: Self::NO_SAMPLE, depth: Self::NO_DEPTH, ids: [0; 4], motion: [0.0; 2] };
 }
 
-/// What a film has besides radiance.
+/// The contents of a film besides radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Extras {
     /// [`Features`], and the variance of the samples.
@@ -73,11 +73,11 @@ pub(crate) struct Tile {
     pub(super) first_hits: Vec<FirstHit>,
     /// Sums of squared radiance; empty if they are not asked for.
     pub(super) squares: Vec<[PositiveSum; 3]>,
-    /// For each pixel its AOVs by light path expressions.
+    /// The AOVs by light path expressions of each pixel.
     pub(super) light: Vec<Vec<[Sum; 3]>>,
-    /// Of each Cryptomatte layer what covers the pixels.
+    /// The coverage of pixels in each Cryptomatte layer.
     pub(super) mattes: Vec<Vec<Coverage>>,
-    /// For each pixel the weights of samples that see nothing; empty if there are none.
+    /// The weights of each pixel's samples without a ray; empty if there are none.
     pub(super) blind: Vec<Sum>,
     /// Samples that every pixel has, by their numbers.
     pub samples: Range<u32>,
@@ -176,7 +176,7 @@ impl Tile {
         Vec3::ZERO
     }
 
-    /// Adds a sample at which the film sees nothing to the pixel of this number.
+    /// Adds a sample without a ray to the pixel of this index.
     pub(crate) fn add_blind(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
         self.blind.resize(self.pixels.len(), Sum::default());
         self.blind[pixel].add(filter.weight.into());

@@ -1,4 +1,4 @@
-//! Where a guide's cells are: six binary trees over space, one for each side that surfaces face.
+//! The cells of a guide: six binary trees over space, one for each side that surfaces face.
 
 use std::collections::VecDeque;
 
@@ -46,7 +46,7 @@ struct Node {
 const CELL: u32 = 3;
 
 impl Cells {
-    /// From bounces that found light. The roots are the first six nodes.
+    /// The cells for bounces that found light. The roots are the first six nodes.
     pub(super) fn build(samples: Vec<GuideSample>) -> (Self, DirectionTrees) {
         let mut sides: [Vec<GuideSample>; 6] = Default::default();
         for sample in samples {

@@ -16,12 +16,12 @@ const CUT_COUNT: usize = 4;
 /// A square is cut so often at most.
 const MAX_DEPTH: u32 = 10;
 
-/// A bounce counts for what is around it up to this part of its square's side.
+/// A bounce is spread over an area of up to this part of its square's side.
 const BLUR: f32 = 1.0;
 /// The part of a square that each quarter of it has at least.
 const LEAST_PART: f32 = 0.01;
 
-/// Of a bounce: where its direction is in the square, and the light that it found.
+/// A bounce: the position of its direction in the square, and the light that it found.
 pub(super) type Weighted = (Vec2, f32);
 
 /// What of bounces a tree of directions is made from. Delta functions cannot be guided, and gloss is not.
@@ -170,7 +170,7 @@ fn blur(nodes: &mut [Node], tree: u32, mut place: Vec2, light: f32) {
     }
 }
 
-/// Whether a number in [0, 1) chooses the second of two parts, and what is left of it.
+/// Whether a number in [0, 1) chooses the second of two parts, and the rescaled remainder.
 fn choose(first: f32, second: f32, u: f32) -> (bool, f32) {
     let from = first / (first + second);
     let (is_second, rest) = if u < from { (false, u / from) } else { (true, (u - from) / (1.0 - from)) };

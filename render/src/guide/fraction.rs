@@ -1,16 +1,16 @@
-//! How many of a cell's bounces are guided.
+//! The fraction of a cell's bounces that are guided.
 //!
-//! The best density is in proportion to what bounces find. How far another one is from that the Kullback-Leibler
-//! divergence says: the less, the greater the sum of `c log p` over bounces that found `c` (Müller 2019; estimates of the
-//! second moment itself are ruled by the few bounces that found most). Directions learned from one half of a cell's
-//! bounces are judged by the other half, and the other way around, so that what is mere noise does not seem to help.
+//! The best density is proportional to what bounces find. The Kullback-Leibler divergence measures how far a density is
+//! from that: it is less, the greater the sum of `c log p` over bounces that found `c` (Müller 2019; estimates of the
+//! second moment itself depend on the few bounces that found most). Directions learned from one half of a cell's
+//! bounces are validated on the other half, and vice versa, so that noise does not seem to help.
 
 use super::GuideSample;
 use super::directions::{DirectionTrees, to_square, weighted};
 
-/// Among which it is chosen.
+/// The candidates.
 const FRACTIONS: [f32; 4] = [0.0, 0.25, 0.5, 0.75];
-/// Guiding has its price: the mean logarithm of the density must grow by so much.
+/// Guiding costs time: the mean logarithm of the density must grow by at least this much.
 const WORTH: f64 = 0.1;
 
 /// The fraction by which the density is closest to what these bounces find.
@@ -28,7 +28,7 @@ pub(super) fn best_fraction(samples: &[GuideSample], side: u8) -> f32 {
         for sample in of_half(1 - half) {
             let is_delta = sample.closure_density == f32::INFINITY;
             let (place, per_angle) = to_square(sample.direction, side);
-            // By the closure's density.
+            // The guide's density relative to the closure's.
             let guide = if is_delta { 0.0 } else { trees.density(tree, place) * per_angle / sample.closure_density };
             for (gain, fraction) in gains.iter_mut().zip(FRACTIONS) {
                 let fraction = fraction * sample.share;

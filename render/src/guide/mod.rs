@@ -1,18 +1,18 @@
-//! Path guiding: where paths had better go on, learned from paths that were traced before.
+//! Path guiding: directions for bounces, learned from paths that were traced before.
 //!
-//! A closure's samples know what a surface does with light, and not where light comes from. In a room that is lit
-//! through a door ajar, few of them find the door. Practical path guiding (Müller, Gross and Novák 2017) learns
-//! `f L cos θ` of all places, and mixes directions by it with those of the closure: the density is
-//! `p = a p_guide + (1 - a) p_closure`, for bounces and for multiple importance sampling alike, so that there is no bias.
+//! BSDF sampling does not know where light comes from. In a room that is lit through a narrow opening, few samples find
+//! the opening. Practical path guiding (Müller, Gross and Novák 2017) learns `f L cos θ` over the scene, and mixes its
+//! directions with those of the closure: the density is `p = a p_guide + (1 - a) p_closure`, for bounces and for
+//! multiple importance sampling alike, so that there is no bias.
 //!
 //! Space is cut into [cells](cells), by the side that a surface faces and then by halves, each with about as many bounces
 //! that found light; a cell has a [quadtree of directions](directions).
 //!
 //! Deviations from the paper: paths to learn from are traced before the picture, in rounds of fixed size, so that the
-//! picture does not depend on how its samples are split up. What is learned includes the cosine, as a cell's surfaces
-//! face one side. The [fraction](fraction) `a` is each cell's own, chosen by cross-validation: the one by which the
-//! second moment of what bounces find is least; 0 where guiding does not help. It counts for the diffuse part of a closure
-//! alone, so that mirrors and gloss keep their own samples.
+//! picture does not depend on how its samples are split up. The learned distribution includes the cosine, as a cell's
+//! surfaces face one side. The [fraction](fraction) `a` is each cell's own, chosen by cross-validation: the one whose
+//! density has the least Kullback-Leibler divergence from what bounces find; 0 where guiding does not help. It applies
+//! to the diffuse part of a closure alone, so that mirrors and gloss keep their own samples.
 
 mod cells;
 mod directions;
@@ -38,7 +38,7 @@ pub(crate) struct GuideSample {
     pub share: f32,
 }
 
-/// What was learned.
+/// The learned distribution.
 #[derive(Debug)]
 pub(crate) struct Guide {
     cells: cells::Cells,
@@ -55,7 +55,7 @@ pub(crate) struct GuideCell {
 }
 
 impl GuideCell {
-    /// Where nothing is guided.
+    /// A place without guiding.
     pub(crate) const NONE: Self = Self { fraction: 0.0, tree: 0, side: 0 };
 
     /// The same for a closure to which a part of the fraction applies.

@@ -1,5 +1,5 @@
-//! Ambient occlusion: how much of the hemisphere over a surface is open, `A = 1/π ∫ V cos θ dω` (Zhukov, Iones and Kronin
-//! 1998, whose obscurances Landis made the film's ambient occlusion in 2002).
+//! Ambient occlusion: how much of the hemisphere over a surface is open, `A = 1/π ∫ V cos θ dω` (Zhukov, Iones and
+//! Kronin 1998, the ambient occlusion of Landis 2002).
 //!
 //! Driscoll first counts the rays that hit nothing, `V = 1` or `0`, and then weights them by the length of the hit, "which
 //! definitely improved things": `V = t / t_max` up to the greatest distance. Rays that hit nothing before it count 1
@@ -22,7 +22,7 @@ const BATCH: usize = 16_384;
 /// Rays that wait to be traced, and their memory, which the next batch uses again.
 #[derive(Default)]
 pub(crate) struct AoRays {
-    /// For each its camera ray, and what it counts if it hits nothing.
+    /// The camera ray of each ray, and its value if it hits nothing.
     shares: Vec<(usize, f32)>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,

@@ -1,8 +1,8 @@
-//! Direct light: what a surface emits and reflects of light that comes straight from its source, with its shadow.
+//! Direct light: emission, and reflection of light straight from its source, with shadows.
 //!
-//! Each sample takes one light, by its power: `L = L_e + f L_light cos θ / P`, if nothing is in between. What a mirror or
-//! a pane shows is seen as directly as what the camera sees (Whitted 1980): paths go on for as long as their density is
-//! infinite, as that of the camera's ray is.
+//! Each sample takes one light, by its power: `L = L_e + f L_light cos θ / P`, if nothing is in between. Surfaces seen
+//! in mirrors and through panes count as seen directly (Whitted 1980): paths continue while their density is infinite,
+//! like that of the camera's ray.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

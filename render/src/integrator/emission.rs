@@ -1,4 +1,4 @@
-//! Light that paths find by themselves, weighted against the light samples that might have found it too.
+//! Emission that bounces of paths hit, weighted against light samples.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -34,9 +34,9 @@ pub(super) fn lights_on_the_way(
     });
 }
 
-/// Calls `see` with the lights of a size beyond panes, of which a path has hit the first, and the radiance of each that comes
-/// straight through them, weighted against the light sample that finds it there too. What goes on through the glass finds
-/// none of it again.
+/// Calls `see` with the lights of a size beyond panes, of which a path has hit the first, and the radiance of each that
+/// comes straight through them, weighted against the light sample that finds it there too. Rays that continue through
+/// the glass do not count it again.
 pub(super) fn lights_beyond_panes(
     world: &World,
     (lights, part): (LightSampling, SkyPart),

@@ -1,4 +1,4 @@
-//! Pictures for looking at what is there, without light: colours, shading normals, albedo.
+//! Pictures of surfaces without lighting: colours, shading normals, albedo.
 
 use glam::Vec3;
 
@@ -37,7 +37,7 @@ pub(super) fn albedo(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> 
     show(world, batch, radiance, |_| Vec3::ZERO, albedo)
 }
 
-/// Writes what `color` says of the surface that each ray of its direction hits, or `elsewhere` where there is none.
+/// Writes the `color` of the surface that each ray hits, or `elsewhere` by its direction where there is none.
 fn show(
     world: &World,
     batch: &RayBatch,

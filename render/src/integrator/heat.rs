@@ -1,5 +1,5 @@
-//! What a picture costs, pixel by pixel: the nodes and blocks of the tree that a sample's rays visit. A count, not a
-//! time: it is the same on every machine.
+//! The cost of each pixel: the nodes and blocks of the tree that a sample's rays visit. It is a count, not a time, so
+//! it is the same on every machine.
 
 use glam::Vec3;
 

@@ -1,5 +1,5 @@
-//! Which lights are chosen: for each camera ray the colour of the light that path tracing would sample at the first surface,
-//! with the same random number. A pixel's mean mixes the colours as light samples are dealt out there.
+//! Pictures of the chosen lights: for each camera ray the colour of the light that path tracing would sample at the
+//! first surface, with the same random number. A pixel's mean mixes the colours in proportion to its light samples.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;

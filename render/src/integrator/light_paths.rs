@@ -1,9 +1,9 @@
-//! Light paths of a world, and which AOVs their light goes to.
+//! Light paths of a world, and their assignment to AOVs.
 //!
 //! A path carries the state of an [`Automaton`] for each colour channel. Where a closure has several lobes for one
-//! direction, light samples are split among them. A path can go on by one lobe alone; for each channel that is chosen
-//! by the lobe's part of the closure in that channel. So each lobe gets what it scatters, in expectation, and the lobes
-//! of a path sum to it exactly.
+//! direction, light samples are split among them. A path continues by one lobe; for each channel the lobe is chosen in
+//! proportion to its part of the closure in that channel. So in expectation each lobe gets the light that it scatters,
+//! and the lobes of a path sum to it exactly.
 
 use glam::Vec3;
 
@@ -21,16 +21,16 @@ pub(crate) struct LightPaths {
     follow: Follow,
     /// The number of AOVs.
     count: usize,
-    /// Of each mesh the events at its surface, by side and lobe.
+    /// The events at each mesh's surface, by side and lobe.
     surfaces: Vec<[[u32; 3]; 2]>,
-    /// Of each mesh its light.
+    /// The event of each mesh's light.
     emitters: Vec<u32>,
-    /// Of each punctual light, in the scene's order.
+    /// The event of each punctual light, in the scene's order.
     punctual: Vec<u32>,
     sky: u32,
 }
 
-/// By what paths are followed.
+/// The automaton or tree that follows paths.
 enum Follow {
     /// The AOVs' expressions.
     Expressions(Automaton),
@@ -46,7 +46,7 @@ struct Events {
     sky: u32,
 }
 
-/// By which lobe a path goes on.
+/// The lobe by which a path continues.
 #[derive(Clone, Copy)]
 pub(super) enum Lobe {
     Wide,
@@ -71,7 +71,7 @@ pub(crate) fn aovs(world: &World, settings: &Settings) -> Vec<Aov> {
 }
 
 impl LightPaths {
-    /// For these AOVs; `None` if there are none.
+    /// Light paths for these AOVs; `None` if there are none.
     ///
     /// # Errors
     /// If the expressions are too complex together.
@@ -89,7 +89,7 @@ impl LightPaths {
         Ok(Some(Self { follow: Follow::Expressions(automaton), count: aovs.len(), surfaces, emitters, punctual, sky }))
     }
 
-    /// For no AOV: the paths are listed.
+    /// Light paths that are listed, for no AOV.
     pub(crate) fn listing(world: &World) -> Self {
         let mut alphabet = Alphabet::of_all_labels();
         let Events { surfaces, emitters, punctual, sky } = Events::new(world, &mut alphabet);
@@ -137,12 +137,12 @@ impl LightPaths {
         self.emitters[mesh]
     }
 
-    /// That of finding the sky.
+    /// The event of finding the sky.
     pub(super) fn sky(&self) -> u32 {
         self.sky
     }
 
-    /// That of finding the light of this number among the world's lights.
+    /// The event of finding the light of this index among the world's lights.
     pub(super) fn light(&self, world: &World, number: u32) -> u32 {
         match &world.lights.lights()[number as usize] {
             Light::Triangle(prim_id) => self.emitter(world.mesh_number(*prim_id)),

@@ -1,8 +1,8 @@
-//! The solids that a path is in, and what they leave of its light: `exp(-σ d)` (Beer-Lambert).
+//! The solids that a path is in, and their transmittance `exp(-σ d)` (Beer-Lambert).
 //!
-//! A path enters a solid where it passes through the front of its surface, and leaves it through the back. The solid entered
-//! last absorbs: so what stands in tinted glass is seen through glass, and wine may overlap its cup. A path that begins in a
-//! solid knows of that only from the back that it meets. Refraction is between a solid and air, whatever else is there.
+//! A path enters a solid where it passes through the front of its surface, and leaves it through the back. The solid
+//! entered last absorbs: so objects in tinted glass are seen through the glass, and wine may overlap its cup. A path
+//! that begins in a solid is only known to be inside when it hits a back. Refraction is always between a solid and air.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -28,14 +28,14 @@ pub(super) struct Arrival<'w> {
 }
 
 impl Media {
-    /// What is left of light over a distance in these, if that leads to no surface.
+    /// The transmittance over a distance in these solids, if no surface is hit.
     pub(super) fn transmittance(&self, world: &World, distance: f32) -> Vec3 {
         if distance < f32::INFINITY { transmittance(world, self.materials[0], distance) } else { Vec3::ONE }
     }
 }
 
 impl Arrival<'_> {
-    /// What is left of light on the way there.
+    /// The transmittance on the way to the hit.
     pub(super) fn transmittance(&self, distance: f32) -> Vec3 {
         let inside = match self.media.materials[0] {
             0 if self.boundary.is_back => self.boundary.material + 1,
@@ -44,14 +44,15 @@ impl Arrival<'_> {
         transmittance(self.world, inside, distance)
     }
 
-    /// What is left of light along a shadow ray from there. One without an end leaves the solid somewhere, or would be blocked.
+    /// The transmittance along a shadow ray from there. A ray without an end leaves the solid somewhere, or would be
+    /// blocked.
     pub(super) fn transmittance_of(&self, shadow_ray: &Ray) -> Vec3 {
         let distance = shadow_ray.t_max * shadow_ray.direction.length();
         let inside = self.onwards(shadow_ray.direction).materials[0];
         if distance < f32::INFINITY { transmittance(self.world, inside, distance) } else { Vec3::ONE }
     }
 
-    /// What the path is in if it goes on in this direction.
+    /// The media of the path if it continues in this direction.
     pub(super) fn onwards(&self, direction: Vec3) -> Media {
         let Self { world, mut media, boundary } = *self;
         if boundary.normal.dot(direction) >= 0.0 || world.absorption(boundary.material).is_none() {

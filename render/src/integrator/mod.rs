@@ -1,4 +1,4 @@
-//! Integrators: what a camera ray is worth.
+//! Integrators: the radiance of camera rays.
 //!
 //! All rays of a tile advance together. The driver traces the camera rays; an integrator gets their hits, and traces
 //! what it needs further in batches.
@@ -54,7 +54,7 @@ pub(crate) struct RayBatch<'a> {
     pub density: f32,
 }
 
-/// What an integrator keeps from one batch to the next: memory alone.
+/// Memory that an integrator reuses between batches.
 #[derive(Default)]
 pub(crate) struct Scratch {
     wave: Wavefront,
@@ -64,13 +64,13 @@ pub(crate) struct Scratch {
     misses: cached::Misses,
 }
 
-/// What an integrator makes once, before the first sample.
+/// Data that an integrator prepares once, before the first sample.
 pub(crate) enum Prepared {
     /// Nothing.
     Nothing,
     /// A frozen irradiance cache.
     Cache(FrozenCache),
-    /// Where paths had better go on.
+    /// The guide of paths.
     Guide(Guide),
 }
 

@@ -1,13 +1,13 @@
 //! Driscoll's exponential estimator: direct light at every surface, and indirect light gathered by many rays over its
-//! hemisphere, whose surfaces gather in their turn: `L_i ≈ ρ/N Σ L(ω_k)`, for a number of bounces. "The render time
-//! increases exponentially with each bounce added."
+//! hemisphere, whose surfaces gather in their turn: `L_i ≈ ρ/N Σ L(ω_k)`, for a number of bounces. The render time
+//! grows exponentially with their number.
 //!
-//! The tree of rays is walked breadth by breadth: all surfaces of a bounce, then all rays that leave them. Light that
-//! bounces more often is left out, which makes pictures too dark, as Driscoll found; or it is estimated by a path with
-//! Russian roulette, which was his remedy (`MonteCarloOptions::tail`).
+//! The tree of rays is traversed breadth first: all surfaces of a bounce, then all rays that leave them. Light with
+//! more bounces is left out, which makes pictures too dark, or estimated by a path with Russian roulette
+//! (`MonteCarloOptions::tail`).
 //!
-//! A delta function is not gathered from: what mirrors and glass show comes from one direction at a time, by a ray of its
-//! own that is no bounce.
+//! Delta functions do not gather: light in mirrors and glass comes from one direction at a time, by a ray that does not
+//! count as a bounce.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -133,10 +133,10 @@ impl Generation {
     }
 }
 
-/// What all surfaces do.
+/// The shared data of all surfaces.
 struct Gather<'a> {
     world: &'a World,
-    /// Of all camera rays, or none.
+    /// The times of all camera rays, or empty.
     times: &'a [f32],
     options: &'a MonteCarloOptions,
     hemisphere: Hemisphere,

@@ -1,19 +1,19 @@
 //! Path tracing (Kajiya 1986): `L = L_e + ∫ f L cos θ dω`, one sample of the integral a surface.
 //!
-//! Shirley's first program is `LightSampling::Naive`: a ray hits a surface, adds what it emits, and goes on by the
-//! cosine. `Direct` samples a light at every surface as well, and leaves out what the next bounce would find again;
-//! `Mis` weights both by the power heuristic (Veach 1997). The module [`bsdf`](crate::bsdf) says why mirrors and the
-//! first surface need no rule of their own.
+//! With `LightSampling::Naive` a ray hits a surface, adds its emission, and continues by the cosine. `Direct` also
+//! samples a light at every surface, and ignores emission at the next bounce; `Mis` weights both by the power heuristic
+//! (Veach 1997). The module [`material`](crate::material) explains why mirrors and the first surface need no rule of
+//! their own.
 //!
 //! Each surface reflects a part of the light, and a path may stop when little is left ([`Stop`]): where the product of
-//! all reflectances falls below a threshold, with the scene's mean radiance in place of what is left out or without, or
+//! all reflectances falls below a threshold, with or without the scene's mean radiance in place of the lost light, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 //!
-//! `clamp_indirect` scales down what a light adds after two reflections and more.
+//! `clamp_indirect` scales down contributions of lights after two reflections and more.
 //!
-//! A step is made for a block of paths at once: where they arrive is looked up, then light samples and bounces are
-//! computed in lanes (see [`path_block`](super::path_block)), and what goes on is put together again. Emission,
-//! textures, glass, layers, the sky and delta lights are done one by one.
+//! A step works on a block of paths: it looks up their hits, computes light samples and bounces in lanes (see
+//! [`path_block`](super::path_block)), and compacts the continuing paths. Emission, textures, glass, layers, the sky
+//! and delta lights are done one by one.
 
 mod absorb;
 mod aim;
@@ -37,15 +37,15 @@ use crate::world::World;
 pub(in crate::integrator) use record::{Recorder, RecorderMemory};
 pub(in crate::integrator) use train::Trainer;
 
-/// What of the sky light samples find: paths go on by the cosine, and find the rest.
+/// The part of the sky for light samples: cosine-distributed bounces find the rest.
 pub(super) const SKY: SkyPart = SkyPart::Bright;
 
-/// What goes along with paths.
+/// Observers of paths.
 #[derive(Default)]
 pub(super) struct Companions<'a> {
     /// Gets what AOVs by light path expressions have of them.
     pub recorder: Option<Recorder<'a>>,
-    /// Says where they had better go on.
+    /// The guide of the paths.
     pub guide: Option<&'a Guide>,
     /// Learns that.
     pub trainer: Option<&'a mut Trainer>,
@@ -139,7 +139,7 @@ struct Advance<'a, 'b> {
     recorder: Option<&'a mut Recorder<'b>>,
     guide: Option<&'a mut GuidedBlock<'b>>,
     trainer: Option<&'a mut Trainer>,
-    /// How many paths go on.
+    /// The number of continuing paths.
     kept: usize,
 }
 

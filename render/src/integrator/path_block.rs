@@ -1,14 +1,14 @@
-//! A path-state block: what a few paths need to know of their surfaces, in columns, so that plain loops over them,
-//! compiled for each instruction set, do as many at once as its registers hold.
+//! A path-state block: the surface data of a few paths in columns, so that plain loops over them are vectorised for
+//! each instruction set.
 //!
-//! Whatever is looked up, paths, rays, triangles, materials and lights, lies in records of eight words, which are
-//! turned into columns eight at a time; and so are shadow rays and next rays turned into records again. A loop here
-//! calls the functions that a single path would call, on surfaces put together from the columns; what they do is
-//! inlined and has no branch. So results are equal bit for bit to those of one path at a time, on every instruction
-//! set. All lanes are computed, those behind the last path for nothing.
+//! All looked-up data (paths, rays, triangles, materials and lights) is in records of eight words, which are transposed
+//! into columns eight at a time; shadow rays and next rays are transposed back into records. A loop here calls the
+//! functions of a single path on surfaces assembled from the columns; these are inlined and have no branch. So results
+//! equal those of one path at a time bit for bit, on every instruction set. All lanes are computed, even those after
+//! the last path.
 //!
-//! What is not the same for all, as textures and emission, is *general*: a block says which paths need it, and
-//! the integrator shades these one by one (the slow path), and tells the block.
+//! Surfaces with textures, emission and the like are *general*: a block marks the paths that hit them, and the
+//! integrator shades these one by one (the slow path) and passes the results to the block.
 
 mod bounce;
 mod closures;
@@ -46,7 +46,7 @@ pub(super) struct PathBlock {
     pub len: usize,
     /// The place of each in its wavefront.
     pub source: Integers,
-    /// Where each has hit which triangle.
+    /// The hit of each path.
     u: Column,
     v: Column,
     prims: Integers,
@@ -71,16 +71,16 @@ pub(super) struct PathBlock {
     transmits: Integers,
     /// Whether there is more to a surface than the columns say.
     is_general: Integers,
-    /// The probability with which chance lets a path go on.
+    /// The survival probability of a path.
     survival: Column,
-    /// Whether it goes on as far as chance has no say.
+    /// Whether it continues, apart from Russian roulette.
     goes_on: Integers,
     pub addresses: [Address; LANES],
     pub u_light: [Vec2; LANES],
     pub u_direction: [Vec2; LANES],
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: [Vec3; LANES],
-    /// Numbers that decide whether paths go on; 0, with which all do, unless they are drawn.
+    /// Random numbers for Russian roulette; 0, with which all paths survive, unless they are drawn.
     pub u_roulette: Column,
     /// Numbers that decide whether paths aim at lit triangles, if there are any.
     pub u_aim: Column,
@@ -142,7 +142,7 @@ impl PathBlock {
         self.is_general[i] != 0
     }
 
-    /// Lets path `i` stand at a surface that scatters this part of all light.
+    /// Puts path `i` at a surface with this albedo.
     pub(super) fn set(&mut self, i: usize, surface: &Surface, albedo: Vec3) {
         self.position.set(i, surface.position);
         self.triangles.offset[i] = surface.offset;
@@ -164,7 +164,7 @@ impl PathBlock {
         self.paths.throughput.set(i, self.paths.throughput.get(i) * part);
     }
 
-    /// Lets path `i` stand at a lit triangle, and keep this part of what it finds from there on.
+    /// Puts path `i` at a lit triangle, with this weight on the light that it finds from there on.
     pub(super) fn set_lit(&mut self, i: usize, kept: f32) {
         self.target[i] = Path::UNAIMED;
         self.dim(i, Vec3::splat(kept));
@@ -211,7 +211,7 @@ impl PathBlock {
         (self.position.get(i), self.shading_normal.get(i))
     }
 
-    /// By what the throughput of path `i` was multiplied as chance let it go on.
+    /// The factor on the throughput of path `i` by Russian roulette.
     pub(super) fn survival(&self, i: usize) -> f32 {
         self.survival[i]
     }
@@ -225,8 +225,7 @@ impl PathBlock {
         }
     }
 
-    /// Leaves it to chance which paths go on. Those at lit triangles do, whatever their throughput: it is likely that they
-    /// find more light than others do.
+    /// Russian roulette. Paths at lit triangles always survive, as they are likely to find more light than others.
     #[inline(always)]
     pub(super) fn roulette(&mut self, survival: Survival) {
         for i in 0..LANES {
@@ -248,7 +247,7 @@ impl PathBlock {
         self.paths.index[i] as usize
     }
 
-    /// What path `i` multiplies the light that it finds by.
+    /// The throughput of path `i`.
     #[inline(always)]
     pub(super) fn throughput(&self, i: usize) -> Vec3 {
         self.paths.throughput.get(i)

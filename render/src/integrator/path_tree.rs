@@ -1,7 +1,6 @@
-//! All light paths of a few samples, as a tree: a path's state is its node, and the way there is what happened to it.
+//! All light paths of a few samples, as a tree: a path's state is its node, and the nodes above it are its events.
 //!
-//! It takes the place of the automaton of light path expressions, of which it is the limit of infinitely many: no two
-//! paths that differ come to the same state.
+//! It replaces the automaton of light path expressions, with a state of its own for each different path.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,7 +10,7 @@ use crate::lpe::Event;
 
 /// The tree.
 pub(super) struct PathTree {
-    /// By their numbers.
+    /// Events by index.
     events: Vec<Event>,
     nodes: Mutex<Vec<Node>>,
 }
@@ -20,9 +19,9 @@ pub(super) struct PathTree {
 #[derive(Clone, Copy)]
 struct Node {
     parent: u32,
-    /// What happened last.
+    /// The last event.
     event: u32,
-    /// What those found that ended here.
+    /// The light of the paths that ended here.
     light: Vec3,
 }
 
@@ -30,7 +29,7 @@ impl PathTree {
     /// The state of a path that has left the camera.
     pub(super) const START: u32 = 0;
 
-    /// For these events, without paths.
+    /// A tree for these events, without paths.
     pub(super) fn new(events: Vec<Event>) -> Self {
         Self { events, nodes: Mutex::new(vec![Node::ROOT]) }
     }

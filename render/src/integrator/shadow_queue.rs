@@ -11,7 +11,7 @@ use crate::world::World;
 /// Light that arrives if its shadow ray is free.
 #[derive(Default)]
 pub(crate) struct ShadowQueue {
-    /// How many wait: the first of each list.
+    /// The number of waiting rays.
     len: usize,
     shadows: Vec<Ray>,
     pending: Vec<PendingLight>,
@@ -19,7 +19,7 @@ pub(crate) struct ShadowQueue {
     times: Vec<f32>,
 }
 
-/// What it adds to which camera ray's.
+/// The contribution, and its camera ray.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct PendingLight {
@@ -28,7 +28,7 @@ struct PendingLight {
 }
 
 impl ShadowQueue {
-    /// Queues a shadow ray whose light is worth `throughput` to the camera ray `index`.
+    /// Queues a shadow ray whose light has the weight `throughput` for the camera ray `index`.
     #[inline]
     pub(super) fn push(&mut self, index: u32, throughput: Vec3, shadow_ray: ShadowRay) {
         self.make_room(1);
@@ -70,13 +70,13 @@ impl ShadowQueue {
         }
         world.occluded_many_at(&self.shadows[..count], &self.times, &mut self.occluded);
         for (PendingLight { index, light }, occluded) in self.pending.iter().zip(&self.occluded) {
-            // Adding nothing is quicker than a branch that nobody can foresee.
+            // Adding zero is faster than an unpredictable branch.
             radiance[*index as usize] += if *occluded { Vec3::ZERO } else { *light };
         }
         count as u64
     }
 
-    /// How many wait.
+    /// The number of waiting rays.
     pub(super) fn len(&self) -> usize {
         self.len
     }

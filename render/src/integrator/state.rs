@@ -1,4 +1,4 @@
-//! What a path is on its way from one surface to the next, and what decides how it goes on.
+//! The state of a path between two surfaces, and the decision whether it continues.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -13,7 +13,7 @@ use crate::settings::Survival;
 pub(super) struct Path {
     /// Its camera ray.
     pub index: u32,
-    /// What the light that it finds from here on is multiplied by.
+    /// The throughput.
     pub throughput: Vec3,
     /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
     pub density: f32,
@@ -28,7 +28,7 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// The bit of `normal` that says so.
+    /// The flag in `normal`.
     const SEES_LIGHTS: u32 = 1 << 31;
 
     /// The density per solid angle from which on a bounce is about one direction: a cosine's is less, and of microfacets of the
@@ -38,7 +38,7 @@ impl Path {
     /// The normal of a path that has left no surface yet. None has coordinates like these.
     const NOWHERE: u32 = u32::MAX;
 
-    /// The normal of a path that has left mirrors and clear glass alone, where nobody asks which.
+    /// The normal of a path that has left only mirrors and clear glass, where it does not matter.
     const MIRRORED: u32 = u32::MAX - 1;
 
     /// The `target` of a path that has left a lit triangle: these do not aim, as their own bounces find the others.
@@ -99,13 +99,13 @@ impl Path {
     }
 }
 
-/// The number that says which light is sampled.
+/// The number that chooses the light.
 #[inline(always)]
 pub(super) fn u_light_choice(u_light: Vec2, u_direction: Vec2) -> f64 {
     unit_double(Vec2::new(u_light.x, u_direction.x))
 }
 
-/// The probability with which roulette lets a path go on of whose light `reflected` is left.
+/// The survival probability of a path with the remaining light `reflected`.
 #[inline(always)]
 pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
     match survival {

@@ -1,8 +1,8 @@
-//! Paths that a [guide](crate::guide) learns from: rounds of them, each twice as many as before and guided by what the
-//! round before has learned. The last round's guide is learned from the last two, three quarters of all paths.
+//! Training paths of a [guide](crate::guide), in rounds: each has twice as many as the one before, and is guided by its
+//! result. The last round's guide is learned from the last two, three quarters of all paths.
 //!
-//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares. They cannot be stopped, for
-//! a picture that began without its guide would be another one.
+//! They depend on scene, options and seed alone, and not on the picture's samples, tiles or shares. They cannot be
+//! stopped, as a picture without its guide would differ.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -25,7 +25,7 @@ const FILM_SET: u32 = 0;
 const LENS_SET: u32 = u32::MAX;
 const TIME_SET: u32 = u32::MAX - 1;
 
-/// Traces so many paths of the picture, in rounds; gives what they teach, and how many rays they were.
+/// Traces this many paths of the picture, in rounds; returns the guide and the number of rays.
 pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, paths: u32) -> (Option<Guide>, u64) {
     let camera = world.camera_on(settings.width, settings.height);
     let (mut guide, mut before, mut rays) = (None, Vec::new(), 0);
@@ -52,7 +52,7 @@ pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, p
 fn rounds(paths: u32) -> Vec<u32> {
     let (mut rounds, mut left) = (Vec::new(), paths);
     while left > 0 {
-        // From the last one: half of what is left, until that is little.
+        // Counted from the last round: half of the rest, until little is left.
         let count = if left < 4 * FIRST_ROUND { left } else { left.div_ceil(2) };
         rounds.push(count);
         left -= count;
@@ -78,7 +78,7 @@ impl Round<'_> {
         let Settings { sampler, seed, width, height, .. } = self.settings;
         let size = Vec2::new(*width as f32, *height as f32);
         let paths = batch * BATCH..self.count.min((batch + 1) * BATCH);
-        // Behind all pixels, so that no number is one of the picture's.
+        // Beyond all pixels, so that no random number is shared with the picture.
         let samplers = paths.map(|path| Sampler::new(*sampler, *seed, u32::MAX - self.number, path));
         let sample = |sampler: &Sampler| FilmSample {
             film: FilmPoint::within(sampler.uniform2(FILM_SET) * size),

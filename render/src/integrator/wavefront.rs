@@ -14,7 +14,7 @@ use crate::bsdf::Scattering;
 use crate::material::{Closure, Kind};
 use crate::world::{Hit, MIDDLE, Surface, World};
 
-/// What paths do at their surfaces: all that one integrator has to itself.
+/// The step of paths at their surfaces, which differs between integrators.
 pub(super) trait WavefrontStep {
     /// The greatest number of hits on a path.
     fn max_depth(&self) -> u32;
@@ -63,11 +63,11 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
     }
 }
 
-/// Where a path has arrived.
+/// The hit of a path.
 pub(super) struct PathVertex<'a> {
     pub ray: &'a Ray,
     pub hit: &'a Hit,
-    /// What solids have left of light on the way there; the path's throughput knows.
+    /// The transmittance of solids on the way there; the path's throughput includes it.
     pub transmittance: Vec3,
     /// The path's time.
     pub time: f32,
@@ -78,7 +78,7 @@ pub(super) struct PathVertex<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Numbers {
     u_light: Vec2,
-    /// Where the path goes on.
+    /// The continuation of the path.
     pub u_direction: Vec2,
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: Vec3,
@@ -90,20 +90,20 @@ pub(crate) struct Wavefront {
     pub(super) paths: Vec<Path>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
-    /// Of the paths, if anything moves.
+    /// The times of the paths, if anything moves.
     times: Vec<f32>,
     /// The solids that the paths are in, if any absorbs.
     pub(super) media: Vec<Media>,
-    /// Of those that go on.
+    /// The media of the continuing paths.
     pub(super) next_media: Vec<Media>,
     /// The paths' numbers, sorted by the kind of closure that they have hit; last come those that hit nothing.
     pub(super) order: Vec<u32>,
-    /// The paths that go on, while the others are still needed, and their rays.
+    /// The continuing paths, while the others are still needed, and their rays.
     next_paths: Vec<Path>,
     next_rays: Vec<Ray>,
-    /// Of all camera rays, by their numbers.
+    /// The addresses of all camera rays, by index.
     pub(super) addresses: Vec<Address>,
-    /// Of the paths, where numbers are drawn for all at once.
+    /// The addresses of the paths, where numbers are drawn for all at once.
     drawn: Vec<Address>,
     u_light: Vec<Vec2>,
     u_direction: Vec<Vec2>,
@@ -139,8 +139,8 @@ impl Path {
 }
 
 impl Numbers {
-    /// Two numbers that say which light is sampled, and where on it. The first has its last bits from the next
-    /// direction's: as neither enters the other's term of the sum, that makes no bias.
+    /// Two numbers that choose the light and a point on it. The first has its last bits from the next direction's: as
+    /// neither enters the other's term of the sum, that makes no bias.
     #[inline]
     pub(super) fn light(&self) -> (f64, f32) {
         (u_light_choice(self.u_light, self.u_direction), self.u_light.y)
@@ -244,7 +244,7 @@ impl Wavefront {
         self.keep(kept);
     }
 
-    /// What is left of light over a distance on the way of a path.
+    /// The transmittance over a distance along a path.
     pub(super) fn transmittance(&self, world: &World, path: usize, distance: f32) -> Vec3 {
         self.media.get(path).map_or(Vec3::ONE, |media| media.transmittance(world, distance))
     }
@@ -287,7 +287,7 @@ impl Wavefront {
     fn hits_first(&mut self) -> usize {
         let Self { hits, order, .. } = self;
         let mut end = 0;
-        // Written anyway, as nobody can foresee the branch.
+        // Written in any case, as a branch would be unpredictable.
         for (number, hit) in (0..).zip(hits.iter()) {
             order[end] = number;
             end += usize::from(hit.is_hit());
@@ -299,7 +299,7 @@ impl Wavefront {
         end
     }
 
-    /// Room for `count` more paths that go on behind the first `kept`.
+    /// Reserves room for `count` more continuing paths after the first `kept`.
     #[inline(always)]
     pub(super) fn next_places(&mut self, kept: usize, count: usize) -> (&mut [Ray], &mut [Path]) {
         if self.next_rays.len() < kept + count {
@@ -309,18 +309,18 @@ impl Wavefront {
         (&mut self.next_rays[kept..], &mut self.next_paths[kept..])
     }
 
-    /// Lets the first paths of those that go on take the places of all.
+    /// Replaces all paths by the first continuing ones.
     pub(super) fn keep_next(&mut self, count: usize) {
         std::mem::swap(&mut self.rays, &mut self.next_rays);
         std::mem::swap(&mut self.paths, &mut self.next_paths);
         std::mem::swap(&mut self.media, &mut self.next_media);
         self.next_media.clear();
-        // Those that were aimed may be more than there were paths.
+        // There may be more aimed paths than there were paths.
         self.hits.resize(count.max(self.hits.len()), Hit::MISS);
         self.keep(count);
     }
 
-    /// Keeps the first paths, those that go on.
+    /// Keeps the first paths, which continue.
     pub(super) fn keep(&mut self, count: usize) {
         self.paths.truncate(count);
         self.rays.truncate(count);

@@ -1,16 +1,16 @@
 //! Irradiance at given points, as sensors in a room would measure it.
 //!
-//! A sensor is a small white surface. Direct light is sampled `spp` times at each, and with it the sun of a sky's picture;
-//! what surfaces reflect, and the rest of the sky, comes from an irradiance cache that is filled for the sensors, or from `spp`
-//! paths at each.
+//! A sensor is a small white surface. Direct light, with the sun of a sky picture, is sampled `spp` times at each;
+//! light reflected by surfaces, and the rest of the sky, comes from an irradiance cache that is filled for the sensors,
+//! or from `spp` paths at each.
 //!
-//! Lit triangles are aimed at besides, as gathers of records do.
+//! Lit triangles are sampled as secondary lights, as in gathers of records.
 //!
-//! If the cache asks for an accuracy, direct light is sampled in rounds until it is known well enough, and the error of all is
-//! estimated.
+//! If the cache asks for an accuracy, direct light is sampled in rounds until its error is small enough, and the total
+//! error is estimated.
 //!
-//! Area lights are sampled. A scattered ray looks for them as well where one begins a path, and near lights, as in lookups of the
-//! camera; both are weighted by the power heuristic (Veach 1997).
+//! Area lights are sampled. A scattered ray counts their emission too where it begins a path, and near lights, as in
+//! lookups of the camera; both are weighted by the power heuristic (Veach 1997).
 
 mod part;
 mod points;
@@ -33,16 +33,16 @@ pub use part::{SensorPart, join, key, lines};
 pub use points::{PointsError, Sensor, read_points, read_positions};
 use sample::{Samples, SensorScratch};
 
-/// What of the light counts.
+/// The part of the light that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// All of it.
     Total,
-    /// What surfaces reflect, and the sky without the sun of its picture.
+    /// Light reflected by surfaces, and the sky without the sun of its picture.
     Indirect,
 }
 
-/// How irradiance is estimated.
+/// The estimator of irradiance.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
     /// Samples of direct light at each sensor, and without a cache paths, at least 1; as many as it takes instead where the
@@ -50,14 +50,15 @@ pub struct Request {
     pub spp: u32,
     /// Selects the random numbers.
     pub seed: u64,
-    /// What counts.
+    /// The part of the light that counts.
     pub part: Part,
 }
 
 /// Irradiance at sensors, in their order, and what it took.
 #[derive(Clone, Debug)]
 pub struct Irradiance {
-    /// In W/m², linear sRGB; of no use at sensors of other shards; 0 at sensors that were not reached before the watcher said stop.
+    /// In W/m², linear sRGB; unspecified at sensors of other shards; 0 at sensors that were not reached before the
+    /// watcher stopped.
     pub values: Vec<Vec3>,
     /// Whether all sensors were reached.
     pub finished: bool,
@@ -78,7 +79,7 @@ enum Effort {
     Noise(f64),
 }
 
-/// What is sampled at a sensor.
+/// The samples at a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
     /// Direct light.

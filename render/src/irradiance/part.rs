@@ -1,7 +1,7 @@
-//! Sensors' irradiance that several processes have found: each writes the lines of its shard, and these are put together.
+//! Sensors' irradiance from several processes: each writes the lines of its shard, and these are joined.
 //!
-//! The file is text: a line that says what it is, then the lines of the sensors. Numbers are written so that they are read again
-//! as they were, and lines are kept as they are, so all parts give the bytes of a single run.
+//! The file is text: a header line, then the lines of the sensors. Numbers are written so that they are read back
+//! exactly, and lines are copied unchanged, so the parts give the bytes of a single run.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use super::{Request, Sensor};
 use crate::settings::{Invalid, Shard};
 
-/// What the first line begins with.
+/// The beginning of the first line.
 const TITLE: &str = "# irradiance by halfdome";
 /// The form of the file.
 const VERSION: u32 = 1;
@@ -22,7 +22,7 @@ pub struct SensorPart {
     shard: Shard,
     /// All sensors, those of others included.
     sensors: usize,
-    /// Of all that the values depend on; see [`key`].
+    /// The hash of all inputs of the values; see [`key`].
     key: u64,
     lines: String,
 }

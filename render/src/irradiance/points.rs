@@ -1,5 +1,5 @@
 //! Sensors as text: `x y z nx ny nz` on a line, as Radiance's `rtrace -I` takes them. Blank lines and lines that begin
-//! with `#` are passed over and have no line in the output.
+//! with `#` are skipped and have no line in the output.
 
 use std::io::{BufRead, Read as _};
 
@@ -11,7 +11,7 @@ use crate::world::{Surface, World};
 /// A point that measures what arrives on the side of a normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
-    /// Where it is. Rays start as far in front of it as rounding demands, so that it may lie on a surface.
+    /// The position. Rays start in front of it by a bound of rounding, so that it may lie on a surface.
     pub position: Vec3,
     /// Unit normal.
     pub normal: Vec3,
@@ -23,9 +23,9 @@ pub struct Sensor {
 pub struct PointsError {
     /// The number of the line, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
-    /// What would be right.
+    /// The remedy.
     pub remedy: String,
 }
 
@@ -56,7 +56,7 @@ impl Sensor {
     }
 }
 
-/// What is wrong with a line, and what would be right.
+/// The problem with a line, and the remedy.
 type Wrong = (String, String);
 
 /// The numbers of a line, which has `count` of them.
@@ -110,7 +110,7 @@ fn read_lines<T>(mut reader: impl BufRead, parse: impl Fn(&str) -> Result<T, Wro
     for number in 1.. {
         let error = |problem: String, remedy: &str| PointsError { line: number, problem, remedy: remedy.to_owned() };
         bytes.clear();
-        // What is no text may be a single line without an end.
+        // A binary file may be a single endless line.
         let read = reader.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut bytes);
         let read =
             read.map_err(|failure| error(format!("cannot be read: {failure}"), "give a file or a stream of text"))?;

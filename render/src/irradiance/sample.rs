@@ -14,13 +14,13 @@ use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
 
-/// The set of random numbers that says which light is sampled, and where on it.
+/// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
 
-/// The set of a path's direction; those after it are for whoever follows the path.
+/// The set of a path's direction; later sets are for the path.
 const DIRECTION_SET: u32 = 1;
 
-/// Where the random numbers of samples come from that are traced together.
+/// The random numbers of samples that are traced together.
 pub(super) struct Samples {
     pub(super) seed: u64,
     pub(super) sensor: u32,

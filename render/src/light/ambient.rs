@@ -1,4 +1,4 @@
-//! The mean radiance of a scene: what a path that is cut short would have found, on average.
+//! The mean radiance of a scene: the average light lost by a truncated path.
 //!
 //! In a closed room all of whose surfaces emit `E` and reflect `R`, radiance is `E + R E + R² E + … = E / (1 - R)`, as
 //! Shirley has it. For other rooms the series is taken with means over their area `A`: lights send the power `Φ`, which

@@ -1,7 +1,7 @@
-//! How a light is chosen for a receiver: first a kind of light, then one of that kind, by one number, in proportion to what
-//! each may send there ([`Weights`]).
+//! Chooses a light for a receiver: first a kind of light, then one of that kind, by one random number, in proportion to
+//! estimated contributions ([`Weights`]).
 //!
-//! Where many receivers choose, all go one step after the other: a step down a tree waits for the one before, but not for
+//! Many receivers descend a tree step by step together, as a step depends on the receiver's previous one, but not on
 //! those of others.
 
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -17,12 +17,12 @@ pub(crate) struct SampledLight {
     pub index: u32,
     /// The probability of choosing it.
     pub probability: f32,
-    /// What is left of the number by which it was chosen, in [0, 1): where the numbers are spread evenly, those of each
-    /// light are.
+    /// The rescaled remainder of the number that chose it, in [0, 1): if the numbers are evenly spread, so are the
+    /// remainders of each light.
     pub rest: f32,
 }
 
-/// What each kind of light may send to a receiver.
+/// The weight of each kind of light for a receiver.
 pub(crate) struct Weights {
     triangles: RootWeights,
     points: RootWeights,
@@ -60,7 +60,7 @@ pub(crate) enum LightChoice {
 }
 
 impl LightSampler {
-    /// What lights may send to a receiver, of the sky this part.
+    /// The weights of lights for a receiver, with this part of the sky.
     #[inline(always)]
     pub(crate) fn weigh(&self, receiver: &Receiver, part: SkyPart) -> Weights {
         let (mut triangles, mut points) = (RootWeights::default(), RootWeights::default());
@@ -87,8 +87,8 @@ impl LightSampler {
         self.end(&choice)
     }
 
-    /// The first step of [`choose`](Self::choose). Where many receivers choose, all go one step after the other: a step waits
-    /// for the one before, but not for those of others.
+    /// The first step of [`choose`](Self::choose). Many receivers choose step by step together, as a step depends on
+    /// the receiver's previous one, but not on those of others.
     #[inline(always)]
     pub(crate) fn begin(&self, receiver: &Receiver, weights: &Weights, u: f64) -> LightChoice {
         let total = weights.total();
@@ -137,7 +137,7 @@ impl LightSampler {
         }
     }
 
-    /// What was chosen, after the last step.
+    /// The choice after the last step.
     #[inline(always)]
     pub(crate) fn end(&self, choice: &LightChoice) -> Option<SampledLight> {
         match (choice, &self.triangles, &self.points) {

@@ -1,9 +1,9 @@
-//! Light from infinitely far away, by what it sends to a surface of this normal: directional lights, and the sky in
+//! Light from infinitely far away, weighted by its irradiance on a surface's normal: directional lights, and the sky in
 //! patches.
 //!
 //! A patch of the flux `Φ` and the mean direction `D`, of which no direction is further away than `r`, is taken to be
-//! spread evenly over heights from `n · D - r` to `n · D + r` (see [`height`]). So it weighs nothing only if all of it lies
-//! below the horizon.
+//! spread evenly over heights from `n · D - r` to `n · D + r` (see [`height`]). So its weight is 0 only if all of it
+//! lies below the horizon.
 
 use super::Receiver;
 use super::tree::WIDTH;

@@ -1,5 +1,5 @@
-//! Scenes with a few triangles for lights and nothing else, as rooms with one lamp: no tree is walked, and the weights of many
-//! receivers are computed in lanes, which is quicker than the lights of one.
+//! Scenes with only a few emissive triangles as lights, such as rooms with one lamp: no tree is traversed, and the
+//! weights of many receivers are computed in lanes, which is faster than the weights of many lights for one receiver.
 
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 
@@ -9,7 +9,7 @@ use super::tree::leaf::{TriangleLight, triangle};
 /// The most lights.
 pub(crate) const FEW: usize = 4;
 
-/// What each of a few lights may send to a receiver, as [`Tree`](super::tree::Tree) weighs them; 0 beyond the last.
+/// The weight of each of a few lights for a receiver, as in [`Tree`](super::tree::Tree); 0 beyond the last.
 #[inline(always)]
 pub(crate) fn weight(light: &TriangleLight, receiver: &Receiver) -> f32 {
     let TriangleLight { corners, normal, radiance, area, both_sides } = *light;
@@ -28,9 +28,9 @@ pub(super) fn coarse(u: f64) -> f32 {
     ((u * STEPS).floor() / STEPS) as f32
 }
 
-/// Which of a few lights with these weights is chosen by a number in [0, 1), with what probability, and what is left of the
-/// number. Without a branch, and in single precision, so that loops over it become lanes. If all weights are 0, so is the
-/// probability.
+/// Chooses one of a few lights with these weights by a number in [0, 1), with its probability and the remainder of the
+/// number. Without a branch, and in single precision, so that loops over it are vectorised. If all weights are 0, so is
+/// the probability.
 #[inline(always)]
 pub(crate) fn choose(weights: [f32; FEW], u: f32) -> (u32, f32, f32) {
     let total = sum(weights);

@@ -1,10 +1,9 @@
-//! Lit triangles: small ones that a lamp close by lights fiercely, so that they light the room as lamps do. The inside
-//! of a lamp's shade is made of such triangles. Bounces seldom hit them, and each time one does is a bright dot in the
-//! picture.
+//! Secondary lights (lit triangles): small triangles that a nearby lamp lights so strongly that they light the room
+//! themselves, such as the inside of a lampshade. Bounces rarely hit them, and each hit is a firefly in the picture.
 //!
-//! So paths aim at them (see [`estimator`](crate::estimator)): a triangle is chosen by what it may send to a receiver,
-//! by a light tree of their own. How often that is worth a ray, the irradiance by all of them says, compared with
-//! what a surface of this scene receives on average.
+//! So they are sampled as lights (see [`estimator`](crate::estimator)): a light tree of their own chooses a triangle by
+//! its estimated contribution to a receiver. The probability of such a ray follows from their total irradiance,
+//! relative to the mean irradiance of the scene's surfaces.
 
 use glam::{Vec2Swizzles, Vec3};
 
@@ -14,12 +13,12 @@ use super::{NO_LIGHT, Receiver};
 
 /// Bins of directions along each axis of an octahedral map.
 const SIDE: usize = 8;
-/// How much farther than any ray came, light may come.
+/// The margin beyond the farthest ray.
 const SLACK: f32 = 1.1;
-/// Triangles that stand for all where that is good enough.
+/// Triangles that represent all, for approximations.
 const REPRESENTATIVES: u32 = 8;
 
-/// How far light gets that leaves a triangle, by bins of directions: the inside of a shade is seen from above and from
+/// How far the light of a triangle reaches, by bins of directions: the inside of a shade is visible from above and from
 /// below.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
@@ -34,7 +33,7 @@ pub(crate) struct LitTriangles {
     index_of: Vec<u32>,
     /// The irradiance from which on each path aims at them, as luminance.
     worth: f32,
-    /// What surfaces receive on average besides, likewise.
+    /// The mean irradiance of other surfaces, likewise.
     elsewhere: f32,
 }
 
@@ -42,14 +41,14 @@ pub(crate) struct LitTriangles {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChosenTriangle {
     pub prim_id: u32,
-    /// With which it was chosen of all.
+    /// The probability with which it was chosen.
     pub probability: f32,
-    /// What is left of the number that chose it, in [0, 1).
+    /// The rescaled remainder of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 
 impl LitTriangles {
-    /// Those with these numbers, in a scene of so many triangles.
+    /// The secondary lights with these `prim_id`s, in a scene of `triangles` triangles.
     pub(crate) fn new(lit: Vec<(u32, TriangleLight)>, reach: Vec<Reach>, triangles: usize) -> Self {
         let (prims, lights): (Vec<u32>, Vec<TriangleLight>) = lit.into_iter().unzip();
         let mut index_of = vec![NO_LIGHT; triangles];
@@ -59,8 +58,8 @@ impl LitTriangles {
         Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0, elsewhere: 0.0 }
     }
 
-    /// Lets paths aim where the irradiance by all is `worth`, as luminance, and seldom where it is less; `elsewhere` is
-    /// the mean irradiance by all other surfaces.
+    /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
+    /// less; `elsewhere` is the mean irradiance by all other surfaces.
     pub(crate) fn aim_from(&mut self, worth: f32, elsewhere: f32) {
         (self.worth, self.elsewhere) = (worth, elsewhere);
     }
@@ -88,7 +87,7 @@ impl LitTriangles {
         self.tree.is_some()
     }
 
-    /// The probability with which a path's surface aims at any, by the irradiance that all may cause.
+    /// The probability that a surface of a path samples a secondary light, by their total estimated irradiance.
     #[inline(always)]
     pub(crate) fn chance(&self, receiver: &Receiver) -> f32 {
         let Some(tree) = &self.tree else { return 0.0 };
@@ -123,7 +122,7 @@ impl LitTriangles {
         }
     }
 
-    /// A few of them that stand for all, and the irradiance that each of these stands for if nothing is in between.
+    /// A few of them that represent all, with the unoccluded irradiance that each represents.
     pub(crate) fn representatives(&self, receiver: &Receiver) -> (f32, impl Iterator<Item = u32>) {
         let weights = self.tree.as_ref().map_or_else(RootWeights::default, |tree| tree.root_weights(receiver));
         let sum = total(&weights);
@@ -144,7 +143,7 @@ impl LitTriangles {
 }
 
 impl Reach {
-    /// That of a triangle which rays in these unit vectors have left, each as far as that.
+    /// The reach of a triangle whose rays in these unit directions went as far as given.
     pub(crate) fn of(rays: impl Iterator<Item = (Vec3, f32)>) -> Self {
         let mut reach = Self([0.0; SIDE * SIDE]);
         for (direction, distance) in rays {

@@ -1,10 +1,9 @@
-//! All that emits and can be aimed at: emissive triangles, delta lights and the sky, chosen by what each can
-//! send to a point.
+//! All lights that can be sampled: emissive triangles, delta lights and the sky, chosen by their estimated contribution
+//! to a point.
 //!
-//! Triangles are in one light tree, points and spots in another (see [`tree`]). What shines from infinitely far away
-//! has no place in a tree: of directional lights the irradiance at the receiver is known, of the sky there is an
-//! estimate by its normal (see [`distant`]). All these weights are irradiances, and a light's probability is its part
-//! of their sum.
+//! Triangles are in one light tree, points and spots in another (see [`tree`]). Lights at infinity are not in a tree:
+//! of directional lights the irradiance at the receiver is known, of the sky there is an estimate by its normal (see
+//! [`distant`]). All these weights are irradiances, and a light's probability is its part of their sum.
 
 mod ambient;
 mod choice;
@@ -54,15 +53,15 @@ pub(crate) struct LightSampler {
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: LitTriangles,
-    /// For each `prim_id` the number of its light, or [`NO_LIGHT`]; empty if no triangle emits.
+    /// The index of each `prim_id`'s light, or [`NO_LIGHT`]; empty if no triangle emits.
     index_of: Vec<u32>,
-    /// What is near an emissive triangle lies in this box.
+    /// The box around all points near an emissive triangle.
     surroundings: Aabb,
     /// An estimate of the mean radiance that surfaces receive and send.
     mean_radiance: Vec3,
 }
 
-/// What stands for a triangle that does not emit.
+/// The value for a triangle that does not emit.
 const NO_LIGHT: u32 = u32::MAX;
 
 /// One light.
@@ -145,7 +144,7 @@ impl LightSampler {
                 PunctualLight::Profiled { position, frame, intensity, radius, ref profile } => {
                     let per_candela = luminance_weight(intensity);
                     let moments = Some(profile.moments().map(|moment| moment * f64::from(per_candela)));
-                    // Of a sphere the angles differ from place to place: as bright as it is anywhere.
+                    // The angles differ over a sphere, so the greatest intensity is used.
                     let envelope = (radius == 0.0).then(|| profile.envelope());
                     // A little more than its cone, for what is rounded.
                     let cos_outer = profile.cos_outer() - 1e-3;
@@ -157,7 +156,7 @@ impl LightSampler {
             lights.push(Light::Punctual(light));
         }
         lights.push(Light::Sky);
-        // Beyond the radius of a disc as large as all of them a sample is worth no more than a hemisphere full of
+        // Beyond the radius of a disc as large as all of them a sample contributes no more than a hemisphere full of
         // light.
         let reach = Vec3::splat((areas * std::f32::consts::FRAC_1_PI).sqrt());
         let surroundings = Aabb { min: box_of_lights.min - reach, max: box_of_lights.max + reach };
@@ -226,8 +225,7 @@ impl LightSampler {
         self.index_of[prim_id as usize]
     }
 
-    /// Lets the punctual light of this number in the scene be another, which no point gets light from that gets none from the
-    /// one that it was.
+    /// Replaces the punctual light of this index by another one, which lights no point that the old one does not light.
     pub(crate) fn replace_punctual(&mut self, number: usize, light: PunctualLight) {
         let triangles = self.triangles.as_ref().map_or(0, Tree::len);
         if let Some(place) = self.punctual_numbers.iter().position(|&it| it as usize == number) {
@@ -284,22 +282,22 @@ impl LightSampler {
         if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
     }
 
-    /// How lights are found from a point whose light besides theirs is known. An emissive triangle may be so near to it
-    /// that samples of its area, whose density per solid angle falls with the square of the distance, are better
-    /// combined with scattered rays; elsewhere such rays would find nothing.
+    /// The sampling of lights at a point with known indirect light. An emissive triangle may be so near to it that
+    /// samples of its area, whose density per solid angle falls with the square of the distance, are better combined
+    /// with scattered rays; elsewhere such rays would miss.
     #[inline]
     pub(crate) fn techniques_at(&self, point: Vec3) -> LightSampling {
         let are_near = (point.cmpge(self.surroundings.min) & point.cmple(self.surroundings.max)).all();
         if are_near { LightSampling::Mis } else { LightSampling::Direct }
     }
 
-    /// What a point is likely to receive from any direction, and to send: an estimate for all of the scene.
+    /// The typical radiance that a point receives and reflects: an estimate for the whole scene.
     pub(crate) fn mean_radiance(&self) -> Vec3 {
         self.mean_radiance
     }
 }
 
-/// What weights are made of: luminance, but never zero for what is not black.
+/// The weight of a colour: luminance, but not zero unless it is black.
 pub(crate) fn luminance_weight(rgb: Vec3) -> f32 {
     brightness(rgb) as f32
 }

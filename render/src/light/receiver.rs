@@ -1,11 +1,11 @@
-//! The point that light is chosen for.
+//! The receiver: a point for which a light is chosen.
 
 use glam::Vec3;
 
 /// A point of a surface that receives light, as far as choosing lights depends on it.
 ///
-/// The normal has 15 bits an axis, in an octahedral map (Cigolle et al. 2014), and so fits into one word: a path keeps it
-/// until its bounce hits a light, and finds exactly the receiver for which that light might have been chosen.
+/// The normal has 15 bits an axis, in an octahedral map (Cigolle et al. 2014), and so fits into one word: a path keeps
+/// it until its bounce hits a light, and recovers exactly the receiver for which that light might have been chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Receiver {
     pub position: Vec3,
@@ -27,7 +27,7 @@ impl Receiver {
         Self::unpack(position, pack(normal, both_sides))
     }
 
-    /// The word that stands for a normal and the sides of a surface that receive light.
+    /// A normal and the sides of a surface that receive light, packed into a word.
     #[inline(always)]
     pub(crate) fn pack(normal: Vec3, both_sides: bool) -> u32 {
         pack(normal, both_sides)
@@ -48,8 +48,7 @@ impl Receiver {
         Self { position, normal: normal * scale, behind }
     }
 
-    /// How high above the surface, or below it if light counts from there, the end of a way from here is; 0 on the other
-    /// side.
+    /// The height of a segment's end above the surface, or below it if light counts from there; 0 on the other side.
     #[inline(always)]
     pub(crate) fn height(&self, way: Vec3) -> f32 {
         let height = self.normal.dot(way);

@@ -1,8 +1,8 @@
-//! Lights of a size as rays meet them: the spheres of points and spots, and suns with an angle.
+//! Punctual lights with a size, for rays that hit them: the spheres of points and spots, and suns with an angle.
 //!
-//! They have no triangles, stop no ray, and do not show to the camera itself. Many spheres lie in a tree of the kernel's; a
-//! few are tested one by one. Those of lights that move have room for the whole of their way, so that whoever meets one has to
-//! ask where the light is.
+//! They have no triangles, do not block rays, and are invisible to the camera itself. Many spheres are in a tree of the
+//! kernel; a few are tested one by one. Spheres of moving lights enclose their whole motion, so a hit must be tested
+//! against the light's actual position.
 
 use halfdome_kernel::geometry::Sphere;
 use halfdome_kernel::{BuildOptions, Ray, RoundBvh};
@@ -10,7 +10,7 @@ use halfdome_kernel::{BuildOptions, Ray, RoundBvh};
 use super::Light;
 use crate::scene::PunctualLight;
 
-/// The most spheres that are not worth a tree.
+/// The most spheres that are tested without a tree.
 const FEW: usize = 16;
 
 /// All lights of a size.
@@ -25,7 +25,7 @@ pub(crate) struct SizedLights {
 }
 
 impl SizedLights {
-    /// Those among `lights`, which have room for their ways if they move.
+    /// The lights with a size among `lights`; moving ones enclose their whole motion.
     pub(super) fn new(lights: &[Light]) -> Self {
         let (mut placed, mut suns) = (Vec::new(), Vec::new());
         for (number, light) in (0..).zip(lights) {
@@ -62,8 +62,8 @@ impl SizedLights {
         &self.suns
     }
 
-    /// Calls `meet` with the number of each light whose sphere a ray in a unit vector meets, however far away; of many spheres
-    /// that end at the same `f32` alone with those of the first.
+    /// Calls `meet` with the index of each light whose sphere a ray of unit direction hits, at any distance; of many
+    /// spheres that end at the same `f32` only with those of the first.
     pub(crate) fn along(&self, ray: &Ray, mut meet: impl FnMut(u32)) {
         let Some(tree) = &self.tree else {
             let is_near = |sphere: u32| is_near(ray, &self.spheres[sphere as usize]);

@@ -2,10 +2,10 @@
 //!
 //! A constant sky is sampled by the cosine, a picture, whose [texels](texels) are interpolated, by its brightness (see [`Peaks`]).
 //!
-//! Whoever sends rays that follow the cosine anyway finds the sky by these, and a picture's sun by chance, or not at all.
-//! So what light samples are to find of it depends on who else looks (see [`SkyPart`]): MIS compensation (Karlík et al.
-//! 2019) leaves to bounces what they find well enough, and gathers see a picture without its *sun*, that by which texels
-//! are brighter than a few times the rest, which is sampled as a lamp is.
+//! Cosine-distributed rays find the sky well, but a picture's sun only by chance. So the part of the sky that light
+//! samples cover depends on the other techniques (see [`SkyPart`]): MIS compensation (Karlík et al. 2019) leaves to
+//! bounces the part that they find well, and gathers see a picture without its *sun*, the part of texels above a few
+//! times the mean, which is sampled like a lamp.
 
 mod peaks;
 mod texels;
@@ -23,19 +23,19 @@ use super::distant::Patches;
 use super::{Receiver, luminance_weight};
 use crate::scene::{Sky, SkyPicture};
 
-/// What of the sky is for light samples to find.
+/// The part of the sky for light samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SkyPart {
     /// All of it.
     All,
-    /// What bounces that follow the cosine find less well: what is brighter than the mean. They see all of it, and MIS
-    /// weights are to be applied.
+    /// The part that cosine-distributed bounces find less well: the excess over the mean. Bounces see the whole sky,
+    /// and MIS weights apply.
     Bright,
-    /// What gathers would find too seldom: the sun, above all. They do not see it.
+    /// The part that gathers would rarely find: mainly the sun. Gathers do not see it.
     Sun,
 }
 
-/// A texel may be so many times as bright as the mean before it counts as a part of the sun. A clear sky without its sun is below that.
+/// A texel above this multiple of the mean counts as a part of the sun. A clear sky without its sun is below that.
 const SUN: f64 = 8.0;
 /// A constant sky that would weigh less than this part of its irradiance is left to bounces.
 const LEAST_OPEN: f32 = 0.005;
@@ -46,7 +46,7 @@ pub(crate) struct SkyLight {
     constant: Vec3,
     mean: Vec3,
     picture: Option<SkyTexels>,
-    /// By how much each part weighs less than if nothing were in between.
+    /// The unoccluded fraction of each part, a factor on its weight.
     visibility: [f32; 3],
     /// Each part of a picture, with its patches.
     parts: Box<[Option<(Peaks, Patches)>; 3]>,
@@ -150,7 +150,7 @@ impl SkyLight {
         }
     }
 
-    /// A direction in which to look for light from this part; with [`SkyPart::Sun`] nothing else counts.
+    /// A sampled direction of light from this part; with [`SkyPart::Sun`] only the sun counts.
     pub(crate) fn sample(&self, receiver: &Receiver, part: SkyPart, u: Vec2) -> SkySample {
         let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
             let direction = cosine(receiver, u);
@@ -189,7 +189,7 @@ fn cosine(receiver: &Receiver, mut u: Vec2) -> Vec3 {
     Frame::from_normal(receiver.normal * side).to_world(CosineHemisphere.map(u))
 }
 
-/// The mean brightness of all directions, those that are brighter than the limit counted as if they were not.
+/// The mean brightness of all directions, clamped to the limit.
 fn clipped_mean(picture: &SkyPicture, limit: f64) -> f64 {
     let rows = (0..).zip(picture.texels.chunks_exact(picture.width as usize));
     let row = |(row, texels): (u32, &[Vec3])| -> f64 {

@@ -2,7 +2,7 @@
 //!
 //! Expressions become one nondeterministic automaton by Thompson's construction, and the sets of its places that a path
 //! may be in the states of a deterministic one. Its alphabet are the events that can happen in a scene; labels that no
-//! expression names are all the same to it, so it is small whatever the scene.
+//! expression names are equivalent, so it is small for every scene.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use super::{Expression, Node};
 const MOST_STATES: usize = 20_000;
 const MOST_PLACES: usize = 20_000;
 
-/// What stands for all labels that no expression names.
+/// The label that represents all labels that no expression names.
 const OTHER: &str = "";
 
 /// Expressions whose automaton would be too large.
@@ -25,11 +25,11 @@ pub(crate) struct TooComplex;
 pub(crate) struct Automaton {
     /// The state of a path that has left the camera.
     start: u32,
-    /// For each state and each event the next state.
+    /// The next state, by state and event.
     next: Vec<u32>,
     /// The number of events.
     events: usize,
-    /// For each state the expressions that it fulfils.
+    /// The expressions that each state accepts.
     accepts: Vec<Vec<u32>>,
 }
 
@@ -38,20 +38,20 @@ pub(crate) struct Automaton {
 struct Places<'a> {
     /// Where one is without an event, too.
     free: Vec<Vec<u32>>,
-    /// Where an event leads.
+    /// The next state after an event.
     on: Vec<Option<(&'a Pattern, u32)>>,
 }
 
 /// The events that can happen in a scene, each once, by their numbers.
 #[derive(Debug)]
 pub(crate) struct Alphabet {
-    /// The labels that are told apart; `None` for all.
+    /// The labels that are distinguished; `None` for all.
     named: Option<Vec<String>>,
     numbers: BTreeMap<Event, u32>,
 }
 
 impl Alphabet {
-    /// For these expressions, without events.
+    /// An alphabet for these expressions, without events.
     pub(crate) fn new(expressions: &[Expression]) -> Self {
         let mut named = Vec::new();
         for expression in expressions {
@@ -62,7 +62,7 @@ impl Alphabet {
         Self { named: Some(named), numbers: BTreeMap::new() }
     }
 
-    /// For whoever wants to know all labels, without events.
+    /// An alphabet that distinguishes all labels, without events.
     pub(crate) fn of_all_labels() -> Self {
         Self { named: None, numbers: BTreeMap::new() }
     }
@@ -74,7 +74,7 @@ impl Alphabet {
         events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// The number of an event; events that no expression tells apart have one.
+    /// The number of an event; events that no expression distinguishes share one.
     pub(crate) fn number(&mut self, kind: Kind, scattering: Scattering, labels: [&str; 2]) -> u32 {
         let is_known = |label: &str| self.named.as_ref().is_none_or(|named| named.iter().any(|it| it == label));
         let known = |label: &str| if is_known(label) { label } else { OTHER }.to_owned();
@@ -85,7 +85,7 @@ impl Alphabet {
 }
 
 impl Automaton {
-    /// For these expressions, in a scene with these events.
+    /// The automaton for these expressions, in a scene with these events.
     pub(crate) fn new(expressions: &[Expression], alphabet: &Alphabet) -> Result<Self, TooComplex> {
         let mut places = Places::default();
         let first = places.add()?;
@@ -230,7 +230,7 @@ impl<'a> Places<'a> {
         set
     }
 
-    /// Where an event leads from these places.
+    /// The next places after an event.
     fn after(&self, set: &[u32], event: &Event) -> Vec<u32> {
         let leads = |&place: &u32| match self.on[place as usize] {
             Some((pattern, behind)) if pattern.contains(event) => Some(behind),

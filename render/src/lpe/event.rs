@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-/// What happened: the first symbol of an event. A light may be of several kinds.
+/// The kind: the first symbol of an event. A light may be of several kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Kind(u8);
 
@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// By which lobe light is scattered: the second symbol of an event.
+/// The scattering lobe: the second symbol of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Scattering(u8);
 
@@ -63,9 +63,9 @@ impl Scattering {
 /// An event on a path.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Event {
-    /// What happened.
+    /// The kind.
     pub kind: Kind,
-    /// By which lobe.
+    /// The scattering lobe.
     pub scattering: Scattering,
     /// What was there: of a surface the names of the object and the material, of a light those of its group and itself.
     pub labels: Vec<String>,
@@ -90,7 +90,7 @@ impl fmt::Display for Event {
 pub(super) struct Pattern {
     pub kind: Choice<u8>,
     pub scattering: Choice<u8>,
-    /// Of the first labels; whatever follows.
+    /// Patterns of the first labels; further labels are arbitrary.
     pub labels: Vec<Choice<String>>,
 }
 
@@ -160,7 +160,7 @@ pub(super) enum Letter {
     Scattering(u8),
 }
 
-/// What a letter means.
+/// The meaning of a letter.
 pub(super) fn letter(letter: char) -> Option<Letter> {
     let kind = Kind::LETTERS.iter().find(|(it, _)| *it == letter).map(|(_, kind)| Letter::Kind(kind.0));
     let scattering = || Scattering::LETTERS.iter().find(|(it, _)| *it == letter);

@@ -1,8 +1,8 @@
-//! Light path expressions: which light of a picture goes to which AOV.
+//! Light path expressions: they assign the light of a picture to AOVs.
 //!
-//! A light path is a word: the camera, what happened at each surface, and the light. An [`Expression`] is a regular
-//! expression of such words, in the language of Open Shading Language, and an automaton (`automaton.rs`) follows a
-//! path through all expressions of a picture at once: a path carries one number, its state.
+//! A light path is a word: the camera, an event at each surface, and the light. An [`Expression`] is a regular
+//! expression of such words, in the language of Open Shading Language, and an automaton (`automaton.rs`) follows a path
+//! through all expressions of a picture at once: a path carries one number, its state.
 //!
 //! Sources: Heckbert, "Adaptive Radiosity Textures for Bidirectional Ray Tracing" (1990), for the notation; the Open
 //! Shading Language (Academy Software Foundation), `lpeparse.cpp`, for the language; Thompson (1968) and Rabin and Scott

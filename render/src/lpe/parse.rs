@@ -77,7 +77,7 @@ struct Parser<'a> {
     nested: usize,
 }
 
-/// What stands for one symbol.
+/// The pattern of one symbol.
 enum Symbol {
     Any,
     Letter(Letter),
@@ -282,7 +282,7 @@ impl Parser<'_> {
         while !matches!(self.peek(), None | Some(']')) {
             let at = self.at;
             match self.symbol()? {
-                Symbol::Any => return self.fail(at, "`.` excludes all", "name what is not meant, for example [^L]"),
+                Symbol::Any => return self.fail(at, "`.` excludes all", "name the excluded symbols, for example [^L]"),
                 Symbol::Letter(Letter::Kind(kind)) => kinds.push(kind),
                 Symbol::Letter(Letter::Scattering(scattering)) => scatterings.push(scattering),
                 Symbol::Label(label) => labels.push(label),
@@ -295,7 +295,7 @@ impl Parser<'_> {
             (true, true, true) => self.fail(
                 start - 1,
                 "this list excludes nothing",
-                "name what is not meant, for example [^L], or write `.`",
+                "name the excluded symbols, for example [^L], or write `.`",
             ),
             _ => self.fail(
                 start - 1,

@@ -1,4 +1,4 @@
-//! Expressions against a matcher that knows no automata, on all short paths.
+//! Expressions against a matcher without automata, on all short paths.
 
 use super::event::{Event, Kind, Scattering};
 use super::{Alphabet, Automaton, Expression, Node};

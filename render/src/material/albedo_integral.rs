@@ -12,7 +12,7 @@ pub(super) fn reflected(ggx: &Ggx, wo: Vec3, h: Vec3) -> f32 {
     if wi.z > 0.0 { ggx.g2(wo, wi) / ggx.g1(wo) } else { 0.0 }
 }
 
-/// That of reflection and refraction.
+/// The albedo of reflection and refraction.
 pub(super) fn interface(ggx: &Ggx, wo: Vec3, h: Vec3, cos: f32, eta: f32) -> f32 {
     let (reflectance, cos_beyond) = fresnel::dielectric(cos, eta);
     let refracted = if reflectance < 1.0 {

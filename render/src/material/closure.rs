@@ -1,10 +1,10 @@
-//! The closure that inputs need, whichever it is.
+//! The closure for a material's inputs: an enum of all kinds.
 
 use glam::{Vec2, Vec3};
 
 use super::{Bsdf, Evaluation, Glossy, Inputs, Kind, Layered, Matte, Sample, Transmissive};
 
-/// A closure of any [`Kind`]. A loop over points of one kind is quicker with the closure of that kind.
+/// A closure of any [`Kind`]. A loop over points of one kind is faster with the closure of that kind.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "closures live on the stack for one bounce")]
 pub enum Closure {

@@ -106,7 +106,7 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Of a cosine, 0 to 1.
+    /// The node of a cosine, 0 to 1.
     #[inline]
     pub(super) fn new(cos: f32) -> Self {
         let x = cos.sqrt() * LAST;

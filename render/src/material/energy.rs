@@ -1,5 +1,5 @@
-//! Directional albedos of microfacet lobes, and from them what layers leave for those below, and what light gains that meets a
-//! second microfacet.
+//! Directional albedos of microfacet lobes, and from them the transmittance of layers, and the gain of light scattered
+//! by a second microfacet.
 //!
 //! The albedo of a lobe depends on the cosine `μ` of `wo`, on roughness and on the refractive index. Tables hold it for
 //! [`NODES`] cosines, [`ROUGHNESSES`] roughnesses and [`INDICES`] refractive indices. A [`Column`] of cosines is computed

@@ -26,7 +26,7 @@ const LOSS: f32 = 0.5 - 2.0 / (3.0 * PI);
 const MEAN: f32 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
 impl Eon {
-    /// Of roughness 0 to 1.
+    /// A closure with a roughness from 0 to 1.
     #[inline]
     pub(super) fn new(color: Vec3, roughness: f32) -> Self {
         let flat = 1.0 / (1.0 + LOSS * roughness);

@@ -30,7 +30,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// Of a material that has one.
+    /// The film of a material, if it has one.
     #[inline]
     pub(super) fn of(inputs: &Inputs) -> Option<Self> {
         let Inputs { thin_film_weight: weight, thin_film_thickness: thickness, thin_film_ior: ior, .. } = *inputs;
@@ -84,8 +84,8 @@ fn amplitudes(cos: f32, cos_beyond: f32, eta: f32) -> [f32; 2] {
     [(cos - eta * cos_beyond) / (cos + eta * cos_beyond), (eta * cos - cos_beyond) / (eta * cos + cos_beyond)]
 }
 
-/// Of light that is reflected as `cos(2π Δ/λ)` of its wavelength, the part that is seen: 1 for no path difference, which is
-/// in nanometres.
+/// The observer's response to light whose reflectance varies as `cos(2π Δ/λ)`: 1 for a path difference of 0. The path
+/// difference is in nanometres.
 fn sensitivity(difference: f32) -> Vec3 {
     // Fits to the CIE 1931 observer: the position and variance of each lobe in cycles by metre, and its height.
     const HEIGHT: [f32; 4] = [5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14];

@@ -1,4 +1,4 @@
-//! How much an interface reflects: Fresnel's equations, and what stands in for them.
+//! The reflectance of interfaces: Fresnel's equations, and approximations.
 //!
 //! `cos` is the cosine between a direction and the (micro)facet's normal, 0 to 1.
 

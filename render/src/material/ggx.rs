@@ -25,7 +25,7 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// By OpenPBR's roughness and anisotropy, 0 to 1.
+    /// The distribution by OpenPBR's roughness and anisotropy, 0 to 1.
     #[inline(always)]
     pub fn new(roughness: f32, anisotropy: f32) -> Self {
         let ratio = 1.0 - anisotropy;

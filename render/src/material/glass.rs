@@ -5,11 +5,11 @@
 //!
 //! `f = |wo·h| |wi·h| / (|wo_z| |wi_z|) n_i² (1 - F) G₂ D / d`.
 //!
-//! A microfacet is drawn first, and whether it reflects then with the probability of its own `F`: inside, some reflect all and others
-//! next to nothing.
+//! A microfacet is sampled first, then reflection with the probability of its own `F`: inside, some microfacets reflect
+//! everything and others next to nothing.
 //!
-//! A thin wall's two faces reflect `2F/(1 + F)`, all passages between them summed; what is left goes straight on, spread
-//! as the reflection is.
+//! A thin wall's two faces reflect `2F/(1 + F)`, all inner reflections summed; the rest is transmitted straight on,
+//! spread like the reflection.
 //!
 //! Light that microfacets scatter out of these lobes is in separable lobes on both sides (after Kulla and Conty 2017): with
 //! `K` what is lost at an angle, `K̄` its mean on a side, and `T` the mean transmittance from outside, light that is lost
@@ -45,7 +45,7 @@ pub(super) struct Glass {
     through_scale: f32,
 }
 
-/// What belongs to one side of the interface.
+/// The data of one side of the interface.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     index: f32,
@@ -120,7 +120,7 @@ fn turned(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
 }
 
-/// How likely a microfacet is to reflect that reflects and transmits so much.
+/// The probability of reflection for a microfacet with this reflectance and transmittance.
 #[inline]
 fn reflection_probability(reflected: Vec3, transmitted: Vec3) -> f32 {
     let [reflected, transmitted] = [reflected, transmitted].map(mean);
@@ -185,7 +185,7 @@ impl Glass {
         if cos_o <= 0.0 || cos_i <= 0.0 {
             return;
         }
-        // From both cosines, as one from the other is too rough beside total reflection.
+        // Computed from both cosines, as deriving one from the other is inaccurate near total reflection.
         let reflectance = fresnel::of_refraction(cos_o, cos_i, self.here.fresnel.eta);
         let cos_outside = if self.here.index > 1.0 { cos_i } else { cos_o };
         let reflected = self.covered(self.here.fresnel.stretch(reflectance), cos_outside.min(1.0));

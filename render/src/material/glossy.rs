@@ -1,17 +1,17 @@
 //! Metal, and a dielectric's reflection over diffuse reflection and transmission.
 //!
-//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both reflectances.
-//! Light that a metal's microfacets reflect to each other makes its lobe brighter by the [gain](energy::gain) of both
-//! directions, as far as the colour leaves it (Kulla and Conty 2017). Diffuse light gets what the dielectric leaves: with
-//! `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
+//! The microfacets of metal and dielectric are the same, so their reflections are one lobe with the mean of both
+//! reflectances. Multiple scattering between a metal's microfacets makes its lobe brighter by the [gain](energy::gain)
+//! of both directions, tinted by the colour (Kulla and Conty 2017). Diffuse reflection gets the light that the
+//! dielectric transmits: with `t(μ)` 1 less the albedo of its reflection and `t̄` the mean of `t`,
 //!
 //! `f = f_diffuse t(μ_o) t(μ_i) / t̄`,
 //!
-//! which is reciprocal and leaves nothing of a white furnace.
+//! which is reciprocal and passes a white furnace test.
 //!
-//! Deviations: what a dielectric's microfacets reflect to each other goes to the diffuse light below, as it is too little
-//! to be seen. Albedos of anisotropic microfacets are tabled as those of isotropic ones: right at normal incidence and
-//! halfway between the axes, and else off by some percent at grazing angles where anisotropy is strong.
+//! Deviations: multiple scattering between a dielectric's microfacets is added to the diffuse light below, as it is too
+//! little to be visible. Albedos of anisotropic microfacets are tabled as those of isotropic ones: exact at normal
+//! incidence and halfway between the axes, and otherwise off by a few percent at grazing angles with strong anisotropy.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -48,14 +48,14 @@ pub struct Glossy {
     lost_mean: f32,
 }
 
-/// A cosine between a direction and the microfacets that it sees, which stands for all of them where films are tabled.
+/// A cosine between a direction and the microfacets that it sees, which represents all of them where films are tabled.
 #[inline]
 fn typical_cos(cos: f32, alpha: f32) -> f32 {
     (cos + alpha) / (1.0 + alpha)
 }
 
 impl Glossy {
-    /// With another metalness than the inputs'.
+    /// A closure with another metalness than the inputs'.
     #[inline]
     pub fn with_metalness(inputs: &Inputs, metalness: f32) -> Self {
         let ggx = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy);
@@ -102,7 +102,7 @@ impl Glossy {
         self.through = mean(self.transmitted) / diffuse_energy.max(f32::MIN_POSITIVE);
     }
 
-    /// What needs no table.
+    /// The parts without table lookups.
     #[inline]
     pub(crate) fn reflection(&self) -> &Reflection {
         &self.reflection
@@ -115,7 +115,7 @@ impl Glossy {
         (self.below_at(cos, self.full.at(node), self.fresnel.at(node)), self.gain_at(node))
     }
 
-    /// What metal's lobe is multiplied by for a direction.
+    /// The factor on metal's lobe for a direction.
     #[inline]
     fn gain_at(&self, node: Node) -> f32 {
         if self.reflection.metalness > 0.0 { self.gain.at(node) } else { 1.0 }
@@ -185,7 +185,7 @@ impl Glossy {
         reflectance.lerp(over_dielectric.lerp(over_metal, *metalness), film.weight)
     }
 
-    /// What tables say of a direction with this cosine.
+    /// The tabled values of a direction with this cosine.
     #[inline]
     pub(crate) fn side(&self, cos: f32) -> Side {
         let node = Node::new(cos);
@@ -193,7 +193,7 @@ impl Glossy {
         self.side_by(cos, node, full, self.below_at(cos, full, fresnel))
     }
 
-    /// With the albedo of microfacets and `t(μ)` at this cosine.
+    /// The side by the albedo of microfacets and `t(μ)` at this cosine.
     #[inline]
     fn side_by(&self, cos: f32, node: Node, full: f32, below: f32) -> Side {
         let metalness = self.reflection.metalness;

@@ -1,13 +1,13 @@
 //! Fuzz over a clear coat over the rest.
 //!
-//! With `t(μ)` 1 less the albedo of what covers a lobe, a wide lobe below has the factor `t(μ_o) t(μ_i) / t̄`, as under a
-//! dielectric's own reflection, and a lobe about one direction `min(t(μ_o), t(μ_i))`, which is exact for a mirror. What the
-//! latter loses where a lobe is rough is scattered by a separable lobe. A coat's colour is absorbed along its slanted path,
-//! `color^(1/(2 cos θ_coat))` on the way in and on the way out.
+//! With `t(μ)` 1 less the albedo of what covers a lobe, a wide lobe below has the factor `t(μ_o) t(μ_i) / t̄`, as under
+//! a dielectric's own reflection, and a lobe about one direction `min(t(μ_o), t(μ_i))`, which is exact for a mirror.
+//! The energy that a rough lobe loses this way is scattered by a separable lobe. A coat's colour is absorbed along its
+//! slanted path, `color^(1/(2 cos θ_coat))` on the way in and on the way out.
 //!
-//! Seen from inside, glass has its coat and fuzz on the other side: they dim what goes through.
+//! Seen from inside, glass has its coat and fuzz on the other side: they attenuate transmitted light.
 //!
-//! A coat may have a normal of its own: then its lobe, and what it leaves for the base, go by angles about that.
+//! A coat may have a normal of its own: then its lobe, and its transmittance to the base, use angles about that normal.
 //!
 //! Deviation: light that a coat reflects back into glass is lost.
 
@@ -41,7 +41,7 @@ pub struct Layered {
     under_fuzz: Column,
     below: Column,
     below_mean: f32,
-    /// What lobes about one direction lose, its mean, and the colour that they scatter it with.
+    /// The energy that lobes about one direction lose, its mean, and the colour of its scattering.
     lost: Column,
     lost_scale: Vec3,
     /// What is chosen of the lost light and of the base, under a cover that leaves all.
@@ -111,7 +111,7 @@ impl Layered {
         Shares { fuzz: fuzz / sum, coat: coat / sum, lost: lost / sum, base: base / sum }
     }
 
-    /// What the coat lets through on one way.
+    /// The transmittance of the coat in one direction.
     #[inline]
     fn absorbed(&self, cos: f32) -> Vec3 {
         if self.coat_color == Vec3::ONE {
@@ -270,7 +270,7 @@ impl Lobes for Layered {
         Some(choice)
     }
 
-    /// That of the base as if light came back at the angle of `wo`.
+    /// The base's albedo, as if light came back at the angle of `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let base = Lobes::albedo(&self.base, wo);
         if !self.is_outside {

@@ -1,5 +1,5 @@
-//! How closures of several lobes sample: one lobe is chosen by the energy it is expected to scatter at this angle, and the
-//! direction that it gives is weighed with all lobes and their densities. Delta functions stay by themselves.
+//! Sampling of closures with several lobes: one lobe is chosen by its expected energy at this angle, and its direction
+//! is weighted with all lobes and their densities. Delta functions are kept separate.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -30,25 +30,25 @@ impl Parts {
     }
 }
 
-/// What a lobe was sampled to.
+/// A sample of a lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     /// Unit vector.
     pub(super) wi: Vec3,
-    /// Which lobe it was.
+    /// The lobe.
     pub(super) event: Event,
-    /// Of a delta function: its value by the probability with which it was chosen.
+    /// For a delta function: its value divided by the probability of its choice.
     pub(super) delta: Option<Vec3>,
 }
 
 impl Choice {
-    /// Of a lobe with a density.
+    /// A sample of a lobe with a density.
     #[inline]
     pub(super) fn new(wi: Vec3, event: Event) -> Self {
         Self { wi, event, delta: None }
     }
 
-    /// Of a delta function on this side.
+    /// A sample of a delta function on this side.
     #[inline]
     pub(super) fn delta(wi: Vec3, weight: Vec3, side: Event) -> Self {
         Self { wi, event: Event::SPECULAR | side, delta: Some(weight) }
@@ -113,7 +113,7 @@ impl<T: Lobes> Bsdf for T {
     }
 }
 
-/// How much energy a colour stands for when lobes are chosen.
+/// The energy of a colour in the choice of lobes.
 #[inline]
 pub(super) fn mean(color: Vec3) -> f32 {
     (color.x + color.y + color.z) * (1.0 / 3.0)

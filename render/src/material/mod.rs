@@ -1,9 +1,9 @@
-//! What a surface does with light at one point: the closures of materials.
+//! Scattering of light at a surface point: the closures (BSDFs) of materials.
 //!
 //! A material's inputs at a point, after textures, are [`Inputs`]. A [`Closure`] is made from them for one path and one
-//! bounce, and answers what integrators ask: [`eval`](Bsdf::eval), how much light is scattered from one direction to
-//! another, and how densely is it sampled? [`sample`](Bsdf::sample), where does a path go on, and with what weight?
-//! [`albedo`](Bsdf::albedo), how much is scattered in all? There is no scene, no texture and no ray in this module.
+//! bounce, with three functions for integrators: [`eval`](Bsdf::eval) gives the value and the density for two
+//! directions, [`sample`](Bsdf::sample) a next direction with its weight, and [`albedo`](Bsdf::albedo) the total
+//! reflectance. There is no scene, no texture and no ray in this module.
 //!
 //! Directions are unit vectors in the shading frame and point away from the surface: z is the shading normal on the side
 //! of `wo` (so `wo.z > 0`), x the tangent along which anisotropic highlights are shortest or longest, and y completes
@@ -11,33 +11,31 @@
 //!
 //! # Mirrors without a special case
 //!
-//! Shirley, who wrote his path tracer on the blackboard in 1998, found one line in it "amazingly ugly": emission counts
-//! at depth 0 only, as later surfaces get it by sampling the lights, unless the ray comes from a mirror. "Pete hopes
-//! there's a clean way to do this. A mirror is direct lighting with a delta function involved". There is one, and it is
-//! just that sentence taken at its word. A delta function's density *is* infinite where it is not zero:
+//! A path tracer usually counts emission at depth 0 or after a mirror only, as other surfaces get it by sampling the
+//! lights. Here no such case is needed, as the density of a delta function *is* infinite where it is not zero:
 //!
 //! - `sample` gives a mirror's direction with the density `∞`;
-//! - `eval` gives what the delta function is anywhere else: no light, density 0;
-//! - whoever can find light in two ways weights each by its density, and `∞` beats every light.
+//! - `eval` gives no light and the density 0, the delta function's value anywhere else;
+//! - multiple importance sampling weights each technique by its density, and `∞` exceeds that of every light.
 //!
-//! So light that a mirror shows counts in full, and light that was sampled at the mirror not at all, by the same
-//! arithmetic as for any other surface; and depth 0 is no exception either, for the camera's ray came from a pinhole,
-//! which is one more delta function. No integrator here asks whether a surface is a mirror. A microfacet lobe is a delta
-//! function where both of its α are below [`DELTA_ALPHA`].
+//! So light that a mirror reflects has the weight 1, and light that was sampled at the mirror the weight 0, by the same
+//! arithmetic as at any other surface. Depth 0 is no exception: a pinhole camera is one more delta function. No
+//! integrator tests whether a surface is a mirror. A microfacet lobe is a delta function where both of its α are below
+//! [`DELTA_ALPHA`].
 //!
 //! # Basic radiance
 //!
-//! What paths carry is basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which
-//! grows by the square of the refractive index on the way in and shrinks by it on the way out. Both are the same in
-//! air, so the scale need not be lost to rounding and found again; a camera inside of glass shows `L/n²`. Weights are
-//! then the same for radiance and importance. With `n` the refractive index on the side of each direction,
+//! Paths carry basic radiance, `L/n²`, which refraction does not change (Nicodemus 1963), instead of `L`, which grows
+//! by the square of the refractive index on the way in and shrinks by it on the way out. Both are equal in air, and
+//! basic radiance needs no rescaling at interfaces; a camera inside of glass shows `L/n²`. Weights are then the same
+//! for radiance and importance. With `n` the refractive index on the side of each direction,
 //!
 //! `f(wo, wi) / n(wi)² = f(wi, wo) / n(wo)²`.
 //!
 //! # Deviations
 //!
-//! Layers do not widen what lies below them, and a coat does not darken its base by reflecting light back to it.
-//! Scattering between microfacets keeps no direction: it is a separable lobe (Kulla and Conty 2017).
+//! Layers do not widen the lobes below them, and a coat does not darken its base by reflecting light back to it.
+//! Multiple scattering between microfacets is a separable lobe (Kulla and Conty 2017).
 
 use glam::{Vec2, Vec3};
 
@@ -108,7 +106,7 @@ pub struct Inputs {
     pub specular_ior: f32,
     /// The part of the dielectric that is glass instead of opaque, 0 to 1.
     pub transmission_weight: f32,
-    /// What light that goes through the surface is multiplied by, 0 to 1.
+    /// The tint of transmitted light, 0 to 1.
     pub transmission_color: Vec3,
     /// Whether the surface is a sheet without an inside: light goes straight through, and `is_inside` has no meaning.
     pub thin_walled: bool,
@@ -119,23 +117,23 @@ pub struct Inputs {
     pub diffuse_transmission_weight: f32,
     /// Albedo of diffuse transmission, 0 to 1.
     pub diffuse_transmission_color: Vec3,
-    /// How much of the surface the clear coat covers, 0 to 1.
+    /// The coverage of the clear coat, 0 to 1.
     pub coat_weight: f32,
-    /// What light at normal incidence is multiplied by that crosses the coat in and out, 0 to 1.
+    /// The tint of light that crosses the coat in and out at normal incidence, 0 to 1.
     pub coat_color: Vec3,
     /// Roughness of the coat, 0 to 1.
     pub coat_roughness: f32,
     /// Refractive index of the coat, 1 and above.
     pub coat_ior: f32,
-    /// Normal of the coat: a unit vector in the shading frame, on the side of whoever looks. OpenPBR's `geometry_coat_normal`.
+    /// Normal of the coat: a unit vector in the shading frame, on the viewer's side. OpenPBR's `geometry_coat_normal`.
     pub coat_normal: Vec3,
-    /// How much of the surface fuzz (sheen) covers, 0 to 1.
+    /// The coverage of fuzz (sheen), 0 to 1.
     pub fuzz_weight: f32,
     /// Albedo of the fuzz, 0 to 1.
     pub fuzz_color: Vec3,
     /// Roughness of the fuzz, 0 to 1.
     pub fuzz_roughness: f32,
-    /// How much of the base, under the coat, is covered by a thin film, 0 to 1.
+    /// The coverage of the base by a thin film, under the coat, 0 to 1.
     pub thin_film_weight: f32,
     /// Thickness of the film in nanometres, 0 and above.
     pub thin_film_thickness: f32,
@@ -188,7 +186,7 @@ pub enum Kind {
     Matte,
     /// Metal, and a reflection over rough diffuse reflection.
     Glossy,
-    /// What light goes through: glass, thin walls, diffuse transmission.
+    /// Transmissive materials: glass, thin walls, diffuse transmission.
     Transmissive,
     /// Whatever has a coat, fuzz or a thin film.
     Layered,
@@ -213,7 +211,7 @@ impl Kind {
     }
 }
 
-/// What happened to a sampled path: one lobe, and one side.
+/// The event of a sampled path: one lobe, and one side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Event(u8);
 
@@ -245,7 +243,7 @@ impl std::ops::BitOr for Event {
     }
 }
 
-/// What [`Bsdf::eval`] gives for a pair of directions, without delta functions.
+/// The result of [`Bsdf::eval`] for a pair of directions, without delta functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evaluation {
     /// `f(wo, wi) |cos θi|`, by which basic radiance from `wi` is multiplied.
@@ -256,12 +254,12 @@ pub struct Evaluation {
     pub reverse_density: f32,
 }
 
-/// What [`Bsdf::sample`] gives: how a path goes on.
+/// The result of [`Bsdf::sample`]: the continuation of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Unit vector, in the shading frame.
     pub wi: Vec3,
-    /// What the path's throughput is multiplied by: `f |cos θi| / density`.
+    /// The factor on the path's throughput: `f |cos θi| / density`.
     pub weight: Vec3,
     /// Density per solid angle of `wi`; infinite for a delta function.
     pub density: f32,
@@ -275,7 +273,7 @@ pub trait Bsdf {
     /// geometric normal.
     fn new(inputs: &Inputs, is_inside: bool) -> Self;
 
-    /// What is scattered from `wi` to `wo`; `wo.z > 0`, `wi` on either side.
+    /// The value for light from `wi` to `wo`; `wo.z > 0`, `wi` on either side.
     fn eval(&self, wo: Vec3, wi: Vec3) -> Evaluation;
 
     /// The part of [`eval`](Self::eval)'s `f |cos θi|` that rough reflections and refractions have; the others are wide.
@@ -283,14 +281,14 @@ pub trait Bsdf {
         Vec3::ZERO
     }
 
-    /// A direction in which a path goes on; `None` if it is absorbed, which happens too where a microfacet's reflection
-    /// points below the horizon. `u` is in [0, 1)².
+    /// The next direction of a path; `None` if it is absorbed, which happens too where a microfacet's reflection points
+    /// below the horizon. `u` is in [0, 1)².
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample>;
 
     /// The part of uniform light around the surface that reaches `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3;
 
-    /// That of diffuse reflection alone, as dimmed by the layers above it.
+    /// The albedo of diffuse reflection alone, as attenuated by the layers above it.
     fn diffuse_albedo(&self, wo: Vec3) -> Vec3;
 
     /// Whether light from behind the surface is scattered to `wo`, delta functions left aside.

@@ -1,7 +1,8 @@
-//! Reflection by microfacets over diffuse reflection, as far as no table is needed: what is the same for a
-//! [`Glossy`](super::Glossy) closure and for many of them side by side.
+//! Reflection by microfacets over diffuse reflection, without table lookups: the code shared by one
+//! [`Glossy`](super::Glossy) closure and by many in lanes.
 //!
-//! No function here has a branch, so that loops over them become lanes. What tables say of a direction is a [`Side`].
+//! No function here has a branch, so that loops over them are vectorised. The tabled values for a direction are a
+//! [`Side`].
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -29,7 +30,7 @@ pub(crate) struct Reflection {
     pub(super) multiple: Vec3,
 }
 
-/// What tables say of a direction.
+/// The tabled values of a direction.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Side {

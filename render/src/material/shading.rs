@@ -1,9 +1,9 @@
 //! Shading normals: a closure at a point whose shading normal is not the surface's own.
 //!
-//! A shading normal that `wo` sees from behind is mirrored at the plane that `wo` is normal to: of real bumps it sees the other
-//! slopes, few of them at grazing angles. A direction that a closure samples on its side of the shading normal but on the
-//! other side of the surface is mirrored at the surface; so a closure that loses no energy about its own normal loses none
-//! about any. Two directions may then lead to one, and [`Shading::eval`] adds both.
+//! A shading normal that `wo` sees from behind is mirrored at the plane that `wo` is normal to: on real bumps the other
+//! slopes are visible, few of them at grazing angles. A direction that a closure samples on its side of the shading
+//! normal but on the other side of the surface is mirrored at the surface; so an energy-conserving closure stays so
+//! about any shading normal. Two directions may then lead to one, and [`Shading::eval`] adds both.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
@@ -51,7 +51,7 @@ impl Shading {
         Self { frame, geometric }
     }
 
-    /// Of a frame whose normal is bent already.
+    /// The shading of a frame whose normal is already corrected.
     #[inline(always)]
     pub(crate) fn of(frame: Frame, geometric: Vec3) -> Self {
         Self { frame, geometric }

@@ -8,8 +8,8 @@
 //! It is chosen over the Charlie distribution, which `KHR_materials_sheen` describes, as it is bounded, has a known albedo,
 //! and is what Blender and OpenPBR use.
 //!
-//! Deviation: ρ is a fit to something reciprocal but is not quite so itself; here `f = (ρ(wo, wi) + ρ(wi, wo)) / 2`.
-//! Its albedo is tabled anew.
+//! Deviation: ρ is a fit to a reciprocal function, but is not exactly reciprocal itself; here `f = (ρ(wo, wi) + ρ(wi,
+//! wo)) / 2`. Its albedo is tabled anew.
 
 use std::array;
 use std::f32::consts::PI;
@@ -30,7 +30,7 @@ pub(super) struct Sheen {
     pub(super) albedo: Column,
 }
 
-/// What depends on one direction.
+/// The terms of one direction.
 #[derive(Clone, Copy)]
 struct Lobe {
     albedo: f32,

@@ -1,4 +1,4 @@
-//! Glass, mixed with what else a surface is made of: see [`Glass`] and [`Glossy`].
+//! Glass mixed with other reflection: see [`Glass`] and [`Glossy`].
 
 use glam::{Vec2, Vec3};
 
@@ -24,7 +24,7 @@ pub(super) struct Energy {
     /// About one direction, by angle, and its tint, of what is not glass.
     pub(super) glossy: Column,
     pub(super) tint: Vec3,
-    /// By wide lobes, by angle, in any unit but 0.
+    /// The energy of wide lobes by angle, in any unit but 0.
     pub(super) wide: Column,
 }
 

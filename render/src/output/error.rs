@@ -1,4 +1,4 @@
-//! What is wrong with a picture's file, and what would be right.
+//! Errors of picture files, with remedies.
 
 use std::fmt;
 use std::io;
@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 pub struct OutputError {
     /// The picture's file.
     pub file: PathBuf,
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 

@@ -2,7 +2,7 @@
 //! below the picture.
 //!
 //! The legend's right end is the 99th percentile, rounded up to 1, 2 or 5 times a power of ten: a few pixels of extreme
-//! cost would leave all others dark. What is above has the last colour.
+//! cost would leave all others dark. Values above have the last colour.
 
 /// sRGB codes at equal distances.
 const COLORS: [[u8; 3]; 8] = [

@@ -1,7 +1,7 @@
-//! Writing a file so that nothing is ever half written, and knowing beforehand that it will work.
+//! Atomic writing of files, and a check beforehand that it will succeed.
 //!
-//! The bytes go to a temporary file in the same folder, which then takes the file's name in one step (`rename`). Who
-//! looks at the file sees the old picture or the new one; a failure leaves the old one and no trace of the new.
+//! The bytes go to a temporary file in the same folder, which then takes the file's name in one step (`rename`).
+//! Readers see the old picture or the new one; a failure leaves the old one and no temporary file.
 
 use std::fs;
 use std::io::{self, Write as _};
@@ -45,7 +45,7 @@ impl OutputFile {
     /// Removes the file, if it is there.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn remove(&self) -> Result<(), OutputError> {
         match fs::remove_file(&self.target) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::unwritable(&self.path, &error)),
@@ -120,7 +120,7 @@ impl OutputFile {
     }
 }
 
-/// The error without the temporary file's path, which nobody has named.
+/// The error without the temporary file's path.
 fn without_path(error: &io::Error) -> io::Error {
     let text = error.to_string();
     io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())

@@ -13,7 +13,7 @@ use super::{EncodedMap, Map, OutputError};
 
 /// The greatest number that is written; the format has room for a little more.
 const MAX: f32 = 8.0e37;
-/// What is darker than this is black.
+/// Darker values are black.
 const MIN: f32 = 1.0e-36;
 
 /// The bytes of a Radiance picture; `path` is for messages.

@@ -1,4 +1,4 @@
-//! Reports for people: one HTML file that needs no other, with its style inside and pictures as data URIs.
+//! HTML reports in a single file, with embedded style and pictures as data URIs.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,7 +15,7 @@ background:#fafafa;color:#222}table{border-collapse:collapse}td,th{padding:.2em 
 border-bottom:1px solid #ddd}td{font-variant-numeric:tabular-nums}.page{display:flex;flex-wrap:wrap;gap:1em}\
 figure{margin:0;width:min(380px,100%)}figure.wide{width:100%}img{width:100%;image-rendering:pixelated;display:block}\
 figcaption{font-size:13px}.scale{height:8px;margin-top:4px}.warning{color:#a40}";
-/// What has no value.
+/// An attribute without a value.
 const OUTSIDE: [u8; 3] = [24, 24, 28];
 
 /// A report that is being written.
@@ -23,7 +23,7 @@ pub(crate) struct Html(String);
 
 /// A picture in a report, row by row from the top.
 pub(crate) struct Plane<'a> {
-    /// For errors.
+    /// The name for errors.
     pub name: &'a str,
     /// Pixels across, at least 1.
     pub width: u32,

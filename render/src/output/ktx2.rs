@@ -1,4 +1,5 @@
-//! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): what Bevy wants of lightmaps, cube maps and irradiance volumes.
+//! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): Bevy's format for lightmaps, cube maps and irradiance
+//! volumes.
 //!
 //! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and the
 //! texels, smallest level first; nothing is compressed. A level holds its layers or faces (+X, -X, +Y, -Y, +Z, -Z) one after
@@ -35,7 +36,7 @@ pub struct Texture<'a> {
     pub is_signed: bool,
 }
 
-/// What a texture is.
+/// The kind of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// A picture: width and height.
@@ -71,7 +72,7 @@ impl Shape {
         }
     }
 
-    /// Where texels begin and go on: right, down, and for volumes inwards.
+    /// The orientation of texels: right, down, and for volumes inwards.
     fn orientation(self) -> &'static str {
         if matches!(self, Self::Volume(_)) { "rdi" } else { "rd" }
     }
@@ -161,7 +162,7 @@ fn descriptor() -> [u32; 23] {
     for (sample, (words, channel)) in (0..).zip(descriptor[7..].chunks_exact_mut(4).zip(CHANNELS)) {
         let (offset, length_less_one) = (16 * sample, 15);
         words[0] = (FLOAT_SIGNED | channel) << 24 | length_less_one << 16 | offset;
-        // Position 0; what stands for -1 and 1.
+        // Position 0; the values for -1 and 1.
         (words[2], words[3]) = ((-1.0_f32).to_bits(), 1.0_f32.to_bits());
     }
     descriptor

@@ -1,6 +1,6 @@
-//! Pictures as files: OpenEXR for numbers, PNG for looking at, and for lightmaps what engines read.
+//! Pictures as files: OpenEXR, PNG, and the lightmap formats of engines.
 //!
-//! A picture is encoded in memory first and then put in its place in one step, so that a file on disk is always whole.
+//! A picture is encoded in memory first and then written atomically, so that a file on disk is always complete.
 //!
 //! An OpenEXR file also holds the metadata, by pbrt's and the standard's names: `samplesPerPixel` (int),
 //! `renderTimeSeconds` (float; 0 if the environment variable `SOURCE_DATE_EPOCH` is set, so that equal renders give
@@ -41,7 +41,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the extension of `path` stands for, in capitals or not.
+    /// The format of `path`'s extension, case-insensitive.
     ///
     /// # Errors
     /// If there is no extension or an unknown one.
@@ -64,7 +64,7 @@ impl Format {
 /// Checks before a render that [`write()`] will find a format it knows and a place where it can write.
 ///
 /// # Errors
-/// Those of [`Format::from_path`] and [`OutputFile::check`].
+/// The errors of [`Format::from_path`] and [`OutputFile::check`].
 pub fn check(path: &Path) -> Result<(), OutputError> {
     Format::from_path(path)?;
     OutputFile::check(path)?;
@@ -74,7 +74,7 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
 /// Writes `picture` in the format of the path's extension; `tone_mapping` matters to PNG alone.
 ///
 /// # Errors
-/// Those of [`check`]; a picture whose channels do not fit its size or cannot be stored; what the operating system
+/// The errors of [`check`]; a picture whose channels do not fit its size or cannot be stored; what the operating system
 /// reports. After any of them the file is as it was before.
 pub fn write(path: &Path, picture: &Picture, tone_mapping: &ToneMapping) -> Result<(), OutputError> {
     let format = Format::from_path(path)?;

@@ -1,4 +1,4 @@
-//! PNG for looking at: 8 bits per channel, sRGB, marked as such by an `sRGB` chunk; with alpha if the picture has it.
+//! PNG for display: 8 bits per channel, sRGB, marked as such by an `sRGB` chunk; with alpha if the picture has it.
 
 use std::path::Path;
 

@@ -13,12 +13,12 @@ use crate::film::LUMINANCE;
 /// Above this, a channel is as good as infinite: every curve shows it at full strength, and its arithmetic stays finite.
 const BRIGHTEST: f32 = 1e30;
 
-/// How radiance becomes brightness on a screen.
+/// The mapping of radiance to brightness on a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToneMapping {
     /// Exposure in stops: the picture is brightened by two to this power before the curve. Finite.
     pub exposure: f32,
-    /// What happens to what is brighter than the screen.
+    /// The treatment of values brighter than the screen.
     pub curve: ToneCurve,
 }
 

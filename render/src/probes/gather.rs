@@ -1,9 +1,9 @@
-//! What a probe receives from all directions: harmonics of radiance, and irradiance along the axes.
+//! The light at a probe: harmonics of radiance, and irradiance along the axes.
 //!
-//! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to
-//! back, whose cosines are divided out. All else, the rest of the sky too, is found by paths along the directions of a
-//! [`Quadrature`] that is turned at random, so that noise has no pattern from probe to probe, and light without fine
-//! detail has none at all. The sensors aim at lit triangles besides.
+//! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to back,
+//! whose cosines are divided out. All other light, the rest of the sky included, is found by paths along the directions
+//! of a randomly rotated [`Quadrature`], so that noise has no pattern from probe to probe, and light without fine
+//! detail has no noise. The sensors sample lit triangles as secondary lights too.
 
 use std::f32::consts::PI;
 use std::slice;
@@ -24,7 +24,7 @@ const TURN_SET: u32 = 0;
 /// Rays that are traced together, at most.
 const BATCH: usize = 2048;
 
-/// What arrives at a point, linear sRGB.
+/// The incident light at a point, linear sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeLight {
     /// Coefficients of radiance, W/(m² sr), in the order and with the signs of [`harmonics`](super::harmonics).
@@ -41,7 +41,7 @@ impl ProbeLight {
     }
 }
 
-/// Sums of fluxes, each times what a light's fifteen numbers say of its direction.
+/// Sums of fluxes, each times the fifteen numbers of a light's direction.
 #[derive(Default)]
 struct Sums {
     normal: Vec3,

@@ -1,4 +1,4 @@
-//! Light probes: what arrives from all directions at points in space, on a grid or wherever they are listed.
+//! Light probes: incident light from all directions at points in space, on a grid or in a list.
 
 mod gather;
 mod grid;
@@ -22,7 +22,7 @@ use crate::world::World;
 use gather::ProbeGatherer;
 use quadrature::Quadrature;
 
-/// How light is estimated.
+/// The estimator of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Directions of a probe in which paths look for what surfaces reflect, and the sky; about, and at least 18.
@@ -36,13 +36,13 @@ pub struct Options {
 /// A probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
-    /// Where the light was found.
+    /// The position where the light was computed.
     pub position: Vec3,
     /// Whether the place is as good as any.
     pub state: State,
     /// The part of all directions in which the backs of surfaces are seen there, from 0 to 1.
     pub backs: f32,
-    /// What arrives.
+    /// The incident light.
     pub light: ProbeLight,
 }
 
@@ -51,11 +51,12 @@ pub struct Probe {
 pub enum State {
     /// It is.
     Free,
-    /// Its place on the grid was inside of something, and it stands beside it.
+    /// The probe's place on the grid was inside a solid, and it has been moved outside.
     Moved,
     /// All of its cell is inside of something, and its light is that of its neighbours.
     Filled,
-    /// It is inside of something: on a grid nothing is free, and its light is none; a listed point has what is seen there.
+    /// The probe is inside a solid: on a grid without free points its light is zero; a listed point has the light found
+    /// there.
     Covered,
 }
 
@@ -70,8 +71,8 @@ pub struct Probes {
     pub rays: u64,
 }
 
-/// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher says stop. They depend on
-/// the world, the grid and the options alone.
+/// Probes of a grid, in its order, on the threads of the current rayon pool; `None` if the watcher stops. They depend
+/// on the world, the grid and the options alone.
 pub fn on_grid(world: &World, grid: &ProbeGrid, options: &Options, watch: &dyn Watch) -> Option<Probes> {
     let mut probes = place::probes(world, grid, watch)?;
     let rays = gather(world, &mut probes, |probe| probe.state != State::Covered, options, watch)?;

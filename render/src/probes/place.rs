@@ -1,9 +1,9 @@
-//! Where probes may be: not inside of walls and other bodies, whose backs they would see.
+//! Valid positions of probes: outside of walls and other bodies.
 //!
-//! A probe more than a quarter of whose directions end on the back of a surface is covered. (Surfaces that are meant to be
-//! seen from both sides have no back, and glass is no body.) On a grid it is moved to the nearest free point of its own cell.
-//! If there is none it is *filled*: it gets the mean of its neighbours that are free or were filled before, by the inverse
-//! square of their distance, from the nearest to ever farther. So what a covered point sees never mixes in.
+//! A probe more than a quarter of whose directions end on the back of a surface is covered. (Surfaces that are meant to
+//! be seen from both sides have no back, and glass is no body.) On a grid it is moved to the nearest free point of its
+//! own cell. If there is none it is *filled*: it gets the mean of its neighbours that are free or already filled,
+//! weighted by the inverse square of their distance, nearest first. So light at covered points is never used.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -17,19 +17,19 @@ use crate::world::{Hit, World};
 
 /// A point is covered if it sees more backs than this part of all directions.
 const BACKS: f32 = 0.25;
-/// Rings of directions that tell.
+/// Rings of directions for the test.
 const RINGS: u32 = 8;
-/// Free points of a cell are sought on a grid of so many by so many by so many.
+/// The side of the grid on which free points of a cell are sought.
 const CANDIDATES: i32 = 5;
 /// How far from the middle of its cell a probe is moved at most, in cells.
 const REACH: f32 = 0.4;
 
-/// Whether what sees so many backs is covered.
+/// Whether a point that sees this many backs is covered.
 pub(super) fn is_covered(backs: f32) -> bool {
     backs > BACKS
 }
 
-/// The part of all directions in which each point sees the back of something; `None` if the watcher says stop.
+/// The part of all directions in which each point sees the back of something; `None` if the watcher stops.
 pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option<Vec<f32>> {
     let sphere: Vec<(Vec3, f32)> =
         Quadrature::new(RINGS).points().map(|(direction, weight)| (direction.as_vec3(), weight as f32)).collect();
@@ -48,7 +48,7 @@ pub(super) fn backs(world: &World, points: &[Vec3], watch: &dyn Watch) -> Option
     points.par_iter().map(share).collect()
 }
 
-/// Probes of a grid, moved where they would be covered; `None` if the watcher says stop. Their light is yet to be found.
+/// Probes of a grid, moved where they would be covered; `None` if the watcher stops. Their light is yet to be found.
 pub(super) fn probes(world: &World, grid: &ProbeGrid, watch: &dyn Watch) -> Option<Vec<Probe>> {
     let middles: Vec<Vec3> = grid.positions().collect();
     let seen = backs(world, &middles, watch)?;

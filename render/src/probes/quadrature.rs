@@ -14,12 +14,12 @@ pub(super) struct Quadrature {
 }
 
 impl Quadrature {
-    /// With this many rings, at least 1.
+    /// A quadrature with this many rings, at least 1.
     pub(super) fn new(rings: u32) -> Self {
         Self { rings: (0..rings).map(|ring| node(ring, rings)).collect() }
     }
 
-    /// With about this many directions, at least those that the second degree needs.
+    /// A quadrature with about this many directions, at least as many as the second degree needs.
     pub(super) fn with_directions(directions: u32) -> Self {
         Self::new(((f64::from(directions) / 2.0).sqrt().round() as u32).max(3))
     }

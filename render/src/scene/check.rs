@@ -1,10 +1,10 @@
-//! Whether a scene that was made in memory is whole: numbers name what exists, and lists are as long as they have to be.
+//! Checks a scene built in memory: indices are in range, and lists have the right lengths.
 
 use thiserror::Error;
 
 use super::{Mesh, Scene};
 
-/// What is wrong with a [`Scene`].
+/// Errors of a [`Scene`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SceneFault {
@@ -13,9 +13,9 @@ pub enum SceneFault {
     Dangling {
         /// Whose number it is.
         owner: &'static str,
-        /// Which one of those.
+        /// The index.
         number: usize,
-        /// What it should name.
+        /// The kind of its target.
         what: &'static str,
         /// The number.
         index: usize,
@@ -49,7 +49,7 @@ pub enum SceneFault {
     Length {
         /// The mesh's number.
         mesh: usize,
-        /// What is in the list.
+        /// The contents of the list.
         what: &'static str,
         /// How many.
         count: usize,

@@ -6,11 +6,11 @@
 //! that from the sun, and the letters linear in turbidity.
 //!
 //! # Deviations
-//! - Radiance is luminance over 683 lm/W: as much as green light of that luminance has.
-//! - The sun is an even disc of half a degree, without limb darkening, which the camera itself does not see and mirrors show. Its
-//!   colour is white, dimmed by air and haze (the paper's Rayleigh and Ångström terms) at one wavelength a channel;
-//!   ozone, other gases and vapour, which take a few percent, are left out.
-//! - Below the horizon is nothing.
+//! - Radiance is luminance over 683 lm/W: that of green light of the same luminance.
+//! - The sun is an even disc of half a degree, without limb darkening, invisible to the camera itself but visible in
+//!   mirrors. Its colour is white, dimmed by air and haze (the paper's Rayleigh and Ångström terms) at one wavelength a
+//!   channel; ozone, other gases and vapour, which take a few percent, are left out.
+//! - The sky is black below the horizon.
 
 mod hosek;
 
@@ -30,7 +30,7 @@ pub struct Daylight {
     pub turbidity: f32,
 }
 
-/// How the sky's light is spread.
+/// The distribution of the sky's light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DaylightModel {
     /// Preetham, Shirley and Smits 1999.
@@ -47,7 +47,7 @@ impl DaylightModel {
 
 /// Texels around the sky and down to its bottom.
 const SIZE: [u32; 2] = [512, 256];
-/// From kcd/m² to W/(m² sr).
+/// The factor from kcd/m² to W/(m² sr).
 const RADIANCE: f64 = 1000.0 / 683.0;
 /// Illuminance of the sun outside of the air, klx.
 const SUN: f64 = 127.5;

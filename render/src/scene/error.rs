@@ -1,4 +1,4 @@
-//! What is wrong with an input file: the file, the place in it, the problem, and what would be right.
+//! Errors of input files: the file, the place in it, the problem, and the remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 pub struct SceneError {
     /// The file that is wrong.
     pub file: PathBuf,
-    /// Where in the file.
+    /// The place in the file.
     pub place: Place,
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 

@@ -1,4 +1,4 @@
-//! Where a model and the files that it names are kept: on disk, or wherever a program has them.
+//! The source of a model's files: the disk, or a program's memory.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -43,7 +43,7 @@ impl<'f> Recorded<'f> {
         Self { files, read: RefCell::default() }
     }
 
-    /// Those that were read, in their order.
+    /// The paths of the files that were read, in order.
     pub(super) fn into_paths(self) -> Vec<PathBuf> {
         self.read.into_inner()
     }

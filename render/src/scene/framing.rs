@@ -1,7 +1,8 @@
-//! A camera for a scene that brings none.
+//! A camera for a scene without one.
 //!
-//! In a closed room it stands inside, where it sees farthest towards the middle: a camera outside would see walls. A room is
-//! closed if from places all over it nearly all rays meet the front of a surface; from inside of a statue they meet backs. Anything else is seen from outside:
+//! In a closed room it is inside, where it sees farthest towards the middle: a camera outside would see walls. A room
+//! is closed if nearly all rays from positions all over it hit the front of a surface; inside a statue they hit backs.
+//! Other scenes are viewed from outside:
 //!
 //! It looks at the middle of the bounds from 30° to the right of the front and 20° above, from the distance at which
 //! the sphere around the bounds just fits into the narrower field of view: `distance = radius / sin(angle / 2)`. The
@@ -54,7 +55,8 @@ const INSIDE_VFOV: f32 = 60.0;
 const PLACES: [f32; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 const EYE_HEIGHT: f32 = 0.55;
 
-/// The pose inside of a closed room, looking at its middle; `None` if the scene is none. `vfov` as in [`frame`].
+/// The pose inside of a closed room, looking at its middle; `None` if the scene is not a closed room. `vfov` as in
+/// [`frame`].
 pub(super) fn frame_inside(scene: &Scene, up: Vec3, vfov: Option<f32>) -> Option<CameraPose> {
     let (lower, upper) = scene.bounds()?;
     let triangles: Vec<Triangle> = scene

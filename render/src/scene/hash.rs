@@ -1,4 +1,4 @@
-//! A hash of a scene: FNV-1a, 64 bits (Fowler, Noll and Vo), over the bits of all that a picture depends on.
+//! A hash of a scene: FNV-1a, 64 bits (Fowler, Noll and Vo), over the bits of all inputs of a picture.
 
 use glam::{Affine2, Vec2, Vec3};
 

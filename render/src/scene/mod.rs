@@ -1,4 +1,4 @@
-//! Scenes: what they are made of, and the files they are read from.
+//! Scenes: their description, and readers of their files.
 
 mod builtin;
 mod check;

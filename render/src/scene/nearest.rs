@@ -1,4 +1,4 @@
-//! "Did you mean": the known word that a misspelt one is nearest to.
+//! "Did you mean": the known word nearest to a misspelt one.
 
 /// The entry of `known` nearest to `word` by Damerau and Levenshtein's distance, if it is near: at most a third of the
 /// word's letters, and at least one, may differ.

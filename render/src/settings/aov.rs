@@ -8,7 +8,7 @@ use crate::lpe::Expression;
 pub struct Aov {
     /// Its channels are called `name.R`, `name.G` and `name.B`.
     pub name: String,
-    /// Which paths.
+    /// The expression of the paths.
     pub expression: Expression,
 }
 
@@ -47,7 +47,7 @@ impl Aov {
     /// `NAME=EXPRESSION`.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new), and if it has no `=`.
+    /// The errors of [`new`](Self::new), and if it has no `=`.
     pub fn parse(text: &str) -> Result<Self, Invalid> {
         let Some((name, expression)) = text.split_once('=') else {
             return Err(Invalid::new(

@@ -1,23 +1,23 @@
 //! The options of the irradiance cache.
 
-/// What the `cached` integrator and the commands about caches depend on.
+/// The options of the `cached` integrator and of the cache commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CachedOptions {
-    /// How much a record may be wrong where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
+    /// The allowed error of a record where it is used, more than 0 and at most [`MAX_CACHE_ERROR`](Self::MAX_ERROR):
     /// Ward's `a` for the split-sphere metrics, and the fourth root of the relative error for the Hessian one, so that
     /// all radii are proportional to it.
     pub error: f32,
-    /// Which gradients records are extrapolated by.
+    /// The gradients by which records are extrapolated.
     pub gradients: Gradients,
-    /// How far a record reaches.
+    /// The metric of a record's radius.
     pub metric: Metric,
-    /// How a record's hemisphere is divided.
+    /// The layout of a record's hemisphere.
     pub layout: GatherLayout,
     /// Rays of a record, about, [`MIN_RAYS`](Self::MIN_RAYS) to [`MAX_RAYS`](Self::MAX_RAYS): the nearest number that
     /// the layout can have.
     pub rays: u32,
-    /// How many times light is reflected on its way to a record: `None` for without end, by paths, which for many records
-    /// end in another cache; else each bounce has a cache of its own.
+    /// The number of reflections before a record: `None` for unlimited, by paths, which for many records end in another
+    /// cache; else each bounce has a cache of its own.
     pub bounces: Option<u32>,
     /// The root mean square error that irradiance may have, relative to its mean over all points, more than 0 and at most
     /// [`MAX_ACCURACY`](Self::MAX_ACCURACY). Then `error` and `rays` are chosen for the scene; `None` takes them as they
@@ -25,21 +25,21 @@ pub struct CachedOptions {
     pub accuracy: Option<f32>,
 }
 
-/// Which gradients records are extrapolated by.
+/// The gradients by which records are extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gradients {
     /// None: a record's irradiance is that of all around it.
     Off,
-    /// By the change with the normal.
+    /// Rotational gradients.
     Rotation,
-    /// By the change with the normal and with the position.
+    /// Rotational and translational gradients.
     Both,
 }
 
-/// How far a record reaches, and how its weight falls.
+/// The metric of a record's radius and weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
-    /// The harmonic mean distance of what the record sees, and Ward's weight (Ward, Rubinstein and Clear 1988).
+    /// The harmonic mean distance of the record's surroundings, and Ward's weight (Ward, Rubinstein and Clear 1988).
     SplitSphere,
     /// The same, bounded by the gradient and by the size of a pixel, and a linear weight (Tabellion and Lamorlette 2004).
     Bounded,
@@ -47,7 +47,7 @@ pub enum Metric {
     Hessian,
 }
 
-/// How a record's hemisphere is divided.
+/// The layout of a record's hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GatherLayout {
     /// Rings and sectors of equal weight, a random direction in each cell.
@@ -61,7 +61,7 @@ impl CachedOptions {
     pub const MAX_ERROR: f32 = 1.0;
     /// The least accuracy that can be asked for.
     pub const MAX_ACCURACY: f32 = 0.5;
-    /// The fewest rays with which gradients can be told.
+    /// The fewest rays for gradients.
     pub const MIN_RAYS: u32 = 12;
     /// The most rays of a record.
     pub const MAX_RAYS: u32 = 1 << 20;

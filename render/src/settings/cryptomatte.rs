@@ -1,6 +1,6 @@
-//! Which Cryptomatte layers a picture has.
+//! The Cryptomatte layers of a picture.
 
-/// What a Cryptomatte tells apart.
+/// The names that a Cryptomatte distinguishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatteKind {
     /// Objects, by their names in the model.
@@ -33,9 +33,9 @@ impl MatteKind {
 /// The Cryptomatte layers of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cryptomatte {
-    /// What is told apart, each once.
+    /// The kinds of names, each once.
     pub kinds: Vec<MatteKind>,
-    /// How many names a pixel of the picture has at most: those that cover most of it. A film has all.
+    /// The most names of a pixel of the picture, by coverage. A film has all.
     pub levels: u32,
 }
 

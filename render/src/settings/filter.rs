@@ -41,9 +41,9 @@ pub enum Filter {
 /// A filter that cannot be used: what is wrong, and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct FilterError {
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 
@@ -63,7 +63,7 @@ impl Filter {
     /// The names that [`Filter::from_name`] knows.
     pub const NAMES: [&'static str; 4] = ["box", "tent", "gaussian", "mitchell"];
 
-    /// The widest filter that is allowed, in pixels. Anything near it is a mistake: it blurs the picture away.
+    /// The widest filter that is allowed, in pixels. Larger widths would blur the picture away.
     pub const MAX_WIDTH: f32 = 64.0;
 
     /// The filter called `name`, with its own width (box 1, tent 2, Gaussian 3, Mitchell 4) and sharpness (2/3) unless

@@ -1,8 +1,8 @@
-//! Which integrator runs, and with what options.
+//! The integrator and its options.
 
 use super::{CachedOptions, Invalid};
 
-/// What is computed for each camera ray, with its options; [`named`](Self::named) gives each with its defaults.
+/// The integrator with its options; [`named`](Self::named) gives each with its defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Integrator {
     /// Global illumination by path tracing.
@@ -17,10 +17,10 @@ pub enum Integrator {
     Ao(AoOptions),
     /// The surfaces' colours, without any shading.
     Flat,
-    /// What path tracing with these options costs in each pixel: nodes and blocks of the tree visited by a sample's
+    /// The cost of path tracing with these options in each pixel: nodes and blocks of the tree visited by a sample's
     /// rays, on average.
     Heat(PathOptions),
-    /// Which light path tracing samples at the first surface, each in a colour of its own.
+    /// The lights that path tracing samples at the first surface, each in its own colour.
     HeatLights,
     /// Shading normals as colours.
     Normals,
@@ -28,38 +28,37 @@ pub enum Integrator {
     Albedo,
 }
 
-/// How paths are traced.
+/// The options of path tracing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathOptions {
     /// The greatest number of surface hits on a path, camera's included, at least 1: 1 shows emitters alone, 2 adds
     /// direct light.
     pub max_depth: u32,
-    /// How the light that a surface receives is found.
+    /// The sampling of the light that a surface receives.
     pub lights: LightSampling,
-    /// What ends a path before [`max_depth`](Self::max_depth).
+    /// The stopping rule before [`max_depth`](Self::max_depth).
     pub stop: Stop,
     /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
     /// brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
-    /// Path guiding: the number of paths, 1024 to 8,388,608, from which it is learned before the picture where paths had better
-    /// go on; `None` to go on by closures alone. It pays where light comes through a gap; the picture's mean does not
-    /// depend on it.
+    /// Path guiding: the number of paths, 1024 to 8,388,608, for training before the picture; `None` to sample closures
+    /// alone. It pays where light enters through a narrow opening; the picture's mean does not depend on it.
     pub guide: Option<u32>,
 }
 
-/// How light is found that more than one technique could find. Delta lights are always sampled, mirror
-/// images of lights are always found by bounces.
+/// The technique for light that several techniques can find. Delta lights are always sampled; lights in mirrors are
+/// always found by bounces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSampling {
-    /// By bounces that happen to hit it: Shirley's first program.
+    /// Bounces hit lights by chance.
     Naive,
-    /// By sampling the lights at each surface.
+    /// Light samples at each surface.
     Direct,
     /// Both ways, weighted by the power heuristic (Veach 1997).
     Mis,
 }
 
-/// What ends a path.
+/// The stopping rule of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stop {
     /// Its length alone.
@@ -68,45 +67,45 @@ pub enum Stop {
     Threshold {
         /// Throughput in 0..=1.
         cutoff: f32,
-        /// Whether what is left out is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
+        /// Whether the lost light is replaced by an estimate: the scene's mean radiance, attenuated as the path is.
         add_back: bool,
     },
-    /// Chance, without bias: those that go on weigh more.
+    /// Russian roulette, without bias: survivors have a greater weight.
     Roulette {
-        /// Surfaces from which paths always go on.
+        /// Surfaces before roulette starts.
         after: u32,
         /// The probability of going on afterwards.
         survival: Survival,
     },
 }
 
-/// The probability that a path goes on.
+/// The survival probability of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Survival {
     /// Always the same, more than 0 and at most 1.
     Constant(f32),
-    /// The largest channel of what is left of the path's light.
+    /// The largest channel of the path's throughput.
     Throughput {
         /// The greatest probability, more than 0 and at most 1.
         max: f32,
     },
 }
 
-/// How the exponential estimator gathers.
+/// The options of the exponential estimator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarloOptions {
     /// Bounces of indirect light; 0 is direct light alone.
     pub bounces: u32,
     /// Rays that each surface on the way gathers with, at least 1.
     pub rays: u32,
-    /// How their directions are chosen.
+    /// The sampling of their directions.
     pub sampling: HemisphereSampling,
-    /// What follows the last of the bounces: nothing, or one ray a surface as long as roulette with this survival lets
-    /// it go on, which leaves nothing out.
+    /// The continuation after the last bounce: nothing, or one ray a surface with Russian roulette of this survival,
+    /// which is unbiased.
     pub tail: Option<Survival>,
 }
 
-/// How directions of a hemisphere are chosen.
+/// The sampling of a hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HemisphereSampling {
     /// With equal density.
@@ -130,17 +129,17 @@ pub struct DirectOptions {
 /// Options of ambient occlusion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AoOptions {
-    /// What a ray counts that hits something.
+    /// The value of a ray that hits something.
     pub weighting: AoWeighting,
     /// The distance from which on hits do not occlude, in the scene's units; `None` for the diagonal of its bounds.
     pub max_distance: Option<f32>,
     /// Rays for each camera ray, at least 1.
     pub rays: u32,
-    /// How their directions are chosen.
+    /// The sampling of their directions.
     pub sampling: HemisphereSampling,
 }
 
-/// What an occlusion ray counts.
+/// The value of an occlusion ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AoWeighting {
     /// 1 if it hits nothing, else 0.

@@ -1,4 +1,4 @@
-//! What a render depends on besides the scene. Two renders with equal scene and settings are equal byte for byte.
+//! The settings of a render. Two renders with equal scene and settings are equal byte for byte.
 
 mod aov;
 mod cached;
@@ -30,24 +30,25 @@ pub struct Settings {
     pub height: u32,
     /// The pixel filter.
     pub filter: Filter,
-    /// What is computed.
+    /// The integrator.
     pub integrator: Integrator,
     /// Samples per pixel, at least 1.
     pub spp: u32,
-    /// Where the random numbers come from.
+    /// The sampler of random numbers.
     pub sampler: Pattern,
     /// Selects the random numbers.
     pub seed: u64,
-    /// How much time to spend on the tree; the picture does not depend on it.
+    /// The quality of the tree; the picture does not depend on it.
     pub build: Quality,
     /// Whether the picture has channels of the first surface (AOVs) and of the variance too.
     pub aov: bool,
-    /// Whether these are of what mirrors and clear glass show, as denoisers need it, instead of the first surface.
+    /// Whether these hold the surfaces seen through mirrors and clear glass, as denoisers need, instead of the first
+    /// surface.
     pub aov_through: bool,
-    /// Whether the picture has the means of two halves of its samples too, `HalfA` and `HalfB`, from which denoisers learn
-    /// how far off it is.
+    /// Whether the picture also has the means of two halves of its samples, `HalfA` and `HalfB`, from which denoisers
+    /// estimate its error.
     pub halves: bool,
-    /// Which masks of names the picture has.
+    /// The Cryptomatte layers of the picture.
     pub cryptomatte: Cryptomatte,
     /// Light by light path expressions, each in channels of its own, with different names. The integrator must be `path`.
     pub aovs: Vec<Aov>,
@@ -64,33 +65,33 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// An estimate of the bytes that a pixel takes until it is written: sums of 128 bits, then channels of 32, twice.
 pub const BYTES_PER_PIXEL: u64 = 4 * 16 + 3 * 4 * 2;
 
-/// What a pixel takes on top of that with AOVs.
+/// The additional bytes of a pixel with AOVs.
 pub const AOV_BYTES_PER_PIXEL: u64 = 17 * 16 + 5 * 4 + 24 * 4 * 2;
 
-/// What a pixel takes on top of that with halves.
+/// The additional bytes of a pixel with halves.
 pub const HALVES_BYTES_PER_PIXEL: u64 = 4 * 16 + 6 * 4 * 2;
 
-/// What a pixel takes on top of that with a light path expression.
+/// The additional bytes of a pixel with a light path expression.
 const LPE_BYTES_PER_PIXEL: u64 = 3 * 16 + 3 * 4 * 2;
 
-/// What a pixel takes on top of that with a Cryptomatte layer: lists of two names, and two channels for each level.
+/// The additional bytes of a pixel with a Cryptomatte layer: lists of two names, and two channels for each level.
 fn matte_bytes_per_pixel(cryptomatte: &Cryptomatte) -> u64 {
     let layer = 24 + 2 * 32 + u64::from(cryptomatte.levels) * 2 * 4 * 2;
     cryptomatte.kinds.len() as u64 * layer
 }
 
-/// Settings that do not go together, or a camera that sees nothing.
+/// Settings that conflict, or a camera without a view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{problem}\n  help: {remedy}")]
 pub struct Invalid {
-    /// What is wrong, as a sentence without a capital or a full stop.
+    /// The problem, as a sentence without a capital or a full stop.
     pub problem: String,
-    /// What would be right, likewise.
+    /// The remedy, likewise.
     pub remedy: String,
 }
 
 impl Invalid {
-    /// What is wrong, and what would be right.
+    /// The problem and the remedy.
     pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { problem: problem.into(), remedy: remedy.into() }
     }

@@ -42,10 +42,10 @@ impl Shard {
         of.saturating_sub(self.number as usize).div_ceil(self.count as usize)
     }
 
-    /// Which shards are there, twice, or not at all.
+    /// Counts of present, duplicate and missing shards.
     ///
     /// # Errors
-    /// What is wrong with shards that have these names: they must be all of one number of shards, each once.
+    /// The error of shards with these names: they must have the same number of shards, each once.
     pub(crate) fn check_all(shards: &[(String, Self)]) -> Result<(), super::Invalid> {
         let Some((first, Self { count, .. })) = shards.first() else { return Ok(()) };
         let remedy = "name all shards of one number, each once";

@@ -1,4 +1,4 @@
-//! How fast errors fall with the number of samples: the exponent `e` of `error ∝ n^e`.
+//! Convergence of errors with the number of samples: the exponent `e` of `error ∝ n^e`.
 //!
 //! Independent samples have -1/2. Where the integrand is one inside of a smooth border and zero outside, as for
 //! occlusion, `n` strata in two dimensions leave errors in the `√n` of them that the border crosses: -3/4, for jittered
@@ -149,7 +149,7 @@ fn errors(
         let side = runner.share(48).max(24);
         let runs = runner.render(world, Settings { width: side, height: side, ..settings(n) })?;
         let error = root_mean_square_error(&runs.values, exact) / exact;
-        // That of the root of a sum of squares of normal numbers.
+        // The uncertainty of the root of a sum of squares of normal numbers.
         let uncertainty = error / (2.0 * runs.values.len() as f64).sqrt();
         points.push(Point { x: n.into(), y: error, error: uncertainty });
     }

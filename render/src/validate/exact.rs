@@ -1,6 +1,6 @@
-//! Closed forms: what the experiments' scenes are worth.
+//! Closed forms for the experiments' scenes.
 //!
-//! Emitters have radiance `L = 1` unless it says otherwise, so that irradiance is π times a form factor.
+//! Emitters have radiance `L = 1` unless stated otherwise, so that irradiance is π times a form factor.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -22,11 +22,11 @@ pub(crate) fn furnace(emission: f64, reflectance: f64) -> f64 {
     emission / (1.0 - reflectance)
 }
 
-/// Variance of one path in the room if every surface lets it go on with probability `p`, and finds no light but by
-/// bouncing: `L_e² [(1+ρ) / ((1-ρ)(1-ρ²/p)) - 1/(1-ρ)²]`; infinite up to `p = ρ²`.
+/// Variance of one path in the room if it survives each surface with probability `p`, and finds light only by bounces:
+/// `L_e² [(1+ρ) / ((1-ρ)(1-ρ²/p)) - 1/(1-ρ)²]`; infinite up to `p = ρ²`.
 ///
-/// A path's value is `X = L_e + (B/p) ρ X'`, with `B` one if it goes on and `X'` distributed like `X`. So
-/// `E X² = L_e² + 2 ρ L_e E X + ρ²/p E X²`, which has a solution for `p > ρ²` alone.
+/// A path's value is `X = L_e + (B/p) ρ X'`, with `B` one if it survives and `X'` distributed like `X`. So `E X² =
+/// L_e² + 2 ρ L_e E X + ρ²/p E X²`, which has a solution for `p > ρ²` alone.
 pub(crate) fn roulette_variance(emission: f64, reflectance: f64, p: f64) -> f64 {
     let (rho, squares) = (reflectance, 1.0 - reflectance * reflectance / p);
     if squares <= 0.0 {

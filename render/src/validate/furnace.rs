@@ -1,5 +1,5 @@
-//! Closed rooms that glow: all surfaces emit `L_e` and reflect `ρ`, so radiance is `L_e / (1 - ρ)` everywhere, whatever
-//! the room's shape (the test that Driscoll took from "Physically Based Rendering").
+//! Furnaces, closed rooms: all surfaces emit `L_e` and reflect `ρ`, so radiance is `L_e / (1 - ρ)` everywhere, whatever
+//! the room's shape (a test from "Physically Based Rendering").
 
 use glam::Vec3;
 use halfdome_kernel::sampling::Pattern;

@@ -87,7 +87,7 @@ struct Profile {
     /// The vertical axis' label and its end.
     y: (&'static str, f64),
     scene: fn() -> Scene,
-    /// What radiance is multiplied by.
+    /// The factor on radiance.
     factor: f64,
     estimators: &'static [Estimator],
     exact: fn(f64) -> f64,
@@ -317,7 +317,7 @@ fn concentric_spheres(runner: &Runner) -> Result<Outcome, Interrupted> {
 mod tests {
     use super::*;
 
-    /// What the facets that a place sees are worth, by Lambert's formula, against the sphere that they stand for.
+    /// The irradiance of the visible facets by Lambert's formula, relative to that of the sphere that they approximate.
     #[test]
     fn facets_are_worth_as_much_as_their_sphere() {
         let triangles = moved(&sphere(LEVEL, 0.5), Vec3::Y);

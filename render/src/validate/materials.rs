@@ -1,4 +1,4 @@
-//! White furnace: what reflects or lets through all light is invisible under a sky that is the same everywhere.
+//! White furnace: a surface that scatters all light is invisible under a constant sky.
 
 use glam::{Vec3, vec3};
 
@@ -45,7 +45,7 @@ pub(super) const FAMILY: Family = Family {
     ],
 };
 
-/// The mean over pictures by each way to find light. No path is ended by chance: facets of glass hold some light for
+/// The mean over pictures by each sampling of lights. Without Russian roulette: facets of glass hold some light for
 /// hundreds of reflections, and roulette with a survival of less than one has a variance without bounds there.
 fn furnace(runner: &Runner, solid: &[Corners], material: &Material) -> Result<Outcome, Interrupted> {
     let mut furnace = scene([(solid, material.clone())], view(vec3(0.9, 1.6, 1.2), Vec3::ZERO));

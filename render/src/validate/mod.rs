@@ -30,7 +30,7 @@ use statistics::Sample;
 pub(crate) struct Family {
     /// One word.
     pub name: &'static str,
-    /// What they show, as a sentence without a full stop.
+    /// The subject, as a sentence without a full stop.
     pub about: &'static str,
     /// In the order in which they run.
     pub experiments: &'static [Experiment],
@@ -40,23 +40,23 @@ pub(crate) struct Family {
 pub(crate) struct Experiment {
     /// Unique, in kebab-case.
     pub name: &'static str,
-    /// What is measured, as a sentence without a full stop.
+    /// The measured quantity, as a sentence without a full stop.
     pub about: &'static str,
     run: fn(&Runner) -> Result<Outcome, Interrupted>,
 }
 
-/// What an experiment found.
+/// The result of an experiment.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {
-    /// What `measured` is.
+    /// The meaning of `measured`.
     pub quantity: String,
     /// The number found.
     pub measured: f64,
     /// The number that it should be.
     pub expected: f64,
-    /// By how much it may differ.
+    /// The allowed difference.
     pub tolerance: f64,
-    /// What was measured on the way.
+    /// Intermediate measurements.
     pub figure: Option<Figure>,
 }
 

@@ -1,4 +1,4 @@
-//! What experiments found, as lines for people and for programs.
+//! Reports of experiments, as text and as JSON.
 
 use std::fmt::Write as _;
 

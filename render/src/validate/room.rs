@@ -1,5 +1,5 @@
-//! A furnished room: a table with chairs, a shelf of books, a sofa, a ball, and a lamp of which most light goes to the
-//! ceiling, so that what surfaces reflect is most of the light. In metres, y up.
+//! A furnished room: a table with chairs, a shelf of books, a sofa, a ball, and a lamp that mostly lights the ceiling,
+//! so that most light is indirect. In metres, y up.
 
 use glam::{Vec3, vec3};
 

@@ -1,4 +1,4 @@
-//! Where experiments are made: renders whose pixels are independent runs.
+//! Runs experiments: renders whose pixels are independent runs.
 
 use std::cell::Cell;
 
@@ -8,7 +8,7 @@ use crate::settings::Settings;
 use crate::watch::Watch;
 use crate::world::World;
 
-/// How much is measured.
+/// The amount of measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
     /// An eighth of the runs, or of the samples, to see whether all is well.
@@ -30,7 +30,7 @@ pub(crate) struct Runner<'a> {
     renders: Cell<u64>,
 }
 
-/// What a render gave.
+/// The result of a render.
 pub(super) struct Runs {
     /// Radiance, one value a pixel.
     pub values: Vec<f64>,
@@ -57,7 +57,7 @@ impl<'a> Runner<'a> {
         self.seed
     }
 
-    /// Who watches, and may stop an experiment.
+    /// The watcher, which may stop an experiment.
     pub(super) fn watch(&self) -> &'a dyn Watch {
         self.watch
     }

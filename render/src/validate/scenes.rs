@@ -1,4 +1,4 @@
-//! What the experiments' scenes are made of. All are grey.
+//! Parts of the experiments' scenes. All are grey.
 
 use glam::{DVec3, Vec3};
 

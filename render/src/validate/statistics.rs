@@ -1,4 +1,4 @@
-//! What values say of the quantity that they scatter about: means, variances and power laws, each with its uncertainty.
+//! Statistics: means, variances and power laws, each with its uncertainty.
 
 /// Two or more independent values of one quantity, summed up.
 #[derive(Clone, Copy, Debug, PartialEq)]

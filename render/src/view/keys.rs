@@ -1,4 +1,4 @@
-//! Keys and mouse: what they do, and what help says of them.
+//! Keys and mouse: their commands and help texts.
 
 use super::session::{Command, Page};
 
@@ -10,20 +10,20 @@ const STOPS: f32 = 0.5;
 /// Lines of a page of text.
 const PAGE: isize = 20;
 
-/// A key or what one does with the mouse, and what that is for.
+/// Keys and mouse actions, with their effects.
 pub const HELP: [(&str, &str); 19] = [
     ("drag", "orbit"),
     ("right drag, shift drag", "move across the view"),
     ("wheel, +, -", "closer, farther away"),
     ("arrows", "orbit; with shift move"),
-    ("click", "what is there, and its paths"),
-    ("f", "look at what was picked"),
+    ("click", "pick: object, light paths"),
+    ("f", "look at the picked point"),
     ("0, Home", "the first camera"),
     ("s", "save the camera"),
     ("a, A", "next, previous AOV"),
     ("], [", "half a stop brighter, darker"),
     ("t", "next tone curve"),
-    ("r", "exposure, tone as at first"),
+    ("r", "initial exposure and tone"),
     ("m", "twice as many samples"),
     ("o", "the scene's tree"),
     ("h, ?", "this help"),
@@ -33,7 +33,7 @@ pub const HELP: [(&str, &str); 19] = [
     ("q, Escape", "quit"),
 ];
 
-/// What a key does: a character, or a name as in the `key` of a browser's events. `shift` is held or not.
+/// The command of a key: a character, or a name as in the `key` of a browser's events. `shift` is held or not.
 pub fn command(key: &str, shift: bool) -> Option<Command> {
     let turn = |right: f64, up: f64| match shift {
         true => Command::Pan(STEP * right, STEP * up),

@@ -1,8 +1,8 @@
-//! What of a picture is shown, and how its numbers become colours.
+//! The layer that is shown, and the mapping of its values to colours.
 //!
-//! Light is shown as PNG files show it, by their own code. Of what is no light, vectors are shown by the usual
-//! half-and-half (`(n + 1) / 2`), positions by their place in the scene's box, motion by halves of the longest, counts and depths by false colours up to their
-//! 99th percentile, and ids each by a colour of its own.
+//! Radiance is shown as in PNG files, by the same code. Vectors are shown as `(n + 1) / 2`, positions relative to the
+//! scene's box, motion vectors `v` with the longest `m` as `(v / m + 1) / 2`, counts and depths by false colours up to
+//! their 99th percentile, and ids by distinct colours.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use crate::output::false_color;
 use crate::settings::Settings;
 use crate::world::World;
 
-/// Of which depth on nothing was hit; nothing measured is as far.
+/// The depth from which on nothing was hit; no measured depth is as large.
 const NOTHING: f32 = 1e9;
 /// sRGB codes of what has no value.
 const EMPTY: [u8; 3] = [24; 3];
@@ -22,7 +22,7 @@ const EMPTY: [u8; 3] = [24; 3];
 /// A layer: channels that are shown together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layer {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// Its channels: three, or one; and alpha with the picture itself.
     pub channels: Vec<String>,

@@ -1,8 +1,9 @@
-//! A scene to look around in while it is rendered: what `halfdome view` shows, without its window.
+//! The viewer of `halfdome view`, without its window.
 //!
-//! A [`Session`] has a scene, a camera and what is shown of it. [`Command`]s change these; pictures grow from coarse to fine
-//! on other threads (`renderer.rs`), and are those of [`driver::render`](crate::driver::render()). A window draws
-//! [`Session::codes`] and [`Session::text`], here done by `screen.rs`, and makes commands of keys ([`command`]).
+//! A [`Session`] has a scene, a camera and the state of the display. [`Command`]s change these; pictures grow from
+//! coarse to fine on other threads (`renderer.rs`), and are those of [`driver::render`](crate::driver::render()). A
+//! window draws [`Session::codes`] and [`Session::text`], here done by `screen.rs`, and turns keys into commands
+//! ([`command`]).
 
 mod keys;
 mod layer;

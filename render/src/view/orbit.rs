@@ -1,7 +1,8 @@
 //! A camera that goes around its target, as in the browser's page (`embed/web/page/orbit.js`).
 //!
-//! With `n` for the up vector and `o` for the way from the target to the eye, `o = d (cos e · a + sin e · n)`, where `d` is
-//! the distance, `e` the elevation and `a` a unit vector across `n`. Orbiting turns `a` about `n` and changes `e`.
+//! With `n` for the up vector and `o` for the vector from the target to the eye, `o = d (cos e · a + sin e · n)`, where
+//! `d` is the distance, `e` the elevation and `a` a unit vector across `n`. Orbiting turns `a` about `n` and changes
+//! `e`.
 
 use glam::{DVec3, Vec3};
 
@@ -36,7 +37,7 @@ pub fn orbit(pose: CameraPose, azimuth: f64, elevation: f64) -> CameraPose {
     CameraPose { eye: (pose.target.as_dvec3() + offset).as_vec3(), ..pose }
 }
 
-/// The pose at `factor` times the distance from the target, within what a scene of this diagonal is worth looking at from.
+/// The pose at `factor` times the distance from the target, within the useful range for a scene of this diagonal.
 pub fn zoom(pose: CameraPose, factor: f64, diagonal: f32) -> CameraPose {
     let from = pose.eye.as_dvec3() - pose.target.as_dvec3();
     let (distance, diagonal) = (from.length(), f64::from(diagonal));
@@ -54,7 +55,7 @@ pub fn pan(pose: CameraPose, right: f64, up: f64) -> CameraPose {
     CameraPose { eye: moved(pose.eye), target: moved(pose.target), ..pose }
 }
 
-/// The pose turned where it stands to look at a point; as it is if the point is at the eye, or straight above or below.
+/// The pose rotated in place to look at a point; as it is if the point is at the eye, or straight above or below.
 pub fn look_at(pose: CameraPose, point: Vec3) -> CameraPose {
     let turned = CameraPose { target: point, ..pose };
     let ahead = (point.as_dvec3() - pose.eye.as_dvec3()).normalize_or_zero();
@@ -108,7 +109,7 @@ mod tests {
     fn aiming_keeps_the_picture() {
         let pose = CameraPose { target: Vec3::new(0.0, 0.0, 3.0), ..POSE };
         assert_close(aim(pose, (Vec3::splat(-1.0), Vec3::splat(1.0))).target, Vec3::ZERO);
-        // What is behind is not looked at.
+        // Points behind are ignored.
         let behind = (Vec3::splat(8.0), Vec3::splat(9.0));
         assert_eq!(aim(pose, behind), pose);
     }

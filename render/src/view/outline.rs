@@ -1,4 +1,4 @@
-//! The scene's tree: what is in it, by the names that masks and light path expressions know.
+//! The scene's tree: its contents, with the names of masks and light path expressions.
 
 use glam::Vec3;
 
@@ -7,9 +7,9 @@ use crate::scene::{Material, Mesh, Projection, PunctualLight, Scene, count};
 /// A line of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutlineLine {
-    /// How deep it is.
+    /// The depth.
     pub depth: usize,
-    /// What it says.
+    /// The text.
     pub text: String,
     /// The name of the object that it is, as [`PickedSurface::object`](super::PickedSurface::object) has it.
     pub object: Option<String>,

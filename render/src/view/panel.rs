@@ -12,12 +12,12 @@ use crate::settings::Settings;
 
 /// Characters of a line.
 pub const COLUMNS: usize = 54;
-/// Where values stand.
+/// The column of values.
 const LABEL: usize = 10;
 /// Paths of less light than this part of their sample's are summed up.
 const LITTLE: f32 = 0.005;
 
-/// How a line looks.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// Of a part.
@@ -26,16 +26,16 @@ pub enum Style {
     Text,
     /// Of less weight.
     Faint,
-    /// What was picked.
+    /// The picked surface.
     Chosen,
 }
 
 /// A line, of at most [`COLUMNS`] characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// What it says.
+    /// The text.
     pub text: String,
-    /// How it looks.
+    /// The style.
     pub style: Style,
 }
 

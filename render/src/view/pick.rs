@@ -1,4 +1,4 @@
-//! What a pixel shows: the first surface on the ray through its middle, and where its light comes from.
+//! Picking: the first surface on the ray through a pixel's middle, and the pixel's light paths.
 
 use glam::Vec3;
 
@@ -11,12 +11,12 @@ use crate::world::{Hit, World};
 /// Samples whose paths are listed.
 const SAMPLES: u32 = 8;
 
-/// What a pixel shows.
+/// The contents of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pick {
     /// Its column and its row, from the top left.
     pub pixel: (u32, u32),
-    /// What its middle shows; `None` for the sky.
+    /// The surface at its middle; `None` for the sky.
     pub surface: Option<PickedSurface>,
     /// The paths of its last samples, or why they are not known.
     pub history: Result<Vec<SampleHistory>, String>,
@@ -37,7 +37,7 @@ pub struct PickedSurface {
     pub normal: Vec3,
     /// Unit normal by vertices and maps.
     pub shading_normal: Vec3,
-    /// From where the ray begins, in the scene's units.
+    /// The distance from the ray's origin, in the scene's units.
     pub distance: f32,
 }
 

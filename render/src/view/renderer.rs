@@ -1,8 +1,8 @@
-//! Renders what is looked at, on threads of its own: from coarse to fine, then wave by wave, as `halfdome render` does.
+//! Renders the view on its own threads: from coarse to fine, then wave by wave, like `halfdome render`.
 //!
 //! A thread waits for orders and hands them to the driver, so that pictures are those of [`driver::render_plan`]. A new
-//! order makes it give up the picture at hand; one that differs only in its number of samples goes on with the film. Frames
-//! have the channels that are shown alone, for a film with all AOVs has dozens.
+//! order ends the current picture; one that differs only in its number of samples continues the film. Frames only have
+//! the shown channels, as a film with all AOVs has dozens.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -24,10 +24,10 @@ pub const COARSEST: u32 = 32;
 const SELDOM: Duration = Duration::from_millis(700);
 const OFTEN: Duration = Duration::from_millis(40);
 
-/// What a picture is to be of.
+/// An order for a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Order {
-    /// Where from.
+    /// The camera.
     pub pose: CameraPose,
     /// All else.
     pub settings: Settings,
@@ -56,7 +56,7 @@ pub(super) struct Renderer {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What both sides know.
+/// The shared state of both sides.
 struct Shared {
     world: RwLock<World>,
     desk: Mutex<Desk>,
@@ -79,7 +79,7 @@ struct Desk {
 }
 
 impl Renderer {
-    /// With nothing to do yet. `notify` is called when there is a new frame, from another thread.
+    /// A renderer without an order. `notify` is called when there is a new frame, from another thread.
     ///
     /// # Panics
     /// If the system has no thread left.
@@ -148,7 +148,7 @@ impl Drop for Renderer {
     }
 }
 
-/// A film that nobody works on.
+/// A film that no thread works on.
 struct Kept {
     number: u64,
     order: Order,
@@ -186,7 +186,7 @@ impl Shared {
                     self.desk().error = Some(error.to_string());
                     (self.notify)();
                 }
-                // Of a picture that was given up some pixels may have no samples.
+                // In a picture that was given up some pixels may have no samples.
                 Ok(render) if render.finished || render.film.samples().start > 0 => {
                     let rays = watch.rays.into_inner();
                     let new = Kept { number, order, film: render.film, rays, finished: render.finished };

@@ -1,8 +1,8 @@
 //! Saves a camera into a scene file: its own, or a new one beside a model.
 //!
-//! All else that a scene file says stays as it is, comments included. A model is never written. Of a camera that the file
-//! does not have yet, what makes its pictures is written besides the pose: `eye` and `target` together make a new camera,
-//! which has nothing of the model's.
+//! The rest of a scene file stays unchanged, comments included. A model is never overwritten. If the file has no camera
+//! yet, the optics are written with the pose: `eye` and `target` together make a new camera, which inherits nothing
+//! from the model's.
 
 use std::path::{Path, PathBuf};
 

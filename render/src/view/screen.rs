@@ -1,7 +1,7 @@
-//! Draws the picture and the text beside it into pixels, as one buffer for whatever shows it.
+//! Draws the picture and the text beside it into one pixel buffer.
 //!
-//! The picture fills its part of the window as far as its shape allows: by the nearest pixel where it is enlarged, so that one
-//! sees the renderer's own, and by the mean of all pixels below where it is made smaller.
+//! The picture fills its part of the window as far as its shape allows: by the nearest pixel where it is enlarged, so
+//! that the renderer's pixels are visible, and by the mean of all covered pixels where it is reduced.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
@@ -9,7 +9,7 @@ use super::{COLUMNS, Line, Style};
 
 /// Pixels around text.
 const MARGIN: usize = 14;
-/// From line to line.
+/// The distance between lines.
 const ROW: usize = 18;
 const BACKGROUND: [u8; 3] = [24; 3];
 const PANEL: [u8; 3] = [34, 36, 40];
@@ -21,7 +21,7 @@ pub struct Screen {
     pixels: Vec<[u8; 3]>,
 }
 
-/// Where the picture is in a window.
+/// The position of the picture in a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     left: f64,
@@ -46,7 +46,7 @@ impl Screen {
         &self.pixels
     }
 
-    /// The width of what is left of the text for the picture, if the text is shown.
+    /// The width of the picture left of the text, if the text is shown.
     pub fn picture_width(width: usize, has_panel: bool) -> usize {
         if has_panel { width.saturating_sub(panel_width()) } else { width }
     }

@@ -1,5 +1,5 @@
-//! What one looks at, and what commands do to it. It knows no window: whoever has one, or none, tells it commands and
-//! asks it for the picture and the text beside it.
+//! The state of the viewer, changed by commands. It is independent of any window: callers send it commands and take the
+//! picture and the text from it.
 
 use glam::Vec3;
 
@@ -21,7 +21,7 @@ const MOST_SAMPLES: u32 = 1 << 24;
 /// Samples with which a pixel's paths are listed again as the picture grows.
 const EARLY: u32 = 8;
 
-/// What one may do.
+/// The commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Go around the target: to the right and up, radians.
@@ -36,9 +36,9 @@ pub enum Command {
     LookAtPicked,
     /// Show what a pixel is, by its column and row.
     Pick(u32, u32),
-    /// Show the layer that is so many places further.
+    /// Show the layer this many places further.
     Layer(isize),
-    /// Make the picture brighter by so many stops.
+    /// Make the picture brighter by this many stops.
     Expose(f32),
     /// The exposure and tone curve that it began with.
     ResetTone,
@@ -48,13 +48,13 @@ pub enum Command {
     MoreSamples,
     /// Show this beside the picture, or what is shown at first if it is shown already.
     Show(Page),
-    /// Scroll the text by so many lines.
+    /// Scroll the text by this many lines.
     Scroll(isize),
     /// Save the camera.
     Save,
 }
 
-/// What is written beside the picture.
+/// The text beside the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Page {
     /// The picture, the camera, and what was picked.
@@ -90,21 +90,21 @@ pub struct Session {
     awaited_pick: Option<(u32, u32)>,
     pub(super) page: Page,
     pub(super) scroll: usize,
-    /// What was done last, or why not.
+    /// The last action or error.
     pub(super) message: Option<String>,
 }
 
-/// What a session begins with besides a scene.
+/// The initial state of a session besides the scene.
 pub struct Start {
-    /// What the scene is called.
+    /// The name of the scene.
     pub name: String,
-    /// How pictures are made of it.
+    /// The settings of its pictures.
     pub settings: Settings,
-    /// How they are shown.
+    /// Their tone mapping.
     pub tone: ToneMapping,
-    /// Where cameras are saved.
+    /// The file of saved cameras.
     pub camera_file: CameraFile,
-    /// Where they are rendered.
+    /// Their renderer.
     pub pool: rayon::ThreadPool,
     /// Is called when there is a new picture to [take](Session::update), from another thread.
     pub notify: Box<dyn Fn() + Send + Sync>,
@@ -152,17 +152,17 @@ impl Session {
         outline(scene, name)
     }
 
-    /// What the pictures are.
+    /// The settings of the pictures.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Where they are taken from.
+    /// The camera.
     pub fn pose(&self) -> CameraPose {
         self.pose
     }
 
-    /// What of them is shown.
+    /// The shown layer.
     pub fn layer(&self) -> &Layer {
         &self.layers[self.layer]
     }
@@ -177,12 +177,12 @@ impl Session {
         self.frame.as_ref()
     }
 
-    /// What was picked.
+    /// The picked surface.
     pub fn pick(&self) -> Option<&Pick> {
         self.pick.as_ref()
     }
 
-    /// What was done last, or why not.
+    /// The last action or error.
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
@@ -303,7 +303,7 @@ impl Session {
         }
     }
 
-    /// Renders anew, or goes on.
+    /// Restarts the render, or continues it.
     fn render(&mut self) {
         let order = Order { pose: self.pose, settings: self.settings.clone() };
         self.order = self.renderer.order(order, &self.layers[self.layer].channels);

@@ -22,7 +22,7 @@ impl Watch for Unwatched {
     }
 }
 
-/// A session, and what tells of its frames.
+/// A session, and the notifications of its frames.
 struct Viewer {
     session: Session,
     frames: Receiver<()>,

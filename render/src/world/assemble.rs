@@ -48,7 +48,7 @@ impl World {
         let TriangleTable { records: mut triangle_records, bulges, first_faces, .. } = triangles;
         let spread = motion.as_ref().map(|motion| motion.spread_lights(&lights)).unwrap_or_default();
         let motion = motion.map(|motion| Motion::new(motion, &meshes, &moving, still as u32));
-        // What moves is shaded one by one.
+        // Moving surfaces are shaded one by one.
         let of_moving = objects.iter().enumerate().filter(|(object, _)| {
             let mut all = instances.iter().enumerate().filter(|(_, instance)| instance.object == *object);
             all.any(|(number, _)| motion.as_ref().is_some_and(|motion| motion.instance(number).is_some()))

@@ -1,9 +1,9 @@
-//! Bodies: what has an inside, so that whoever sees its back from within is covered by it.
+//! Bodies: closed solid meshes. A point that sees their back faces lies inside them.
 //!
-//! Of a material that is seen from one side alone the back is that of a body. Exporters call most materials double-sided
-//! without need, so there the geometry decides: a body is a closed mesh, each edge of which is passed as often one way as
-//! the other, wound outwards, and solid, which it is not if a light or all of another mesh is inside: then it is a room.
-//! Edges are joined where their ends are equal bit for bit. Glass is no body.
+//! The back of a single-sided material is always the back of a body. Exporters mark most materials double-sided without
+//! need, so there the geometry decides: a body is a closed mesh, each edge of which is traversed as often in one
+//! direction as in the other, wound outwards, and solid, which it is not if a light or all of another mesh is inside:
+//! then it is a room. Edges are joined where their ends are equal bit for bit. Glass is not a body.
 //!
 //! A closed mesh that is wound inwards, without a light or anything else inside, is a body that is inside out.
 
@@ -27,7 +27,7 @@ pub(crate) struct Bodies {
     is_solid: Vec<bool>,
 }
 
-/// Triangles that hang together.
+/// Connected triangles.
 struct Piece {
     triangles: Vec<u32>,
     bounds: Aabb,
@@ -88,7 +88,7 @@ impl World {
         &self.materials[self.triangle_records[prim as usize].material as usize]
     }
 
-    /// Where lights are that are somewhere.
+    /// The positions of lights that have one.
     fn light_positions(&self) -> Vec<Vec3> {
         let place = |light: &Light| match light {
             Light::Punctual(PunctualLight::Directional { .. }) | Light::Triangle(_) | Light::Sky => None,
@@ -101,7 +101,7 @@ impl World {
         self.lights.lights().iter().filter_map(place).collect()
     }
 
-    /// All triangles by what they hang together with, in the order of the least x.
+    /// All triangles by connected component, in the order of the least x.
     fn pieces(&self) -> Vec<Piece> {
         let mut numbers: HashMap<Key, u32> = HashMap::new();
         let mut sets = UnionFind::default();

@@ -1,4 +1,4 @@
-//! What is wrong with meshes, for warnings that name them.
+//! Faults of meshes, for warnings that name them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ impl World {
         }
     }
 
-    /// What to say of triangles that were dropped as two of their corners are equal; `file` is the model's.
+    /// The warnings about triangles that were dropped for two equal corners; `file` is the model's.
     pub(crate) fn dropped(&self, file: Option<&Path>) -> Option<String> {
         let dropped = self.build_report().degenerate;
         let mut meshes: BTreeMap<u32, usize> = BTreeMap::new();

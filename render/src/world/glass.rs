@@ -1,14 +1,15 @@
 //! Smooth glass between a surface and a light that no bounce can be relied on to hit.
 //!
-//! What points, spots and suns send through glass to surfaces that scatter, light samples alone find: of no size they cannot
-//! be hit, and those of a size are left to them, but for gloss behind [panes](panes). Where the two faces of a solid are parallel,
-//! as those of a window are, light leaves as it came, and a shadow ray that goes straight on finds it. What balls, bottles and
-//! water [bend](bent) arrives from another direction, which is looked for.
+//! Light of points, spots and suns that reaches a scattering surface through smooth glass is found by light samples
+//! alone: rays cannot hit delta lights, and for lights with a size bounces are used only for gloss behind
+//! [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in its old direction, and
+//! a straight shadow ray finds it. Light [refracted](bent) by balls, bottles and water arrives from another direction,
+//! which manifold exploration finds.
 //!
-//! What crosses a plane, a parallel one receives. Paths carry basic radiance, `L / n²`, and so no factor `n²` belongs to the
-//! way into or out of a solid.
+//! The flux through a plane also crosses any parallel plane. Paths carry basic radiance, `L / n²`, so entering or
+//! leaving a solid needs no factor `n²`.
 //!
-//! Smooth faces alone are crossed: the closures of rough ones find lights by samples of their own.
+//! Only smooth faces are crossed: rough ones sample lights by their closures.
 
 mod bent;
 mod panes;
@@ -27,21 +28,22 @@ use crate::scene::Material;
 pub(crate) use bent::{BentLight, LightEnd};
 use photons::Photons;
 
-/// The most faces on the way to a light.
+/// The most faces that a connection to a light may cross.
 const MOST: usize = 16;
 
-/// Which materials light passes through, if any does and there are lights that no bounce can hit.
+/// The materials that transmit light; empty if none does, or if there are no lights that bounces cannot hit.
 #[derive(Debug)]
 pub(super) struct Glass {
     transmits: Vec<bool>,
-    /// Where all of these are.
+    /// The bounds of all such surfaces.
     bounds: Aabb,
-    /// Light that they bend.
+    /// Light that they refract.
     photons: Photons,
 }
 
 impl Glass {
-    /// That of triangles, of which the first have these `corners`; where the others are is not known.
+    /// The glass among the triangles of `records`. The first ones have these `corners`; the positions of the others are
+    /// unknown.
     pub(super) fn new(
         materials: &[Material],
         records: &[TriangleRecord],
@@ -60,51 +62,51 @@ impl Glass {
         Self { bounds: if is_known { bounds } else { everywhere }, transmits, photons: Photons::default() }
     }
 
-    /// Whether a ray may meet any; rounding does not hide one.
+    /// Whether a ray may meet glass, rounding included.
     fn may_meet(&self, ray: &Ray) -> bool {
         let margin = 1e-4 * (self.bounds.max.abs().max(self.bounds.min.abs()).max_element() + ray.origin.length());
         let [a, b] = [self.bounds.min - margin, self.bounds.max + margin].map(|at| (at - ray.origin) / ray.direction);
         let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element().min(ray.t_max));
-        // Of NaN nothing is known.
+        // True for NaN.
         near <= far || near.is_nan() || far.is_nan()
     }
 }
 
-/// What is between a surface and a light.
+/// The glass between a surface and a light.
 pub(crate) enum Between {
-    /// Nothing, or something opaque, which the shadow ray will tell.
+    /// No glass; the shadow ray finds opaque occluders.
     NoGlass,
-    /// Panes: the part of the shadow ray beyond them, and what they leave of light.
+    /// Panes: the part of the shadow ray beyond them, and their transmittance.
     Panes(Ray, Vec3),
-    /// Glass that bends light.
+    /// Glass that refracts light.
     Bends,
 }
 
-/// A face of smooth glass that a ray has met.
+/// A face of smooth glass that a ray has hit.
 struct Face<'w> {
-    /// Turned towards where the ray comes from.
+    /// The surface, facing the ray's origin.
     surface: Surface<'w>,
-    /// Where the ray has met it.
+    /// The ray's hit.
     hit: Hit,
-    /// What light is multiplied by that is not reflected.
+    /// The transmission tint.
     tint: Vec3,
     is_thin: bool,
-    /// By the solid behind the front.
+    /// Absorption coefficient of the solid behind the front.
     absorption: Vec3,
     ior: f32,
-    /// Seen from outside.
+    /// Fresnel's reflectance from outside.
     fresnel: Dielectric,
 }
 
 impl Face<'_> {
-    /// The part of light that the face reflects, and the cosine inside, by the cosine outside. What is reflected of any colour is
-    /// transmitted of none, as glass itself has it.
+    /// The face's reflectance and the cosine inside, for the cosine outside. Reflectance is the greatest of the three
+    /// channels, and transmittance is 1 minus it, as in the glass closure.
     fn at(&self, cos_outside: f32) -> (f32, f32) {
         let (reflected, cos_inside) = self.fresnel.at(cos_outside);
         (reflected.max_element(), cos_inside)
     }
 
-    /// What a thin wall leaves of light, all passages summed.
+    /// The transmittance of a thin wall, all inner reflections summed.
     fn left_by_thin(&self, cos: f32) -> Vec3 {
         let (reflected, _) = self.at(cos);
         self.tint * ((1.0 - reflected) / (1.0 + reflected))
@@ -112,13 +114,13 @@ impl Face<'_> {
 }
 
 impl World {
-    /// Whether light that no bounce can find may pass through anything.
+    /// Whether anything transmits light that no bounce can find.
     #[inline(always)]
     pub(crate) fn has_clear_glass(&self) -> bool {
         !self.glass.transmits.is_empty()
     }
 
-    /// Whether what was hit may let such light through.
+    /// Whether the surface that was hit may transmit such light.
     #[inline(always)]
     pub(crate) fn is_clear_glass(&self, hit: &Hit) -> bool {
         self.has_clear_glass()
@@ -126,7 +128,7 @@ impl World {
             && self.glass.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
     }
 
-    /// The nearest surface along a ray, if that is smooth glass.
+    /// The nearest surface along a ray, if it is smooth glass.
     fn face(&self, ray: &Ray, time: f32) -> Option<Face<'_>> {
         let hit = self.intersect_at(ray, time);
         if !self.is_clear_glass(&hit) {
@@ -150,7 +152,7 @@ impl World {
         })
     }
 
-    /// Whether a face's normal is one all over its triangle.
+    /// Whether a face's shading normal is constant over its triangle.
     fn is_flat(&self, face: &Face) -> bool {
         let Surface { prim_id, barycentric: [u, v], .. } = face.surface;
         let point = self.mesh_point(prim_id, [1.0 - u - v, u, v]);
@@ -160,7 +162,7 @@ impl World {
         }
     }
 
-    /// The change of a face's normal for a move across its triangle.
+    /// The derivative of a face's shading normal across its triangle.
     fn normal_derivative(&self, face: &Face) -> NormalDerivative {
         if self.is_flat(face) {
             return NormalDerivative::default();
@@ -172,7 +174,7 @@ impl World {
         let turn = self.instance_records().and_then(|_| self.turn_at(&face.hit));
         let normals = point.corners(&point.mesh.normals).map(|own| turn.map_or(own, |turn| turn.unscaled_normal(own)));
         let (sum, normal) = (interpolate(normals, weights), face.surface.smooth_normal);
-        // That of the sum, across the normal, by the sum's length.
+        // The derivative of the normalised sum: the part across the normal, divided by the sum's length.
         let by = |change: Vec3| (change - normal * normal.dot(change)) / sum.dot(normal);
         let [along_u, along_v] = [1, 2].map(|corner| corners[corner] - corners[0]);
         let [by_u, by_v] = [1, 2].map(|corner| by(normals[corner] - normals[0]));
@@ -182,18 +184,18 @@ impl World {
     }
 }
 
-/// How a normal changes across a triangle.
+/// The derivative of a shading normal across a triangle.
 #[derive(Default)]
 struct NormalDerivative {
-    /// Weights of two corners by the products of a move with the sides to them.
+    /// Turns the dot products of a step with two sides into the change of two corner weights.
     weights: Mat2,
     along: [Vec3; 2],
-    /// By a weight.
+    /// The normal's derivatives by two corner weights.
     by: [Vec3; 2],
 }
 
 impl NormalDerivative {
-    /// For a move across it.
+    /// The normal's change for a step across the triangle.
     fn at(&self, way: Vec3) -> Vec3 {
         let weights = self.weights * Vec2::new(self.along[0].dot(way), self.along[1].dot(way));
         self.by[0] * weights.x + self.by[1] * weights.y

@@ -1,4 +1,4 @@
-//! Where a ray meets the world.
+//! Hits of rays in the world.
 
 use halfdome_kernel as kernel;
 

@@ -1,4 +1,4 @@
-//! Solids that light passes through, and what they absorb.
+//! Transparent solids and their absorption.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -6,7 +6,7 @@ use halfdome_kernel::Ray;
 use super::{Hit, World};
 use crate::scene::{Input, Material};
 
-/// What solids absorb, by material.
+/// The absorption of solids, by material.
 #[derive(Debug, Default)]
 pub(super) struct Solids {
     /// The absorption coefficients inside of solids; `None` for what has no inside. Empty if nothing absorbs.
@@ -31,7 +31,7 @@ impl Solids {
     }
 }
 
-/// What a material absorbs inside, if it has an inside that light reaches.
+/// The absorption inside a material, if it transmits light into a solid.
 fn absorption(material: &Material) -> Option<Vec3> {
     let inputs = &material.inputs;
     let is_mapped = material.maps.iter().flat_map(|map| &map.targets).any(|it| it.input == Input::TransmissionWeight);

@@ -1,4 +1,4 @@
-//! How many rays of which kind were traced in a world.
+//! Counts of the rays traced in a world, by kind.
 
 use std::ops::Sub;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,9 +15,9 @@ pub(super) struct RayCounters {
 /// Rays so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct RayCounts {
-    /// Those of which neighbours run side by side: the camera's.
+    /// Coherent rays: the camera's.
     pub side_by_side: u64,
-    /// Those that ask only whether anything is in their way.
+    /// Occlusion rays.
     pub occlusion: u64,
 }
 

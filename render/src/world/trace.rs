@@ -1,7 +1,7 @@
-//! Rays, and the holes in surfaces: where opacity is low, they go on.
+//! Tracing of rays, with cut-outs: rays pass through where opacity is low.
 //!
-//! The tree knows nothing of holes. Batches of rays are traced as if there were none; the few whose nearest hit is in a
-//! hole are traced again with a filter, and so are shadow rays that hit anything.
+//! The tree ignores cut-outs. Batches of rays are first traced without them; the few rays whose nearest hit is in a
+//! hole are traced again with a filter, and so are shadow rays with any hit.
 
 use halfdome_kernel::sampling::Stream;
 use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};
@@ -39,7 +39,7 @@ impl World {
         hits[0]
     }
 
-    /// The nearest hits of many, and quicker, for rays of which neighbours run side by side, as those of the camera.
+    /// The nearest hits of many rays; faster for coherent rays, such as the camera's.
     pub(crate) fn intersect_side_by_side(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
         const WIDTH: usize = 16;
         self.ray_counters.add_side_by_side(rays.len());
@@ -127,14 +127,14 @@ impl World {
         if self.is_hole(ray, &Hit::of(hit)) { Verdict::Reject } else { Verdict::Accept }
     }
 
-    /// Whether there is a hole in the triangle where this ray hits it. Of a surface that is there in part, rays pass a part,
-    /// chosen by a hash of ray and triangle, so that it is the same one whoever asks.
+    /// Whether there is a hole in the triangle where this ray hits it. A partly opaque surface lets a part of the rays
+    /// pass, chosen by a hash of ray and triangle, so that all queries agree.
     #[inline(always)]
     pub(crate) fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
         self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit)
     }
 
-    /// How much of a triangle there is at a point, 0 to 1.
+    /// The opacity of a triangle at a point, 0 to 1.
     pub(crate) fn opacity(&self, prim_id: u32, [u, v]: [f32; 2]) -> f32 {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
         if !self.has_holes || !(material.has_holes() || material.uses_vertex_colors) {

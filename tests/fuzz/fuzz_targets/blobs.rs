@@ -85,7 +85,7 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Changes words of a blob, as most changes of one byte are of no interest, and signs it.
+/// Changes words of a blob, as most changes of one byte are uninteresting, and updates the checksum.
 fn change(blob: &mut Blob, bytes: &mut Bytes) {
     for _ in 0..1 + bytes.below(8) {
         let offset = bytes.below(blob.len() / 4) * 4;

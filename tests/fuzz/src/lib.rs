@@ -1,4 +1,4 @@
-//! What the fuzzers share: triangles and rays from bytes, and all ways to trace compared.
+//! The shared code of the fuzzers: triangles and rays from bytes, and all ways to trace compared.
 #![forbid(unsafe_code)]
 
 #[path = "../../src/check.rs"]

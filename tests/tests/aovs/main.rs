@@ -1,4 +1,4 @@
-//! AOVs beyond the first surface, against what the picture itself says: masks of names, and light path expressions.
+//! AOVs beyond the first surface, against the picture itself: masks of names, and light path expressions.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! Motion vectors and numbers of instances, against where things are known to be.
+//! Motion vectors and numbers of instances, against known positions.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What a bake writes, and how it ends.
+//! The output and the exit of bakes.
 
 mod again;
 mod shards;
@@ -26,7 +26,7 @@ pub(crate) fn in_folder(test: impl FnOnce(&Program)) {
     test(&program);
 }
 
-/// What is said of the level: it names an extension that nobody knows.
+/// What is said of the level: it names an unknown extension.
 const WARNING: &str = "warning: level.gltf: EXT_unknown is not read\n";
 
 fn succeed(outcome: &Outcome) {
@@ -189,7 +189,7 @@ fn an_accuracy_that_was_not_reached_is_told() {
         let missed = |options: &str| {
             let outcome = program.run_line(&format!("bake level.gltf -o out.gltf --size 16 {options} --progress none"));
             assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-            outcome.stderr.contains("warning: the accuracy that was asked for is not reached: the error is ")
+            outcome.stderr.contains("warning: the requested accuracy is not reached: the estimated error is ")
         };
         assert!(missed("--mode direct --accuracy 0.01%"));
         assert!(!missed("--mode direct --accuracy 20%"));
@@ -271,7 +271,7 @@ fn wrong_input_is_named() {
             ("bake level.gltf -o out.gltf --uv keep", "has no second set of texture coordinates"),
             ("bake level.gltf -o out.gltf --skip-outside=camera", "the file has no camera"),
             ("bake level.gltf -o out.gltf --skip-outside=1,2", "expected a place as X,Y,Z, `camera`, or `auto`"),
-            ("bake level.gltf -o out.gltf --skip-outside=0.9,0.5,0.9", "0.9,0.5,0.9 is in no room"),
+            ("bake level.gltf -o out.gltf --skip-outside=0.9,0.5,0.9", "0.9,0.5,0.9 is not inside a room"),
             ("bake missing.glb -o out.glb", "no such file"),
             ("bake level.gltf", "--output"),
         ] {

@@ -1,4 +1,4 @@
-//! Depth of field: what is out of focus becomes as large as a thin lens makes it, and sends as much light.
+//! Depth of field: points out of focus have the size of a thin lens's blur, and the same light.
 
 use halfdome::scene::{Lens, Optics, Projection};
 use halfdome::settings::{Integrator, Settings};

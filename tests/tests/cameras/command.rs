@@ -1,4 +1,5 @@
-//! Cameras on the command line and in scene files: what is refused, what threads and formats change, and what `info` says.
+//! Cameras on the command line and in scene files: refused options, independence of threads and formats, and the output
+//! of `info`.
 
 use halfdome::output::read_exr;
 use halfdome_tests::program::{Outcome, Program};
@@ -46,7 +47,7 @@ fn wrong_options_are_refused() {
         ("--aperture nan --focus 1", "'--aperture <MM>': expected millimetres from 0"),
         ("--f-number 0 --focus 1", "'--f-number <N>': expected a number of more than 0"),
         ("--aperture 8 --f-number 2 --focus 1", "both `aperture` and `f_number` are given\n  help: leave one"),
-        ("--aperture 8", "nothing says at which distance the lens is sharp\n  help: give focus"),
+        ("--aperture 8", "the lens has no focus distance\n  help: give focus"),
         ("--aperture 8 --focus 1 --focus-at 0,0,0", "both `focus` and `focus_at` are given"),
         ("--aperture 8 --focus-at 0.278,0.273,-2", "is not in front of the camera"),
         ("--aperture 8 --focus 1 --blades 1", "'--blades <N>': expected 0 for a disc, or a whole number from 3 to 64"),
@@ -67,7 +68,7 @@ fn wrong_options_are_refused() {
         ("--camera panorama --shift 0.1,0", "the panorama camera does not use `shift`"),
         ("--camera cube --aperture 8", "the cube camera does not use `aperture`"),
         ("--camera cube --size 60x20", "a picture of 60x20 does not hold the six faces of a cube"),
-        ("--camera orthographic", "nothing says how much the orthographic camera sees"),
+        ("--camera orthographic", "the orthographic camera has no height or width"),
         ("--camera orthographic --ortho-height 0", "'--ortho-height <LENGTH>': expected a number of more than 0"),
         ("--camera orthographic --ortho-height 1 --f-number 2", "does not use `f_number`"),
         ("--camera rays", "the rays camera has no rays\n  help: name a file by --camera-rays"),

@@ -1,4 +1,4 @@
-//! What the kinds of cameras show.
+//! Pictures by the kinds of cameras.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Cameras: what pictures by each kind show, from formulas; and that every integrator takes every kind.
+//! Cameras: pictures by each kind against formulas; and every integrator with every kind.
 
 mod blur;
 mod command;

@@ -1,4 +1,4 @@
-//! Motion blur: what a shutter lets through of things that move, from formulas and from many pictures of still ones.
+//! Motion blur: moving objects behind a shutter, against formulas and against many static pictures.
 
 use std::collections::BTreeMap;
 

@@ -68,7 +68,7 @@ fn a_file_without_sensors() {
     let desk = Desk::new();
     desk.program().put("none.txt", "# no sensors\n");
     let outcome = desk.run("irradiance cornell --points none.txt --progress none");
-    let told = "warning: none.txt: there are no sensors, so there is no irradiance to tell\n";
+    let told = "warning: none.txt: the file has no sensors\n";
     assert_eq!((outcome.code, outcome.stdout.as_str(), outcome.stderr.as_str()), (Some(0), "", told));
 }
 

@@ -1,4 +1,4 @@
-//! Films: a picture is the same bytes however it is split, stopped and gone on with; and when it is enough.
+//! Films: a picture has the same bytes however it is split, stopped and resumed; and noise targets.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use halfdome::output::read_exr;
 use crate::Desk;
 
 impl Desk {
-    /// Runs to the end it should have; files do not tell the time.
+    /// Runs to its expected end; files do not contain the time.
     fn ends(&self, code: i32, line: &str) -> String {
         let outcome = self.program().run_reproducibly(line);
         assert_eq!(outcome.code, Some(code), "{line}: {}", outcome.stderr);
@@ -173,7 +173,7 @@ fn what_does_not_fit_is_named() {
         ("one.hdf", &["3 of 6 tiles are missing", "pixels 32..64 by 0..32", "name all parts"][..]),
         ("one.hdf third.hdf", &["one.hdf and third.hdf both have the samples 0..2 of the pixels 0..32 by 0..32"]),
         ("one.hdf seed.hdf", &["seed.hdf: the film is of another picture: the seed is 7, not 0"]),
-        ("one.hdf depth.hdf", &["depth.hdf", "what the integrator path is told", "max_depth: 3"]),
+        ("one.hdf depth.hdf", &["depth.hdf", "the options of the integrator path", "max_depth: 3"]),
         ("one.hdf camera.hdf", &["camera.hdf", "the camera has changed"]),
         ("one.hdf scene.hdf", &["scene.hdf", "the scene has changed"]),
         ("one.hdf cut.hdf", &["cut.hdf: is cut off or damaged"]),

@@ -1,4 +1,4 @@
-//! Input that is odd, but right: it works, and what was changed or left out is told.
+//! Unusual but valid input: it works, and messages name what was changed or left out.
 
 use crate::Desk;
 use crate::model::TRIANGLE;
@@ -130,7 +130,7 @@ fn paths_that_are_not_utf_8_work() {
     assert!(files.contains_key(name(b"caf\xe9.exr")) && files.contains_key(name(b"caf\xe9.png")), "{:?}", files.keys());
     let info = desk.program().run(&[OsStr::new("info"), OsStr::new("--json"), name(b"caf\xe9.obj")]);
     serde_json::from_str::<Value>(&info.stdout).unwrap();
-    // What is wrong with such a file is told, too.
+    // The errors of such a file are reported, too.
     desk.program().put(name(b"\xff.obj"), "f 1 2 3\n");
     let outcome = desk.program().run(&[OsStr::new("render"), name(b"\xff.obj")]);
     assert!(outcome.code == Some(1) && outcome.stderr.contains(".obj:1: vertex 1"), "{}", outcome.stderr);

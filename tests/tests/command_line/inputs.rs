@@ -1,4 +1,4 @@
-//! What is read is never overwritten, whatever name it is given, and an input without an end is refused.
+//! Inputs are never overwritten, whatever their name, and an endless input is refused.
 
 use std::fs;
 

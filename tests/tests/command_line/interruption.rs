@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: what is done so far is written, and the exit code tells.
+//! Ctrl-C and SIGTERM: the results so far are written, with the right exit code.
 #![cfg(unix)]
 
 use std::io::{BufRead as _, BufReader};

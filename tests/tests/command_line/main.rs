@@ -1,4 +1,4 @@
-//! The program, as its users meet it: what it prints, writes and exits with, above all when something is wrong.
+//! The program from the outside: its output, files and exit codes, above all for errors.
 
 mod animation;
 mod bad_input;

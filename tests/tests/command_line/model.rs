@@ -1,4 +1,4 @@
-//! Models that tests write, whole or damaged.
+//! Models for tests, intact or damaged.
 
 use serde_json::{Value, json};
 

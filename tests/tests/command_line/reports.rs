@@ -1,4 +1,4 @@
-//! What a render says of itself in files, and what the program says of its options.
+//! Reports of renders, and help on options.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! What goes to which stream.
+//! Output on stdout and stderr.
 
 use serde_json::{Value, json};
 

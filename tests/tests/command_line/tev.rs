@@ -1,4 +1,4 @@
-//! A picture that grows in tev, played by a listener that reads its protocol.
+//! A growing picture in tev, replaced by a listener that reads its protocol.
 
 use std::collections::BTreeMap;
 use std::io::Read;

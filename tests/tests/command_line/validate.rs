@@ -1,4 +1,4 @@
-//! `halfdome validate`: exact answers, as programs read them.
+//! `halfdome validate`: exact answers as JSON.
 
 use serde_json::Value;
 

@@ -1,4 +1,4 @@
-//! Denoising of pictures: what must come out exactly, that it never makes a picture worse, and what it says.
+//! Denoising of pictures: exact results, no worse pictures, and messages.
 
 mod command;
 mod pictures;

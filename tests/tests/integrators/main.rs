@@ -1,4 +1,4 @@
-//! Every integrator where the answer is known, and where two of them must agree.
+//! Every integrator against known answers, and against each other where they must agree.
 
 mod heat;
 mod openness;

@@ -1,4 +1,4 @@
-//! Single scenes with closed forms: what each term of the sums is for.
+//! Single scenes with closed forms, for each term of the sums.
 
 use std::f64::consts::PI;
 

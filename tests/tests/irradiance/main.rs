@@ -1,7 +1,7 @@
 //! The kernel's gather against scenes whose irradiance and derivatives are known exactly. Nothing is traced: each scene
 //! finds by formula what is along a direction.
 //!
-//! What proves the irradiance cache, for strata and for the hemicube wherever both can be meant:
+//! Tests of the irradiance cache's mathematics, for strata and for the hemicube where both apply:
 //!
 //! | | claim | where it is tested |
 //! | --- | --- | --- |

@@ -1,4 +1,4 @@
-//! What the tests share: scenes that answer rays by formula, and gathers of them.
+//! Shared code: scenes that answer rays by formula, and gathers of them.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, Stratified};

@@ -1,4 +1,4 @@
-//! What must not matter: the azimuth, units of length and of light, and where the gather stands in the world.
+//! Invariance under the azimuth, units of length and of light, and the position of the gather.
 
 use glam::{DMat3, DVec3, Vec3, dvec3};
 use halfdome_kernel::sampling::Frame;

@@ -1,4 +1,4 @@
-//! The accuracy that is asked for is what comes out, and what is said of it is true.
+//! The requested accuracy is reached, and its estimate is right.
 
 use glam::{DVec3, Vec3, dvec3, vec3};
 use halfdome::cache::Cache;

@@ -255,7 +255,7 @@ fn an_accuracy_that_was_not_reached_is_told() {
             let missed = |accuracy: &str| {
                 let outcome = program.run_line(&format!("{line} --progress none --accuracy {accuracy}"));
                 assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-                outcome.stderr.contains("warning: the accuracy that was asked for is not reached: the error is ")
+                outcome.stderr.contains("warning: the requested accuracy is not reached: the estimated error is ")
             };
             assert!(missed("0.01%") && !missed("20%"), "{line}");
         }

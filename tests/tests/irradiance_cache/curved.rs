@@ -1,4 +1,4 @@
-//! Curved surfaces, on which it is the normal that irradiance changes with.
+//! Curved surfaces, where irradiance changes with the normal.
 
 use std::f64::consts::PI;
 

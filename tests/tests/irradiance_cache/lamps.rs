@@ -1,4 +1,4 @@
-//! Sensors near lamps, where a sample of a lamp alone has no bound.
+//! Sensors near lamps, where light samples alone are unbounded.
 
 use glam::{DVec3, Vec3, dvec3, vec3};
 use halfdome::cache::Cache;

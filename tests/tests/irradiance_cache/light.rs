@@ -1,4 +1,4 @@
-//! How much light there is, by the cache and otherwise.
+//! Light by the cache and by other means.
 
 use glam::{DVec3, Vec3, vec3};
 use halfdome::cache::Cache;

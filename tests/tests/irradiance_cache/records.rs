@@ -1,4 +1,4 @@
-//! Which records a cache gets.
+//! The records of a cache.
 
 use glam::{DVec3, Vec3, vec3};
 use halfdome::cache::{Cache, Record};

@@ -1,4 +1,4 @@
-//! A room that is lit through a gap: guided paths find it more often, and the same light.
+//! A room that is lit through a gap: guided paths find it more often, with the same light on average.
 
 use glam::{DVec3, Vec3};
 use halfdome::material::Inputs;

@@ -1,4 +1,4 @@
-//! A lamp's shade: its inside is so fiercely lit that paths aim at it, which must not change what they find.
+//! A lamp's shade: its inside is lit so strongly that paths sample it as a light, which must not change the result.
 
 use std::f32::consts::TAU;
 
@@ -15,7 +15,7 @@ use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad,
 const SIZE: u32 = 24;
 const MIDDLE: Vec3 = Vec3::new(2.0, 1.2, 2.0);
 
-/// What stands in the middle of a room.
+/// The object in the middle of a room.
 enum Bulb {
     Point,
     Triangles,

@@ -1,4 +1,4 @@
-//! What `halfdome cubemap` writes, and what it refuses.
+//! The output and the errors of `halfdome cubemap`.
 
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};

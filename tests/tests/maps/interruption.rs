@@ -1,4 +1,4 @@
-//! Who is stopped or killed leaves nothing behind.
+//! Stopped or killed runs leave no files.
 #![cfg(unix)]
 
 use std::io::{BufRead as _, BufReader};

@@ -1,4 +1,4 @@
-//! What `halfdome probes` writes, and what it refuses.
+//! The output and the errors of `halfdome probes`.
 
 use std::fs;
 use std::io::Write as _;

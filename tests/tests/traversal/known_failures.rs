@@ -1,4 +1,4 @@
-//! What went wrong in other libraries, built again from their bug reports: the facts are theirs, the code is not.
+//! Failures of other libraries, rebuilt from their bug reports, with code of our own.
 
 use glam::{DVec3, Vec3, vec3};
 use halfdome_kernel::geometry::intersect_triangle;

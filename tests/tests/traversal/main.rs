@@ -1,4 +1,4 @@
-//! Every way to trace, against a loop over all triangles and against answers that were found apart.
+//! Every way to trace, against a loop over all triangles and against independent answers.
 
 mod axes;
 mod closed;

@@ -1,4 +1,4 @@
-//! Trees that somebody damaged: refused, or traced to the hits of the triangles that they hold.
+//! Damaged trees: refused, or traced to the hits of the triangles that they hold.
 
 use glam::Vec3;
 use halfdome_kernel::bvh::{Child, Node, TriangleBlock, WIDTH};

@@ -1,4 +1,4 @@
-//! Hits against geometry in `f64` that was written apart.
+//! Hits against independent geometry in `f64`.
 
 use glam::Vec3;
 use halfdome_kernel::{Ray, Triangle};
@@ -86,8 +86,8 @@ fn well_conditioned_hits_are_where_double_precision_puts_them() {
     assert!(certain > 5000 && missed > 1000, "{certain} {missed}");
 }
 
-/// Rays of the made terrain's camera that Embree 4.4 takes past these triangles, unless it is asked to be robust. Each
-/// passes inside of one by a few 1e-5 of its size, which `f64` can tell, and Embree's robust test too.
+/// Rays of the made terrain's camera that Embree 4.4 takes past these triangles, unless in its robust mode. Each passes
+/// inside of one by a few 1e-5 of its size, which `f64` can tell, and Embree's robust test too.
 #[test]
 fn rays_close_to_an_edge_hit_the_triangle_that_they_are_in() {
     let origin = Vec3::new(20.947_403, 9.129_342, 28.245_676);

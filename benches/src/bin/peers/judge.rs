@@ -1,4 +1,4 @@
-//! Who is right where the kernel and Embree differ: a loop over all triangles in double precision.
+//! Checks rays where the kernel and Embree differ: a loop over all triangles in double precision.
 //!
 //! A triangle is crossed where the ray's direction and each pair of its corners span volumes of one sign. From `f32`
 //! coordinates these are exact in `f64` to some units of the last place; where one is less than that the ray passes an
@@ -14,7 +14,7 @@ const MOST: usize = 256;
 /// Volumes smaller than this times their factors' lengths have no certain sign.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Of the rays whose answers differ, how many are right by whom.
+/// The number of rays with different answers, by the tracer that is right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
     /// The kernel alone is right.
@@ -120,7 +120,7 @@ mod tests {
         let triangles = [at(2.0), at(1.0)];
         let ray = |x: f32| Ray::new(Vec3::new(x, 0.0, 0.0), Vec3::Z);
         let hit = |t: f32| Hit { t, u: 0.0, v: 0.0, prim_id: 0 };
-        // Inside, beside, on the edge; and inside, with nobody right.
+        // Inside, beside, on the edge; and inside, with neither right.
         let set = RaySet { kind: RayKind::Diffuse, rays: vec![ray(0.0), ray(-1.5), ray(-1.0), ray(0.5)] };
         let ours = Answers::Nearest(vec![hit(1.0), hit(1.0), hit(1.0), hit(2.0)]);
         let embree = Answers::Nearest(vec![hit(2.0), Hit::MISS, Hit::MISS, Hit::MISS]);

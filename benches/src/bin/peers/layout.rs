@@ -1,4 +1,4 @@
-//! What Embree reads and writes: the structures of `rtcore_ray.h` and `rtcore_scene.h` of Embree 4.4, with one level of
+//! Embree's input and output: the structures of `rtcore_ray.h` and `rtcore_scene.h` of Embree 4.4, with one level of
 //! instances and with instance arrays, as its releases are built. A library built without those has smaller hits, and
 //! leaves the last word alone.
 

@@ -1,8 +1,8 @@
 //! Traces the same rays through this kernel and through other ray tracers, one thread, in turns, and compares the hits.
 //!
 //! Embree 4.4 is loaded at run time (`setup-peers.sh` installs it); tinybvh and obvhs come with the feature `peers`.
-//! Without a peer its column stays empty. For figures that mean something, build for the machine:
-//! `RUSTFLAGS="-C target-cpu=native" cargo run --release -p halfdome-benches --features peers --bin peers`.
+//! Without a peer its column stays empty. For meaningful figures, build for the machine: `RUSTFLAGS="-C
+//! target-cpu=native" cargo run --release -p halfdome-benches --features peers --bin peers`.
 
 mod embree;
 mod instances;

@@ -1,4 +1,4 @@
-//! What is printed: a table for people, or one JSON object a line for machines.
+//! The output: a table, or one JSON object a line.
 
 use halfdome_benches::measure::{Answers, Difference, Timing};
 use serde_json::{Value, json};

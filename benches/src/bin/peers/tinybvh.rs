@@ -1,8 +1,8 @@
 //! tinybvh: its tree of 8 children for AVX2, built in high quality.
 //!
-//! The Rust binding has no any-hit query, so the nearest hit stands in for it, and none to ask how much memory the tree
-//! takes. Its `Ray::new` is not used: in 0.1.0-beta.3 the C++ side writes a ray of 128 bytes, aligned to 64, where the
-//! Rust type has but the first 64, so that it writes over the caller's stack.
+//! The Rust binding has no any-hit query, so the nearest hit replaces it, and no query of the tree's memory. Its
+//! `Ray::new` is not used: in 0.1.0-beta.3 the C++ side writes a ray of 128 bytes, aligned to 64, where the Rust type
+//! has but the first 64, so that it writes over the caller's stack.
 
 use glam::Vec3;
 use halfdome_benches::tracer::Tracer;

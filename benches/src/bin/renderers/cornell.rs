@@ -1,9 +1,9 @@
 //! The Cornell box: every renderer gets its triangles as numbers, and paths that end by roulette alone after eight
 //! bounces, with the same samples.
 //!
-//! Errors are held against one long render of ours; that a peer's pictures tend to it too is seen from `brighter` and,
-//! for independent samples, from a variance ratio of one. There are two measures, for the mean squared error is decided
-//! by the few pixels that the light's edge crosses, the relative one by the whole picture.
+//! Errors are relative to one long render of ours; that a peer's pictures converge to it too is shown by `brighter`
+//! and, for independent samples, from a variance ratio of one. There are two measures, for the mean squared error is
+//! decided by the few pixels that the light's edge crosses, the relative one by the whole picture.
 
 use std::error::Error;
 use std::fs;
@@ -56,7 +56,7 @@ pub(crate) fn compare(options: &Options) -> Result<(), Box<dyn Error>> {
         }
     }
 
-    // As many threads as there are, since nobody times it.
+    // All threads, as it is not timed.
     let mut ours = ours("reference", Pattern::Sobol, 0)?;
     let mut half = |seed| ours.render(reference_spp, seed).map(|rendering| rendering.pixels);
     let [first, second] = REFERENCE_SEEDS.map(&mut half);

@@ -1,14 +1,14 @@
-//! How far a picture is from the reference.
+//! The error of a picture relative to the reference.
 
 use halfdome_benches::measure::median;
 
 /// Keeps dark pixels from deciding the relative error (Rousselle, Knaus and Zwicker 2011).
 const DARK: f64 = 0.01;
 
-/// A picture of many samples, as the mean of two independent halves; their difference tells its own error.
+/// A picture of many samples, as the mean of two independent halves; their difference gives its own error.
 pub(crate) struct Reference {
     pixels: Vec<f64>,
-    /// Root of its mean squared error, as the halves tell it.
+    /// The root of its mean squared error, by the halves.
     pub(crate) rmse: f64,
     /// Its own part in [`trimmed_error`](Self::trimmed_error).
     pub(crate) own_trimmed_error: f64,

@@ -1,8 +1,8 @@
 //! Scenes made in Blender: Cycles' script makes the model, which all render.
 //!
-//! The reference is Cycles' too, so that errors are what its author sees; ours and Mitsuba's agree with it as far as
-//! `brighter` says. Errors and noise are the mean of `(a - r)² / (r² + 0.01)` over all values but the worst thousandth,
-//! where a few paths would decide; an error is less the reference's own.
+//! The reference is Cycles' too, so that errors include differences of models; `brighter` shows how far ours and
+//! Mitsuba's agree with it. Errors and noise are the mean of `(a - r)² / (r² + 0.01)` over all values but the worst
+//! thousandth, where a few paths would decide; an error is less the reference's own.
 
 use std::error::Error;
 use std::ffi::OsStr;

@@ -1,4 +1,4 @@
-//! Renderers of other people, each run by a script that answers requests; `benches/renderers/serve.py` says how.
+//! Other renderers, each run by a script that answers requests; `benches/renderers/serve.py` describes the protocol.
 
 use std::ffi::OsStr;
 use std::fs;

@@ -1,4 +1,4 @@
-//! What is compared: ways to make a picture of the scene, each on one thread.
+//! The compared renderers, each on one thread.
 
 use halfdome::driver::{self, Watch};
 use halfdome::film::Picture;
@@ -72,7 +72,7 @@ impl Renderer for Halfdome<'_> {
     }
 }
 
-/// What this process has had of the processor so far; NaN where nobody counts it.
+/// What this process has had of the processor so far; NaN where it is not counted.
 fn processor_seconds() -> f64 {
     getrusage(UsageWho::RUSAGE_SELF).map_or(f64::NAN, |usage| {
         [usage.user_time(), usage.system_time()].map(|time| time.num_microseconds() as f64 * 1e-6).iter().sum()

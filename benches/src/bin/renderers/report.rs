@@ -1,4 +1,4 @@
-//! What is printed: a table for people, or one JSON object a line for machines.
+//! The output: a table, or one JSON object a line.
 
 use halfdome_benches::measure::median;
 use serde_json::{Value, json};
@@ -31,7 +31,7 @@ pub(crate) struct Record {
 /// Mean squared errors, one figure a round, by one of the two measures.
 #[derive(Default)]
 struct Errors {
-    /// Of the pictures that are timed.
+    /// The samples of the timed pictures.
     mse: Vec<f64>,
     /// Of pictures with one sample a pixel.
     single_mse: Vec<f64>,

@@ -4,8 +4,8 @@ use glam::Vec3;
 use halfdome::scene::{Material, Mesh, Scene};
 use serde_json::{Value, json};
 
-/// The scene as JSON for the peers' scripts, which know no material beyond diffuse reflection and no light without a
-/// surface. Pictures have `side` by `side` pixels; paths survive `sure_bounces` bounces.
+/// The scene as JSON for the peers' scripts, which only support diffuse reflection and lights with a surface. Pictures
+/// have `side` by `side` pixels; paths survive `sure_bounces` bounces.
 ///
 /// # Errors
 /// If the scene has no camera.

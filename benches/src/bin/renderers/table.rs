@@ -1,4 +1,4 @@
-//! What is printed about scenes made in Blender.
+//! The table of scenes made in Blender.
 
 use halfdome_benches::measure::median;
 use serde_json::{Value, json};

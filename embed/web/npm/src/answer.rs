@@ -1,4 +1,4 @@
-//! What batches give, in the order in which JavaScript reads it.
+//! The results of batches, in the order in which JavaScript reads them.
 
 use glam::Vec3;
 use halfdome_kernel::Hit;

@@ -1,9 +1,9 @@
 //! The kernel behind functions that JavaScript calls: `index.js`, beside, is their only caller.
 //!
-//! An instance holds meshes, and with the feature `scene` a scene of them. JavaScript asks for room, writes there what the
-//! next function reads, and reads where that says; no function keeps an address. Numbers that would be wrong are refused on
-//! the JavaScript side, which knows how to say so; here they lead to no more than something that is not built. So this border
-//! needs no unsafe code but the names of its functions.
+//! An instance holds meshes, and with the feature `scene` a scene of them. JavaScript requests memory, writes the next
+//! function's input there, and reads its output at the returned address; no function keeps an address. Invalid numbers
+//! are refused on the JavaScript side, with errors; here they only lead to a failed build. So this border needs no
+//! unsafe code but the names of its functions.
 
 mod answer;
 #[cfg(feature = "scene")]

@@ -1,4 +1,4 @@
-//! A scene of the instance's meshes: items that come, move and go.
+//! A scene of the instance's meshes: items are inserted, moved and removed.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -138,7 +138,8 @@ pub extern "C" fn set_transform(item: u32) -> i32 {
     STAGE
         .with_borrow_mut(|Stage { matrices, scene, .. }| {
             let handle = scene.handle(item).ok_or(-1)?;
-            // Nearly all calls are this one, for which nothing is allocated. What it refuses is refused again below, which tells why.
+            // Nearly all calls are this one, for which nothing is allocated. Invalid calls are refused again below,
+            // with the reason.
             if let [only] = matrices[..]
                 && scene.set_transform(handle, &transform(&only)).is_ok()
             {
@@ -151,7 +152,7 @@ pub extern "C" fn set_transform(item: u32) -> i32 {
         .map_or_else(|refused| refused, |()| 0)
 }
 
-/// Says who sees an item. 0, or -1 if there is no such.
+/// Sets an item's mask. Returns 0, or -1 if there is no such item.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_mask(item: u32, mask: u32) -> i32 {
     change(item, |stage, handle| stage.scene.set_mask(handle, mask).ok())

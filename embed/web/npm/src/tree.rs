@@ -9,7 +9,7 @@ use halfdome_kernel::{RoundBvh, bvh::MovingBvh, scene::Object};
 /// The tree over a mesh, which a scene shares.
 pub(crate) enum Tree {
     Still(Arc<Bvh>),
-    /// Of a mesh that changes its shape between keys; only scenes have rays with a time.
+    /// The tree of a mesh that deforms between keys; only rays in scenes have a time.
     #[cfg(feature = "scene")]
     Moving(Arc<MovingBvh>),
     /// Of points or curves, and how many of them can be hit.

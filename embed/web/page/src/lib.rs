@@ -1,7 +1,7 @@
 //! The renderer behind functions that JavaScript calls: `engine.js`, beside, is their only caller.
 //!
-//! An instance is one worker's: it has a scene, and renders its share of the tiles step by step. JavaScript asks for room,
-//! writes there what the next function reads, and reads the answer where [`output`] says; no function keeps an address. So
+//! An instance is one worker's: it has a scene, and renders its share of the tiles step by step. JavaScript requests
+//! memory, writes the next function's input there, and reads the answer at [`output`]; no function keeps an address. So
 //! this border needs no unsafe code but the names of its functions. Functions give `DONE`, `FAILED`, where the answer
 //! is a message, or `NOTHING`.
 

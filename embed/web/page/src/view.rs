@@ -1,4 +1,4 @@
-//! What the page and its workers tell each other as JSON.
+//! Messages between the page and its workers as JSON.
 
 use halfdome::scene::{CameraPose, IntegratorOverrides, Overrides, Scene};
 use halfdome::settings::{Integrator, Settings};

@@ -1,4 +1,4 @@
-//! Blobs that are right are traced in place; blobs that are not are told apart.
+//! Valid blobs are traced in place; invalid ones give their errors.
 
 use alloc::vec::Vec;
 

@@ -86,7 +86,7 @@ fn to_vector(point: Sphere) -> DVec4 {
 fn from_vectors(points: [DVec4; 4]) -> CubicCurve {
     let sphere = |p: DVec4| {
         let p = p.as_vec4();
-        // Not a NaN for a number.
+        // False for NaN, which stays NaN.
         Sphere { center: Vec3::new(p.x, p.y, p.z), radius: if p.w < 0.0 { 0.0 } else { p.w } }
     };
     CubicCurve { controls: points.map(sphere) }

@@ -1,4 +1,4 @@
-//! Discs: where the line crosses the plane, and how far from the centre that is.
+//! Discs: the line's crossing with the plane, and its distance from the centre.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -16,7 +16,7 @@ pub struct Disc {
     pub center: Vec3,
     /// The radius; discs of radius zero, less or NaN are left out.
     pub radius: f32,
-    /// Where the disc faces: of any length but zero. Discs that face nowhere are left out.
+    /// The normal, of any length but zero. Discs with a zero normal are left out.
     pub normal: Vec3,
 }
 
@@ -33,7 +33,7 @@ impl RoundPrimitive for Disc {
         fault.or_else(|| (normal == Vec3::ZERO).then_some(RoundFault::Degenerate))
     }
 
-    /// Along each axis the disc reaches as far as the sine of the angle between axis and normal says.
+    /// Along each axis the disc's extent is the radius times the sine of the angle between axis and normal.
     #[inline(always)]
     fn bounds(&self) -> Aabb {
         let n = self.normal.to_array().map(f64::from);
@@ -75,8 +75,8 @@ impl LineTest for Disc {
     }
 }
 
-/// The centre and the normal in the ray's space, and how far behind the centre the line crosses the plane: nowhere is
-/// infinity or NaN.
+/// The centre and the normal in the ray's space, and the distance behind the centre at which the line crosses the
+/// plane: infinity or NaN if it does not.
 #[inline(always)]
 fn crossing(frame: &RayFrame, &[x, y, z, _, nx, ny, nz]: &[f64; 7]) -> ([f64; 3], [f64; 3], f64) {
     let (center, normal) = (frame.place([x, y, z]), frame.turn([nx, ny, nz]));

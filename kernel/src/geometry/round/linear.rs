@@ -78,7 +78,7 @@ pub(super) fn capsule_margin(a: [f64; 2], b: [f64; 2], radius: f64) -> f64 {
 #[inline(always)]
 fn foot(a: [f64; 2], [ex, ey]: [f64; 2]) -> f64 {
     let foot = -(a[0] * ex + a[1] * ey) / (ex * ex + ey * ey);
-    // Not for a NaN either.
+    // False for NaN.
     let foot = if foot > 0.0 { foot } else { 0.0 };
     if foot < 1.0 { foot } else { 1.0 }
 }
@@ -113,7 +113,7 @@ pub(super) fn cone_span(a: [f64; 4], b: [f64; 4]) -> Option<Span> {
             let sum = -(middle + libm::sqrt(discriminant).copysign(middle));
             for z in [sum / square, (long * off - along * along) / sum] {
                 let u = foot + (along + z * e[2]) / long;
-                // Not for a NaN either.
+                // False for NaN.
                 if (0.0..=1.0).contains(&u) {
                     Span::grow(&mut span, p[2] + z, u);
                 }
@@ -135,8 +135,8 @@ pub(super) fn cone_span(a: [f64; 4], b: [f64; 4]) -> Option<Span> {
 /// digits.
 const THIN: f64 = 1.0 / (1u64 << 32) as f64;
 
-/// The normal of a cone where it is so thin: that of a plane that touches the whole cone, on the side from which the line comes, or to
-/// which it goes.
+/// The normal of such a thin cone: the normal of a plane that touches the whole cone, on the side where the line
+/// enters, or leaves.
 #[inline(always)]
 fn thin_outward(e: [f64; 3], delta: f64, is_exit: bool) -> [f64; 3] {
     let (side, square) = (if is_exit { 1.0 } else { -1.0 }, dot(e, e));

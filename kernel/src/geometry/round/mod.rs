@@ -1,21 +1,21 @@
 //! Points and curves: spheres, discs, and spheres that are swept along segments and Bézier curves.
 //!
 //! # The test
-//! A primitive is taken to the space of the ray (`frame`), whose line is there the z axis, and where its crossings with the
-//! line are easily found (`sphere`, `disc`, `linear`, `cubic`). All of that is in `f64`: of a hair of the radius 1e-4 at a
-//! distance of 1e3 nothing is left in `f32`. Of the crossings the first one in the ray's interval counts (`span`): that
-//! with the outside for a ray from without, that with the inside for one from within, and never one in between. It is
-//! rounded to `f32` once, and then clamped to the primitive's box, so that a tree gives exactly what a loop over
-//! all primitives gives.
+//! A primitive is transformed to the space of the ray (`frame`), whose line is the z axis there, and where crossings
+//! with the line are easily computed (`sphere`, `disc`, `linear`, `cubic`). All of this is in `f64`: `f32` cannot
+//! resolve a hair of radius 1e-4 at a distance of 1e3. The hit is the first crossing in the ray's interval (`span`):
+//! the entry for a ray from outside, the exit for a ray from inside, and never a crossing in between. It is rounded to
+//! `f32` once, and then clamped to the primitive's box, so that a tree gives exactly what a loop over all primitives
+//! gives.
 //!
-//! Operations are correctly rounded, in one order and never fused, so hits are equal bit for bit on every instruction set.
-//! Lanes compute the margin (`line_test`) of eight primitives by the very function that decides for one.
+//! Operations are correctly rounded, in one order and never fused, so hits are equal bit for bit on every instruction
+//! set. Lanes compute the margin (`line_test`) of eight primitives by the function that decides for a single one.
 //!
 //! # Error bounds
-//! With `R` the greatest distance of the primitive from the ray's origin, a line that passes inside of a primitive by more
-//! than `2⁻⁴⁰ R` hits it, and one that passes outside by more does not. The point at the unrounded distance is off the surface
-//! by `2⁻⁴⁰ R` at most; the `t` of a hit is that distance rounded to `f32`. Cubic curves deviate besides by what `cubic` says.
-//! As [`RoundSurface`] has the unrounded point, rays that leave a surface start from there.
+//! With `R` the greatest distance of the primitive from the ray's origin, a line that passes inside of a primitive by
+//! more than `2⁻⁴⁰ R` hits it, and one that passes outside by more does not. The point at the unrounded distance is off
+//! the surface by `2⁻⁴⁰ R` at most; the `t` of a hit is that distance rounded to `f32`. `cubic` describes the further
+//! deviation of cubic curves. As [`RoundSurface`] has the unrounded point, rays that leave a surface start from there.
 
 mod cubic;
 mod disc;
@@ -44,7 +44,7 @@ pub trait RoundPrimitive: LineTest + bytemuck::Pod + Send + Sync {
     /// Why no ray hits the primitive, if none does.
     fn fault(&self) -> Option<RoundFault>;
 
-    /// The box around it, rounded outwards. Of one with a fault it is of no meaning.
+    /// The box around it, rounded outwards. Unspecified for a primitive with a fault.
     fn bounds(&self) -> Aabb;
 }
 
@@ -53,14 +53,14 @@ pub trait RoundPrimitive: LineTest + bytemuck::Pod + Send + Sync {
 pub enum RoundFault {
     /// A number is NaN or infinite.
     NotFinite,
-    /// It reaches beyond [`MAX_COORDINATE`](super::MAX_COORDINATE).
+    /// The primitive reaches beyond [`MAX_COORDINATE`](super::MAX_COORDINATE).
     OutOfRange,
     /// All radii are zero or one is less, or the normal is zero.
     Degenerate,
 }
 
-/// Where `ray` meets a point or a curve, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or if one of them is
-/// out of the [numeric limits](crate#numeric-limits). The [module](self) says which of its crossings counts.
+/// Where `ray` meets a point or a curve, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or if one of
+/// them is out of the [numeric limits](crate#numeric-limits). The [module](self) defines which crossing counts.
 pub fn intersect_round<P: RoundPrimitive>(ray: &Ray, primitive: &P) -> Option<Hit> {
     let frame = RayFrame::new(ray)?;
     match primitive.fault() {
@@ -79,7 +79,7 @@ pub(crate) fn intersect<P: RoundPrimitive>(frame: &RayFrame, ray: &Ray, primitiv
     own_box::clamped(ray, interval, Hit { t: frame.t_at(crossing.z) as f32, u, v: 0.0, prim_id: 0 })
 }
 
-/// The crossing of a ray with a primitive that counts, and whether it is an entry.
+/// The crossing that counts of a ray with a primitive, and whether it is an entry.
 #[inline(always)]
 fn crossing<P: RoundPrimitive>(frame: &RayFrame, ray: &Ray, primitive: &P) -> Option<(Crossing, bool)> {
     let numbers = primitive.numbers();
@@ -91,7 +91,7 @@ fn crossing<P: RoundPrimitive>(frame: &RayFrame, ray: &Ray, primitive: &P) -> Op
     (crossing.z <= frame.z_at(ray.t_max)).then_some((crossing, is_entry))
 }
 
-/// The fault of something that swept spheres make.
+/// The fault of a primitive made of swept spheres.
 fn sphere_fault(spheres: &[Sphere]) -> Option<RoundFault> {
     if !spheres.iter().all(|sphere| sphere.center.is_finite() && sphere.radius.is_finite()) {
         return Some(RoundFault::NotFinite);

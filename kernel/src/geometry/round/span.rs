@@ -1,4 +1,4 @@
-//! Which of a line's crossings with a surface a ray finds.
+//! Selects a line's crossing with a surface that a ray hits.
 
 use super::RayFrame;
 use super::line_test::{Crossing, LineTest, Span};
@@ -20,11 +20,12 @@ impl Span {
     }
 }
 
-/// The first crossing with the surface of something round that is not before `least`, and whether the line enters there.
+/// The first crossing with the surface of a round primitive that is not before `least`, and whether the line enters
+/// there.
 ///
-/// What is round is the union of its spans. Where the line begins inside, it leaves the union at the end of the spans that
-/// hang together: each turn goes on along those around the end that is known so far, forwards and backwards by turns, as the
-/// primitive may run either way, until there are none. A cubic curve runs back and forth three times at most.
+/// The primitive is the union of its spans. A line that begins inside leaves the union at the end of the connected
+/// spans: each pass extends the known end by the spans around it, forwards and backwards in turn, as the primitive may
+/// run in either direction, until none is left. A cubic curve runs back and forth three times at most.
 #[inline(always)]
 pub(super) fn first_crossing<P: LineTest>(
     frame: &RayFrame,

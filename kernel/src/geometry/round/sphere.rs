@@ -1,4 +1,4 @@
-//! Spheres: the distance of the line from the centre says whether it is hit, and the rest of the radius where (Haines,
+//! Spheres: the distance of the line from the centre decides whether it is hit, and half the chord where (Haines,
 //! Günther and Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection").
 
 use bytemuck::{Pod, Zeroable};
@@ -8,7 +8,7 @@ use super::line_test::{Crossing, LineTest, Span};
 use super::{RayFrame, RoundFault, RoundPrimitive};
 use crate::geometry::Aabb;
 
-/// A sphere: the surface, not the ball. Of a curve, a place on its axis and the radius there.
+/// A sphere: the surface, not the ball. For a curve, a point of its axis and the radius there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Sphere {

@@ -1,4 +1,4 @@
-//! What a hit with a point or a curve says of the surface, and where a ray may start that leaves it.
+//! The surface at a hit with a point or a curve, and origins of rays that leave it.
 //!
 //! The point is found in `f64` and rounded once. Along the normal `n` that puts it off the surface by `u Σ |n| |x|` at most,
 //! with `u = 2⁻²⁴`, and so does its sum with the offset; the offset has twice as much, so that the origin is truly outside.
@@ -13,21 +13,22 @@ use crate::geometry::{Ray, offset_point};
 
 /// The rounding of the point and of its sum with the offset, twice over, in units of its coordinates.
 const POINT_ERROR: f32 = 4.0 / (1u32 << 24) as f32;
-/// What the normal may be off, in units of the primitive's extent.
+/// The allowance for errors of the normal, in units of the primitive's extent.
 const NORMAL_ERROR: f32 = 1.0 / (1u32 << 20) as f32;
 /// How far a plane that touches a thin curve may be from the point, in units of the distance.
 const PLANE_ERROR: f32 = 1.0 / (1u32 << 31) as f32;
 
-/// What a hit with a point or a curve says of the surface besides where it is.
+/// The surface at a hit with a point or a curve: point, normals and side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundSurface {
     /// The point: nearer to the surface than `ray.at(t)`.
     pub point: Vec3,
-    /// The unit normal of the side that the ray has met. Cubic curves have edges between their pieces.
+    /// The unit normal of the side that the ray has hit. Cubic curves have edges between their pieces.
     pub normal: Vec3,
-    /// The same from the curve itself, which has no edges, for shading; it may differ from `normal` by half a degree or so.
+    /// The unit normal of the smooth curve, without edges, for shading; it may differ from `normal` by about half a
+    /// degree.
     pub shading_normal: Vec3,
-    /// Whether the ray has met the outside, or of a disc the side that it faces.
+    /// Whether the ray has hit the outside, or the front of a disc.
     pub is_front: bool,
     /// The distance from the surface at which a ray that leaves it has to start.
     pub offset: f32,
@@ -56,10 +57,10 @@ impl RoundSurface {
         Some(Self { point, normal, shading_normal: side(smooth), is_front, offset })
     }
 
-    /// Where a ray into `direction` starts that leaves the surface, to the side to which it points.
+    /// The origin of a ray into `direction` that leaves the surface, on the side to which it points.
     ///
-    /// On the outside that ray does not hit the primitive again, unless a curve bends into its way. Inside of what is
-    /// thinner than its coordinates' units in the last place, it may come out at the far side.
+    /// On the outside that ray does not hit the primitive again, unless a curve bends into its path. Inside a primitive
+    /// thinner than the last place of its coordinates, the origin may lie beyond the far side.
     pub fn origin(&self, direction: Vec3) -> Vec3 {
         offset_point(self.point, self.normal, self.offset, direction)
     }

@@ -36,8 +36,8 @@ pub trait Warp {
     /// The `u` in [0, 1)² that `map` carries to a point of the domain.
     fn inverse(&self, point: Self::Point) -> Vec2;
 
-    /// [`map`](Self::map) of each `u`, with the instructions of `isa`: quicker, and equal bit for bit. Of slices of
-    /// unequal length the ends are left alone.
+    /// [`map`](Self::map) of each `u`, with the instructions of `isa`: faster, and equal bit for bit. Elements beyond
+    /// the end of the shorter slice are left unchanged.
     fn map_many(&self, isa: Isa, u: &[Vec2], points: &mut [Self::Point])
     where
         Self: Sized,

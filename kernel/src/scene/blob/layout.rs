@@ -1,4 +1,4 @@
-//! The header and the records of a scene's blob, just as they lie in it; the [module above](super) lists them.
+//! The header and the records of a scene's blob, with their layout in memory; the [module above](super) lists them.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
@@ -54,7 +54,7 @@ pub(super) const TRIANGLES: u32 = 0;
 #[repr(C, align(32))]
 pub(super) struct BlockPart([u32; 8]);
 
-/// The blocks that these parts are; `None` if there is no such kind, or no whole number of blocks.
+/// The blocks that these parts form; `None` if there is no such kind, or the number of blocks is not whole.
 pub(super) fn round_blocks(kind: u32, parts: &[BlockPart]) -> Option<RoundBlocks<'_>> {
     match kind {
         1 => bytemuck::try_cast_slice(parts).ok().map(RoundBlocks::Spheres),

@@ -18,8 +18,8 @@ use crate::scene::top_level::TopLevel;
 use crate::scene::transform::Placement;
 
 impl Scene<'_> {
-    /// The scene, as of its last commit, as bytes: equal for scenes of equal items and options, whatever was changed on the way.
-    /// What several items have is there once.
+    /// The scene, as of its last commit, as bytes: equal for scenes of equal items and options, whatever their history.
+    /// Objects shared by several items are written once.
     ///
     /// # Errors
     /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
@@ -29,11 +29,11 @@ impl Scene<'_> {
 }
 
 impl Scene<'static> {
-    /// A copy of the scene in a blob, which may begin at any address, with all that is in it. Its items have the handles of a
-    /// scene that was built of them: their indices, and generation 0.
+    /// A copy of the scene in a blob, which may begin at any address, with its contents. Its items have the handles of
+    /// a newly built scene: their indices, and generation 0.
     ///
     /// # Errors
-    /// Those of [`SceneView::from_bytes`], but for [`Error::Misaligned`]; scenes may lie in others.
+    /// The errors of [`SceneView::from_bytes`], but for [`Error::Misaligned`]; scenes may lie in others.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
         let copy;
         let aligned = match bytes.as_ptr().align_offset(BLOB_ALIGNMENT) {
@@ -54,11 +54,11 @@ impl Scene<'static> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene in a blob, as by [`from_bytes`](Self::from_bytes), whose meshes, points and curves stay where they lie: only its
-    /// items and the trees over them take memory. The blob begins at a multiple of [`BLOB_ALIGNMENT`] bytes.
+    /// The scene in a blob, as by [`from_bytes`](Self::from_bytes), whose meshes, points and curves are used in place:
+    /// only its items and the trees over them take memory. The blob begins at a multiple of [`BLOB_ALIGNMENT`] bytes.
     ///
     /// # Errors
-    /// Those of [`SceneView::from_bytes`]; scenes may lie in others.
+    /// The errors of [`SceneView::from_bytes`]; scenes may lie in others.
     pub fn over_bytes(bytes: &'a [u8]) -> Result<Self, Error> {
         SceneBlob::open(bytes)?.scene(|object| object)
     }
@@ -102,7 +102,7 @@ impl SceneView<'_> {
     /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with `options`.
     ///
     /// # Errors
-    /// Those of `Scene::to_bytes`.
+    /// The errors of `Scene::to_bytes`.
     pub fn to_bytes(&self, options: &BuildOptions) -> Result<Blob, Error> {
         let mut writer = Writer { options: *options, ..Writer::default() };
         writer.scene(self, 0)?;
@@ -110,7 +110,7 @@ impl SceneView<'_> {
     }
 }
 
-/// Where something lies, by which it is known again.
+/// The address of an object, which identifies it.
 type Place = (usize, usize, usize);
 
 /// The sections of a blob under way.

@@ -1,4 +1,4 @@
-//! Scenes come back from their blobs as they were; blobs that are not right are told apart.
+//! Scenes are read back from their blobs unchanged; invalid blobs give their errors.
 
 mod damaged;
 
@@ -218,7 +218,7 @@ fn shapes_of_the_callers_are_named() {
     let said = alloc::format!("{error}");
     assert_eq!(
         said,
-        "item 2 is a shape of the program's, which cannot be written as bytes; it is in a scene in the scene"
+        "item 2 is a custom shape, which cannot be written as bytes; it is in a scene nested in the scene"
     );
 }
 

@@ -1,4 +1,4 @@
-//! Rays that are about to enter items, which are set up eight at a time.
+//! A queue of rays that are about to enter items, set up eight at a time.
 
 use super::trees::MeshAt;
 use crate::bvh::WIDTH;

@@ -1,4 +1,4 @@
-//! What rays do at the leaves of the scene's tree: they enter meshes, eight at a time, and meet all else alone.
+//! Rays at the leaves of the scene's tree: they enter meshes eight at a time, and other objects one by one.
 
 use super::super::search::Search;
 use super::super::walk::MeetItem;
@@ -53,7 +53,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         Some((part.item, mesh, item.placement.to_local(ray, *time)?))
     }
 
-    /// Takes up to eight rays into items. Gives the places of those whose stacks have no room.
+    /// Moves up to eight rays into items. Returns the places of rays whose stacks are full.
     #[inline(always)]
     fn enter<S: Simd>(&mut self, entering: &Entering<'a, S>) -> u64 {
         let mut crowded = 0;
@@ -84,7 +84,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         crowded
     }
 
-    /// A ray meets what has the box of this number as a single ray does, if it sees that.
+    /// Tests a ray against the object with the box of this index like a single ray, if its mask allows.
     #[inline(always)]
     fn meet_alone<S: Simd>(&mut self, place: usize, number: u32) {
         let ray = *self.ray(place);
@@ -105,7 +105,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     }
 }
 
-/// Not inlined, so that its stack frame is there only while it runs.
+/// Not inlined, so that its stack frame exists only while it runs.
 #[inline(never)]
 fn meet<Q: Search>(scene: &SceneView, ray: &SceneRay, number: u32, search: &mut Q) {
     dispatch(scene.isa(), MeetItem { scene, ray, number, search });

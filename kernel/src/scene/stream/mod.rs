@@ -1,11 +1,11 @@
-//! A ray stream through a scene: rays are on their way through the scene's own tree and through those of its items at
-//! the same time, each at a place of its own, and step in phases as in a [stream](crate::traverse::stream) through one
-//! tree. `t` is the same in all spaces, so one stack holds the subtrees of both: those of the item on top, then a
-//! [`NONE`], then those of the scene. A hit culls all of them.
+//! A ray stream through a scene: rays traverse the scene's own tree and the trees of its items at the same time, each
+//! with its own place, and step in phases as in a [stream](crate::traverse::stream) through one tree. `t` is the same
+//! in all spaces, so one stack holds the subtrees of both: those of the item on top, then a [`NONE`], then those of the
+//! scene. A hit culls all of them.
 //!
-//! A ray that comes to an item of triangles is taken into the item's space, together with up to seven others that come to
-//! one. Points, curves and shapes it meets alone, as a single ray does. Scenes with scenes in them are not traced as
-//! streams: a stack of 32 KiB has no room for a stream below their recursion.
+//! A ray that reaches an item of triangles is transformed into the item's space, together with up to seven others. It
+//! is tested against points, curves and shapes like a single ray. Nested scenes are not traced as streams: a stack of
+//! 32 KiB has no room for a stream below their recursion.
 
 mod entering;
 mod items;
@@ -31,7 +31,7 @@ use crate::traverse::stream::{ActiveRay, Next, Stream, places_of};
 /// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
 
-/// Fewer rays are traced one by one, as most would be on their way alone.
+/// Fewer rays are traced one by one, as lanes would be mostly empty.
 pub(super) const LEAST: usize = 24;
 
 /// Rays to trace as a stream, and their answers, of which there are as many.
@@ -52,7 +52,7 @@ impl<A: Answers> Work for StreamAll<'_, A> {
     }
 }
 
-/// Rays on their way through a scene.
+/// The rays in flight through a scene.
 struct SceneStream<'a, A> {
     scene: &'a SceneView<'a>,
     rays: &'a [SceneRay],
@@ -168,7 +168,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         }
     }
 
-    /// Rays that have met all of an item go on in the scene.
+    /// Rays that have finished an item continue in the scene.
     #[inline(always)]
     fn leave<S: Simd>(&mut self, places: u64) {
         for place in places_of(places) {
@@ -212,7 +212,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         self.turned &= !places;
     }
 
-    /// What the ray at a place visits next is what is on top of its stack.
+    /// The ray at a place visits the top of its stack next.
     #[inline(always)]
     fn go_on<S: Simd>(&mut self, place: usize) {
         let next = self.stream.active[place % ACTIVE].pop();

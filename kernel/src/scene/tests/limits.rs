@@ -1,4 +1,4 @@
-//! Scenes with nothing in them, with too much, and from memory that anybody could have written.
+//! Empty scenes, scenes beyond the limits, and scenes from arbitrary memory.
 
 use alloc::sync::Arc;
 

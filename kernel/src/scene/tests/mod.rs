@@ -1,4 +1,4 @@
-//! Scenes of all kinds against the loops of [`reference`], and that against answers found otherwise.
+//! Scenes of all kinds against the loops of [`reference`], and the loops against independent answers.
 
 mod deform;
 mod limits;
@@ -38,7 +38,7 @@ fn scene(items: Vec<Item>) -> Scene {
     Scene::build(items, &BuildOptions::default()).unwrap().0
 }
 
-/// Bits of a hit, so that NaN and zeros of different signs tell.
+/// Bits of a hit, so that NaN and zeros of different signs are compared.
 fn bits(hit: Option<SceneHit>) -> Option<[u32; 8]> {
     hit.map(bytemuck::cast)
 }

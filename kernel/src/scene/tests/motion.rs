@@ -1,4 +1,4 @@
-//! What moves, at its keys and between them.
+//! Motion, at keys and between them.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Closest points and overlaps in scenes, against the loops, and those against trees and what is known.
+//! Closest points and overlaps in scenes, against the loops, and the loops against trees and known answers.
 
 use super::*;
 use crate::geometry::overlaps;

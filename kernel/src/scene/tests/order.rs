@@ -1,4 +1,4 @@
-//! What rays see of a scene, and which of equal hits counts.
+//! Masks of rays, and the order of equal hits.
 
 use super::*;
 

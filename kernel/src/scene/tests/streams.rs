@@ -1,4 +1,4 @@
-//! Batches, where streams have their corners.
+//! Batches at the corner cases of streams.
 
 use super::*;
 use crate::Aabb;

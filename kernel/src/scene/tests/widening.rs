@@ -1,4 +1,4 @@
-//! Items that their transforms distort: their own hits are all found, and other items are met by no more rays.
+//! Items with distorting transforms: all their hits are found, and other items are entered by no more rays.
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicUsize, Ordering};

@@ -1,5 +1,5 @@
 //! A coherent packet, whose rays share octant and fastest axis: the boxes of a node, and those of a block's triangles,
-//! against a shaft of all rays first, then what it meets against the rays, one a lane.
+//! against a shaft of all rays first, then those that the shaft hits against the rays, one a lane.
 
 use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;
@@ -8,7 +8,8 @@ use crate::geometry::triangle::LineLanes;
 use crate::simd::{CompressChildren, Lanes, Mask, Simd};
 use crate::traverse::node_test::{prefetch, visit_octant};
 
-/// A subtree to visit, the rays that may meet its box, and which part of the way the first of them has gone by then.
+/// A subtree to visit, the rays that may meet its box, and the entry distance of the first of them, as a fraction of
+/// its length.
 #[derive(Clone, Copy)]
 struct Entry {
     child: u32,
@@ -16,7 +17,7 @@ struct Entry {
     near: f32,
 }
 
-/// From this visit on, rays of one origin are no longer thought to keep together, and boxes are tested with each.
+/// From this visit on, rays of one origin no longer count as coherent, and boxes are tested with each ray.
 const COHERENT: u32 = 4;
 
 /// Rays whose directions are of one class.
@@ -57,7 +58,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
         Self { class, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
     }
 
-    /// The part of the way that is left to the ray with the longest one.
+    /// The greatest remaining fraction of a ray's length.
     #[inline(always)]
     fn left(&self, rays: u32, best: &HitPacket<N>) -> f32 {
         let left = L::load(&best.t) * self.inverse_lengths;
@@ -70,7 +71,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
     pub(super) fn trace<const ANY: bool, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut HitPacket<N>) -> u32 {
         let (mut live, mut all_found) = (rays, 0);
         let mut left = self.left(live, best);
-        // All zeros, which are written quicker than any other value.
+        // All zeros, which is fastest to write.
         let mut stack = [Entry { child: 0, rays: 0, near: 0.0 }; MAX_STACK];
         stack[0].rays = rays;
         let mut height = 1;
@@ -79,7 +80,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
             height -= 1;
             let Entry { child, rays, near } = stack[height];
             let rays = rays & live;
-            // As near is not nearer: there may be a tie to decide.
+            // Equal distances are kept: ties are decided by `prim_id`.
             if rays == 0 || near > left {
                 continue;
             }

@@ -1,9 +1,9 @@
-//! Rays that start at one point, or close to it, and go anywhere: sorted by direction into packets, whose hits go back to
-//! where their rays came from.
+//! Rays from one point, or nearly, in any directions: sorted by direction into packets, whose hits are written back in
+//! the rays' order.
 //!
-//! The directions of a hemisphere are of up to 24 classes (octant and fastest axis). In the order of
-//! their strata a packet would straddle two or three, and fall
-//! apart; sorted, packets are full, and as their rays start at one point they need not spread much to share a shaft.
+//! The directions of a hemisphere are of up to 24 classes (octant and fastest axis). In the order of their strata a
+//! packet would straddle two or three classes, and be split; sorted, packets are full, and as their rays start at one
+//! point they need not spread much to share a shaft.
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};

@@ -64,7 +64,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
             let before = best.hit(lane);
             let mut nearest = ClosestHit { best: before };
             let ray = self.line_of::<S>(lane);
-            // This collector never breaks off.
+            // This collector never ends the search.
             let _ = intersect_block(block, &ray, self.class.axes, t_min[lane], &mut nearest);
             if nearest.best.precedes(&before) {
                 best.set(lane, nearest.best);

@@ -1,7 +1,7 @@
 //! Searches that pass through triangles from one of their sides: back-face culling.
 //!
 //! The side is that of the edge functions' sum, whose sign is exact and decides the hit itself
-//! ([`geometry`](crate::geometry)). So it is never in doubt, and the same everywhere, however the ray grazes the triangle.
+//! ([`geometry`](crate::geometry)). So it is exact and equal on every target, however the ray grazes the triangle.
 
 use core::ops::ControlFlow;
 
@@ -17,7 +17,7 @@ pub enum Facing {
     Both,
     /// The side from which the corners run counter-clockwise.
     Front,
-    /// The other one.
+    /// The other side.
     Back,
 }
 

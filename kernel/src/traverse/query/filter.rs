@@ -1,8 +1,8 @@
-//! Searches in which the caller decides what counts as a hit: cut-out leaves, the triangle that a ray comes from,
+//! Searches with a filter that decides which hits count: for cut-out leaves, the triangle that a ray leaves,
 //! selections.
 //!
-//! A search never shows its filter a triangle twice, as every triangle lies in one leaf. What it shows, and in what order,
-//! [`Verdict`] and the two searches say.
+//! A search never passes a triangle to its filter twice, as every triangle is in one leaf. [`Verdict`] and the two
+//! searches define which hits it passes, and in which order.
 
 use core::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use crate::bvh::BvhView;
 use crate::geometry::{Hit, Ray};
 use crate::traverse::collector::Collector;
 
-/// What a filter says of a hit.
+/// A filter's decision about a hit.
 ///
 /// A filter sees the hits with each triangle at most once. They come in the order of the tree for the octant of the ray's
 /// direction: roughly from near to far, not that of `t`, and the same on every instruction set. So where the verdict
@@ -18,11 +18,11 @@ use crate::traverse::collector::Collector;
 /// filter; what is stopped at depends on the tree too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It counts.
+    /// The hit counts.
     Accept,
-    /// It does not: the ray goes on through the triangle.
+    /// The hit does not count: the ray passes through the triangle.
     Reject,
-    /// It counts, and the search ends with it, whether there are nearer ones or not.
+    /// The hit counts and ends the search, even if there are nearer ones.
     Stop,
 }
 
@@ -38,7 +38,7 @@ impl BvhView<'_> {
         nearest.best.found()
     }
 
-    /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but quicker.
+    /// Whether `ray` hits anything that `filter` accepts: `intersect_filtered(ray, filter).is_some()`, but faster.
     ///
     /// The filter sees the ray's hits, once each and in the order of [`Verdict`], up to the first
     /// that it accepts or stops at.

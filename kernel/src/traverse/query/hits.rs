@@ -12,8 +12,8 @@ use crate::geometry::{Hit, Ray};
 use crate::traverse::collector::Collector;
 
 impl<'a> BvhView<'a> {
-    /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; tells whether it
-    /// did.
+    /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; returns
+    /// whether it did.
     pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut all = Each { t_max: ray.t_max, visit, flow: ControlFlow::Continue(()) };
         self.collect(ray, &mut all);
@@ -30,10 +30,10 @@ impl<'a> BvhView<'a> {
         count
     }
 
-    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives their
-    /// number. The rest of `hits` is of no meaning.
+    /// Writes the nearest hits of `ray`, as many as there are and as `hits` has room for, nearest first, and gives
+    /// their number. The rest of `hits` is unspecified.
     ///
-    /// The search leaves out what is behind the last of them.
+    /// The search skips everything behind the last of them.
     pub fn nearest_hits(&self, ray: &Ray, hits: &mut [Hit]) -> usize {
         self.nearest_after(ray, &Hit::BEFORE_ALL, hits)
     }
@@ -109,12 +109,12 @@ impl Collector for NearestHits<'_> {
 }
 
 impl NearestHits<'_> {
-    /// Puts a hit in its place; what was last then falls out if there is no more room.
+    /// Inserts a hit in order; the last one is dropped if there is no more room.
     fn insert(&mut self, hit: Hit) {
         let place =
             self.hits.iter().take(self.len).rposition(|other| other.precedes(&hit)).map_or(0, |before| before + 1);
         self.len = self.hits.len().min(self.len + 1);
-        // None if it is as near as the last one, and comes after that.
+        // None if it is as near as the last one, and comes after it.
         if let Some(behind @ [_, ..]) = self.hits.get_mut(place..self.len) {
             behind.rotate_right(1);
             behind[0] = hit;
@@ -128,17 +128,17 @@ impl NearestHits<'_> {
 /// Hits that one search of [`Hits`] finds.
 const BATCH: usize = 16;
 
-/// All hits of a ray, nearest first: what [`BvhView::hits`] gives.
+/// All hits of a ray, nearest first; returned by [`BvhView::hits`].
 #[derive(Clone, Debug)]
 pub struct Hits<'a> {
     tree: BvhView<'a>,
     ray: Ray,
-    /// The last one found.
+    /// The last hit found.
     last: Hit,
     found: [Hit; BATCH],
-    /// Of those found, the first that was not given yet.
+    /// The first of the found hits that has not been returned yet.
     next: usize,
-    /// How many were found.
+    /// The number of found hits.
     len: usize,
 }
 

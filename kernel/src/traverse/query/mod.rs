@@ -1,5 +1,5 @@
-//! Questions other than the nearest hit and whether there is any: filters, one-sided triangles, all hits, the closest
-//! point, the triangles in a box, and what a ray costs. All walk the tree as the single-ray intersector does.
+//! Queries other than the nearest hit and occlusion: filters, one-sided triangles, all hits, the closest point, the
+//! triangles in a box, and what a ray costs. All walk the tree as the single-ray intersector does.
 
 mod closest_point;
 mod facing;

@@ -9,9 +9,9 @@ use crate::traverse::reference;
 use crate::traverse::stack::TraversalStack;
 
 impl BvhView<'_> {
-    /// Gives `visit` the `prim_id` of every triangle that [overlaps](overlaps()) `aabb`, each once and in an order that is
-    /// the tree's own, the same on every instruction set, until it breaks off; tells whether it did. Touching counts; the
-    /// box may be infinite, or a point.
+    /// Gives `visit` the `prim_id` of every triangle that [overlaps](overlaps()) `aabb`, each once and in an order that
+    /// is the tree's own, the same on every instruction set, until it breaks off; returns whether it did. Touching
+    /// counts; the box may be infinite, or a point.
     ///
     /// Never leaves a triangle out; `overlaps` says how exact it is.
     pub fn for_each_overlap(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {

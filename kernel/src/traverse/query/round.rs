@@ -1,4 +1,4 @@
-//! Rays through a tree of points or curves by itself; in a [scene](crate::scene) it answers all that scenes are asked.
+//! Single rays through a tree of points or curves; in a [scene](crate::scene) all queries of scenes work.
 
 use core::ops::ControlFlow;
 
@@ -16,19 +16,20 @@ impl RoundView<'_> {
         self.trace(ray, ClosestHit { best: Hit::none_before(ray.t_max) }).best.found()
     }
 
-    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but quicker.
+    /// Whether `ray` hits anything: `intersect(ray).is_some()`, but faster.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.trace(ray, AnyHit { t_max: ray.t_max, found: false }).found
     }
 
-    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Of slices of unequal length the ends are left alone.
+    /// Writes the nearest hit of each ray, or [`Hit::MISS`]. Elements beyond the end of the shorter slice are left
+    /// unchanged.
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.intersect(ray).unwrap_or(Hit::MISS);
         }
     }
 
-    /// Writes for each ray whether it hits anything. Of slices of unequal length the ends are left alone.
+    /// Writes for each ray whether it hits anything. Elements beyond the end of the shorter slice are left unchanged.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
         for (ray, occluded) in rays.iter().zip(occluded) {
             *occluded = self.occluded(ray);
@@ -39,7 +40,7 @@ impl RoundView<'_> {
         match self.isa().level() {
             Level::Scalar => {
                 let mut collector = collector;
-                // Whether it was ended early, the collector knows.
+                // The collector itself records whether it was ended early.
                 let _ = reference::walk_round(self, ray, &mut collector);
                 collector
             }

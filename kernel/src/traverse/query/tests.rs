@@ -1,5 +1,5 @@
-//! The questions other than the nearest hit, each against a loop over all triangles that shares nothing with the tree,
-//! on every instruction set.
+//! The queries other than the nearest hit, each against a loop over all triangles that shares nothing with the tree, on
+//! every instruction set.
 
 mod closest;
 mod overlaps;
@@ -36,7 +36,7 @@ fn all_hits_are_those_of_a_loop() {
     let mut longest = 0;
     for (count, size) in [(1, 1.0), (9, 0.7), (100, 1.0), (400, 1.5)] {
         let mut triangles = soup(&mut random, count, size);
-        // Copies, which only their numbers tell apart.
+        // Copies, which differ only in their indices.
         triangles.extend_from_within(..count.min(20));
         let rays = rays_at(&triangles, &mut random, 20);
         for quality in Quality::ALL {

@@ -1,4 +1,4 @@
-//! What a ray costs: the nodes and blocks that it visits, front to back, with what lies behind its nearest hit left out.
+//! The cost of a ray: the nodes and blocks that it visits, front to back, up to its nearest hit.
 //!
 //! It is counted by a walk of its own, one box at a time, so that it is the same number on every machine. A batch visits
 //! the same subtrees, save those whose boxes the ray only grazes: each backend widens boxes by its own rounding.
@@ -25,12 +25,12 @@ impl Visits {
 }
 
 impl BvhView<'_> {
-    /// What [`intersect`](Self::intersect) visits. Slow: for pictures of the cost, not for tracing.
+    /// The visits of [`intersect`](Self::intersect). Slow: for pictures of the cost, not for tracing.
     pub fn intersect_visits(&self, ray: &Ray) -> Visits {
         walk(self, ray, false).0
     }
 
-    /// What [`occluded`](Self::occluded) visits, likewise.
+    /// The visits of [`occluded`](Self::occluded), likewise.
     pub fn occluded_visits(&self, ray: &Ray) -> Visits {
         walk(self, ray, true).0
     }

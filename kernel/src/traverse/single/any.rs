@@ -1,5 +1,6 @@
-//! Whether one ray hits anything. Children are visited from far to near, in the order that the tree keeps for octants: what
-//! is near the origin is mostly what the ray has just left. No distances are kept, as no hit shortens the ray.
+//! Whether one ray hits anything. Children are visited from far to near, in the order that the tree keeps for octants:
+//! triangles near the origin mostly belong to the surface that the ray has just left. No distances are kept, as no hit
+//! shortens the ray.
 
 use crate::bvh::{BvhView, Child};
 use crate::geometry::Ray;

@@ -39,11 +39,11 @@ pub(super) fn trace<S: Simd>(tree: &BvhView, ray: &Ray, best: Hit) -> Hit {
             }
         } else {
             for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                // This collector never breaks off.
+                // This collector never ends the search.
                 let _ = intersect_block(block, &lines, line.axes, ray.t_min, &mut closest);
             }
         }
-        // As near is not nearer: there may be a tie to decide.
+        // Equal distances are kept: ties are decided by `prim_id`.
         child = loop {
             let Some(entry) = stack.pop() else { return closest.best };
             if f32::from_bits((entry >> 32) as u32) <= closest.best.t {
@@ -53,7 +53,7 @@ pub(super) fn trace<S: Simd>(tree: &BvhView, ray: &Ray, best: Hit) -> Hit {
     }
 }
 
-/// The nearest of the children that `hits` names, which are not none; the others go to the stack, the farthest first.
+/// The nearest of the children in the non-empty mask `hits`; the others go to the stack, the farthest first.
 #[inline(always)]
 fn nearest<S: Simd>(tree: &BvhView, node: &Node, near: S::F8, mut hits: u32, stack: &mut UninitStack<u64>) -> u32 {
     let children = &node.children;

@@ -68,7 +68,7 @@ impl Work for Finish<'_> {
 }
 
 /// Shows `collector` the hits of one ray, each at most once, and all that are not behind the collector's `t_max` at
-/// their turn. `Break` if the collector ended it. `stack` is memory, whatever is in it.
+/// their turn. `Break` if the collector ended it. `stack` is memory with any contents.
 #[inline(always)]
 pub(crate) fn walk<S: Simd, C: Collector>(
     tree: &BvhView,
@@ -90,7 +90,7 @@ pub(crate) fn walk<S: Simd, C: Collector>(
 
 /// How a ray meets a tree: the node test, and the test of what is in a leaf.
 pub(crate) trait Intersector {
-    /// What has a greater `t` is of no interest.
+    /// Primitives with a greater `t` are ignored.
     fn t_max(&self) -> f32;
 
     /// Tests the node of this index, and [pushes](TraversalStack::push_children) the children that the ray meets.
@@ -112,7 +112,7 @@ pub(crate) fn traverse<S: Simd, G: Intersector>(
     stack.reset_to_root();
     loop {
         let Some((child, near)) = stack.pop() else { return ControlFlow::Continue(()) };
-        // A nearer hit may have been found since. As near is not nearer: there may be a tie to decide.
+        // A nearer hit may have been found since. Equal distances are kept: ties are decided by `prim_id`.
         if near > intersector.t_max() {
             continue;
         }
@@ -124,7 +124,7 @@ pub(crate) fn traverse<S: Simd, G: Intersector>(
     }
 }
 
-/// Triangles that stand still, and who hears of the hits.
+/// Triangles that stand still, and the collector of the hits.
 struct StillTriangles<'a, L, C> {
     tree: &'a BvhView<'a>,
     lanes: LineLanes<L>,

@@ -44,7 +44,7 @@ pub(crate) fn walk<S: Simd, C: Collector>(
     traverse::<S, _>(&mut triangles, &slabs, ray.t_min, stack)
 }
 
-/// Triangles between two keys, and who hears of the hits.
+/// Triangles between two keys, and the collector of the hits.
 struct MovingTriangles<'a, L, C> {
     nodes: [&'a [Node]; 2],
     blocks: [&'a [TriangleBlock]; 2],

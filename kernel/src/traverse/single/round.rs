@@ -26,7 +26,7 @@ pub(crate) fn walk<S: Simd, C: Collector>(
     traverse::<S, _>(&mut Rounds { tree, isa, ray, frame, collector }, &setup.slabs, ray.t_min, stack)
 }
 
-/// Points or curves, and who hears of the hits.
+/// Points or curves, and the collector of the hits.
 struct Rounds<'a, C> {
     tree: &'a RoundView<'a>,
     isa: Isa,

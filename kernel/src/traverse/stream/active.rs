@@ -16,8 +16,7 @@ const ROOM: usize = 32;
 /// The slots themselves, in order.
 const IN_ORDER: u32 = 0o76543210;
 
-/// An active ray: a cache line for the node test, one for the leaf test, and the stack, at whose bottom lies
-/// [`NONE`].
+/// An active ray: a cache line for the node test, one for the leaf test, and the stack, with [`NONE`] at its bottom.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct ActiveRay {
@@ -40,7 +39,7 @@ pub(crate) struct ActiveRay {
     near: Entries<f32>,
 }
 
-/// In whole cache lines.
+/// Aligned to whole cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Entries<T>([T; ROOM]);
@@ -48,7 +47,7 @@ struct Entries<T>([T; ROOM]);
 const _: () = assert!(size_of::<ActiveRay>() == 384 && core::mem::offset_of!(ActiveRay, line) == 64);
 
 impl ActiveRay {
-    /// All zeros, which is quickly written.
+    /// All zeros, which is fastest to write.
     pub(super) const EMPTY: Self = Self {
         slabs: [0.0; 8],
         far_shift: [0.0; 3],
@@ -63,8 +62,8 @@ impl ActiveRay {
         near: Entries([0.0; ROOM]),
     };
 
-    /// Becomes the ray of a lane, and enters those children of the root for which `near <= far`. Gives what to visit
-    /// first.
+    /// Becomes the ray of a lane, and enters those children of the root for which `near <= far`. Returns the first
+    /// visit.
     #[inline(always)]
     pub(super) fn start<const ANY: bool, S: Simd>(
         &mut self,
@@ -83,7 +82,7 @@ impl ActiveRay {
         self.pop()
     }
 
-    /// Becomes the ray of a lane, and keeps its number, its best hit and its stack.
+    /// Becomes the ray of a lane, and keeps its index, its best hit and its stack.
     #[inline(always)]
     pub(crate) fn set_up(&mut self, setups: &SetupRows, lane: usize, any: bool) {
         self.slabs = setups.slabs[lane];
@@ -99,7 +98,7 @@ impl ActiveRay {
         self.slabs[6]
     }
 
-    /// Visits a node: puts the children that the ray meets on the stack. Whether there was room.
+    /// Visits a node: pushes the children that the ray meets. Returns whether there was room.
     #[inline(always)]
     #[must_use]
     pub(crate) fn visit_node<S: Simd>(&mut self, node: &Node) -> bool {
@@ -129,14 +128,14 @@ impl ActiveRay {
         true
     }
 
-    /// Takes what is on top of the stack: [`NONE`] if nothing is left.
+    /// Pops the stack: [`NONE`] if nothing is left.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> u32 {
         self.height = self.height.wrapping_sub(1);
         self.children.0[usize::from(self.height) % ROOM]
     }
 
-    /// Takes a hit if it precedes the best one, and forgets what is behind it.
+    /// Takes a hit if it precedes the best one, and drops subtrees behind it.
     #[inline(always)]
     pub(crate) fn accept<S: Simd>(&mut self, hit: Hit) {
         if hit.precedes(&self.best) {
@@ -145,7 +144,7 @@ impl ActiveRay {
         }
     }
 
-    /// Forgets subtrees that begin behind `t_max`. As near is not nearer: there may be a tie to decide.
+    /// Drops subtrees that begin behind `t_max`. Equal distances are kept: ties are decided by `prim_id`.
     #[inline(always)]
     pub(crate) fn cull<S: Simd>(&mut self, t_max: f32) {
         let height = self.height;
@@ -160,7 +159,7 @@ impl ActiveRay {
                 return;
             };
             let (children, near) = (*children, S::F8::load(near));
-            // What lies above the height is no entry.
+            // Slots above the height are not entries.
             let is_entry = S::F8::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0])
                 .lt(S::F8::splat(height.saturating_sub(from).into()));
             let near = S::F8::select(is_entry, near, S::F8::splat(f32::INFINITY));
@@ -190,13 +189,13 @@ impl ActiveRay {
             }
         } else {
             let mut closest = ClosestHit { best: self.best };
-            // This collector never breaks off.
+            // This collector never ends the search.
             let _ = intersect_block(block, &line, axes, self.t_min(), &mut closest);
             self.accept::<S>(closest.best);
         }
     }
 
-    /// What the ray visits after the first block of a leaf: the rest of it, or what is on the stack.
+    /// The ray's visit after the first block of a leaf: the rest of the leaf, or the top of the stack.
     #[inline(always)]
     pub(crate) fn after_block<const ANY: bool>(&mut self, leaf: u32) -> u32 {
         let has_ended = ANY && self.best.is_hit();
@@ -210,7 +209,7 @@ impl ActiveRay {
         self.height = 1;
     }
 
-    /// Puts a subtree on the stack that no hit culls. Whether there was room.
+    /// Pushes a subtree that no hit culls. Returns whether there was room.
     #[inline(always)]
     #[must_use]
     pub(crate) fn push(&mut self, child: u32) -> bool {

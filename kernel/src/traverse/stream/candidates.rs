@@ -56,7 +56,7 @@ impl Candidates {
         }
     }
 
-    /// Tests all of them, tells their rays of the hits, and forgets them.
+    /// Tests all candidates, reports the hits to their rays, and clears the list.
     #[inline(always)]
     pub(super) fn test<const ANY: bool, const N: usize, S: Simd>(
         &mut self,
@@ -165,7 +165,7 @@ fn test_eight<const ANY: bool, const N: usize, S: Simd>(
     let Some(crossing) = triangle::cross(&lines, corners) else {
         return;
     };
-    // What is behind the origin or the best hit is sorted out here, as a branch on it is mispredicted too often.
+    // Hits behind the origin or the best hit are rejected here, as a branch on them would be mispredicted too often.
     let within = t_min.le(crossing.t) & crossing.t.le(t_max);
     let (t, u, v) = (crossing.t.store(), crossing.u.store(), crossing.v.store());
     for lane in lanes_of(crossing.bits & within.bits()) {

@@ -7,8 +7,8 @@ use crate::geometry::setup::Axis;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{Lanes, Mask, Simd, lanes_of};
 
-/// What was found, in lanes: the best hits' `t`, `u`, `v` and the bits of `prim_id`, then the rays' `t_min`; the rest is of
-/// no meaning.
+/// The results in lanes: the nearest hits' `t`, `u`, `v` and the bits of `prim_id`, then the rays' `t_min`; the rest is
+/// unspecified.
 pub(super) type HitLanes<L> = [L; WIDTH];
 
 /// The state of rays between `t_min` and `t_max` before the search.

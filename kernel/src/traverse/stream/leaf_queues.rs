@@ -22,7 +22,7 @@ const RAYS: usize = 128;
 /// Groups that are chosen before the first of them meets its leaf: which queue is full next is known only when a group
 /// has been tested, and would hold up the next.
 const ROUND: usize = 3;
-/// Above so many blocks a stream is quicker: it tests a ray against a block's eight triangles at once.
+/// Above this many blocks a stream is faster: it tests a ray against a block's eight triangles at once.
 const MAX_BLOCKS: usize = 16;
 
 /// Whether a tree is small enough.
@@ -216,14 +216,14 @@ impl Waiting {
             let leaves = &QUEUE_OF[classes.fastest(lane) % 3];
             let (kept, nears) = (&mut self.leaves[i], &mut self.near[i]);
             let height = S::F8::compress(near[lane], far[lane], order, leaves, kept, nears);
-            // One that can hit nothing has arrived at once.
+            // A ray that can hit nothing has arrived at once.
             self.heights[i] = select_unpredictable(setups.live >> lane & 1 != 0, height as u8, 0);
         }
         self.queue_up::<S>(&slots[..slots.len().min(rays.len() - first)], queues);
     }
 
-    /// Up to eight rays go each to the queue of the leaf that is next, if there is any left that does not begin behind the
-    /// best hit. As near is not nearer: there may be a tie to decide.
+    /// Moves up to eight rays to the queues of their next leaves, if one is left that does not begin behind the best
+    /// hit. Equal distances are kept: ties are decided by `prim_id`.
     #[inline(always)]
     fn queue_up<S: Simd>(&mut self, eight: &[u8], queues: &mut Queues) {
         let mut next = [0; WIDTH];

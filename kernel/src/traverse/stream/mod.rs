@@ -23,7 +23,7 @@ use crate::simd::{Lanes, Simd};
 use crate::traverse::node_test::{intersect_children, prefetch_of};
 use crate::traverse::single;
 
-/// What a ray visits next when nothing is left: an empty child, which no node pushes.
+/// The visit of a ray when nothing is left: an empty child, which no node pushes.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Rays that are traced at the same time. Fewer hide less latency; more do not fit into the first-level cache.
@@ -90,9 +90,9 @@ fn ray_lanes<S: Simd>(rays: &[Ray]) -> [S::F8; WIDTH] {
 /// Up to `N` rays that are traced at the same time, each at a place of its own; `N` is a multiple of eight, and at most 64.
 pub(crate) struct Stream<const N: usize> {
     pub(crate) active: [ActiveRay; N],
-    /// What each of them visits next.
+    /// The next visit of each ray.
     next: [u32; N],
-    /// A bit for each place that has a ray.
+    /// A bit for each place with a ray.
     pub(crate) busy: u64,
     /// Rays that were started, of all in the batch.
     pub(crate) started: usize,
@@ -141,7 +141,7 @@ impl<const N: usize> Stream<N> {
             places |= 1 << i;
             let (near, far) = (near[lane], far[lane]);
             let next = self.active[i].start::<ANY, S>(&setups, lane, self.started + lane, root, (near, far));
-            // One that can hit nothing is done at once.
+            // A ray that can hit nothing is finished at once.
             let next = if live >> lane & 1 != 0 { next } else { NONE };
             self.next[i] = next;
             prefetch_of::<S>(trees.nodes(i), trees.blocks(i), next);
@@ -151,7 +151,7 @@ impl<const N: usize> Stream<N> {
         places
     }
 
-    /// What the rays visit next.
+    /// The next visits of the rays.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self) -> Next {
         let (mut leaves, mut ended) = (0, 0);
@@ -163,8 +163,8 @@ impl<const N: usize> Stream<N> {
         Next { nodes: !leaves & self.busy, leaves: leaves & !ended & self.busy, ended: ended & self.busy }
     }
 
-    /// Visits the nodes that the rays at `visitors` visit next. Gives the places of those whose stacks have no room for it:
-    /// somebody else has to finish them.
+    /// Visits the nodes that the rays at `visitors` visit next. Returns the places of rays whose stacks are full:
+    /// another tracer has to finish them.
     #[inline(always)]
     pub(crate) fn visit_nodes<S: Simd>(&mut self, visitors: u64, trees: &impl Trees) -> u64 {
         let mut crowded = 0;
@@ -183,14 +183,14 @@ impl<const N: usize> Stream<N> {
         crowded
     }
 
-    /// What the ray at a place visits next.
+    /// The next visit of the ray at a place.
     #[inline(always)]
     pub(crate) fn visit_next<S: Simd>(&mut self, place: usize, next: u32, trees: &impl Trees) {
         prefetch_of::<S>(trees.nodes(place), trees.blocks(place), next);
         self.next[place % N] = next;
     }
 
-    /// What the ray at a place visits next.
+    /// The next visit of the ray at a place.
     #[inline(always)]
     pub(crate) fn next(&self, place: usize) -> u32 {
         self.next[place % N]

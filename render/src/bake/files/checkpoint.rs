@@ -1,8 +1,8 @@
-//! What a bake has found so far, so that one that was stopped can go on: values of blocks of texels, and irradiance records.
+//! The results of a bake so far, so that a stopped bake can resume: values of blocks of texels, and irradiance records.
 //!
-//! Everything has a key and a value of 32-bit words, and does not depend on when it was found. A bake that goes on asks the
-//! checkpoint before it traces a ray; as all else follows from the answers, it ends with the same bytes as one that was never
-//! stopped.
+//! Everything has a key and a value of 32-bit words, and does not depend on when it was computed. A resumed bake looks
+//! up the checkpoint before it traces rays; as everything else follows from these values, it ends with the same bytes
+//! as an uninterrupted one.
 //!
 //! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key, number
 //! of words, words), and the FNV-1a hash of all that, everything little-endian. It is replaced in one step.
@@ -26,12 +26,12 @@ const VERSION: u32 = 6;
 const HEADER: usize = 8 + 4 + 8 + 8;
 const CHECKSUM: usize = 8;
 
-/// What a key is of; the least significant bits are a number.
+/// The kind of a key; the least significant bits are an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// Blocks of texels with light that needs no cache.
     Texels = 1,
-    /// Blocks of texels with what a cache could not tell.
+    /// Blocks of texels with light that no cache provides.
     Missing = 2,
     /// Irradiance records of the final cache.
     Records = 3,
@@ -61,7 +61,7 @@ pub struct Checkpoint {
 struct State {
     entries: Entries,
     saved: Instant,
-    /// What went wrong when it was written; the bake goes on.
+    /// The error when it was written; the bake continues.
     failure: Option<OutputError>,
 }
 
@@ -80,7 +80,7 @@ impl Checkpoint {
     /// Reads a checkpoint of what has this hash; `None` if there is no file.
     ///
     /// # Errors
-    /// If the file cannot be read, is none of ours or damaged, or of something else.
+    /// If the file cannot be read, is not a checkpoint, is damaged, or belongs to another bake.
     pub fn read(path: &Path, hash: u64) -> Result<Option<Self>, Invalid> {
         let error = |problem: &str| {
             let remedy = "leave --resume out to start again";
@@ -100,7 +100,7 @@ impl Checkpoint {
         Ok(Some(checkpoint))
     }
 
-    /// Where the state of a bake to `output` is kept.
+    /// The path of the state of a bake to `output`.
     pub fn path(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(".");
@@ -135,7 +135,7 @@ impl Checkpoint {
                 (shard.first_chunk().ok_or_else(damaged)?, shard.last_chunk().ok_or_else(damaged)?);
             if is_whole == 0 {
                 let problem = format!("{name} was stopped before its end");
-                return Err(Invalid::new(problem, "go on with it: the same command with --resume"));
+                return Err(Invalid::new(problem, "continue it: the same command with --resume"));
             }
             shards.push((name.clone(), Shard::new(number, count).ok_or_else(damaged)?));
             all.append(&mut entries);
@@ -158,7 +158,7 @@ impl Checkpoint {
     /// Writes the file now.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn save(&self) -> Result<(), OutputError> {
         let Some((file, _)) = &self.file else { return Ok(()) };
         let bytes = encode(self.hash, &self.state().entries);
@@ -168,12 +168,12 @@ impl Checkpoint {
     /// Removes the file, now that everything is done.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn remove(&self) -> Result<(), OutputError> {
         self.file.as_ref().map_or(Ok(()), |(file, _)| file.remove())
     }
 
-    /// What went wrong when the file was written meanwhile.
+    /// The error of the last write of the file.
     pub fn failure(&self) -> Option<OutputError> {
         self.state().failure.clone()
     }
@@ -204,7 +204,7 @@ impl Checkpoint {
 /// Irradiance records in a checkpoint.
 pub(crate) struct CheckpointedRecords<'a> {
     pub(crate) checkpoint: &'a Checkpoint,
-    /// Of which cache they are.
+    /// The cache that they belong to.
     pub(crate) stage: Stage,
 }
 

@@ -1,4 +1,4 @@
-//! Hashes of what a bake depends on: whether anything changed, and what.
+//! Hashes of a bake's inputs, to detect what has changed.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,15 +11,15 @@ use crate::scene::{Mesh, Scene, fnv};
 /// Hashes, 64 bits each, of what a bake depends on.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hashes {
-    /// Of all options.
+    /// The hash of all options.
     pub options: Hash,
-    /// Of all materials.
+    /// The hash of all materials.
     pub materials: Hash,
-    /// Of delta lights.
+    /// The hash of delta lights.
     pub lights: Hash,
-    /// Of the sky.
+    /// The hash of the sky.
     pub sky: Hash,
-    /// Of each mesh, with its name, in the scene's order.
+    /// The hash of each mesh, with its name, in the scene's order.
     pub meshes: Vec<(String, Hash)>,
 }
 
@@ -56,7 +56,7 @@ pub fn combined(hashes: &Hashes) -> u64 {
 }
 
 impl Hashes {
-    /// What differs between two bakes, one line for each; none if they are the same.
+    /// The differences between two bakes, one line each; empty if there are none.
     pub fn changes_since(&self, old: &Self) -> Vec<String> {
         let fields = [
             (self.options, old.options, "the options"),

@@ -1,7 +1,7 @@
-//! What a bake made, for programs: JSON beside the maps.
+//! The manifest of a bake for programs: JSON beside the maps.
 //!
-//! It says which part of which page belongs to which surface, in what unit the texels are, and by hashes from what it was
-//! all made: a bake whose hashes are those of the manifest need not be done again.
+//! It maps parts of pages to surfaces, names the unit of the texels, and holds hashes of all inputs: a bake with the
+//! same hashes need not be repeated.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::scene::{Place, SceneError};
 /// The version of the manifest's form; it changes when old readers would misunderstand a new manifest.
 const VERSION: u32 = 1;
 
-/// What a bake made, and from what.
+/// The results and inputs of a bake.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Manifest {
@@ -23,13 +23,13 @@ pub struct Manifest {
     pub generator: String,
     /// The model's file name.
     pub source: String,
-    /// What a texel is.
+    /// The quantity in a texel.
     pub unit: Unit,
     /// What the irradiance was multiplied by before that, 1 if by nothing.
     pub exposure: f32,
     /// The seed of the random numbers.
     pub seed: u64,
-    /// From what it was made.
+    /// Hashes of the inputs.
     pub made_from: Hashes,
     /// The pages, which [`SurfaceEntry::page`] counts from 0.
     pub pages: Vec<PageEntry>,
@@ -39,7 +39,7 @@ pub struct Manifest {
     pub outputs: Vec<Output>,
 }
 
-/// What a texel of a page is.
+/// The kind of a page's texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unit {
     /// Irradiance, W/m².
@@ -60,7 +60,7 @@ pub struct PageEntry {
     pub file: String,
     /// The OpenEXR file with all layers in 32-bit floats.
     pub master: String,
-    /// What is kept of directions, for engines.
+    /// The directional components, for engines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub directional: Option<DirectionalEntry>,
     /// Texels across.
@@ -69,7 +69,7 @@ pub struct PageEntry {
     pub height: u32,
 }
 
-/// Where a page's light comes from.
+/// The source of a page's light.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DirectionalEntry {
     /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those of

@@ -1,4 +1,4 @@
-//! Wavefront OBJ with lightmap coordinates as its `vt`, for whoever reads the maps by other means than glTF.
+//! Wavefront OBJ with lightmap coordinates as its `vt`, for pipelines without glTF.
 //!
 //! Positions are the scene's, in world space. OBJ counts v from below, so it is turned; the page of a group is in its name.
 

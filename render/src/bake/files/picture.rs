@@ -1,4 +1,4 @@
-//! A page's charts as a picture: each in a colour of its own, what overlaps in red, gutters darker.
+//! A page's charts as a picture: each in its own colour, overlaps in red, gutters darker.
 
 use crate::bake::layout::atlas::{Atlas, NO_CHART};
 use crate::bake::layout::check::Check;
@@ -7,7 +7,7 @@ use crate::output::false_color::categorical_hue;
 
 /// Outside of all charts.
 const BACKGROUND: [u8; 3] = [24, 24, 28];
-/// Where charts overlap.
+/// Overlaps of charts.
 const OVERLAP: [u8; 3] = [255, 0, 0];
 
 /// The pixels of a page of `atlas`, 8 bits of red, green and blue each, row by row from the top.
@@ -38,7 +38,7 @@ pub fn charts_picture(atlas: &Atlas, check: &Check, page: usize) -> Vec<u8> {
 
 /// A colour for a chart, never red, which shows overlaps.
 pub(crate) fn color(chart: u32) -> [u8; 3] {
-    // From 40 to 320 degrees.
+    // Hues from 40 to 320 degrees.
     let hue = categorical_hue(chart) * 280.0 + 40.0;
     let value = [1.0, 0.8, 0.6][chart as usize / 7 % 3];
     [5.0, 3.0, 1.0].map(|shift: f64| {

@@ -1,4 +1,4 @@
-//! What a bake made, for people, as HTML.
+//! The HTML report of a bake.
 //!
 //! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
 //! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
@@ -11,14 +11,14 @@ use crate::output::false_color;
 use crate::output::html::{Html, Plane, escaped, percentile};
 use crate::output::{OutputError, ToneMapping};
 
-/// What the report tells.
+/// The contents of the report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Its headline.
     pub title: String,
     /// Names and values of all figures.
     pub statistics: Vec<(String, String)>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// The pages of the lightmap.
     pub pages: Vec<ReportPage>,
@@ -45,7 +45,7 @@ pub struct ReportPage {
     pub error: Option<Vec<f32>>,
 }
 
-/// What is not on a chart.
+/// Texels outside of charts.
 const OUTSIDE: [u8; 3] = [24, 24, 28];
 /// A record, on dark charts.
 const RECORD: [u8; 3] = [255, 214, 64];

@@ -1,4 +1,4 @@
-//! Takes noise out of maps: non-local means (Buades, Coll and Morel 2005) inside of each chart.
+//! Denoises maps: non-local means (Buades, Coll and Morel 2005) inside of each chart.
 //!
 //! A texel becomes the mean of the texels around it in the same chart that look alike, by 3 by 3 texels each, and face
 //! the same way: `w = exp(-max(0, d² - 2σ²)/h²)`, with `d²` the mean square of relative differences, corrected for the

@@ -1,7 +1,7 @@
-//! Texels that have no light of their own: those of a chart that nothing free was found in, and its gutter.
+//! Fills texels without light of their own: covered texels of a chart, and its gutter.
 //!
-//! Each takes the mean of its neighbours of the same chart that have a value, ring by ring; what belongs to another chart
-//! never enters.
+//! Each takes the mean of its neighbours of the same chart that have a value, ring by ring; texels of other charts are
+//! never used.
 
 use crate::bake::layout::atlas::{NO_CHART, Page};
 
@@ -11,11 +11,11 @@ pub(crate) struct PageTexels {
     pub(crate) page: Page,
     /// The chart of each texel, [`NO_CHART`] outside of all.
     pub(crate) owners: Vec<u32>,
-    /// Where its value comes from.
+    /// The source of its value.
     pub(crate) sources: Vec<TexelSource>,
 }
 
-/// Where a texel's value comes from.
+/// The source of a texel's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelSource {
     /// Nowhere: it is in no chart, and black.

@@ -1,10 +1,9 @@
-//! An estimate of each texel's relative error, for people to look at, of what is known without a ray more: by how much the
-//! records that a texel is interpolated from differ in what they say of it, and the noise between neighbours, from second
-//! differences around it ([`noise`](super::noise)). The two add up as squares. What all records have wrong alike stays
-//! unseen.
+//! An estimate of each texel's relative error for reports, without further rays: the disagreement of the records that
+//! the texel is interpolated from, and the noise between neighbours, from second differences around it
+//! ([`noise`](super::noise)). The two are added in quadrature. Errors common to all records are not detected.
 //!
-//! Errors are relative to a texel's irradiance, or to a tenth of the level's mean where that is more: nobody sees by how
-//! much a black texel is wrong in proportion.
+//! Errors are relative to a texel's irradiance, or to a tenth of the level's mean where that is more: relative errors
+//! of black texels are not visible.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,11 +15,11 @@ use crate::cache::Cache;
 use crate::integrator::lookup_point;
 use crate::world::World;
 
-/// Noise is told from texels that are at most so many away along u and v.
+/// The noise is estimated from texels at most this far away along u and v.
 const REACH: i64 = 2;
 /// The part of the mean brightness that errors are relative to where it is darker.
 const DARK: f64 = 0.1;
-/// What counts as a large error.
+/// The least large error.
 const LARGE: f32 = 0.05;
 
 /// The errors of all texels with light, in four numbers, each relative.
@@ -37,7 +36,7 @@ pub struct ErrorSummary {
 }
 
 impl ErrorSummary {
-    /// That of a list of errors; zeros of none.
+    /// The summary of a list of errors; zeros if it is empty.
     pub(crate) fn of(mut errors: Vec<f32>) -> Self {
         let Some(last) = errors.len().checked_sub(1) else { return Self::default() };
         errors.sort_unstable_by(f32::total_cmp);
@@ -51,7 +50,7 @@ impl ErrorSummary {
         }
     }
 
-    /// For people.
+    /// The summary as text.
     pub fn text(&self) -> String {
         let Self { median, percentile_95, above_5_percent, .. } = self;
         let [median, most, large] = [median, percentile_95, above_5_percent].map(|part| 100.0 * part);
@@ -96,7 +95,7 @@ fn noise_about(view: &View, texel: u32) -> f32 {
     sigma(&mut differences)
 }
 
-/// The standard error of what a texel's records say of its brightness.
+/// The standard error of a texel's brightness by its records.
 fn standard_error(world: &World, cache: &Cache, texel: &Texel) -> f32 {
     let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
     let point = lookup_point(world, &surface);

@@ -8,7 +8,7 @@ use crate::bake::options::Sampling;
 /// The texels that a sample mixes, as indices into a page, with weights that add up to 1.
 pub(crate) type Footprint = Vec<(u32, f64)>;
 
-/// The footprint of a sample at a place in texels. Beyond a page its last texels go on.
+/// The footprint of a sample at a place in texels. Coordinates beyond a page are clamped.
 pub(crate) fn footprint(sampling: Sampling, page: Page, place: DVec2) -> Footprint {
     let corner = (place - 0.5).floor();
     let part = place - 0.5 - corner;

@@ -1,5 +1,5 @@
-//! How noisy a map is: the relative noise σ of each chart, from the second differences along its rows and columns, whose
-//! median is hardly moved by the edges of shadows.
+//! The noise of a map: the relative noise σ of each chart, from the second differences along its rows and columns,
+//! whose median is hardly moved by the edges of shadows.
 
 use super::dilate::{PageTexels, TexelSource};
 use crate::bake::layout::atlas::Page;
@@ -58,7 +58,7 @@ impl View<'_> {
     }
 }
 
-/// The σ that second differences tell of; 0 without any.
+/// The σ of second differences; 0 without any.
 pub(crate) fn sigma(differences: &mut [f32]) -> f32 {
     match differences.len() {
         0 => 0.0,

@@ -1,11 +1,11 @@
-//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree. Along a crease they
-//! must as far as noise alone sets them apart: where they differ by more, light itself does.
+//! Seams: where the border of a chart cuts a smooth surface, samples on both sides of the cut must agree. Along a
+//! crease they must agree only as far as the difference is noise: a greater difference is in the light itself.
 //!
-//! At points along each cut the map is sampled on both sides, as engines will; the texels around are changed as little as
-//! possible so that the differences vanish: `min Σ (s_a - s_b)²/m² + Σ λ (x - x₀)²/m²`, a sparse least squares problem
-//! (Iwanicki 2013 has it for bilinear sampling), solved by conjugate gradients on its normal equations in a fixed order. `m`
-//! is the brightness there, for a step is seen relative to it. Texels that only filters need may change more than those that
-//! stand for a place.
+//! At points along each cut the map is sampled on both sides, as engines will; the texels around are changed as little
+//! as possible so that the differences vanish: `min Σ (s_a - s_b)²/m² + Σ λ (x - x₀)²/m²`, a sparse least squares
+//! problem (Iwanicki 2013 has it for bilinear sampling), solved by conjugate gradients on its normal equations in a
+//! fixed order. `m` is the brightness there, for a step is seen relative to it. Gutter texels may change more than
+//! texels on surfaces.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ use crate::bake::layout::atlas::{Atlas, NO_CHART};
 use crate::bake::layout::edges::{SharedEdge, Side};
 use crate::bake::options::Sampling;
 
-/// What a change of a texel costs, relative to a step of the same size at a seam.
+/// The cost of a change of a texel, relative to a step of the same size at a seam.
 const LIGHT: f64 = 0.001;
 /// The same of texels that were taken from others.
 const FILLED: f64 = 0.0001;
@@ -46,7 +46,7 @@ pub(crate) struct Seams {
     equations: Vec<Equation>,
     /// The texels in them, as page and index.
     unknowns: Vec<(u32, u32)>,
-    /// What a change of each costs.
+    /// The cost of a change of each.
     costs: Vec<f64>,
     /// Points where a filter reaches into another chart.
     pub(crate) mixed: usize,
@@ -64,7 +64,7 @@ struct Equation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
     pub(crate) sides: [CutSide; 2],
-    /// Whether the surface goes on over it without a crease.
+    /// Whether the surface continues across it without a crease.
     pub(crate) is_smooth: bool,
 }
 
@@ -201,8 +201,8 @@ impl Seams {
         self.equations.len()
     }
 
-    /// Changes `layers`, each of which has a list of texels for each page, so that samples agree. The first one tells how
-    /// bright it is where.
+    /// Changes `layers`, each of which has a list of texels for each page, so that samples agree. The first one gives
+    /// the brightness.
     pub(crate) fn solve(&self, layers: &mut [Vec<Vec<Vec3>>]) {
         let Some(brightness) = layers.first() else { return };
         let (scales, costs) = self.scales(brightness);
@@ -221,7 +221,7 @@ impl Seams {
         }
     }
 
-    /// What each equation is multiplied by, and what a change of each unknown costs, in the same unit.
+    /// The factor of each equation, and the cost of a change of each unknown, in the same unit.
     fn scales(&self, brightness: &[Vec<Vec3>]) -> (Vec<f64>, Vec<f64>) {
         let bright = |unknown: u32| -> f64 {
             let (page, texel) = self.unknowns[unknown as usize];

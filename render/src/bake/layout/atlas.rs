@@ -1,8 +1,8 @@
 //! The atlas: which texels belong to which triangles.
 //!
-//! A *page* is a map. A *part* is what of a mesh lies on one page, with vertices of its own where the border of a chart
-//! cuts the mesh; a *chart* is a connected piece of a part in the plane of the page. Texture coordinates are glTF's:
-//! from the top left corner, v down, so that texel row 0 is the first row of a picture.
+//! A *page* is a map. A *part* is the portion of a mesh on one page, with vertices of its own where the border of a
+//! chart cuts the mesh; a *chart* is a connected piece of a part in the plane of the page. Texture coordinates are
+//! glTF's: from the top left corner, v down, so that texel row 0 is the first row of a picture.
 
 use glam::{DVec2, Vec2};
 
@@ -48,11 +48,11 @@ pub struct Part {
     pub vertices: Vec<Vertex>,
     /// Three indices into `vertices` each, in the order of the mesh's corners.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle its number in the mesh.
+    /// The index of each triangle in the mesh.
     pub faces: Vec<u32>,
-    /// For each triangle its chart; [`NO_CHART`] if it has no area.
+    /// The chart of each triangle; [`NO_CHART`] if it has no area.
     pub charts: Vec<u32>,
-    /// Where its coordinates come from.
+    /// The source of its coordinates.
     pub layout: Layout,
 }
 
@@ -65,7 +65,7 @@ pub struct Vertex {
     pub uv: Vec2,
 }
 
-/// Where coordinates come from.
+/// The source of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// They are the model's, vertex by vertex.

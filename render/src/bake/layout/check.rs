@@ -1,4 +1,4 @@
-//! What is right and wrong with the coordinates of an atlas: overlaps, lost and stretched charts, fill.
+//! Checks the coordinates of an atlas: overlaps, lost and stretched charts, fill.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -18,7 +18,7 @@ const DENSITY: f32 = 4.0;
 /// Coordinates may be outside of the page by this much.
 const TOLERANCE: f32 = 1e-5;
 
-/// What a check has found.
+/// The results of a check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Check {
     /// The number of charts.
@@ -27,15 +27,15 @@ pub struct Check {
     pub fill: f64,
     /// Texels in which triangles lie on each other.
     pub overlapping: u64,
-    /// Which charts they are of, most texels first.
+    /// The charts that they belong to, most texels first.
     pub overlaps: Vec<Overlap>,
     /// Texels that two charts touch or that both need for their filter.
     pub crowded: u64,
     /// Charts that are stretched, or much denser or less dense than the median.
     pub stretched: Vec<usize>,
-    /// For each part, what no texel can light.
+    /// The triangles of each part without a texel.
     pub lost: Vec<Lost>,
-    /// For each page the texels that overlap, as indices.
+    /// The overlapping texels of each page, as indices.
     pub overlapping_texels: Vec<Vec<u32>>,
 }
 
@@ -51,11 +51,11 @@ pub struct Overlap {
 /// Triangles of a part that have an area in space, but none on its page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lost {
-    /// With coordinates that are not finite.
+    /// Triangles with coordinates that are not finite.
     pub not_finite: u64,
-    /// With coordinates that are not from 0 to 1.
+    /// Triangles with coordinates outside 0..=1.
     pub outside: u64,
-    /// With coordinates that are a line or a point.
+    /// Triangles whose coordinates have no area.
     pub no_area: u64,
 }
 

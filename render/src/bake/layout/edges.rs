@@ -1,7 +1,8 @@
-//! Edges that two of the scene's triangles share, and whether light goes on smoothly over them.
+//! Edges that two of the scene's triangles share, and whether light is continuous across them.
 //!
-//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. What is not shared so may be
-//! shared piece by piece: where corners lie in the middle of a side ([`t_junctions`](super::t_junctions)), it is cut there.
+//! Triangles share an edge if its two ends are equal bit for bit, whatever mesh they belong to. Other sides may be
+//! shared piece by piece: where corners lie in the middle of a side ([`t_junctions`](super::t_junctions)), it is cut
+//! there.
 
 use glam::Vec3;
 
@@ -29,7 +30,7 @@ pub(crate) struct SharedEdge {
     pub(crate) sides: [Side; 2],
     /// Where on each side it starts and ends, from 0 to 1: both start at one point, and end at one.
     pub(crate) spans: [[f64; 2]; 2],
-    /// Whether the surface goes on over it without a crease.
+    /// Whether the surface continues across it without a crease.
     pub(crate) is_smooth: bool,
 }
 
@@ -103,7 +104,7 @@ fn pairs(scene: &Scene, mut pieces: Vec<Piece>) -> (Vec<SharedEdge>, Vec<Side>) 
                 let spans = [first.span, if first.start == second.start { [start, end] } else { [end, start] }];
                 let sides = [first.side, second.side];
                 let is_smooth = is_smooth(scene, sides, spans);
-                // Of several sheets that meet at an edge, those that go on smoothly belong together.
+                // If several sheets meet at an edge, those that continue smoothly belong together.
                 if is_smooth || group.len() == 2 {
                     edges.push(SharedEdge { sides, spans, is_smooth });
                 }

@@ -53,7 +53,7 @@ pub(crate) fn area(corners: [Vec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// For each triangle the least one that it is connected with.
+/// The least index among the triangles connected with each one.
 fn connect(scene: &Scene, part: &Part, has_area: &[bool]) -> Vec<u32> {
     let mesh = &scene.meshes[part.mesh];
     let corner = |triangle: usize, corner: usize| -> Corner {

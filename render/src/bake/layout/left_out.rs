@@ -3,7 +3,7 @@
 /// Triangles that get no light of their own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// For each mesh and triangle; no meshes if nothing is left out.
+    /// Flags by mesh and triangle; no meshes if nothing is left out.
     meshes: Vec<Vec<bool>>,
 }
 

@@ -1,5 +1,4 @@
-//! Lays out an atlas: which meshes keep the coordinates that they have, which get new places for their charts, and
-//! which are unwrapped.
+//! Lays out an atlas: some meshes keep their coordinates, some get new places for their charts, and some are unwrapped.
 
 pub mod atlas;
 pub mod check;

@@ -1,4 +1,4 @@
-//! How much room new charts need at least, known before they are made and packed, which may take minutes.
+//! A lower bound of the space that new charts need, before they are made and packed, which may take minutes.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ pub(super) const MAX_TEXELS: u64 = 1 << 28;
 /// The most pages for which charts are packed.
 const MAX_PAGES: u64 = 1024;
 
-/// How far the layout of an atlas is.
+/// The progress of an atlas's layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayoutStep {
     /// New charts are about to be made of so many triangles, ...
@@ -25,7 +25,7 @@ pub enum LayoutStep {
     },
     /// ... this part of them is unwrapped, from 0 to 1, ...
     Unwrap(f32),
-    /// ... and all charts are packed once more: how often that takes nobody knows.
+    /// ... and all charts are packed again: the number of attempts is not known beforehand.
     Pack,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn least_pages(charts: usize, options: &BakeOptions) -> Result<u64, I
     ))
 }
 
-/// What to say of more pages than the one that was wanted.
+/// The warning about more than one page.
 pub(super) fn many_pages(pages: usize, charts: usize, options: &BakeOptions) -> Option<String> {
     let (side, size) = (least_side(options), options.size);
     (pages > 1 && options.density.is_none()).then(|| {

@@ -1,8 +1,8 @@
-//! Texels that lie on surfaces: where, and how large they are there.
+//! Texels on surfaces: their positions and sizes.
 //!
-//! A texel belongs to the chart that covers most of it. It looks at the light from its centre if the chart is there, else
-//! from the centre of gravity of the largest piece of the chart in it, which is inside of a triangle and never on an edge,
-//! where a ray could slip behind the neighbouring wall.
+//! A texel belongs to the chart that covers most of it. Its sample point is its centre if the chart covers that, else
+//! the centroid of the largest piece of the chart in it, which is inside of a triangle and never on an edge, where a
+//! ray could slip behind the neighbouring wall.
 
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub(crate) struct Texel {
     /// Its place there, row by row.
     pub(crate) index: u32,
     pub(crate) chart: u32,
-    /// The point that stands for it.
+    /// The sample point of the texel.
     pub(crate) point: Point,
     /// How wide it is there, in units.
     pub(crate) spacing: f32,

@@ -31,12 +31,12 @@ const MANY_TRIANGLES: usize = 50_000;
 /// Triangles with a height of less than this part of their mesh's diagonal have no chart.
 const THINNEST: f64 = 1e-6;
 
-/// What unwrapping gives.
+/// The result of unwrapping.
 #[derive(Default)]
 pub(crate) struct Unwrapped {
     pub(crate) pages: Vec<Page>,
     pub(crate) parts: Vec<Part>,
-    /// What the user should know of the pages.
+    /// Warnings about the pages.
     pub(crate) warning: Option<String>,
 }
 
@@ -172,12 +172,12 @@ impl<'a> Geometry<'a> {
     }
 }
 
-/// What `work` gives; `None` if it panics, as a crate may with triangles that nobody has thought of.
+/// What `work` gives; `None` if it panics, as a crate may on unusual triangles.
 fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).ok()
 }
 
-/// For each mesh and triangle, which sides are creases.
+/// Whether each side is a crease, by mesh and triangle.
 fn creases(scene: &Scene, edges: &[SharedEdge]) -> Vec<Vec<[bool; 3]>> {
     let mut creases: Vec<Vec<[bool; 3]>> =
         scene.meshes.iter().map(|mesh| vec![[false; 3]; mesh.triangles.len()]).collect();
@@ -232,7 +232,7 @@ fn split(request: Request, atlas: &Atlas, number: usize, first_page: usize) -> V
     parts
 }
 
-/// What to do about an error of the crate.
+/// The remedy for an error of the crate.
 fn explain(scene: &Scene, requests: &[Request], error: &Error) -> Invalid {
     match *error {
         Error::ChartTooLarge { width, height, page_size } => Invalid::new(

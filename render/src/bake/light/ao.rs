@@ -1,4 +1,5 @@
-//! Ambient occlusion at a texel: `1/π ∫ V cos θ dω`, V being whether nothing is nearer than the greatest distance.
+//! Ambient occlusion at a texel: `1/π ∫ V cos θ dω`, with V = 1 if nothing is nearer than the greatest distance, else
+//! 0.
 
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};

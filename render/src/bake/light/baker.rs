@@ -1,7 +1,8 @@
 //! The light of every texel.
 //!
-//! Direct light is sampled at every texel, and with it the sun of a sky's picture. What surfaces reflect, and the rest of the
-//! sky, comes from an irradiance cache in space: texels of different charts that lie side by side there share records, which a cache in the plane of the map could not.
+//! Direct light, with the sun of a sky picture, is sampled at every texel. Light reflected by surfaces, and the rest of
+//! the sky, comes from an irradiance cache in space: neighbouring texels of different charts share records, which a
+//! cache in the plane of the map could not do.
 //!
 //! Without a cache every texel gathers for itself, by paths, with as many rays as a record would have.
 
@@ -26,7 +27,7 @@ use crate::world::{Surface, World};
 /// Texels that a thread takes at once.
 const CHUNK: usize = 64;
 
-/// What a bake works with.
+/// The state of a bake.
 pub(crate) struct Baker<'a> {
     pub(crate) world: &'a World,
     pub(crate) surfaces: &'a Surfaces<'a>,
@@ -45,11 +46,11 @@ pub(crate) struct BakedTexels {
     pub(crate) gathers: u64,
     /// The cache with its use.
     pub(crate) cache: Option<(Cache, CacheUse)>,
-    /// An estimate of the root mean square error, relative to the mean, if an accuracy was asked for.
+    /// An estimate of the root mean square error, relative to the mean, if an accuracy was requested.
     pub(crate) error: Option<f32>,
 }
 
-/// What texels of a chunk get, and what it took.
+/// The values of a chunk's texels, and their cost.
 #[derive(Default)]
 pub(crate) struct Found {
     pub(crate) values: Values,
@@ -64,7 +65,7 @@ impl BakedTexels {
         self.values.layers()
     }
 
-    /// Those of each texel.
+    /// The values of each texel.
     pub(crate) fn values(&self) -> impl Iterator<Item = &[Vec3]> {
         self.values.texels()
     }
@@ -106,13 +107,13 @@ impl IncidentSink for Sums {
     }
 }
 
-/// How noisy direct light may be, in W/m².
+/// The allowed noise of direct light, in W/m².
 fn direct_noise(held_out: &HeldOut) -> f64 {
     SAMPLED_SHARE.sqrt() * held_out.allowed_error()
 }
 
 impl Baker<'_> {
-    /// The light of `texels`; `None` if the watcher says stop.
+    /// The light of `texels`; `None` if the watcher stops.
     pub(crate) fn bake_texels(&self, texels: &[Texel]) -> Option<BakedTexels> {
         let held_out = self.held_out(texels)?;
         let noise = held_out.as_ref().map(direct_noise);
@@ -146,7 +147,7 @@ impl Baker<'_> {
         Some(BakedTexels { values, rays: rays + filled + traced, gathers, cache: Some((frozen.cache, usage)), error })
     }
 
-    /// What is true at some of the texels, if an accuracy is asked for; the outer `None` if the watcher says stop.
+    /// What is true at some of the texels, if an accuracy is requested; the outer `None` if the watcher stops.
     #[allow(clippy::option_option, reason = "the outer one is for `?`")]
     fn held_out(&self, texels: &[Texel]) -> Option<Option<HeldOut<'_>>> {
         let light = match self.options.mode {
@@ -162,7 +163,7 @@ impl Baker<'_> {
         HeldOut::new(self.world, &self.options.cache, points, light, self.options.seed, self.watch).map(Some)
     }
 
-    /// What is kept of directions.
+    /// The directional components.
     pub(crate) fn directional(&self) -> Directional {
         if self.options.mode == Mode::Ao { Directional::None } else { self.options.directional }
     }
@@ -192,7 +193,7 @@ impl Baker<'_> {
         DirectionalBasis::new(self.directional(), surface.shading_normal, texel.tangents[0], texel.tangents[1])
     }
 
-    /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher says stop.
+    /// Puts the light that needs no cache of a shard's texels into the checkpoint; `None` if the watcher stops.
     pub(crate) fn bake_shard(&self, texels: &[Texel], shard: Shard) -> Option<()> {
         self.checkpoint.put_shard(shard, false);
         let held_out = self.held_out(texels)?;
@@ -263,7 +264,7 @@ impl Baker<'_> {
         found
     }
 
-    /// How open texels are.
+    /// The openness of texels.
     fn ambient_occlusion(&self, texels: &[(usize, Texel)]) -> Found {
         let Self { world, options, .. } = self;
         let mut ambient_occlusion = AmbientOcclusion::new(options.spp, options.ao_distance);
@@ -277,7 +278,7 @@ impl Baker<'_> {
         Found { values, rays, variance: 0.0 }
     }
 
-    /// What lights send to texels.
+    /// The direct light of texels.
     fn direct(&self, texels: &[(usize, Texel)], noise: Option<f64>) -> Found {
         let Self { world, options, .. } = self;
         let mut incident = IncidentSampler::default();
@@ -313,7 +314,7 @@ impl Baker<'_> {
         Found { values, rays, variance }
     }
 
-    /// What texels gather.
+    /// The indirect light of texels.
     pub(crate) fn gather(&self, texels: &[(usize, Texel)], source: GatherSource) -> Found {
         let Self { world, options, .. } = self;
         let point =

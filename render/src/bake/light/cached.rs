@@ -1,8 +1,9 @@
 //! Indirect light of texels from an irradiance cache, which is filled twice.
 //!
-//! A rough cache of few records, by paths, gives a first map of all light; then each ray of the final cache's gathers ends
-//! with a look at that map ([`TexelIrradiance`]). What is wrong with the first map is an error of light that was reflected twice or
-//! more, over the mean of a hemisphere. With a number of bounces there is no first map: each bounce has a cache of its own.
+//! A rough cache of few records, by paths, gives a first map of all light; then each ray of the final cache's gathers
+//! ends with a lookup in that map ([`TexelIrradiance`]). Errors of the first map affect only light reflected twice or
+//! more, averaged over a hemisphere. With a number of bounces there is no first map: each bounce has a cache of its
+//! own.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

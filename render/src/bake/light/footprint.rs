@@ -1,8 +1,8 @@
-//! Where direct light is sampled: at points all over a texel, so that the edge of a shadow that crosses it is as soft as the
-//! texel is wide.
+//! The sample points of direct light, all over a texel, so that the edge of a shadow across it is as soft as the texel
+//! is wide.
 //!
-//! Points on other triangles than the texel's own are left out, and those that something stands before, seen from the
-//! texel's own point: a floor goes on under a crate, where it is dark.
+//! Points on other triangles than the texel's own are left out, and points occluded from the texel's own point: a floor
+//! continues under a crate, where it is dark.
 
 use halfdome_kernel::Ray;
 

@@ -1,4 +1,4 @@
-//! What is kept of where light comes from.
+//! Directional components of irradiance.
 //!
 //! - `hl2`: irradiance for three normals about the surface's, `∫ L max(0, ω·b_i) dω`, with McTaggart's (2004) basis
 //!   `(√(2/3), 0, 1/√3)`, `(-1/√6, ±1/√2, 1/√3)` in the tangent space of the lightmap: x along u, y along v, which runs

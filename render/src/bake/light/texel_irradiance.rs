@@ -1,7 +1,7 @@
-//! A map that is looked up by hits: the light of surfaces as far as it is known, which gathers take in place of paths.
+//! A map of irradiance that is looked up at hits: gathers use it in place of paths.
 //!
-//! A hit takes the value of its texel as it is. Many rays end in a texel, or near it, so that nothing would be gained by
-//! mixing neighbours; and what lies beyond the border of a chart never enters.
+//! A hit uses its texel unfiltered. Many rays end in or near a texel, so that interpolation would gain nothing; and
+//! texels beyond the border of a chart are never used.
 
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ const NOTHING: u32 = u32::MAX;
 pub(super) struct TexelIrradiance<'a> {
     surfaces: &'a Surfaces<'a>,
     texels: &'a [Texel],
-    /// For each page the number of each texel among all with light.
+    /// The index of each page's texels among all texels with light.
     numbers: Vec<Vec<u32>>,
     irradiance: Vec<Option<Vec3>>,
 }

@@ -1,4 +1,4 @@
-//! What texels get: irradiance, and behind it the moments that are asked for.
+//! The values of texels: irradiance, followed by the requested moments.
 
 use glam::{DVec3, Vec3};
 
@@ -18,7 +18,7 @@ impl Values {
         Self { layers, all: texels.flat_map(vectors).collect() }
     }
 
-    /// Those of several chunks of texels, in their order.
+    /// The joined values of several chunks of texels, in order.
     pub(crate) fn joined(layers: usize, chunks: impl Iterator<Item = Self>) -> Self {
         Self { layers, all: chunks.flat_map(|values| values.all).collect() }
     }
@@ -28,7 +28,7 @@ impl Values {
         self.layers
     }
 
-    /// Those of each texel.
+    /// The values of each texel.
     pub(crate) fn texels(&self) -> impl Iterator<Item = &[Vec3]> {
         self.all.chunks_exact(self.layers)
     }

@@ -1,4 +1,4 @@
-//! How near a bake from few gathers comes to gathers at each texel.
+//! The error of a bake from few gathers against gathers at each texel.
 
 use rayon::prelude::*;
 

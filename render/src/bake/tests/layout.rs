@@ -1,4 +1,4 @@
-//! What is told of a layout, and what is refused before it.
+//! Messages about layouts, and input that is refused before them.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;

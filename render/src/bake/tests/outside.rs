@@ -1,4 +1,4 @@
-//! What nobody sees from inside.
+//! Surfaces that cannot be seen from inside.
 
 use super::*;
 
@@ -71,7 +71,7 @@ fn places_in_walls_and_levels_without_an_inside_are_refused() {
     let above = left_out(&house, &[vec3(2.0, 1.0, 2.0), vec3(2.0, 30.0, 2.0)]).unwrap();
     assert!((1..10).contains(&counts(&house, &above)[1]), "{:?}", counts(&house, &above));
     let nowhere = left_out(&house, &[vec3(2.0, 1.0, f32::MAX)]).unwrap_err();
-    assert!(nowhere.problem.contains("is in no room"), "{nowhere}");
+    assert!(nowhere.problem.contains("is not inside a room"), "{nowhere}");
     let wall = left_out(&house, &[vec3(5.25, 1.0, 2.0)]).unwrap_err();
     assert!(wall.problem.contains("backs of bodies"), "{wall}");
     let yard = Scene { meshes: house.meshes[2..3].to_vec(), ..house };

@@ -1,4 +1,4 @@
-//! What is said of models and light.
+//! Warnings about models and light.
 
 use super::*;
 

@@ -1,9 +1,9 @@
-//! Texels that something covers: a point inside of another body, as of a floor under a crate, sees nothing but the backs of
-//! surfaces. Light from there would bleed out of the crate's foot, so it is taken from a free point of the same texel and
-//! chart; where there is none, the texel is left out, and is filled later from others of its chart.
+//! Covered texels: a point inside another body, such as on a floor under a crate, sees only the backs of surfaces.
+//! Light from there would bleed out of the crate's foot, so it is taken from a free point of the same texel and chart;
+//! where there is none, the texel is left out, and is filled later from others of its chart.
 //!
-//! Castaño tells such texels of a hemicube by the backs that it sees. Here rays tell, evenly spread over the hemisphere.
-//! What a body is the world says ([`Bodies`]).
+//! Castaño detects such texels by the backs in a hemicube. Here rays spread evenly over the hemisphere detect them.
+//! [`Bodies`] of the world defines what a body is.
 
 use glam::Vec2;
 use halfdome_kernel::Ray;
@@ -18,10 +18,10 @@ use crate::world::{Bodies, Hit, World};
 const RAYS: u32 = 32;
 /// A point is covered if more than this part of its rays ends on the back of something.
 const BACKS: f32 = 0.5;
-/// Where free points of a covered texel are sought: on a grid of so many by so many.
+/// The side of the grid on which free points of a covered texel are sought.
 const GRID: u32 = 8;
 
-/// What became of covered texels.
+/// The treatment of covered texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Uncovered {
     /// They have another point.

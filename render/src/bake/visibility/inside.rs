@@ -1,9 +1,9 @@
-//! Viewpoints inside of a level: where one may stand who does not leave its rooms.
+//! Viewpoints inside a level's rooms.
 //!
-//! They are found step by step. A viewpoint is inside if at most a fifth of all rays from there reach nothing, glass passed (at
-//! the foot of an outer wall it is a quarter), and at most half end on backs of bodies. The search begins with positions that the
-//! caller knows, which may be open, or with positions in front of surfaces that are not narrow beside the widest; from each
-//! viewpoint the next are sought along its rays, until they lie as close as a third of the way to what stands around.
+//! A viewpoint is inside if at most a fifth of its rays, passing through glass, hit nothing (at the foot of an outer
+//! wall a quarter do), and at most half hit backs of bodies. The search begins with given positions, which may be open,
+//! or with positions in front of surfaces whose surroundings are not narrow beside the widest; from each viewpoint the
+//! next are sought along its rays, until they are as close as a third of the distance to the surroundings.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use crate::world::{Bodies, Hit, Side, World};
 
 /// Rays by which a viewpoint is judged.
 pub(super) const RAYS: u32 = 256;
-/// Of these one inside loses at most this part.
+/// The greatest part of rays without a hit at a viewpoint inside.
 const OPEN: f32 = 0.2;
 /// At most this part of them end on backs.
 const BACKS: f32 = 0.5;
@@ -35,7 +35,7 @@ const MOST_VIEWPOINTS: usize = 4096;
 /// Panes of glass that are looked through, one behind the other.
 const MOST_PANES: usize = 16;
 
-/// What is around a position.
+/// The surroundings of a position.
 pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     /// The harmonic mean of distances.
@@ -74,7 +74,8 @@ impl<'a> Search<'a> {
     pub(super) fn known(&self, positions: &[Vec3]) -> Result<Vec<Viewpoint>, Invalid> {
         let look = |&position: &Vec3| {
             let Vec3 { x, y, z } = position;
-            let problem = || format!("{x},{y},{z} is in no room: from there nothing is seen, or the backs of bodies");
+            let problem =
+                || format!("the position {x},{y},{z} is not inside a room: its rays hit nothing, or back faces");
             let seen = self.look(position, 0).filter(|seen| !seen.is_covered);
             seen.ok_or_else(|| Invalid::new(problem(), "name a place in a room: --skip-outside=X,Y,Z"))
         };
@@ -121,7 +122,7 @@ impl<'a> Search<'a> {
         viewpoints
     }
 
-    /// What is around those positions that are inside, of those that are of interest.
+    /// The surroundings of the positions that are of interest and inside.
     fn look_from_all(&self, positions: &[Vec3], is_of_interest: impl Fn(Vec3) -> bool + Sync) -> Vec<Viewpoint> {
         let look = |(number, &position): (usize, &Vec3)| {
             let found = is_of_interest(position).then(|| self.look(position, number as u32)).flatten();
@@ -140,7 +141,7 @@ impl<'a> Search<'a> {
         rays.iter().zip(&hits).filter_map(half).collect()
     }
 
-    /// Where to look next, along the rays of new viewpoints.
+    /// The next positions, along the rays of new viewpoints.
     fn next(viewpoints: &[Viewpoint], new: Range<usize>) -> Vec<Vec3> {
         let step = |number: usize| {
             let it = &viewpoints[number];
@@ -172,7 +173,7 @@ impl<'a> Search<'a> {
         distance.is_finite().then_some(Viewpoint { position, distance, ways, is_open, is_covered })
     }
 
-    /// Traces rays through glass, and tells of each hit. Gives the number of rays that reach nothing.
+    /// Traces rays through glass, and reports each hit. Returns the number of rays that miss.
     pub(super) fn trace(&self, mut rays: Vec<Ray>, mut tell: impl FnMut(&Seen)) -> usize {
         let mut numbers: Vec<usize> = (0..rays.len()).collect();
         let mut hits = vec![Hit::MISS; rays.len()];

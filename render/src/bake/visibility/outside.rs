@@ -1,7 +1,7 @@
-//! Surfaces that nobody sees who stays inside, as the outer walls of a house: they need no texels of their own.
+//! Surfaces that cannot be seen from inside, such as the outer walls of a house: they need no texels.
 //!
-//! What rays from all viewpoints inside ([`Search`]) hit is seen. Of what they did not hit, the pieces are asked once more, by rays
-//! to points on them. A surface without creases is left out as a whole, or not at all.
+//! Surfaces hit by rays from the viewpoints inside ([`Search`]) are visible. The others are tested again, piece by
+//! piece, by rays to points on them. A surface without creases is left out as a whole, or not at all.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -18,9 +18,9 @@ use crate::scene::{Scene, UnionFind};
 use crate::settings::Invalid;
 use crate::world::World;
 
-/// Rays that say what is seen from a viewpoint.
+/// Rays from each viewpoint.
 const MORE_RAYS: u32 = 2048;
-/// Points on a piece that none of them has hit, ...
+/// Points on a piece that none of these rays has hit, ...
 const POINTS: u32 = 32;
 /// ... and the nearest viewpoints from which each is looked at.
 const NEAREST: usize = 32;
@@ -73,7 +73,7 @@ fn pieces(edges: &[SharedEdge], first_prims: &[u32]) -> Vec<u32> {
     sets.roots()
 }
 
-/// Marks what is seen from all viewpoints, in all directions.
+/// Marks the surfaces seen from all viewpoints, in all directions.
 fn look_around(search: &Search, viewpoints: &[Viewpoint], is_seen: &mut [bool]) {
     let look = |(number, viewpoint): (usize, &Viewpoint)| {
         let mut prims = Vec::new();

@@ -1,4 +1,4 @@
-//! Arguments of long renders: when they end, how they survive, and how machines share them.
+//! Arguments of long renders: noise targets, checkpoints and shards.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,12 +12,12 @@ use crate::settings::{Invalid, Shard};
 /// How often checkpoints are written by default.
 const INTERVAL: &str = "10m";
 
-/// When a render ends, and where its film is.
+/// The limits of a render, and its film.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Long renders")]
 pub(in crate::cli) struct FilmArguments {
-    /// Stop where the picture is as precise as this: each tile at this relative error, estimated from its own samples, for
-    /// example 2%; --spp is the limit, after which the exit code is 4
+    /// Stop each tile at this relative error, estimated from its own samples, for example 2%; --spp is the limit, after
+    /// which the exit code is 4
     #[arg(long, value_name = "ERROR", value_parser = part)]
     pub(in crate::cli) noise: Option<f64>,
 
@@ -26,13 +26,13 @@ pub(in crate::cli) struct FilmArguments {
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub(in crate::cli) time: Option<Duration>,
 
-    /// Write the film so far every INTERVAL, so that --resume can go on with it: to the output that ends in .hdf, or the
+    /// Write the film so far every INTERVAL, so that --resume can continue it: to the output that ends in .hdf, or the
     /// first output's name with .hdf [default: off; 10m without an INTERVAL]
     #[arg(long, value_name = "INTERVAL", num_args = 0..=1, require_equals = false, default_missing_value = INTERVAL)]
     #[arg(value_parser = duration)]
     pub(in crate::cli) checkpoint: Option<Duration>,
 
-    /// Go on with the film that --checkpoint wrote, if it is there, and write checkpoints; --spp may be more than before
+    /// Continue the film that --checkpoint wrote, if it exists, and write checkpoints; --spp may be more than before
     #[arg(long)]
     pub(in crate::cli) resume: bool,
 
@@ -40,8 +40,8 @@ pub(in crate::cli) struct FilmArguments {
     #[arg(long, value_name = "K/N", value_parser = shard)]
     shard: Option<Shard>,
 
-    /// Begin with sample number N of each pixel, in a film (-o PART.hdf) that goes with others, which have the samples
-    /// before; --spp is the end
+    /// Begin with sample number N of each pixel, in a film (-o PART.hdf) to be merged with films of the earlier
+    /// samples; --spp is the end
     #[arg(long, value_name = "N", default_value = "0")]
     pub(in crate::cli) first_sample: u32,
 }
@@ -52,7 +52,7 @@ impl FilmArguments {
         self.shard.unwrap_or_default()
     }
 
-    /// The part's name for people, if it is one.
+    /// The part's printed name, if it is a part.
     pub(in crate::cli) fn part(&self) -> Option<String> {
         let shard = self.shard.map(|shard| format!("part {} of {}", shard.number() + 1, shard.count()));
         let samples = (self.first_sample > 0).then(|| format!("from sample {}", self.first_sample));

@@ -1,6 +1,6 @@
-//! What help says after the options.
+//! The help text after the options.
 
-/// What the codes mean.
+/// The meanings of exit codes.
 pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0  done
@@ -10,22 +10,22 @@ Exit codes:
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far,
      `bake` the state for --resume; `cubemap`, `denoise`,
      `probes` and `irradiance` write nothing
-  4  `render` ended at a limit and not at its target: --time before all
+  4  `render` ended at a limit before its target: --time before all
      samples, or --spp or --time before the error of --noise; the picture
      is written
   5  an experiment of `validate` or a check of `bake --check-uv` failed
   A second Ctrl-C ends the program at once, with code 130 and no picture.";
 
-/// Of the program.
+/// Examples of the program.
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   halfdome                              render the built-in Cornell box
   halfdome render room.glb              a model, to room.exr and room.png
   halfdome render room.toml --spp 1024  a scene file, with more samples
-  halfdome info room.glb                what is in a model
+  halfdome info room.glb                the contents of a model
   halfdome bake level.glb -o level.baked.glb --preset three";
 
-/// Of `halfdome render`.
+/// Examples of `halfdome render`.
 pub(crate) const RENDER_EXAMPLES: &str = "\
 Examples:
   halfdome render cornell --size 256x256 --spp 16 -o small.png
@@ -40,7 +40,7 @@ Examples:
 Options override the scene file, and the scene file overrides the model. --eye and --target together make a new camera; \
 one of them changes the model's camera.";
 
-/// Of `halfdome view`.
+/// Examples of `halfdome view`.
 pub(crate) const VIEW_EXAMPLES: &str = "\
 Examples:
   halfdome view room.glb --sky 0.5
@@ -51,7 +51,7 @@ The picture is that of `halfdome render` with the same options. h shows keys and
 file, or in a new one beside a model: hall.toml beside hall.glb. Without a display the exit code is 2. The window is in \
 programs that are built with it: cargo install --path render --features view.";
 
-/// Of `halfdome denoise`.
+/// Examples of `halfdome denoise`.
 pub(crate) const DENOISE_EXAMPLES: &str = "\
 Examples:
   halfdome render hall.glb --aov --aov-through -o noisy.exr
@@ -61,7 +61,7 @@ Examples:
 Albedo, normals (--aov) and, for nlm, the halves that --aov writes too are read from the picture. Open Image Denoise is \
 found by OIDN_LIB=/path/libOpenImageDenoise.so, or where it is usually installed. An interrupted run writes nothing.";
 
-/// Of `halfdome merge`.
+/// Examples of `halfdome merge`.
 pub(crate) const MERGE_EXAMPLES: &str = "\
 Examples:
   halfdome render hall.glb --spp 4096 --shard 1/2 -o part1.hdf     on one machine
@@ -72,7 +72,7 @@ Examples:
 
 The picture is that of a single run, byte for byte, but for the time that is noted in it; so are bakes and irradiance.";
 
-/// Of `halfdome bake`.
+/// Examples of `halfdome bake`.
 pub(crate) const BAKE_EXAMPLES: &str = "\
 Examples:
   halfdome bake level.glb -o level.baked.glb --preset bevy --density 16
@@ -85,7 +85,7 @@ Examples:
 
 Texels lie on the front sides of surfaces. A bake does nothing if model, options and files are unchanged.";
 
-/// Of `halfdome cubemap`.
+/// Examples of `halfdome cubemap`.
 pub(crate) const CUBEMAP_EXAMPLES: &str = "\
 Examples:
   halfdome cubemap studio.hdr -o studio.ktx2 --diffuse
@@ -102,7 +102,7 @@ Examples:
 Faces are in KTX2's order (+X, -X, +Y, -Y, +Z, -Z) and oriented as in Vulkan and Direct3D. A map depends only on source, \
 options and seed. An interrupted run writes nothing.";
 
-/// Of `halfdome probes`.
+/// Examples of `halfdome probes`.
 pub(crate) const PROBES_EXAMPLES: &str = "\
 Examples:
   halfdome probes level.glb --grid 16x4x16 -o level.ktx2 -o level.json
@@ -113,7 +113,7 @@ Examples:
 A probe inside of an object is moved to a free point of its cell, or filled from its neighbours; its state says so. \
 Probes depend only on scene, options and seed. An interrupted run writes nothing.";
 
-/// Of `halfdome validate`.
+/// Examples of `halfdome validate`.
 pub(crate) const VALIDATE_EXAMPLES: &str = "\
 Examples:
   halfdome validate                     all experiments, about 7 minutes on two cores

@@ -1,11 +1,11 @@
-//! The arguments that all commands share which light a scene and have no camera.
+//! The shared arguments of commands that light a scene and have no camera.
 
 use clap::Args;
 use glam::Vec3;
 
 use crate::scene::{LightOverrides, MomentOverrides, Overrides};
 
-/// What lights a scene, besides what is in it, and by which random numbers its light is found.
+/// The lighting of a scene besides its own, and the seed.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct LightArguments {
     #[command(flatten)]
@@ -24,7 +24,7 @@ pub(crate) struct LightArguments {
 }
 
 impl LightArguments {
-    /// What these arguments say of a scene, with a camera that is not used, as the lack of one needs no warning.
+    /// The overrides of a scene by these arguments, with an unused camera, as its lack needs no warning.
     pub(crate) fn overrides(&self) -> Overrides {
         Overrides {
             light: self.light.clone(),

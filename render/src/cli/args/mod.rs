@@ -22,7 +22,7 @@ pub(super) use film::{FilmArguments, is_film, shard};
 pub(super) use sequence::SequenceArguments;
 use sequence::numbered;
 
-/// What overrides the scene, with the picture's size in one word.
+/// Overrides of the scene, with the picture's size in one word.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct OverrideArguments {
     /// Pixels across and down, for example 1280x720 [default: 512x512]
@@ -50,16 +50,16 @@ pub(crate) struct RenderArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     pub(crate) scene: PathBuf,
 
-    /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to go on with or to
+    /// Picture to write: .exr (linear radiance), .png (tone mapped) or .hdf (a film: sums of samples, to resume or to
     /// merge); can be given several times [default: the scene's name with .exr and .png, in the current folder]
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     pub(crate) overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 
@@ -74,25 +74,25 @@ pub(crate) struct RenderArguments {
     #[arg(value_parser = square)]
     pub(crate) progressive: Option<u32>,
 
-    /// Denoise the picture by oidn (Intel's Open Image Denoise 2, which must be on this machine) or nlm (built in); the
-    /// EXR keeps the noisy colours as Noisy.R, Noisy.G and Noisy.B
+    /// Denoise the picture by oidn (Intel's Open Image Denoise 2, which must be installed) or nlm (built in); the EXR
+    /// keeps the noisy colours as Noisy.R, Noisy.G and Noisy.B
     #[arg(long, value_name = "METHOD", value_parser = denoiser())]
     pub(crate) denoise: Option<Denoiser>,
 
-    /// Write what the render took and gave to a file of JSON: scene, options, times, rays, errors
+    /// Write statistics as JSON: scene, options, times, rays, errors
     #[arg(long, value_name = "FILE", help_heading = "Statistics")]
     pub(crate) stats_json: Option<PathBuf>,
 
-    /// Write the same to look at, with the picture and its error against time and place: one file (.html)
+    /// Write an HTML report: the same statistics, the picture, its error against time and over the picture
     #[arg(long, value_name = "FILE", help_heading = "Statistics")]
     pub(crate) report: Option<PathBuf>,
 
-    /// Show the picture while it grows in tev, a viewer that must be running, here or elsewhere [default: off; without an
-    /// address that on this machine]
+    /// Show the growing picture in tev, a viewer that must be running, here or elsewhere [default: off; without an
+    /// address on this machine]
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = tev::ADDRESS)]
     pub(crate) tev: Option<String>,
 
-    /// How PNG pictures are made.
+    /// Options of PNG pictures.
     #[command(flatten)]
     pub(crate) tone: ToneArguments,
 
@@ -100,12 +100,12 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) sequence: SequenceArguments,
 
-    /// When it ends, and how it goes on.
+    /// Limits, checkpoints and shards.
     #[command(flatten)]
     pub(crate) film: FilmArguments,
 }
 
-/// How PNG pictures are made.
+/// Options of PNG pictures.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ToneArguments {
     /// Exposure of PNG pictures in stops: each doubles the brightness
@@ -118,7 +118,7 @@ pub(crate) struct ToneArguments {
     tone: ToneCurve,
 }
 
-/// How a command runs, whatever it does.
+/// Options of all commands: threads and progress.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct CommonArguments {
     /// Number of threads; results are the same for any number [default: one per core]
@@ -139,7 +139,7 @@ pub(crate) struct InfoArguments {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     pub(crate) overriding: OverrideArguments,
 }
@@ -185,7 +185,7 @@ impl RenderArguments {
         Ok(one)
     }
 
-    /// The files that tell of the render.
+    /// The report and statistics files.
     pub(crate) fn reports(&self) -> impl Iterator<Item = &PathBuf> {
         self.stats_json.iter().chain(&self.report)
     }

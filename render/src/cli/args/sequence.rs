@@ -21,7 +21,7 @@ pub(in crate::cli) struct SequenceArguments {
     #[arg(requires = "frames")]
     step: u32,
 
-    /// Leave frames out whose pictures are all there; without it they are rendered again
+    /// Skip frames whose pictures all exist; otherwise they are rendered again
     #[arg(long, requires = "frames", conflicts_with_all = ["checkpoint", "resume"])]
     pub(in crate::cli) skip_existing: bool,
 }

@@ -1,4 +1,4 @@
-//! Arguments are read as they are meant, and help says what they do.
+//! Arguments are parsed correctly, and help describes them.
 
 use clap::CommandFactory;
 use halfdome_kernel::sampling::Pattern;

@@ -38,7 +38,7 @@ const BYTES: u64 = 150;
 /// ... and those with a cache.
 const CACHED_BYTES: u64 = 270;
 
-/// What `halfdome bake` takes.
+/// The arguments of `halfdome bake`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct BakeArguments {
     /// A model (.glb, .gltf, .obj, .ply), a scene file (.toml), or `cornell` for the built-in scene
@@ -76,7 +76,7 @@ pub(crate) struct BakeArguments {
     #[arg(long, value_name = "D", value_parser = positive)]
     ao_distance: Option<f32>,
 
-    /// Denoise the maps, within each chart
+    /// Denoise the maps, each chart on its own
     #[arg(long)]
     denoise: bool,
 
@@ -110,9 +110,9 @@ pub(crate) struct BakeArguments {
     #[arg(long, value_name = "PICTURE", num_args = 0..=1, require_equals = true, help_heading = "Layout")]
     check_uv: Option<Option<PathBuf>>,
 
-    /// Leave out what nobody sees who stays inside, as the outer walls of a house: it gets neither light nor room in new layouts.
-    /// Inside is where four of five rays reach something; or what can be reached from the camera (=camera) or from a place (=X,Y,Z),
-    /// which may be given several times
+    /// Skip surfaces that cannot be seen from inside, such as a house's outer walls: no light, and no texels in new
+    /// layouts. Inside is where four of five rays hit something; or what can be reached from the camera (=camera) or
+    /// from a position (=X,Y,Z), which may be given several times
     #[arg(long, value_name = "FROM", num_args = 0..=1, require_equals = true, default_missing_value = "auto")]
     #[arg(help_heading = "Layout", value_parser = Inside::parse)]
     skip_outside: Vec<Inside>,
@@ -127,23 +127,23 @@ pub(crate) struct BakeArguments {
     #[arg(long)]
     resume: bool,
 
-    /// Find what shard K of N, 1 to N, of the texels needs no irradiance cache for, and write it as a state (-o PART.state):
-    /// direct light, ambient occlusion, all with --brute. `halfdome merge` makes one state of all; with that beside the
+    /// Bake shard K of N, 1 to N, of the texels without an irradiance cache, and write a state (-o PART.state): direct
+    /// light, ambient occlusion, all light with --brute. `halfdome merge` joins the states; with the result beside the
     /// output, --resume does the rest
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
     shard: Option<Shard>,
 
-    /// Write a report to look at: one file (.html) with charts, density, records and errors
+    /// Write an HTML report: charts, density, records and errors
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }
 
 impl BakeArguments {
-    /// What the bake depends on; `eye` is where the file's camera stands, `seed` that of the scene file.
+    /// The bake's options; `eye` is the position of the file's camera, `seed` the scene file's.
     fn options(&self, eye: Option<Vec3>, seed: u64) -> Result<BakeOptions, CliError> {
         Ok(BakeOptions {
             mode: self.mode,

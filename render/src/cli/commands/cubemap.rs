@@ -1,4 +1,4 @@
-//! `halfdome cubemap`: an environment, or what a point in a scene sees, as a prefiltered cube map.
+//! `halfdome cubemap`: an environment, or the view from a point in a scene, as a prefiltered cube map.
 
 mod files;
 
@@ -25,12 +25,12 @@ use crate::scene::{PunctualLight, Scene, Sky};
 use crate::world::LookFrom;
 use files::Files;
 
-/// The standard error of a texel, if nobody says otherwise.
+/// The default standard error of a texel.
 const ACCURACY: f32 = 0.05;
 /// The name of the options' sky in place of a path.
 const SKY: &str = "sky";
 
-/// What `halfdome cubemap` takes.
+/// The arguments of `halfdome cubemap`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct CubemapArguments {
     /// An environment map (.hdr, .exr; equirectangular), `sky` for the sky of the options, or with --at a scene (.toml,
@@ -42,7 +42,7 @@ pub(crate) struct CubemapArguments {
     at: Option<Vec3>,
 
     /// File to write; can be given several times: .ktx2 (RGBA16F, all levels), .exr (all levels, unfolded), .hdr (six
-    /// files, NAME-px.hdr and so on, and more for each level) or .png (to look at, with the seams that lookups show). A
+    /// files, NAME-px.hdr and so on, and more for each level) or .png (a preview that shows seams of lookups). A
     /// manifest NAME.json is written too
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
@@ -55,8 +55,8 @@ pub(crate) struct CubemapArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
     levels: Option<u32>,
 
-    /// Standard error of a texel of the first level, in a scene: a part of its radiance, or of the mean radiance around
-    /// where that is more. Paths are traced until it is reached [default: 5%]
+    /// Standard error of a texel of the first level, in a scene: relative to its radiance, or to the mean radiance
+    /// around it if that is more. Paths are traced until it is reached [default: 5%]
     #[arg(long, value_name = "ERROR", value_parser = value::argument(value::accuracy), conflicts_with = "spp")]
     accuracy: Option<f32>,
 
@@ -99,7 +99,7 @@ pub(crate) struct CubemapArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }

@@ -15,7 +15,7 @@ use crate::cli::{inputs, interrupt, memory};
 use crate::denoise::{DenoiseError, Method};
 use crate::output;
 
-/// What `halfdome denoise` takes.
+/// The arguments of `halfdome denoise`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct DenoiseArguments {
     /// The noisy picture (.exr), best with the channels that `halfdome render --aov --aov-through` writes
@@ -26,15 +26,15 @@ pub(crate) struct DenoiseArguments {
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 
-    /// Denoise by oidn (Intel's Open Image Denoise 2) or nlm (built in) [default: oidn if it is on this machine, else nlm]
+    /// Denoise by oidn (Intel's Open Image Denoise 2) or nlm (built in) [default: oidn if it is installed, else nlm]
     #[arg(long = "with", value_name = "METHOD", value_parser = denoiser())]
     with: Option<Denoiser>,
 
-    /// How PNG pictures are made.
+    /// Options of PNG pictures.
     #[command(flatten)]
     tone: ToneArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &DenoiseArguments) -> Result<u8, CliError> {
     Ok(EXIT_DONE)
 }
 
-/// What went wrong with the picture called `name`.
+/// The error of the picture called `name`.
 fn failure(method: &Method, error: DenoiseError, name: &str) -> CliError {
     match error {
         DenoiseError::Failed(_) => CliError::System(format!("{name}: {method}: {error}")),

@@ -1,4 +1,4 @@
-//! `halfdome info`: what is in a scene.
+//! `halfdome info`: the contents of a scene.
 
 mod camera;
 mod lights;
@@ -24,12 +24,12 @@ use crate::cli::print::print;
 use crate::scene::{Animation, Overrides, Scene};
 use crate::world::World;
 
-/// All that is told of a scene; lengths in the model's units.
+/// The description of a scene; lengths in the model's units.
 #[derive(Serialize)]
 struct Info {
     scene: String,
     meshes: usize,
-    /// Those of instances included.
+    /// All triangles, with those of instances.
     triangles: usize,
     #[serde(flatten)]
     shared: Shared,
@@ -39,12 +39,12 @@ struct Info {
     animations: Vec<Animation>,
     bounds: Option<Bounds>,
     tree: Tree,
-    /// What rays are traced with.
+    /// The instruction set.
     instruction_set: &'static str,
     warnings: Vec<String>,
 }
 
-/// What is kept once and shown at many places.
+/// Objects and instances.
 #[derive(Clone, Copy, Serialize)]
 struct Shared {
     objects: usize,

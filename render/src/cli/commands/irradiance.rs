@@ -24,14 +24,14 @@ use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
 use crate::settings::Shard;
 use crate::world::LookFrom;
 
-/// What `halfdome irradiance` takes.
+/// The arguments of `halfdome irradiance`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct IrradianceArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Their
-    /// order decides where records go, so another order changes values, within the cache's error
+    /// Sensors: one line `x y z nx ny nz` each; blank lines and # comments are skipped; - is standard input. Records
+    /// depend on their order, so another order changes values, within the cache's error
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
 
@@ -47,8 +47,7 @@ pub(crate) struct IrradianceArguments {
     #[arg(long, value_name = "N", conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
-    /// Leave direct light out; what remains is reflected by surfaces, or comes from the sky without the sun of its
-    /// environment map
+    /// Leave direct light out: only light reflected by surfaces, and the sky without the sun of its environment map
     #[arg(long)]
     indirect: bool,
 
@@ -56,8 +55,8 @@ pub(crate) struct IrradianceArguments {
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
-    /// Find the light of shard K of N, 1 to N, alone: every N-th sensor. `halfdome merge` puts the files of all shards (-o)
-    /// together. A cache is filled for all sensors in each; --cache saves that
+    /// Compute only shard K of N, 1 to N: every N-th sensor. `halfdome merge` joins the files of all shards (-o). Each
+    /// shard fills a cache for all sensors; --cache avoids that
     #[arg(long, value_name = "K/N", value_parser = shard, requires = "output")]
     shard: Option<Shard>,
 
@@ -67,7 +66,7 @@ pub(crate) struct IrradianceArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }
@@ -80,8 +79,7 @@ pub(crate) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let sensors = read_sensors(&arguments.points)?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
     if sensors.is_empty() {
-        let warning =
-            format!("{}: there are no sensors, so there is no irradiance to tell", arguments.points.display());
+        let warning = format!("{}: the file has no sensors", arguments.points.display());
         print_warning(style, &warning);
     }
     let overrides = with_cache(arguments.overrides());
@@ -114,7 +112,7 @@ pub(crate) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
         }),
     );
     let own = shard.items(sensors.len());
-    // Records alone have no number that is known before.
+    // The number of records is not known beforehand.
     let is_fixed = arguments.brute || part == Part::Total && options.accuracy.is_none();
     let samples = if is_fixed { own as u64 * u64::from(spp) } else { 0 };
     let progress = if arguments.brute { Progress::start(style, samples) } else { Progress::of_records(style, samples) };
@@ -151,7 +149,7 @@ pub(crate) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
 }
 
 impl IrradianceArguments {
-    /// What these arguments say of the scene and the cache.
+    /// The overrides of the scene and the cache by these arguments.
     fn overrides(&self) -> Overrides {
         let integrator = IntegratorOverrides { cached: self.options.clone(), ..IntegratorOverrides::default() };
         Overrides { integrator, ..self.light.overrides() }

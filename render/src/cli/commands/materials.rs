@@ -1,4 +1,4 @@
-//! `halfdome materials`: what was understood of a scene's materials, as tables for a scene file.
+//! `halfdome materials`: a scene's materials as they were read, as tables for a scene file.
 
 use std::io::IsTerminal;
 

@@ -1,4 +1,4 @@
-//! `halfdome merge`: parts put together: films to a picture, states of a bake to one, sensors' irradiance to a table.
+//! `halfdome merge`: joins parts: films to a picture, states of a bake to one, sensors' irradiance to a table.
 
 use std::path::{Path, PathBuf};
 
@@ -23,8 +23,8 @@ pub(crate) struct MergeArguments {
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
 
-    /// File to write: of films a picture (.exr, .png) if no part is missing, or a film (.hdf), and this can be given several
-    /// times; of bakes a state (.state); of irradiance a text
+    /// File to write: for films a picture (.exr, .png) if no part is missing, or a film (.hdf), can be given several
+    /// times; for bakes a state (.state); for irradiance a text
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 

@@ -1,4 +1,4 @@
-//! `halfdome probes`: what arrives from all directions at points in a scene.
+//! `halfdome probes`: light from all directions at points in a scene.
 
 mod files;
 
@@ -25,7 +25,7 @@ use crate::world::LookFrom;
 use crate::world::World;
 use files::Files;
 
-/// What `halfdome probes` takes.
+/// The arguments of `halfdome probes`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ProbesArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
@@ -66,7 +66,7 @@ pub(crate) struct ProbesArguments {
     #[command(flatten)]
     light: LightArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }
@@ -83,7 +83,7 @@ impl ProbesArguments {
             }
             (min, max) => (min.unwrap_or(bounds.min), max.unwrap_or(bounds.max)),
         };
-        // Rays could not tell points of such a box apart, or not reach them.
+        // Rays could not distinguish points of such a box, or not reach them.
         let is_box = min.cmplt(max).all() && min.abs().max(max.abs()).max_element() <= halfdome_kernel::MAX_COORDINATE;
         match is_box {
             true => Ok(ProbeGrid { min, max, count }),
@@ -95,7 +95,7 @@ impl ProbesArguments {
     }
 }
 
-/// Where probes are.
+/// The positions of probes.
 enum Places {
     Grid(ProbeGrid),
     Points(Vec<Vec3>),

@@ -1,4 +1,4 @@
-//! `halfdome tree`: the kernel's tree of a scene as a file, and what `halfdome info` tells of one.
+//! `halfdome tree`: the kernel's tree of a scene as a file, and its description by `halfdome info`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -22,7 +22,7 @@ use crate::output::OutputFile;
 use crate::scene::scene_file::value;
 use crate::scene::{MomentOverrides, Overrides, Place, SceneError, Sharing};
 
-/// What `halfdome tree` takes.
+/// The arguments of `halfdome tree`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TreeArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
@@ -40,7 +40,7 @@ pub(crate) struct TreeArguments {
     #[command(flatten)]
     moment: MomentOverrides,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &TreeArguments) -> Result<u8, CliError> {
     drop(building);
 
     let bytes = bvh.to_bytes();
-    // What is being written is written to the end.
+    // A started write is finished.
     interrupt::catch()?;
     file.write(&bytes).map_err(CliError::system)?;
     match style {

@@ -10,21 +10,21 @@ use clap::Args;
 use crate::cli::args::{CommonArguments, OverrideArguments, ToneArguments};
 use crate::cli::error::CliError;
 
-/// What `halfdome view` takes.
+/// The arguments of `halfdome view`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ViewArguments {
     /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), or `cornell` for the built-in scene
     scene: PathBuf,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     overriding: OverrideArguments,
 
-    /// How the picture is shown.
+    /// Tone mapping of the display.
     #[command(flatten)]
     tone: ToneArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 }

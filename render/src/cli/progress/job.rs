@@ -1,4 +1,4 @@
-//! What commands without a picture say on stderr before and after their work, as text or as lines of JSON.
+//! Messages on stderr before and after the work of commands without a picture, as text or as lines of JSON.
 
 use std::path::Path;
 use std::time::Instant;
@@ -16,7 +16,7 @@ pub(crate) struct Job {
     start: Instant,
 }
 
-/// How it went.
+/// The outcome.
 #[derive(Clone, Copy)]
 pub(crate) struct Outcome<'a> {
     /// Whether it was not interrupted.
@@ -27,7 +27,7 @@ pub(crate) struct Outcome<'a> {
     pub(crate) cache: Option<CacheUse>,
     /// The error that was asked for and an estimate of it, relative.
     pub(crate) accuracy: Option<(f32, f32)>,
-    /// What is left of interrupted work.
+    /// The result of interrupted work.
     pub(crate) note: &'a str,
     /// The file that was written.
     pub(crate) file: Option<&'a Path>,
@@ -59,10 +59,10 @@ impl Job {
     }
 }
 
-/// What an accuracy came to.
+/// The estimated error beside the accuracy that was asked for.
 pub(crate) fn accuracy_text(asked: f32, estimated: f32) -> String {
     let [asked, estimated] = [asked, estimated].map(|part| 100.0 * part);
-    format!("error: {estimated:.2}% of the mean, estimated at points that no record knows of; {asked}% was asked for")
+    format!("error: {estimated:.2}% of the mean, estimated at held-out points; {asked}% was requested")
 }
 
 impl Outcome<'_> {

@@ -1,6 +1,6 @@
 //! Progress on stderr while a render runs: a bar for people, lines of JSON for programs.
 //!
-//! The render's threads add to two counters and never wait; a thread of its own looks at them now and then.
+//! The render's threads add to two counters and never wait; a separate thread reads them periodically.
 
 pub(super) mod job;
 mod pace;
@@ -27,7 +27,7 @@ use pace::{Coverage, Pace};
 
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 const JSON_INTERVAL: Duration = Duration::from_millis(500);
-/// Layouts of fewer charts are done before anybody wonders.
+/// Layouts of fewer charts finish quickly.
 const MANY_CHARTS: usize = 10_000;
 /// Steps of a layout that is unwrapped.
 const LAYOUT_STEPS: u64 = 1000;
@@ -45,7 +45,7 @@ struct Counters {
     samples: AtomicU64,
     rays: AtomicU64,
     records: AtomicU64,
-    /// What a cache that is being filled adds to the samples.
+    /// The work of a cache that is being filled, in samples.
     covered: AtomicU64,
     coverage: Mutex<Coverage>,
 }
@@ -56,7 +56,8 @@ impl Progress {
         Self::counting(style, total, Counted::Samples)
     }
 
-    /// Shows the progress towards `total` samples after irradiance records, or with 0 towards nobody knows how many of these.
+    /// Shows the progress towards `total` samples after irradiance records, or with 0 towards an unknown number of
+    /// records.
     pub(crate) fn of_records(style: Style, total: u64) -> Self {
         Self::counting(style, total, Counted::Records)
     }
@@ -208,7 +209,7 @@ fn bar(total: u64) -> ProgressBar {
 }
 
 fn bar_style(total: u64) -> ProgressStyle {
-    // Of an unknown number there are no parts.
+    // Without a known total there is no fraction.
     let style = ProgressStyle::with_template(match total {
         0 => "{elapsed_precise} {spinner} {msg}",
         _ => "{elapsed_precise} [{wide_bar}] {percent:>3}%  {msg}",

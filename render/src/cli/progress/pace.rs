@@ -1,29 +1,29 @@
-//! What is done of work whose parts begin anew, and how fast the rest goes.
+//! Progress and pace of work in several stages.
 
 use std::time::Duration;
 
 /// The caches of a bake, of which the last may be filled several times.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Coverage {
-    /// Those that are not done.
+    /// The number of unfinished caches.
     caches: u32,
     /// The texels that each serves.
     texels: u64,
-    /// Whether the last may be filled again, who knows how often: each time then counts as half of what is left.
+    /// Whether the last may be refilled an unknown number of times: each time then counts as half of the remainder.
     again: bool,
-    /// What was done when it was begun the last time.
+    /// The finished work at the last restart.
     before: u64,
     /// The most that it served since.
     most: u64,
 }
 
 impl Coverage {
-    /// Of so many caches, each of which serves so many texels.
+    /// The pace of `caches` caches, each for `texels` texels.
     pub(crate) fn new(caches: u32, texels: u64, again: bool) -> Self {
         Self { caches, texels, again, before: 0, most: 0 }
     }
 
-    /// What is done of a cache that serves so many texels.
+    /// The finished part of a cache for this many texels.
     pub(crate) fn covered(&mut self, texels: u64) -> u64 {
         let texels = texels.min(self.texels);
         // Few texels lose their records while a cache is filled; most do when it is filled anew.
@@ -46,7 +46,7 @@ impl Coverage {
     }
 }
 
-/// How fast samples are taken.
+/// The rate of samples.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
     /// The time at which there were none yet.

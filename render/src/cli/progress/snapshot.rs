@@ -1,10 +1,10 @@
-//! How far a command is at a moment, as a line of JSON and as the text beside a bar.
+//! The progress of a command at a moment, as a line of JSON and as the text beside a bar.
 
 use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// What is counted.
+/// The unit of the count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Counted {
     /// Samples.
@@ -21,11 +21,11 @@ pub(super) enum Counted {
     Layout,
 }
 
-/// How far a render is.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Snapshot {
     pub(super) samples: u64,
-    /// 0 if nobody knows.
+    /// 0 if unknown.
     pub(super) total: u64,
     pub(super) rays: u64,
     /// Irradiance records made, or how often a layout is packed.
@@ -40,7 +40,7 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
-    /// From 0 to 1, if that is known.
+    /// The finished fraction, 0 to 1, if known.
     pub(super) fn done(&self) -> Option<f64> {
         let is_packed = self.counted == Counted::Layout && self.records > 0;
         (self.total > 0 && !is_packed).then(|| (self.samples as f64 / self.total as f64).min(1.0))

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::cli::messages::{Style, print_line};
 use crate::scene::LoadWatch;
 
-/// Trees of fewer triangles are built before anybody wonders.
+/// Trees of fewer triangles are built quickly.
 const LARGE: usize = 1_000_000;
 /// As are files of fewer bytes read.
 const LARGE_FILE: usize = 100_000_000;

@@ -1,16 +1,16 @@
-//! Denoising without other software: weighted first-order regression on features, cross-filtered, and never worse than
-//! the noisy picture as far as its two halves can tell.
+//! The built-in denoiser: weighted first-order regression on features, cross-filtered, and not worse than the noisy
+//! picture by the estimate from its two halves.
 //!
-//! A picture comes as the means of two halves of its samples. Each half is regressed on the features ([`regression`]) with
-//! weights that come from the other half ([`weights`]), so that noise does not choose its own neighbours. That is done for two
-//! strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and blends by that, and
-//! [`restore`](mod@restore) gives back the light that is lost over larger areas.
+//! A picture comes as the means of two halves of its samples. Each half is regressed on the features ([`regression`])
+//! with weights that come from the other half ([`weights`]), so that weights are independent of the noise. This is done
+//! for two strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and
+//! blends by them, and [`restore`](mod@restore) restores the mean over larger areas.
 //!
 //! Sources: Rousselle, Manzi and Zwicker, "Robust Denoising using Feature and Color Information", 2013; Bitterli et al.,
 //! "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", 2016.
 //!
-//! Deviations: features are taken as they are, for samples share them with the colours and most have no noise; the noisy
-//! picture is a third result to choose from; the result is not filtered once more.
+//! Deviations: features are not prefiltered, as most have no noise; the noisy picture is a third candidate; the result
+//! is not filtered again.
 
 mod plane;
 mod regression;
@@ -33,7 +33,7 @@ const STRENGTHS: [f32; 2] = [0.5, 1.0];
 /// Times that a picture is gone over: each strength by each half.
 const PASSES: usize = 2 * STRENGTHS.len();
 
-/// A neighbour counts in full up to so many times the usual variance.
+/// A neighbour has its full weight up to this multiple of the median variance.
 const BEARABLE: f32 = 6.0;
 
 /// What is added to variances, by the square of the mean brightness: what is equal to this is equal.
@@ -62,11 +62,11 @@ pub(super) fn denoise(channels: &Channels, watch: &dyn Watch) -> Result<Rgb, Den
     Ok(blend)
 }
 
-/// What all passes read.
+/// The inputs of all passes.
 struct Input {
     extent: Extent,
     halves: [[Plane; 3]; 2],
-    /// Of a half.
+    /// The variance of a half.
     variance: [Plane; 3],
     features: Vec<Feature>,
     precision: Plane,
@@ -157,7 +157,7 @@ impl Input {
 fn variance(extent: Extent, a: &[f32], b: &[f32], sampled: Option<&[f32]>) -> Vec<f32> {
     let squares: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a - b) * (a - b)).collect();
     let Some(sampled) = sampled else { return blurred(extent, &squares, PATCH) };
-    // Relative to brightness, lest one bright pixel speak for all around it.
+    // Relative to brightness, so that one bright pixel does not dominate its surroundings.
     let relative = |values: &[f32]| {
         let scaled = |i: usize| values[i] / (a[i] + b[i]).powi(2).max(f32::MIN_POSITIVE);
         blurred(extent, &(0..extent.len()).map(scaled).collect::<Vec<_>>(), WINDOW)
@@ -171,7 +171,7 @@ fn variance(extent: Extent, a: &[f32], b: &[f32], sampled: Option<&[f32]>) -> Ve
     (0..extent.len()).map(scaled).collect()
 }
 
-/// The median of the three by three values around each pixel: what a lucky pixel would have had.
+/// The median of the three by three values around each pixel: a robust variance for pixels without bright samples.
 fn median(extent: Extent, values: &[f32]) -> Vec<f32> {
     let plane = Plane::new(extent, |i| values[i]);
     let at = |x: usize, y: usize| {

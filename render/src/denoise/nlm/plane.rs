@@ -1,8 +1,8 @@
 //! Planes with a border, so that loops over neighbours and patches need no test at the picture's edges.
 
-/// How far a window reaches from its pixel.
+/// The radius of a window.
 pub(super) const WINDOW: usize = 9;
-/// How far a patch does.
+/// The radius of a patch.
 pub(super) const PATCH: usize = 3;
 /// The border: a window's pixels, and the patches around these.
 pub(super) const BORDER: usize = WINDOW + PATCH;
@@ -31,7 +31,7 @@ impl Extent {
         self.width + 2 * BORDER
     }
 
-    /// Where a pixel is in a plane; it may be in the border.
+    /// The index of a pixel in a plane; it may be in the border.
     #[inline(always)]
     pub(super) fn index(self, x: isize, y: isize) -> usize {
         let border = BORDER as isize;

@@ -1,11 +1,11 @@
 //! Weighted first-order regression of a picture on its features, in every pixel's window.
 //!
-//! For each pixel `p`, `min Σ_q w(p, q) (c_q - a - b·(f_q - f_p))²` gives a colour `a` and its gradient `b` by the features
-//! `f`. Each such model says what it expects of all pixels in its window, and a pixel's value is the weighted mean of what the
-//! models around it say: `Σ_p w(p, q) (a_p + b_p·(f_q - f_p)) / Σ_p w(p, q)`.
+//! For each pixel `p`, `min Σ_q w(p, q) (c_q - a - b·(f_q - f_p))²` gives a colour `a` and its gradient `b` by the
+//! features `f`. Each such model predicts all pixels in its window, and a pixel's value is the weighted mean of the
+//! predictions of the models around it: `Σ_p w(p, q) (a_p + b_p·(f_q - f_p)) / Σ_p w(p, q)`.
 //!
-//! A neighbour whose variance is far above what is usual around `p` counts less in the fit, by the ratio of both: the edge of a
-//! lamp, or a single bright sample, says little about what is around it.
+//! A neighbour whose variance is far above the median around `p` has less weight in the fit, by the ratio of both: the
+//! edge of a lamp, or a single bright sample, carries little information about its surroundings.
 //!
 //! Source: Bitterli, Rousselle, Moon, Iglesias-Guitián, Adler, Mitchell, Jarosz and Novák, "Nonlinearly Weighted First-order
 //! Regression for Denoising Monte Carlo Renderings", 2016.
@@ -17,7 +17,7 @@ use super::weights::{TILE, Weights, offsets};
 
 /// The most features.
 pub(super) const FEATURES: usize = 9;
-/// With a constant.
+/// The features and a constant.
 const TERMS: usize = FEATURES + 1;
 /// The entries of a symmetric matrix of that size.
 const ENTRIES: usize = TERMS * (TERMS + 1) / 2;
@@ -30,7 +30,7 @@ pub(super) struct Feature {
     pub(super) noise: f32,
 }
 
-/// What regression needs to know of the picture.
+/// The inputs of the regression.
 pub(super) struct Samples<'a> {
     pub(super) extent: Extent,
     pub(super) color: &'a [Plane; 3],
@@ -162,7 +162,7 @@ impl Moments {
     }
 }
 
-/// What the models around the pixels of a tile say of these, for each colour row by row. `models` gives the models of the
+/// The predictions of the models around a tile's pixels, for each colour row by row. `models` gives the models of the
 /// tile in a column and a row of tiles.
 #[inline(always)]
 pub(super) fn predict<'m>(

@@ -1,7 +1,7 @@
-//! Light that filtering has lost comes back, at the scale at which it can be told from noise.
+//! Restores the mean that filtering has removed, at the scales at which the residual is significant.
 //!
 //! Weights that keep single bright samples from their neighbours also keep their light. Where light comes in few bright
-//! samples, that is much of it: frosted glass at 16 samples a pixel was a third too dark.
+//! samples, most of it would be lost: a third at frosted glass with 16 samples a pixel.
 //!
 //! The residual `q = (noisy - denoised) / s` has a mean of 0 if nothing is lost. Its mean `m` over square cells, from the
 //! whole picture down to cells of 16 pixels, each level of what the levels before have left, is taken as lost light as far as
@@ -19,9 +19,9 @@ use crate::denoise::channels::Rgb;
 
 /// The side of the smallest cells in pixels: with 256 of them, one bright sample is no trend.
 const LEAST_CELL: usize = 16;
-/// What is darker than this part of the mean counts as dark.
+/// Pixels darker than this part of the mean count as dark.
 const FLOOR: f32 = 0.02;
-/// What is so many times as bright as the mean gets half of what it would by its brightness.
+/// A pixel this many times as bright as the mean gets half of the light that its brightness would give it.
 const BRIGHT: f32 = 3.0;
 /// A pixel keeps this part of its light at least.
 const LEAST: f32 = 0.5;
@@ -52,7 +52,7 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
         }
         side /= 2;
     }
-    // What is black stays black.
+    // Black pixels stay black.
     let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(LEAST);
     for values in denoised {
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
@@ -63,7 +63,7 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
 struct Cells {
     side: usize,
     across: usize,
-    /// What is lost in each, ...
+    /// The light lost in each, ...
     lost: Vec<f32>,
     /// ... and the variance of a pixel's residual.
     variance: Vec<f64>,
@@ -91,7 +91,7 @@ impl Cells {
         Self { side, across, lost, variance }
     }
 
-    /// What is lost at a pixel, linear between the centres of cells.
+    /// The light lost at a pixel, linear between the centres of cells.
     fn at(&self, x: usize, y: usize) -> f32 {
         let down = self.lost.len() / self.across;
         let place = |at: usize, cells: usize| {

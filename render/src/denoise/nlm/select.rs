@@ -1,14 +1,14 @@
-//! Which result is best where, the noisy picture among them, and a blend of these.
+//! Selects the best result for each pixel, the noisy picture among them, and blends them.
 //!
-//! A result comes as two halves `F_A` and `F_B`, which were made of the noisy halves `A` and `B`. As `B` knows nothing of the
-//! noise of `A`, the squared error of `F_A` is about `(F_A - B)²` less the variance of `B`, and that of the mean of both halves
-//! is less by the variance that averaging takes away:
+//! A result comes as two halves `F_A` and `F_B`, which were made of the noisy halves `A` and `B`. As the noise of `B`
+//! is independent of that of `A`, the squared error of `F_A` is about `(F_A - B)²` less the variance of `B`, and the
+//! error of the mean of both halves is less by the variance that averaging removes:
 //!
 //! `e = ½ ((F_A - B)² + (F_B - A)²) - ½ (A - B)² - ¼ (F_A - F_B)²`.
 //!
-//! For the noisy picture itself that is `¼ (A - B)²`. A single pixel's estimate is noise; its mean over many is not. Errors
-//! are relative to brightness, and their means are over pixels that are about as bright: a lamp says nothing of the wall
-//! behind it.
+//! For the noisy picture itself that is `¼ (A - B)²`. A single pixel's estimate is mostly noise; its mean over many
+//! pixels is not. Errors are relative to brightness, and means are over pixels of similar brightness, so that a lamp
+//! does not affect the wall behind it.
 //!
 //! Source: Bitterli et al. 2016, section 5; they average errors by weights of non-local means.
 
@@ -21,7 +21,7 @@ use crate::denoise::channels::Rgb;
 const ERROR_WINDOW: usize = 6;
 /// How far that of choices does, so that there are no borders between them.
 const CHOICE_WINDOW: usize = 2;
-/// What both halves have so many times as bright as a result is something that the result has lost.
+/// Where both halves are this many times as bright as a result, the result has lost a feature.
 const LOST: f32 = 3.0;
 /// Pixels whose brightness differs by this part of both together are not alike.
 const CONTRAST: f32 = 0.35;
@@ -74,7 +74,7 @@ fn errors(guide: &[f32], [a, b]: [&Rgb; 2], [fa, fb]: [&Rgb; 2]) -> Vec<f32> {
     (0..guide.len()).map(error).collect()
 }
 
-/// For each pixel the number of the map whose errors around it are least; the first of equal ones.
+/// The index, for each pixel, of the map with the least errors around it; the first of equal ones.
 fn choices(extent: Extent, guide: &[f32], maps: &[Vec<f32>]) -> Vec<usize> {
     let Extent { width, height } = extent;
     let choose = |pixel: usize| {

@@ -14,7 +14,7 @@ use super::plane::{Extent, PATCH, Plane, WINDOW};
 /// Pixels across and down that are worked on together.
 pub(super) const TILE: [usize; 2] = [64, 16];
 const PIXELS: usize = TILE[0] * TILE[1];
-/// Those with the patches around them.
+/// Pixels across a tile with the patches around it.
 const ACROSS: usize = TILE[0] + 2 * PATCH;
 const DOWN: usize = TILE[1] + 2 * PATCH;
 
@@ -22,7 +22,7 @@ const DOWN: usize = TILE[1] + 2 * PATCH;
 pub(super) struct Noisy<'a> {
     pub(super) color: &'a [Plane; 3],
     pub(super) variance: &'a [Plane; 3],
-    /// What brightness is as good as none, squared.
+    /// The square of a negligible brightness.
     pub(super) epsilon: f32,
     pub(super) k: f32,
 }
@@ -67,7 +67,7 @@ impl Weights {
             self.distances(noisy, (left as isize, top as isize), (dx, dy), (across, down));
             let values = &mut self.values[number];
             sum_patches(&self.distances, &mut self.columns, values, (across, down));
-            // Where the window leaves the picture there is nothing.
+            // Parts of the window outside of the picture are empty.
             let inside = |i: usize, start: usize, d: isize, end: usize| {
                 let i = (start + i) as isize + d;
                 i >= 0 && i < end as isize
@@ -113,7 +113,7 @@ impl Weights {
     }
 }
 
-/// From distances of pixels to weights of patches.
+/// Sums distances of pixels over patches, and turns them into weights.
 #[inline(always)]
 fn sum_patches(distances: &[f32], columns: &mut [f32], values: &mut [f32; PIXELS], (across, down): (usize, usize)) {
     const SIDE: usize = 2 * PATCH + 1;

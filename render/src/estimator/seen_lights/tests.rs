@@ -1,4 +1,4 @@
-//! Lights of a size in mirrors, in gloss and behind glass.
+//! Lights with a size in mirrors, in gloss and behind glass.
 
 use std::f32::consts::PI;
 use std::path::Path;

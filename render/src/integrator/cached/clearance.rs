@@ -1,6 +1,6 @@
-//! How close what stands around a point is on all sides. Where that is far closer than at a record, that does not see what the point
-//! sees: the point lies behind something, as a ceiling behind a lamp that hangs a finger's breadth below it. A gather sends few rays
-//! so low that they would find such a gap from outside.
+//! The clearance of a point: the distance of its surroundings on all sides. Where it is far less than at a record, the
+//! record is not valid there: the point lies behind something, such as a ceiling above a lamp that hangs just below it.
+//! From outside, few rays of a gather are flat enough to find such a gap.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 

@@ -1,8 +1,8 @@
-//! What is true at some of the points that a cache is filled for, as gathers of their own tell, which no record knows of.
+//! Reference irradiance at points held out from a cache, by gathers that no record uses.
 //!
-//! Two independent gathers at a point, by paths, have irradiance `a` and `b`, each without bias. Of a cache that says `x`,
-//! `(x - a)(x - b)` is expected to be the square of its error, whatever noise the two have, and its mean over all points is
-//! the mean squared error: noise of records, interpolation, and what their source has wrong.
+//! Two independent gathers at a point, by paths, have irradiance `a` and `b`, each without bias. For a cache's value
+//! `x`, the expectation of `(x - a)(x - b)` is the square of its error, whatever the noise of both, and its mean over
+//! all points is the mean squared error, with noise of records, interpolation and bias of their source.
 //!
 //! Their mean, with direct light, is also what errors are relative to.
 
@@ -19,7 +19,7 @@ use crate::settings::CachedOptions;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
 
-/// Of so many points one is held out, ...
+/// One point in this many is held out, ...
 const ONE_OF: usize = 64;
 /// ... but at least so many, if there are as many, ...
 const LEAST: usize = 256;
@@ -29,7 +29,7 @@ const MOST: usize = 1024;
 const FIRST_RAYS: u32 = 512;
 /// ... and at most.
 const MOST_RAYS: u32 = 1 << 14;
-/// The standard error of a mean squared error, as a part of the one that is asked for, that is small enough.
+/// The relative standard error of a mean squared error that is small enough.
 const KNOWN_TO: f64 = 0.25;
 /// Samples of direct light, of which a mean over all points is taken.
 const LIGHT_SAMPLES: u32 = 32;
@@ -40,12 +40,12 @@ const RAYS_OF_RECORDS: [f32; 2] = [256.0, 2048.0];
 /// The median of the squares of a normal distribution with a variance of 1.
 const MEDIAN_SQUARE: f64 = 0.455;
 
-/// Which light a mean is of.
+/// The light of a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeanLight {
     /// All of it.
     Total,
-    /// What gathers find.
+    /// The results of gathers.
     Indirect,
     /// The rest, for which no gathers are made.
     Direct,
@@ -62,7 +62,7 @@ pub(crate) struct HeldOut<'w> {
     /// Rays of each of these gathers.
     rays: u32,
     light: f64,
-    /// The accuracy that is asked for.
+    /// The requested accuracy.
     accuracy: f64,
     /// Rays traced for all this.
     pub(crate) traced: u64,
@@ -78,7 +78,7 @@ impl IncidentSink for Sum {
 }
 
 impl<'w> HeldOut<'w> {
-    /// Gathers at some of `count` points, of which `surface` gives each; `None` if the watcher says stop.
+    /// Gathers at some of `count` points, of which `surface` gives each; `None` if the watcher stops.
     pub(crate) fn new(
         world: &World,
         options: &CachedOptions,
@@ -123,7 +123,7 @@ impl<'w> HeldOut<'w> {
         self.light as f32
     }
 
-    /// The root mean square error that was asked for, in W/m².
+    /// The requested root mean square error, in W/m².
     pub(crate) fn allowed_error(&self) -> f64 {
         self.accuracy * self.light
     }
@@ -133,7 +133,7 @@ impl<'w> HeldOut<'w> {
         if self.light > 0.0 { (variance.sqrt() / self.light) as f32 } else { 0.0 }
     }
 
-    /// The standard error that is such a part of the error that was asked for, in W/m², and with how many rays to begin.
+    /// The standard error in W/m² that is this part of the requested error, and the first number of rays.
     pub(crate) fn rays_and_noise(&self, part: f32) -> (u32, f32) {
         let tolerance = (f64::from(part) * self.allowed_error()) as f32;
         // Where gathers end in what is known already they are less noisy, and more rays follow where it is too few.

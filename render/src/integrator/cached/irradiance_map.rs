@@ -1,7 +1,7 @@
 //! Radiance along a gather's rays from irradiance that is known where they end, as by the texels of a lightmap: `L = ρ/π E`.
 //!
-//! Nothing but the choice of the rays is left to chance then, so that a gather has a fraction of the noise, and of the rays,
-//! of one that follows paths. Where nothing is known, as on backs and behind mirrors and glass, a path finds the light.
+//! Then only the directions of the rays are random, so that a gather needs a fraction of the rays of one that follows
+//! paths. Where the map has no value, as on backs and behind mirrors and glass, a path finds the light.
 
 use std::f32::consts::PI;
 
@@ -13,13 +13,13 @@ use super::indirect;
 use crate::integrator::{RayBatch, Wavefront};
 use crate::world::{Hit, World};
 
-/// Somebody who knows irradiance.
+/// A source of irradiance.
 pub(crate) trait IrradianceMap: Sync {
     /// All irradiance at a hit on the front of a triangle, direct light included; `None` where it is not known.
     fn irradiance(&self, hit: &Hit) -> Option<Vec3>;
 }
 
-/// The rays that paths go on from.
+/// The rays that paths continue.
 #[derive(Default)]
 pub(super) struct UnmappedHits {
     /// Their numbers.

@@ -1,4 +1,4 @@
-//! Fills one cache: gathers where it asks for records, with whatever finds the light beyond.
+//! Fills one cache: gathers at the places of its records, with a given source of radiance at hits.
 
 use std::collections::{HashMap, HashSet};
 
@@ -18,14 +18,14 @@ use crate::settings::CachedOptions;
 use crate::watch::Watch;
 use crate::world::{Hit, World};
 
-/// Where light beyond the first surface comes from.
+/// The source of light beyond the first surface.
 #[derive(Clone, Copy)]
 pub(crate) enum GatherSource<'a> {
     /// Paths, of at most this many surfaces or as many as chance lets them have.
     Paths(Option<u32>),
     /// A cache of light with one reflection less.
     Cache(&'a FrozenCache),
-    /// Somebody who knows all light on surfaces.
+    /// A source of all light on surfaces.
     Map(&'a dyn IrradianceMap),
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Level<'a> {
     pub(crate) options: &'a CachedOptions,
     pub(crate) source: GatherSource<'a>,
     pub(crate) gatherer: AdaptiveGatherer,
-    /// What gathers again where records are doubtful, if anything does.
+    /// The gatherer of outlier records, if any.
     pub(crate) careful: Option<AdaptiveGatherer>,
     /// The error that records are made with; they reach as far as by that of the options.
     pub(crate) made_with: f32,
@@ -43,8 +43,8 @@ pub(super) struct Level<'a> {
     pub(crate) log: &'a dyn RecordLog,
 }
 
-/// Keeps records that are made while a cache is filled, so that work which was interrupted can go on. As where records go
-/// follows from the records before, a cache that is filled again, with known records instead of gathers, is the same.
+/// Keeps records that are made while a cache is filled, so that interrupted work can resume. As the places of records
+/// follow from earlier records, refilling a cache with known records instead of gathers gives the same cache.
 pub(crate) trait RecordLog: Sync {
     /// The record with this key, if it was made before, with its radii as they were not bounded yet.
     fn get(&self, key: u64) -> Option<Record>;
@@ -85,7 +85,7 @@ impl<'a> Uncached<'a> {
 }
 
 impl GatherSource<'_> {
-    /// The paths that a cache with these options is made with: they meet the surface that a gather sees, and the light.
+    /// The paths of a cache with these options: they include the gather's hit and the light.
     pub(crate) fn paths(options: &CachedOptions) -> Self {
         Self::Paths(max_depth(options))
     }
@@ -96,7 +96,7 @@ impl GatherSource<'_> {
 pub(super) struct RecordSite<'w> {
     pub(crate) point: GatherPoint<'w>,
     pub(crate) place: Place,
-    /// By the error that records are made with.
+    /// The bounds of radii for the error of records.
     pub(crate) bounds: Bounds,
     /// No lower bound is less, whatever the error.
     pub(crate) floor: f32,
@@ -107,14 +107,14 @@ pub(super) struct RecordSite<'w> {
 const HESSIAN_EXTENT: f32 = 0.02;
 /// Mean distances of what a record sees within which the scene matters.
 const SURROUNDINGS: f32 = 16.0;
-/// How often records are looked over for doubtful ones.
+/// The number of passes over outlier records.
 const ROUNDS_AGAIN: usize = 3;
 /// Gathers that a thread takes at once.
 const GATHERS: usize = 2;
 
 impl Level<'_> {
-    /// Adds records to `cache` until each site is covered, and gathers again those that are doubtful, or until the watcher
-    /// says stop; gives the rays traced.
+    /// Adds records to `cache` until each site is covered, and gathers outliers again, or until the watcher stops;
+    /// returns the rays traced.
     pub(crate) fn fill(&self, cache: &mut Cache, sites: &[RecordSite], passes: &[Pass]) -> u64 {
         let mut traced = self.cover(cache, sites, passes);
         let Some(gatherer) = &self.careful else { return traced };
@@ -157,7 +157,7 @@ impl Level<'_> {
         traced
     }
 
-    /// The records of sites by their numbers, and the rays traced; `None` if the watcher says stop.
+    /// The records of sites by their numbers, and the rays traced; `None` if the watcher stops.
     fn gather(
         &self,
         gatherer: &AdaptiveGatherer,
@@ -187,9 +187,9 @@ impl Level<'_> {
         Some((gathers.into_iter().flat_map(|(records, _)| records).collect(), rays))
     }
 
-    /// What the relative error of an ellipse may be, times its area (Jarosz et al. bound the error that is integrated over
+    /// The allowed relative error of an ellipse, times its area (Jarosz et al. bound the error that is integrated over
     /// it). The fourth power makes radii proportional to the error, as those of the other metrics are; the scene's
-    /// extent makes them scale with it, as far as the record sees much of it.
+    /// extent makes them scale with the scene, as far as the record sees much of it.
     fn area_error(&self, mean_distance: f32) -> f32 {
         let scale = self.world.diagonal().min(SURROUNDINGS * mean_distance);
         let extent = HESSIAN_EXTENT * self.made_with * self.made_with * scale;
@@ -200,7 +200,7 @@ impl Level<'_> {
     fn record(&self, site: &RecordSite, found: &Gathered) -> Record {
         let Gathered { gather, hessian, occluders } = found;
         let surface = &site.point.surface.smooth();
-        // What sees nothing, or the far end of the world alone, reaches as far as the scene does.
+        // A point that sees nothing, or only distant surfaces, has a radius of the scene's extent.
         let mean_distance = gather.harmonic_mean_distance.min(occluders.clearance).min(self.world.diagonal());
         // Rays meet surfaces, but not where these are nearest; the planes of occluders do.
         let occluders = occluders.occluders();

@@ -1,13 +1,13 @@
 //! The second pass: radiance along rays from a frozen cache.
 //!
-//! Of a surface that is not matte, records tell what its diffuse albedo reflects. For the rest of its closure a ray goes on as
-//! the closure scatters, and what records know is taken off its weight; of a glossy surface its lobe is left, as if the
-//! diffuse light below were Lambert's (deviation: of uneven light that is off by what the reflection takes from grazing
-//! light). From where such a ray arrives one ray at most goes on: where no record is valid it stands for all that the surface
-//! scatters, as in path tracing, and roulette ends it.
+//! On a surface that is not matte, records give the light reflected by its diffuse albedo. For the rest of its closure
+//! a ray is sampled from the closure, and its weight is reduced by the part that records cover; for a glossy surface
+//! the lobe remains, as if the diffuse light below were Lambert's (deviation: under uneven light this is off by the
+//! part that the reflection takes from grazing light). At the hit of such a ray at most one further ray is traced:
+//! where no record is valid it stands for all scattering, as in path tracing, with Russian roulette.
 //!
-//! Area lights are sampled. Near them a sample's worth has no bound, as it falls with the square of the distance; there a ray is
-//! sent after what the surface scatters too, which sees emission alone, and both are weighted (Veach 1997).
+//! Area lights are sampled. Near them the contribution of a light sample is unbounded, as it falls with the square of
+//! the distance; there a ray sampled from the closure counts emission too, and both are weighted (Veach 1997).
 
 use std::f32::consts::PI;
 
@@ -30,10 +30,10 @@ use crate::world::{Hit, Surface, World};
 /// The most surfaces on a path that mirrors and glass prolong.
 const MAX_SURFACES: u32 = 32;
 
-/// The least probability with which a ray goes on for what records leave: emission is looked for by the same ray.
+/// The least probability of a ray for the light that records do not cover: the same ray finds emission.
 const LEAST_REST: f32 = 0.25;
 
-/// Points without a record, and the rays that go on from there.
+/// Points without a record, and the rays from there.
 #[derive(Default)]
 pub(crate) struct Misses {
     /// Which camera ray saw them, and what the light that arrives by the ray is multiplied by.
@@ -42,12 +42,12 @@ pub(crate) struct Misses {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     radiance: Vec<Vec3>,
-    /// Of each camera ray's path, scattered last by a density: its throughput for all light but emission, less what
-    /// records know.
+    /// The throughput of each camera ray's path, scattered last by a density, for all light except emission, minus the
+    /// part covered by records.
     indirect: Vec<Vec3>,
 }
 
-/// Writes the radiance along each ray, and puts points without records into `misses`; gives the number of further rays.
+/// Writes the radiance along each ray, and adds points without records to `misses`; returns the number of further rays.
 pub(super) fn radiance(
     world: &World,
     frozen: &FrozenCache,
@@ -156,7 +156,8 @@ impl VertexStep for Lookup<'_> {
             next.normal = surface.receiver().packed();
             let mut indirect = Vec3::ZERO;
             if !is_matte {
-                // Records know what is scattered diffusely. Where that is nearly all, few rays look for emission alone.
+                // Records cover diffuse scattering. Where that is nearly everything, few rays are sent, for emission
+                // alone.
                 let rest = if world.kind(hit.prim_id) == Kind::Glossy && known != Vec3::ZERO && !surface.transmits {
                     scattering.glossy(direction) / bounce.density
                 } else {
@@ -189,7 +190,8 @@ impl Lookup<'_> {
 }
 
 impl Misses {
-    /// Adds what paths of at most `max_depth` surfaces find in place of the missing records; gives the number of rays.
+    /// Adds the light of paths with at most `max_depth` surfaces in place of missing records; returns the number of
+    /// rays.
     pub(super) fn follow(
         &mut self,
         world: &World,

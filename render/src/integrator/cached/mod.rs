@@ -1,13 +1,13 @@
-//! Global illumination from an irradiance cache, in two passes as Driscoll asks for: a *prefill* fills the cache, and
-//! then it is frozen and the picture taken from it,
+//! Global illumination from an irradiance cache, in two passes: a *prefill* fills the cache, then it is frozen and the
+//! picture is computed from it,
 //!
 //! `L = L_e + ρ/π (E_direct + E_indirect)`,
 //!
 //! with one sample of direct light at every point and indirect light from the records around. Mirrors and glass are
 //! followed to the first surface that scatters light.
 //!
-//! A point without a valid record does not make one, or the picture would depend on the order of its points: it falls
-//! back on a path, which is as right and only noisier. How often that happens is counted.
+//! A point without a valid record does not create one, as the picture would then depend on the order of its points: it
+//! falls back on a path, which is unbiased but noisier. These fallbacks are counted.
 
 mod clearance;
 mod held_out;
@@ -38,7 +38,7 @@ pub(crate) use lookup::Misses;
 pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
 pub(crate) use to_accuracy::{Aim, SAMPLED_SHARE};
 
-/// Surfaces from which an indirect path goes on for sure. Many paths share a gather, so that a few long ones will do.
+/// Surfaces after which roulette starts on indirect paths. A gather has many paths, so a few long ones are enough.
 const SURE_DEPTH: u32 = 1;
 
 /// A cache that grows no more, and what happened while it was read.
@@ -49,7 +49,7 @@ pub(crate) struct FrozenCache {
     negative: AtomicU64,
 }
 
-/// What happened while a cache was read.
+/// Counts of lookups in a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CacheUse {
     /// Records in the cache.
@@ -76,8 +76,8 @@ impl FrozenCache {
         self.count(self.cache.interpolate_tilted(point, tilted))
     }
 
-    /// The same for pictures, and for means over many points: of what is hidden these see little, and where a surface turns
-    /// within a few pixels, records with other normals do.
+    /// Like the above, but for pictures and means over many points: occluded regions contribute little, and where a
+    /// surface turns within a few pixels, records with other normals are accepted.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
         self.count(match self.cache.options().accuracy {
             Some(_) => self.cache.interpolate_tilted(&lookup_point_anywhere(surface), surface.shading_normal),
@@ -97,7 +97,7 @@ impl FrozenCache {
         found.map(|found| found.irradiance)
     }
 
-    /// What happened so far.
+    /// The counts so far.
     pub(crate) fn usage(&self) -> CacheUse {
         CacheUse {
             records: self.cache.records().len() as u64,
@@ -107,9 +107,9 @@ impl FrozenCache {
     }
 }
 
-/// Writes what surfaces reflect along each ray, and the sky without its sun, found by paths of at most `max_depth`
-/// surfaces: all that is not direct light for the surface that the rays leave, whose `density` is 0. Gives the number of
-/// further rays.
+/// Writes the light reflected by surfaces along each ray, and the sky without its sun, by paths of at most `max_depth`
+/// surfaces: everything except direct light for the surface that the rays leave, whose `density` is 0. Returns the
+/// number of further rays.
 pub(super) fn indirect(
     world: &World,
     max_depth: Option<u32>,
@@ -142,8 +142,8 @@ pub(super) fn radiance(
     traced + misses.follow(world, batch, max_depth(frozen.cache.options()), wave, radiance)
 }
 
-/// The most surfaces on a path in place of a record: it is reflected as often as light on its way to one, and then meets its
-/// source.
+/// The most surfaces on a path in place of a record: it has as many reflections as light before a record, and then
+/// reaches the source.
 pub(crate) fn max_depth(options: &CachedOptions) -> Option<u32> {
     options.bounces.map(|bounces| bounces + 1)
 }

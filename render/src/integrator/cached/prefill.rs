@@ -1,11 +1,12 @@
-//! The prefill: fills a cache for what a camera sees, coarse to fine, or for given points.
+//! The prefill: fills a cache for the surfaces that a camera sees, coarse to fine, or for given points.
 //!
-//! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and what the gathers'
-//! rays hit asks it for indirect light, of which paths bring most of the noise. A few points gather from paths themselves.
+//! Where many points have no record yet, a cache of fewer rays a record is filled first, from paths, and the hits of
+//! the gathers' rays look up indirect light in it, as paths would add most of the noise. Few points gather from paths
+//! directly.
 //!
-//! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first, as Driscoll hopes
-//! for: that of one reflection gathers direct light alone, each other one direct light and the cache before it. A
-//! deeper cache is needed where the gathers' rays end, so its sites are found by rays from the sites above.
+//! With a number of bounces instead of paths each bounce has a cache, and the deepest is filled first: the cache of one
+//! reflection gathers direct light alone, each other one direct light and the cache before it. A deeper cache is needed
+//! where the gathers' rays end, so its sites are found by rays from the sites above.
 
 use rayon::prelude::*;
 
@@ -26,21 +27,21 @@ const LEAST_TEXELS: f32 = 5.0;
 const LEAST_FOR_ALL: f32 = 0.75;
 /// ... and the most.
 const MOST_TEXELS: f32 = 40.0;
-/// The fewest units that a record reaches, over the error: for sensors, which lie where someone wants to know ...
+/// The fewest units that a record reaches, over the error: for sensors ...
 const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
-/// From so many sites without a record on it is worth it to gather from another cache instead of by paths ...
+/// From this many sites without a record on gathers use another cache instead of paths ...
 const MANY: usize = 1024;
-/// ... which has so many times fewer rays a record: a gather takes a mean over many of its records.
+/// ... which has this many times fewer rays a record, as a gather averages over many of its records.
 const FEWER: u32 = 4;
 /// Records that are doubtful get so many times more rays ...
 const MORE: u32 = 8;
 /// ... but no more than these.
 const MOST_RAYS: u32 = 1 << 16;
 
-/// Adds to `cache` what a camera needs, and freezes it; gives the rays traced. If the cache's options ask for an accuracy,
-/// it is for this.
+/// Adds to `cache` the records that a camera needs, and freezes it; returns the rays traced. If the cache's options
+/// have an accuracy, it is filled to it.
 pub(crate) fn fill_for_camera(
     world: &World,
     settings: &Settings,
@@ -80,8 +81,8 @@ pub(crate) fn fill_for_surfaces(
     prefill.fill(cache, &sites, &point_passes(sites.len()))
 }
 
-/// Adds to `cache` what the texels of a lightmap need, and freezes it; gives the rays traced. Each is a surface with the
-/// width of a texel there. Light comes from `source`, unless the cache has a number of bounces.
+/// Adds to `cache` the records that the texels of a lightmap need, and freezes it; returns the rays traced. Each is a
+/// surface with the width of a texel there. Light comes from `source`, unless the cache has a number of bounces.
 pub(crate) fn fill_for_texels<'w>(
     world: &'w World,
     seed: u64,
@@ -102,11 +103,11 @@ pub(crate) fn fill_for_texels<'w>(
     Prefill { world, seed, source: Some(source), aim, log, watch }.fill(cache, &sites, &point_passes(sites.len()))
 }
 
-/// What caches are filled with.
+/// The source of light for caches.
 struct Prefill<'a> {
     world: &'a World,
     seed: u64,
-    /// Where light comes from, unless a cache has a number of bounces; by default from paths, or another cache.
+    /// The source of light, unless a cache has a number of bounces; by default paths or another cache.
     source: Option<GatherSource<'a>>,
     aim: Aim<'a>,
     log: &'a dyn RecordLog,
@@ -194,8 +195,8 @@ impl Prefill<'_> {
         }
     }
 
-    /// What gathers again where the records of a cache with these options are doubtful; nothing where an accuracy is asked for,
-    /// as each record is right enough then.
+    /// The gatherer of outlier records of a cache with these options; none with an accuracy, as each record is then
+    /// accurate enough.
     fn careful(&self, options: &CachedOptions) -> Option<AdaptiveGatherer> {
         let rays = (MORE * options.rays).min(MOST_RAYS);
         let with_hessian = options.metric == Metric::Hessian;

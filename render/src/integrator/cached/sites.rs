@@ -1,4 +1,4 @@
-//! Where records may go: what a camera sees, points that somebody asks for, and where the rays of their gathers end.
+//! Candidate positions of records: camera hits, given points, and the hits of their gathers' rays.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -17,8 +17,8 @@ use crate::world::{Hit, Surface, World};
 
 /// Steps between the camera's sites, in pixels.
 const STEPS: [u32; 6] = [64, 32, 16, 8, 4, 2];
-/// The fewest pixels that a record reaches where the camera sees it, over the error: in a corner it is these that decide
-/// how many records there are, which should be as many times fewer as elsewhere where the error may be greater ...
+/// The fewest pixels that a record reaches where the camera sees it, over the error: in corners this limit decides the
+/// number of records, which should fall with a greater error as it does elsewhere ...
 const LEAST_PIXELS: f32 = 6.0;
 /// ... but no fewer than these, so that most of the pixels beside a site are within the reach of its record ...
 const LEAST_FOR_ALL: f32 = 1.75;
@@ -32,7 +32,7 @@ const UNITS_APART: f32 = 5.0;
 const MOST_OF_DIAGONAL: f32 = 160.0 / 1024.0;
 /// The least part of the diagonal that a unit is, as floats have so many digits.
 const LEAST_OF_DIAGONAL: f32 = 1e-7;
-/// Of the neighbours of a site that such a ray finds, which lie at random, the one whose distance counts.
+/// The index of the neighbour, among the random neighbours of a ray's site, whose distance is used.
 const DEEPER_NEIGHBOUR: usize = 4;
 /// Rays by which a site finds sites for the next deeper cache.
 const DEEPER_RAYS: u32 = 8;
@@ -42,13 +42,13 @@ const MAX_DEEPER_SITES: usize = 8192;
 const MAX_SURFACES: u32 = 16;
 /// The least part of light for which what glossy surfaces show gets sites.
 const LEAST_SHARE: f32 = 0.02;
-/// Keys of what is seen in mirrors begin with the number of mirrors.
+/// Keys of sites seen in mirrors begin with the number of mirrors.
 const DEPTH_SHIFT: u32 = 48;
 /// Keys of deeper caches begin with the number of reflections.
 const LEVEL_SHIFT: u32 = 56;
 
-/// What the camera sees through the middles of pixels in ever finer grids: sites, a pass or two for each grid, and
-/// the number of rays.
+/// The camera's hits through the middles of pixels in ever finer grids: sites, a pass or two for each grid, and the
+/// number of rays.
 pub(super) fn camera_sites<'w>(
     world: &'w World,
     settings: &Settings,
@@ -85,8 +85,8 @@ struct View {
     share: f32,
 }
 
-/// The sites that the camera sees in the middles of pixels, and the number of rays: all surfaces that scatter light
-/// up to the first that shows no other; glossy ones count as mirrors.
+/// The sites that the camera sees in the middles of pixels, and the number of rays: all scattering surfaces up to the
+/// first that reflects no others; glossy ones count as mirrors.
 fn visible_sites<'w>(
     world: &'w World,
     settings: &Settings,
@@ -125,7 +125,7 @@ fn visible_sites<'w>(
             if let Some(bounce) = bounce.filter(|bounce| bounce.density == f32::INFINITY) {
                 go_on(bounce.direction, *share);
             } else if !world.is_nearly_diffuse(hit.prim_id) {
-                // What stands in the middle of a glossy lobe.
+                // The hit in the middle of a glossy lobe.
                 let share = share * (scattering.albedo() - surface.diffuse).max_element();
                 let direction =
                     ray.direction - 2.0 * surface.shading_normal.dot(ray.direction) * surface.shading_normal;
@@ -156,8 +156,8 @@ fn camera_site<'w>(pixel_width: f32, error: f32, surface: Surface<'w>, ray: &Ray
     }
 }
 
-/// Sites that no camera looks at, with keys by their order. Their unit is a part of the scene's diagonal, or of the
-/// distance to their nearest `neighbour` (by its number) if that is less.
+/// Sites without a camera, with keys by their order. Their unit is a part of the scene's diagonal, or of the distance
+/// to their nearest `neighbour` (by its number) if that is less.
 pub(super) fn point_sites<'w>(
     world: &World,
     surfaces: &[Surface<'w>],

@@ -1,7 +1,7 @@
-//! How far apart points are that somebody asks for.
+//! The spacing of given points.
 //!
-//! A scene may be wide and what is asked for small: a room on a plain, say. How near records may come to each other then
-//! cannot follow from the scene's extent; but no two need to be nearer than the points are.
+//! The requested points may fill a small part of a wide scene, such as a room on a plain. The least distance of records
+//! then cannot follow from the scene's extent; but no two need to be closer than the points are.
 
 use glam::Vec3;
 

@@ -1,11 +1,11 @@
-//! Fills a cache so that its irradiance has the error that was asked for.
+//! Fills a cache so that its irradiance has the requested error.
 //!
-//! An error has two parts. Noise is left to records: each is gathered with as many rays as its own standard error asks for.
-//! How far records may reach is tried out: a cache of few records is filled, and points that were held out tell its error
-//! ([`HeldOut`]); while that is too much, the next cache has records that reach less far. As radii are proportional to one
-//! number, the records of the caches before serve again where their points are picked again.
+//! An error has two parts. Noise is controlled per record: each is gathered with as many rays as its own standard error
+//! requires. Radii are found by trial: a cache of few records is filled, and held-out points estimate its error
+//! ([`HeldOut`]); while that is too large, the next cache has smaller radii. As radii are proportional to one number,
+//! records of earlier caches are reused where their points are picked again.
 //!
-//! What a cache has wrong at single points, which no held-out point is near, stays unseen.
+//! Errors at single points, away from all held-out points, are not detected.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -15,8 +15,8 @@ use crate::cache::{Cache, ErrorEstimate, Record};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
 
-/// The error of the options with which the first cache is filled for 1%; for other accuracies it goes with their root. Few
-/// held-out points lie where interpolation is worst, so the first cache must not be a bad one.
+/// The error of the options with which the first cache is filled for 1%; for other accuracies it scales with their
+/// root. Few held-out points are where interpolation is worst, so the first cache must be good enough.
 const FIRST_ERROR: f32 = 0.3;
 /// The least and the greatest error of a first cache.
 const FIRST_ERRORS: [f32; 2] = [0.15, 0.6];
@@ -33,22 +33,21 @@ const LEAST_GAIN: f64 = 0.1;
 /// The factors by which records may come to reach less far at once.
 const FACTORS: [f64; 2] = [0.5, 0.85];
 
-/// How right records are to be.
+/// The accuracy of records.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Aim<'a> {
     /// As their options make them, the doubtful ones with more rays.
     Options,
     /// As their options make them.
     Means,
-    /// They reach as far as their options say, and have as many rays as this asks for: rays at first, and a standard error
-    /// in W/m².
+    /// They have the radii of their options, and this many rays: rays at first, and a standard error in W/m².
     Noise(u32, f32),
     /// So that the cache has the accuracy of its options at the points that were held out.
     Accuracy(&'a HeldOut<'a>),
 }
 
 impl Aim<'_> {
-    /// That of a cache over which gathers take means.
+    /// The aim of a cache whose values are averaged by gathers.
     pub(crate) fn of_means(&self) -> Aim<'static> {
         match self {
             Aim::Options | Aim::Means => Aim::Means,
@@ -70,7 +69,7 @@ impl Aim<'_> {
     }
 }
 
-/// The error that the records of a cache with these options are made with. They reach less far if the cache does.
+/// The error of the records of a cache with these options. Their radii are smaller if the cache's are.
 pub(super) fn made_with(options: &CachedOptions) -> f32 {
     match options.accuracy {
         Some(accuracy) => (FIRST_ERROR * (100.0 * accuracy).sqrt()).clamp(FIRST_ERRORS[0], FIRST_ERRORS[1]),
@@ -78,8 +77,8 @@ pub(super) fn made_with(options: &CachedOptions) -> f32 {
     }
 }
 
-/// Fills caches like `cache`, which is empty or is added to, by `fill_one`, until one is right enough; gives the last of
-/// them, which knows its error, and the rays traced.
+/// Fills caches like `cache`, which is empty or is added to, by `fill_one`, until one is accurate enough; returns the
+/// last of them, with its estimated error, and the rays traced.
 pub(super) fn fill(
     mut cache: Cache,
     held_out: &HeldOut,

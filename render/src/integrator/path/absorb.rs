@@ -1,4 +1,5 @@
-//! What solids absorb of paths' light (see [`media`](crate::integrator::media)); nothing of it happens where none does.
+//! Absorption of paths' light in solids (see [`media`](crate::integrator::media)); it costs nothing in scenes without
+//! such solids.
 
 use glam::Vec3;
 
@@ -32,7 +33,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Keeps the media of the paths of a block that go on.
+    /// Keeps the media of a block's continuing paths.
     #[inline(never)]
     pub(super) fn keep_media(&mut self, block: &PathBlock, bounces: &Bounces) {
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {

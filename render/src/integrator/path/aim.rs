@@ -1,4 +1,4 @@
-//! Paths that are aimed at lit triangles (see [`aim`]), and go on from there as others do.
+//! Paths that sample lit triangles as secondary lights (see [`aim`]), and continue from there as usual.
 
 use glam::Vec2;
 use halfdome_kernel::sampling::unit_double;
@@ -20,7 +20,7 @@ impl Advance<'_, '_> {
         self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis && ends_by_chance
     }
 
-    /// Aims from the block's surfaces at lit triangles, and puts such paths behind the others that go on.
+    /// Samples lit triangles from the block's surfaces, and appends such paths to the continuing ones.
     #[inline(always)]
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
         let mut chances = [0.0; LANES];

@@ -1,15 +1,16 @@
-//! Dispersion: glass bends each wavelength by an angle of its own.
+//! Dispersion: the refractive index of glass depends on the wavelength.
 //!
 //! The refractive index at the wavelength `λ` is Cauchy's, by the index `n` at 587.6 nm and Abbe's number `V`
 //! (`KHR_materials_dispersion`):
 //!
 //! `n(λ) = n + (n - 1)/V (523655 nm²/λ² - 1.5168)`.
 //!
-//! Where a path meets such glass first, it keeps one channel of its colour, chosen in proportion, and stands from there on for one
-//! wavelength of that channel. Which one, its random numbers say: the same at all faces, so that a path need not remember it.
+//! At its first hit of such glass, a path keeps one channel of its colour, chosen in proportion, and represents one
+//! wavelength of that channel from there on. The wavelength follows from its random numbers, the same at all faces, so
+//! that a path need not store it.
 //!
-//! Deviation: a channel is a band of wavelengths about its primary, as bright as a triangle; a spectrum shows what mixtures of
-//! three lights can.
+//! Deviation: a channel is a band of wavelengths about its primary, with a triangular profile; so spectra consist of
+//! mixtures of three primaries.
 
 use glam::Vec3;
 
@@ -64,7 +65,7 @@ fn wavelength(channel: usize, u: f32) -> f32 {
     middle + reach * if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-/// By how much the refractive index is greater than `ior` at a wavelength in nm, where `dispersion` is `20 / V`.
+/// The refractive index at a wavelength in nm, minus `ior`; `dispersion` is `20 / V`.
 fn index_shift(ior: f32, dispersion: f32, wavelength: f32) -> f32 {
     (ior - 1.0) * (dispersion / 20.0) * (523_655.0 / (wavelength * wavelength) - 1.5168)
 }

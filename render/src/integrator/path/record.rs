@@ -1,4 +1,4 @@
-//! What AOVs by light path expressions get of a step of paths; nothing of it happens without them.
+//! Contributions of a step of paths to AOVs by light path expressions; it costs nothing without them.
 
 use glam::Vec3;
 
@@ -12,9 +12,9 @@ use crate::world::WHITE;
 /// Memory from one batch to the next.
 #[derive(Default)]
 pub(crate) struct RecorderMemory {
-    /// Of the paths, for each channel.
+    /// The state of each path in each channel.
     states: Vec<[u32; 3]>,
-    /// Of those that go on.
+    /// The states of the continuing paths.
     next: Vec<[u32; 3]>,
     waiting: Vec<Waiting>,
 }
@@ -27,15 +27,15 @@ struct Waiting {
     light: Vec3,
 }
 
-/// Where AOVs are gathered.
+/// The destination of AOVs.
 pub(in crate::integrator) struct Recorder<'a> {
     paths: &'a LightPaths,
     memory: &'a mut RecorderMemory,
-    /// Those of each camera ray, side by side.
+    /// The AOVs of each camera ray, side by side.
     aovs: &'a mut [Vec3],
 }
 
-/// What a closure does with light of one direction.
+/// The lobes of a closure for one direction.
 struct Lobes {
     /// The part of it that its glossy lobes do, by channel.
     glossy: Vec3,
@@ -44,7 +44,7 @@ struct Lobes {
 }
 
 impl<'a> Recorder<'a> {
-    /// For a batch of so many camera rays.
+    /// A recorder for a batch of camera rays.
     pub(in crate::integrator) fn new(
         paths: &'a LightPaths,
         memory: &'a mut RecorderMemory,
@@ -64,7 +64,7 @@ impl<'a> Recorder<'a> {
         self.paths.add(states, light, &mut self.aovs[index * count..][..count]);
     }
 
-    /// Lets the paths that go on take the places of all.
+    /// Replaces all paths by the continuing ones.
     pub(super) fn keep_next(&mut self) {
         std::mem::swap(&mut self.memory.states, &mut self.memory.next);
         self.memory.next.clear();
@@ -94,7 +94,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The states of a path that goes on, by a number in [0, 1) that chooses its lobe.
+    /// The states of a continuing path, by a number in [0, 1) that chooses its lobe.
     fn onwards(&self, before: [u32; 3], lobes: &Lobes, is_delta: bool, u: f32) -> [u32; 3] {
         let chosen = |part: f32| match () {
             () if is_delta => Lobe::Delta,
@@ -165,7 +165,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Records how the paths of a block go on.
+    /// Records the bounces of a block's paths.
     #[inline(never)]
     pub(super) fn record_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
@@ -174,8 +174,8 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Records that path `i` goes on in a direction, by a delta function or not; its lobe is chosen by what is left of
-    /// the path's set of numbers for going on, in this place.
+    /// Records that path `i` continues in a direction, by a delta function or not; its lobe is chosen by an unused
+    /// number of the path's set for the bounce.
     pub(super) fn record_onwards<C: BlockClosures>(
         &mut self,
         closures: &C,
@@ -193,7 +193,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// What the lobes of path `i`'s closure do with light of a direction.
+    /// The lobes of path `i`'s closure for a direction.
     fn lobes<C: BlockClosures>(&self, closures: &C, block: &PathBlock, i: usize, direction: Vec3) -> Lobes {
         let (surface, direction) = (block.surface(i, &WHITE), direction.normalize_or_zero());
         let all = closures.eval(i, &surface, direction).0;

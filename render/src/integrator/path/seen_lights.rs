@@ -1,4 +1,4 @@
-//! Lights of a size that paths see on their way.
+//! Lights with a size that rays of paths hit.
 
 use glam::Vec3;
 

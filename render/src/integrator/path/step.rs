@@ -90,7 +90,7 @@ impl Advance<'_, '_> {
         closures.arrived(self.world.isa());
     }
 
-    /// Collects the light that a surface emits, and tells the block what is not in its columns.
+    /// Collects a surface's emission, and passes the block the data that is not in its columns.
     #[inline(never)]
     fn shade<C: BlockClosures>(&mut self, closures: &mut C, block: &mut PathBlock, i: usize) {
         let (world, source) = (self.world, block.source[i] as usize);
@@ -137,7 +137,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Ends paths by a threshold, or finds the probability with which chance lets them go on.
+    /// Ends paths by a threshold, or computes their survival probability.
     #[inline(always)]
     fn stop(&mut self, block: &mut PathBlock) {
         match self.options.stop {
@@ -248,7 +248,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// The density with which path `i` goes on in a direction, by that of its closure.
+    /// The density with which path `i` continues in a direction, given its closure's density.
     #[inline(always)]
     pub(super) fn bounce_density(&self, i: usize, direction: Vec3, closure_density: f32) -> f32 {
         self.guide.as_ref().map_or(closure_density, |guide| guide.density(i, direction, closure_density))
@@ -260,7 +260,7 @@ impl Advance<'_, '_> {
         self.options.clamp_indirect.filter(|_| self.depth > 1)
     }
 
-    /// Puts the paths of the block that go on behind the others that do.
+    /// Appends the block's continuing paths to the others.
     #[inline(always)]
     fn continue_paths<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &mut Bounces) {
         let world = self.world;

@@ -1,4 +1,4 @@
-//! What a [guide](crate::guide) learns from: the bounces of paths, and the light that they found from there on.
+//! Training data of a [guide](crate::guide): the bounces of paths, and the light that they found from there on.
 
 use glam::Vec3;
 
@@ -17,9 +17,9 @@ const NONE: u32 = u32::MAX;
 #[derive(Default)]
 pub(in crate::integrator) struct Trainer {
     bounces: Vec<Bounced>,
-    /// Of each path its last bounce.
+    /// The last bounce of each path.
     last: Vec<u32>,
-    /// Of those that go on.
+    /// The last bounces of the continuing paths.
     next: Vec<u32>,
     waiting: Vec<Waiting>,
 }
@@ -41,7 +41,7 @@ struct Waiting {
 }
 
 impl Trainer {
-    /// Begins with so many paths.
+    /// Begins with this many paths.
     pub(in crate::integrator) fn start(&mut self, count: usize) {
         self.bounces.clear();
         self.last.clear();
@@ -64,7 +64,7 @@ impl Trainer {
         }
     }
 
-    /// Lets the paths that go on take the places of all.
+    /// Replaces all paths by the continuing ones.
     pub(super) fn keep_next(&mut self) {
         std::mem::swap(&mut self.last, &mut self.next);
         self.next.clear();
@@ -109,7 +109,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Learns how the paths of a block go on.
+    /// Learns the bounces of a block's paths.
     pub(super) fn learn_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
         let Some(trainer) = &mut self.trainer else { return };
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
@@ -127,7 +127,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Learns that path `i` goes on in a way that is none of its closure's.
+    /// Learns that path `i` continues in a direction that its closure has not sampled.
     pub(super) fn learn_aimed(&mut self, block: &PathBlock, i: usize) {
         if let Some(trainer) = &mut self.trainer {
             trainer.next.push(trainer.last[block.source[i] as usize]);

@@ -1,4 +1,4 @@
-//! Rays by which the paths of a block go on.
+//! The next rays of the paths of a block.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub(in crate::integrator) struct Bounces {
     on: Continuations,
     rays: Rays,
     pub paths: Paths,
-    /// Whether the path goes on.
+    /// Whether the path continues.
     pub goes_on: Integers,
 }
 
@@ -49,7 +49,7 @@ impl PathBlock {
 }
 
 impl PathBlock {
-    /// The [`normal`](Path::normal) of path `i` that goes on in a direction with a density.
+    /// The [`normal`](Path::normal) of path `i`, which continues in a direction with a density.
     #[inline(always)]
     fn normal_after(&self, shares_lights: bool, i: usize, (direction, density): (Vec3, f32)) -> u32 {
         let (before, is_reflected) =
@@ -59,7 +59,7 @@ impl PathBlock {
 }
 
 impl Bounces {
-    /// Lets path `i` go on otherwise, if it does.
+    /// Changes the bounce of path `i`, if it continues.
     pub(super) fn replace<C: BlockClosures>(
         &mut self,
         i: usize,
@@ -93,8 +93,8 @@ impl Bounces {
         self.paths.density[i]
     }
 
-    /// Writes those of the first `len` paths that go on to the start of `paths`, and their rays to that of `rays`;
-    /// gives their number.
+    /// Writes the continuing ones of the first `len` paths to the start of `paths`, and their rays to the start of
+    /// `rays`; returns their number.
     #[inline(always)]
     pub(in crate::integrator) fn keep(&self, isa: Isa, len: usize, rays: &mut [Ray], paths: &mut [Path]) -> usize {
         let goes_on = &self.goes_on[..len];

@@ -1,5 +1,5 @@
-//! What the surfaces of a block do with light. All of a block have one kind of closure: Lambert's and glossy ones are computed
-//! in lanes, the others one by one, each in code of its own.
+//! The closures of a block's surfaces, all of one kind: Lambert's and glossy ones are computed in lanes, the others one
+//! by one.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -12,17 +12,17 @@ use crate::material::Prepared;
 use crate::scene::Material;
 use crate::world::{Surface, World};
 
-/// What the closures of a block's paths scatter.
+/// The albedos of a block's closures.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct Scattered {
     /// `f cos θ`.
     pub f_cos: Vectors,
-    /// The density per solid angle with which paths go on in this direction.
+    /// The density per solid angle of bounces in this direction.
     pub density: Column,
 }
 
-/// How the paths of a block go on.
+/// The bounces of a block's paths.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct Continuations {
@@ -45,11 +45,11 @@ pub(in crate::integrator) trait BlockClosures {
     /// Forgets those of the block before.
     fn clear(&mut self);
 
-    /// Takes the closure of the next path's surface, whose normals face the viewer, and tells the surface what it must know
-    /// of it. Gives the part of all light that is scattered.
+    /// Takes the closure of the next path's surface, whose normals face the viewer, and passes the surface the data
+    /// that it needs. Returns the albedo.
     fn arrive(&mut self, world: &World, surface: &mut Surface) -> Vec3;
 
-    /// Is told that the closures of all paths are taken.
+    /// Called after the closures of all paths are taken.
     fn arrived(&mut self, _isa: Isa) {}
 
     /// `f cos θ` of path `i` for light from a unit vector, and the density per solid angle with which it is sampled.
@@ -61,7 +61,8 @@ pub(in crate::integrator) trait BlockClosures {
     /// The part of all scattered light that is reflected diffusely, 0 to 1.
     fn diffuse_share(&self, i: usize) -> f32;
 
-    /// How path `i` goes on, and whether it does; `cosine` is the direction about the normal that `u` means by the cosine.
+    /// The bounce of path `i`, and whether the path continues; `cosine` is the direction about the normal that `u`
+    /// means by the cosine.
     fn sample(&self, i: usize, surface: &Surface, u: Vec2, cosine: Vec3) -> (Bounce, bool);
 
     /// [`eval`](Self::eval) of all paths, of light from a direction each.

@@ -1,4 +1,4 @@
-//! What paths need to know, in columns: of each number that of all paths in a block, side by side.
+//! The data of paths in columns: each field of all paths in a block, side by side.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -1,5 +1,5 @@
-//! Glossy closures in lanes. What needs tables is looked up for one path after the other; all else is computed side by side,
-//! by the functions that a single closure calls ([`Reflection`]).
+//! Glossy closures in lanes. Table lookups are made path by path; everything else is computed in lanes, by the
+//! functions of a single closure ([`Reflection`]).
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -26,7 +26,7 @@ pub(in crate::integrator) struct GlossyLanes {
 #[repr(C)]
 struct GlossyRow {
     reflection: Reflection,
-    /// What tables say of `wo`, which is in the shading frame.
+    /// The tabled values of `wo`, which is in the shading frame.
     side: Side,
     wo: Vec3,
     axes: [Vec3; 3],
@@ -41,7 +41,7 @@ const PARTS: usize = WORDS / 8;
 /// [`GlossyRow`]s: column `k` has word `k` of each.
 type GlossyColumns = [Column; WORDS];
 
-/// What tables say of two directions of each path, the second of which is mirrored at the surface to the first.
+/// The tabled values of two directions of each path, the second of which is mirrored at the surface to the first.
 struct Sides {
     below: [Column; 2],
     gain: [Column; 2],
@@ -55,7 +55,7 @@ impl Sides {
 }
 
 impl GlossyRow {
-    /// With `wo` in the shading frame, and what tables say of it.
+    /// The closure with `wo` in the shading frame, and its tabled values.
     fn new(scattering: &Scattering<Glossy>, (wo, side): (Vec3, Side)) -> Self {
         let (closure, shading) = (scattering.closure(), scattering.shading());
         let Frame { tangent, bitangent, normal } = *shading.frame();
@@ -121,7 +121,7 @@ impl BlockClosures for GlossyLanes {
 
     #[inline]
     fn arrive(&mut self, world: &World, surface: &mut Surface) -> Vec3 {
-        // Light from behind is not for this kind: what the surface says of it stays.
+        // This kind does not handle light from behind, which the surface has handled.
         let scattering = Scattering::new(surface, world.closure::<Glossy>(surface));
         let wo = scattering.shading().frame().to_local(scattering.wo());
         let (albedo, side) = scattering.closure().seen_from(wo);

@@ -1,5 +1,5 @@
-//! Paths of a block whose directions are mixed with those of a [`Guide`]: what their closures do is done in lanes, and then
-//! changed where there is a guide.
+//! Paths of a block whose directions are mixed with those of a [`Guide`]: closures are sampled in lanes, and the
+//! results are then changed where there is a guide.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -43,7 +43,7 @@ impl<'a> GuidedBlock<'a> {
         }
     }
 
-    /// The density per solid angle with which path `i` goes on in a direction that its closure has this density for.
+    /// The density per solid angle of path `i` in a direction with this density of its closure.
     pub(in crate::integrator) fn density(&self, i: usize, direction: Vec3, closure_density: f32) -> f32 {
         let cell = &self.cells[i];
         if cell.fraction == 0.0 {
@@ -52,7 +52,7 @@ impl<'a> GuidedBlock<'a> {
         cell.fraction * self.guide.density(cell, direction) + (1.0 - cell.fraction) * closure_density
     }
 
-    /// Weighs light samples by the densities with which paths go on.
+    /// Weights light samples by the densities of bounces.
     #[inline(never)]
     pub(in crate::integrator) fn reweigh_lights(
         &self,
@@ -68,7 +68,7 @@ impl<'a> GuidedBlock<'a> {
         }
     }
 
-    /// Lets those paths go on anew that are guided.
+    /// Resamples the bounces of guided paths.
     #[inline(never)]
     pub(in crate::integrator) fn bounce<C: BlockClosures>(
         &self,
@@ -83,7 +83,7 @@ impl<'a> GuidedBlock<'a> {
         }
     }
 
-    /// How path `i` goes on, and whether it does.
+    /// The bounce of path `i`, and whether the path continues.
     fn sample<C: BlockClosures>(&self, closures: &C, i: usize, surface: &Surface, u: Vec2) -> (Bounce, bool) {
         let cell = &self.cells[i];
         if u.x < cell.fraction {

@@ -23,7 +23,7 @@ pub(super) struct LightSamples {
     lights: Integers,
     /// The probability of choosing each; 0 where no light arrives.
     probability: Column,
-    /// That of choosing the sky.
+    /// The probability of choosing the sky.
     sky_probability: Column,
     emitters: EmitterColumns,
     uv: [Column; 2],
@@ -100,7 +100,7 @@ impl PathBlock {
         self.light_samples.lights[i]
     }
 
-    /// Where path `i` receives light.
+    /// The receiver of path `i`.
     #[inline(always)]
     pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {
         Receiver { position: self.position.get(i), normal: self.receiving.get(i), behind: self.behind[i] }
@@ -186,7 +186,7 @@ impl PathBlock {
         self.light_samples.emitters.is_plain.iter().fold(1, |all, is_plain| all & is_plain) == 0
     }
 
-    /// The light of path `i`, if it is none that [`sample_lights`](Self::sample_lights) knows.
+    /// The light of path `i`, if [`sample_lights`](Self::sample_lights) does not handle it.
     #[inline(always)]
     pub(in crate::integrator) fn other_light(&self, i: usize) -> Option<SampledLight> {
         let LightSamples { emitters, lights, probability, uv, .. } = &self.light_samples;
@@ -262,7 +262,7 @@ impl ShadowRays {
         self.lit[i] != 0
     }
 
-    /// Where ray `i` goes.
+    /// The direction of ray `i`.
     pub(in crate::integrator) fn direction(&self, i: usize) -> Vec3 {
         self.rays.direction.get(i)
     }

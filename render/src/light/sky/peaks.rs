@@ -1,4 +1,4 @@
-//! The parts of a picture of the sky that are brighter than a limit, as what directions are sampled by.
+//! The parts of a sky picture above a limit, as a distribution of directions.
 //!
 //! A row is chosen by the excess of all of it, then a texel of the row, each by inverting the sums of those before it, so
 //! that numbers which are spread evenly make directions that are; and a direction in the tent about the texel by which it is
@@ -11,7 +11,7 @@ use crate::light::brightness;
 use crate::light::distant::Patches;
 use crate::scene::SkyPicture;
 
-/// What of a picture is brighter than a limit.
+/// The part of a picture above a limit.
 #[derive(Debug)]
 pub(super) struct Peaks {
     limit: f64,
@@ -44,7 +44,7 @@ impl Peaks {
                 }
             }
             peaks.parts.extend(ends.into_iter().map(|end| (end / along) as f32));
-            // Where little is left of a row, all of it counts.
+            // If little of a row is left, the whole row is used.
             if let Some(last) = peaks.parts[start..].last_mut() {
                 *last = 1.0;
             }
@@ -85,7 +85,7 @@ impl Peaks {
         (around.mean_number(|texel| self.excess(texel)) / self.total()) as f32
     }
 
-    /// What is within the limit, and what is beyond.
+    /// The parts below and above the limit.
     pub(super) fn split(&self, radiance: Vec3) -> (Vec3, Vec3) {
         let brightness = brightness(radiance);
         if brightness <= self.limit {

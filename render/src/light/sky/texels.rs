@@ -1,4 +1,4 @@
-//! A picture between its texels: bilinear, around and over the poles' rows, as other renderers show it.
+//! Bilinear interpolation of a sky picture, across the seam and the poles, as in other renderers.
 //!
 //! A place has a column `x` and a row `y`. Columns are even in azimuth; within a row, `y` is even in solid angle, so that a
 //! density over places is one per solid angle but for a factor that each row has. What a texel counts for is a tent about its

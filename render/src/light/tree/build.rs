@@ -28,7 +28,7 @@ struct Item {
     moments: [f64; 3],
 }
 
-/// What the cost of a part depends on.
+/// The cost inputs of a part.
 #[derive(Clone, Copy)]
 struct Measure {
     min: DVec3,

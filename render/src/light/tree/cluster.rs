@@ -1,10 +1,10 @@
-//! What eight clusters of lights send to a point, estimated: the inner nodes of a light tree.
+//! Estimated contributions of eight clusters of lights to a point: the inner nodes of a light tree.
 //!
 //! Seen from outside, a cluster is one light at the centre of its sphere. Its radiant intensity in the direction `ω` is
 //! the sum of those of its lights in zonal harmonics of the second order about their axes, `m₀ + m₁ x + m₂ (3x² - 1)/2`
-//! with `x = axis · ω`, and so `M + V · ω + ωᵀ T ω`: for triangles that face one way that is within 7% of the cosine law,
-//! for a closed light it is exact. From inside, where no direction means anything, it tends to its mean `M`. Conty and Kulla
-//! 2018 take bounds of all factors instead, which a cluster that faces many ways attains nowhere.
+//! with `x = axis · ω`, and so `M + V · ω + ωᵀ T ω`: for triangles that face one way that is within 7% of the cosine
+//! law, for a closed light it is exact. From inside, where the direction is undefined, it tends to its mean `M`. Conty
+//! and Kulla 2018 take bounds of all factors instead, which a cluster that faces many ways attains nowhere.
 //!
 //! The estimate is 0 only if nothing arrives: where the sphere lies below the receiver's horizon, or the receiver outside
 //! the cone into which the cluster shines, widened by the angle that the sphere subtends.
@@ -29,7 +29,7 @@ pub(crate) struct Clusters {
     pub tensor: [Lane; 6],
     /// Unit vector along the cone.
     pub axis: [Lane; 3],
-    /// Of the cone's half angle, in 0..=π.
+    /// The cosine of the cone's half angle, in 0..=π.
     pub cos_cone: Lane,
     pub sin_cone: Lane,
 }
@@ -97,7 +97,7 @@ pub(crate) fn height(z: f32, radius: f32) -> f32 {
     if z >= radius { z } else { partly }
 }
 
-/// A weight that can be added to others: finite, and 0 instead of what is no number.
+/// A weight that can be added to others: finite, and 0 instead of NaN.
 #[inline(always)]
 pub(crate) fn tame(weight: f32) -> f32 {
     if weight > 0.0 { weight.min(1e30) } else { 0.0 }

@@ -1,5 +1,6 @@
-//! What up to eight lights send to a point: the leaves of a light tree. Of delta lights it is exact but for shadows. A
-//! spot with a radius counts as if it shone into a cone that is wider by the angle that its sphere subtends.
+//! Contributions of up to eight lights to a point: the leaves of a light tree. For delta lights they are exact except
+//! for shadows. A spot with a radius counts as if it shone into a cone that is wider by the angle that its sphere
+//! subtends.
 //!
 //! The irradiance by a triangle of radiance `L` is estimated as `L Ω` times the mean cosine at the receiver of its
 //! corners and its centroid: its solid angle `Ω` is exact, however near it is. The estimate is 0 only if all corners
@@ -25,18 +26,17 @@ pub(crate) trait LeafLights: Default {
     /// Puts a light into a place that is free.
     fn put(&mut self, i: usize, light: &Self::Light);
 
-    /// The irradiance that each causes at the receiver if nothing is in between, about, as luminance; 0 in places that
-    /// are free.
+    /// The approximate unoccluded irradiance of each at the receiver, as luminance; 0 in free places.
     fn weights(&self, receiver: &Receiver) -> Lane;
 }
 
-/// What building needs to know of a light.
+/// The data of a light for building.
 pub(crate) trait Emits {
     /// Corners of a triangle, which may be one point; no part of the light is farther from it than the
     /// [radius](Self::radius).
     fn corners(&self) -> Triangle;
 
-    /// By how much the light is larger than its triangle.
+    /// The radius by which the light exceeds its triangle.
     fn radius(&self) -> f64;
 
     /// The unit vector about which it shines, and the half angle of the cone into which it does.
@@ -59,14 +59,14 @@ pub(crate) struct TriangleLight {
     pub both_sides: bool,
 }
 
-/// How the intensity of a spot falls off with the cosine about its axis.
+/// The falloff of a spot's intensity with the cosine about its axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpotCone {
     /// The cosine from which on the intensity is 0; -2 for what shines everywhere.
     pub cos_outer: f32,
     /// 1 over the length of the ramp from there to full intensity.
     pub slope: f32,
-    /// Of the [edge](SpotEdge::smoothness).
+    /// The smoothness of the [edge](SpotEdge::smoothness).
     pub smoothness: f32,
 }
 
@@ -78,7 +78,7 @@ pub(crate) struct PointLight {
     pub axis: Vec3,
     /// Radiant intensity where it is greatest, as luminance.
     pub intensity: f32,
-    /// Of the sphere; 0 of a delta light.
+    /// The sphere's radius; 0 for a delta light.
     pub radius: f32,
     pub cone: SpotCone,
     /// What [`Emits::moments`] gives, if that does not follow from intensity and cone.
@@ -105,7 +105,7 @@ impl Emits for TriangleLight {
 
     fn moments(&self) -> [f64; 3] {
         let greatest = f64::from(self.radiance) * f64::from(self.area);
-        // Of max(0, x) and of |x|.
+        // Coefficients of max(0, x) and of |x|.
         if self.both_sides {
             [0.5, 0.0, 0.625].map(|m| m * greatest)
         } else {
@@ -205,7 +205,7 @@ pub(crate) fn triangle(
 ) -> f32 {
     let [a, b, c] = [a - receiver.position, b - receiver.position, c - receiver.position];
     let middle = (a + b + c) * (1.0 / 3.0);
-    // How far before the triangle the receiver is.
+    // The distance of the receiver before the triangle.
     let before = -normal.dot(middle);
     let before = if both_sides > 0.0 { before.abs() } else { before };
     let per_length = |way: Vec3| way.length_squared().sqrt().recip();
@@ -249,7 +249,7 @@ pub(crate) struct Points {
     cos_outer: Lane,
     slope: Lane,
     smoothness: Lane,
-    /// Of each light, if any has one.
+    /// The envelope of each light, if any has one.
     envelopes: Option<Box<[Envelope; WIDTH]>>,
 }
 

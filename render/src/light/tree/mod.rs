@@ -1,14 +1,14 @@
 //! A light tree (Conty and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018): a light is
-//! chosen by what it can send to a point, in a time that grows with the logarithm of their number.
+//! chosen by its estimated contribution to a point, in a time that grows with the logarithm of their number.
 //!
-//! Nodes have eight children, which are weighed side by side, and so do leaves have up to eight lights. A child is chosen
-//! in proportion to its weight by one number, whose rest chooses among the child's children; the probability of a light is
-//! the product of the parts that it and its ancestors have. So [`Tree::probability`] needs no search: it goes up from
-//! the light's leaf. Where all children weigh nothing, as a cluster may seem to shine whose lights do not, their mean
-//! intensities count instead: probabilities always add up to 1.
+//! Nodes have eight children, which are weighted in lanes, and leaves have up to eight lights. A child is chosen in
+//! proportion to its weight by one random number, whose remainder chooses among the child's children; the probability
+//! of a light is the product of the shares of its ancestors and itself. So [`Tree::probability`] needs no search: it
+//! goes up from the light's leaf. Where all children have the weight 0, as a cluster's estimate may be positive
+//! although its lights contribute nothing, their mean intensities are used instead: probabilities always add up to 1.
 //!
-//! Deviations: weights of clusters are estimates instead of bounds (see [`cluster`]), and a tree of few lights has leaves
-//! alone, which are weighed together.
+//! Deviations: weights of clusters are estimates instead of bounds (see [`cluster`]), and a tree of few lights has only
+//! leaves, which are weighted together.
 
 mod build;
 pub(crate) mod cluster;
@@ -28,7 +28,7 @@ pub(crate) struct Tree<L> {
     roots: Vec<Child>,
     nodes: Vec<Node>,
     leaves: Vec<Leaf<L>>,
-    /// Of each light its leaf, times eight, plus its place there.
+    /// For each light its leaf's index times eight, plus its place there.
     places: Vec<u32>,
 }
 
@@ -69,7 +69,7 @@ pub(crate) const ROOTS: usize = 3;
 /// Parents from this number on are none: what follows it is a root.
 const NO_PARENT: u32 = u32::MAX - 8;
 
-/// What the children of all roots weigh for a receiver.
+/// The weights of the children of all roots for a receiver.
 pub(crate) type RootWeights = [Lane; ROOTS];
 
 /// A light that was chosen.
@@ -77,7 +77,7 @@ pub(crate) type RootWeights = [Lane; ROOTS];
 pub(crate) struct Pick {
     pub index: u32,
     pub probability: f32,
-    /// What is left of the number that chose it, in [0, 1).
+    /// The rescaled remainder of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 
@@ -85,11 +85,11 @@ pub(crate) struct Pick {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Descent {
     child: Child,
-    /// Which of the child's children.
+    /// The chosen grandchild.
     lane: usize,
-    /// What is left of the number.
+    /// The rescaled remainder of the number.
     rest: f64,
-    /// With which it is chosen.
+    /// The probability with which it is chosen.
     probability: f32,
 }
 
@@ -118,7 +118,8 @@ impl<L: LeafLights> Tree<L> {
         }
     }
 
-    /// What all lights may send to a receiver, by the children of the roots; their sum is an estimate of the irradiance.
+    /// The weights of all lights for a receiver, by the children of the roots; their sum is an estimate of the
+    /// irradiance.
     #[inline(always)]
     pub(crate) fn root_weights(&self, receiver: &Receiver) -> RootWeights {
         let mut weights = [[0.0; WIDTH]; ROOTS];
@@ -199,7 +200,7 @@ impl<L: LeafLights> Tree<L> {
         if sum(&weights) > 0.0 { weights } else { self.sizes(child) }
     }
 
-    /// What a child's children are worth if they seem to send nothing.
+    /// The weights of a child's children if all estimates are 0.
     #[cold]
     fn sizes(&self, child: Child) -> Lane {
         let number = (child.0 & !Child::LEAF) as usize;

@@ -1,10 +1,10 @@
-//! What stands inside of `<…>`: a kind, scattering and labels, each a symbol or a list of them.
+//! The contents of `<…>`: a kind, scattering and labels, each a symbol or a list of them.
 
 use super::{LpeError, Parser, Symbol};
 use crate::lpe::event::{Choice, Letter, Pattern};
 
 impl Parser<'_> {
-    /// What is in `<…>`.
+    /// The contents of `<…>`.
     pub(super) fn event(&mut self) -> Result<Pattern, LpeError> {
         let mut pattern = Pattern::default();
         let mut place = 0;
@@ -26,7 +26,7 @@ impl Parser<'_> {
         Ok(pattern)
     }
 
-    /// One place in `<…>`, whose symbols `read` gives; it says what would be right.
+    /// One place in `<…>`, whose symbols `read` gives; it names the valid symbols.
     fn part<T>(&mut self, read: &dyn Fn(Symbol) -> Result<Choice<T>, &'static str>) -> Result<Choice<T>, LpeError> {
         if self.peek() == Some('[') {
             let open = self.open()?;
@@ -36,7 +36,11 @@ impl Parser<'_> {
                 let at = self.at;
                 let choice = self.part(read)?;
                 if excludes && !matches!(choice, Choice::Is(_)) {
-                    return self.fail(at, "only symbols can be excluded", "name what is not meant, for example [^DG]");
+                    return self.fail(
+                        at,
+                        "only symbols can be excluded",
+                        "name the excluded symbols, for example [^DG]",
+                    );
                 }
                 choices.push(choice);
             }

@@ -1,4 +1,4 @@
-//! What must hold for every closure: energy, reciprocity, and densities that are those of the samples.
+//! Laws of every closure: energy, reciprocity, and densities that match the samples.
 
 mod cases;
 mod chi_square;

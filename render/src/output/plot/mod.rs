@@ -11,7 +11,7 @@ pub(crate) use svg::svg;
 pub(crate) struct Figure {
     /// In kebab-case. Figures of one name are one figure, to which several experiments add their series.
     pub name: &'static str,
-    /// What is shown, in a line.
+    /// The title, in a line.
     pub title: String,
     /// The horizontal axis.
     pub x: Axis,
@@ -27,13 +27,13 @@ pub(crate) struct Figure {
 pub(crate) struct Series {
     /// Its name in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// The style.
     pub style: Style,
-    /// From left to right.
+    /// The points from left to right.
     pub points: Vec<Point>,
 }
 
-/// How a series is drawn.
+/// The style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Style {
     /// Marks with error bars.

@@ -1,5 +1,6 @@
 //! The sky of Hošek and Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", SIGGRAPH 2012, by the crate
-//! `hw-skymodel`: fitted to path traced skies, it holds for a low sun and much haze too, and has light from the ground.
+//! `hw-skymodel`: fitted to path traced skies, it is valid for a low sun and much haze too, and includes light from the
+//! ground.
 //!
 //! The tables are for linear sRGB, in the unit that [`Daylight`] has: luminance over 683 lm/W.
 

@@ -1,4 +1,4 @@
-//! Where a camera stands and looks.
+//! The pose of a camera.
 
 use glam::{DVec3, Vec3};
 

@@ -1,8 +1,8 @@
-//! Objects that are kept once and shown at many places.
+//! Objects that are stored once, with instances.
 //!
-//! A mesh with an [`object`](crate::scene::Mesh::object) is in that object's own coordinates and is seen where
-//! [instances](Instance) of the object are; all other meshes are in world space. Surfaces that emit are not shared: each
-//! copy of them is a light of its own (`meshes/placement.rs`).
+//! A mesh with an [`object`](super::Mesh::object) is in that object's own coordinates and appears at the object's
+//! [instances](Instance); all other meshes are in world space. Emissive surfaces are not shared: each copy of them is a
+//! light of its own (`placement.rs`).
 
 use glam::Affine3A;
 

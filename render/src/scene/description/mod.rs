@@ -1,8 +1,8 @@
-//! What a scene is, whatever file it came from: meshes, where they are shown, materials, lights, camera, sky.
+//! The description of a scene, independent of its file format: meshes, instances, materials, lights, camera, sky.
 //!
 //! Lengths are in the units of the file. Radiance is in W/(m² sr), one number per linear sRGB (Rec. 709) channel.
-//! Coordinates are right-handed. The front of a face is where its vertex normals point, or without them the side from
-//! which its corners run counter-clockwise.
+//! Coordinates are right-handed. The front of a face is the side to which its vertex normals point, or without them the
+//! side from which its corners run counter-clockwise.
 
 pub(super) mod camera_pose;
 pub(super) mod instance;
@@ -26,7 +26,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Groups of meshes that are kept once, however often they are shown.
     pub objects: Vec<Object>,
-    /// Where objects are shown.
+    /// The instances of objects.
     pub instances: Vec<Instance>,
     /// Materials; meshes name them by index.
     pub materials: Vec<Material>,
@@ -42,7 +42,7 @@ pub struct Scene {
     pub variants: Vec<Variant>,
     /// The animations of the model, whether they are played or not.
     pub animations: Vec<Animation>,
-    /// Where the picture is taken from; `None` when the file has no camera.
+    /// The camera's pose; `None` when the file has no camera.
     pub camera: Option<CameraPose>,
     /// The width of the camera's picture by its height, if the file says.
     pub camera_aspect: Option<f32>,
@@ -50,15 +50,15 @@ pub struct Scene {
     pub film_size: Option<(u32, u32)>,
     /// The number of samples of a pixel, if the file says.
     pub film_spp: Option<u32>,
-    /// How the picture is taken from there.
+    /// The camera's optics.
     pub optics: Optics,
-    /// The clipping planes of the file's camera, which are not used unless somebody asks for them.
+    /// The clipping planes of the file's camera, which are not used unless requested.
     pub camera_clip: Option<Clip>,
-    /// What rays see that leave the scene.
+    /// The radiance of rays that leave the scene.
     pub sky: Sky,
-    /// What moves while the shutter is open; `None` if nothing does. All else here is as in the middle of that time.
+    /// Motion while the shutter is open; `None` if nothing moves. Everything else here is at the middle of that time.
     pub motion: Option<Motion>,
-    /// What the loader skipped or changed: shown to the user, one line each.
+    /// Warnings about skipped or changed content, one line each.
     pub warnings: Vec<String>,
     /// The files that it was read from.
     pub files: Vec<PathBuf>,
@@ -88,7 +88,7 @@ pub struct Mesh {
     pub material: usize,
     /// A valid index into [`Scene::objects`] if it belongs to one, in whose coordinates it is and whose instances show it.
     pub object: Option<usize>,
-    /// Where in a glTF file it stands; `None` for other formats.
+    /// The position in a glTF file; `None` for other formats.
     pub origin: Option<Origin>,
     /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or lines: it gets no
     /// lightmap.
@@ -108,7 +108,7 @@ pub struct Origin {
     pub mirrored: bool,
 }
 
-/// What a light is called.
+/// The name of a light.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightLabel {
     /// The file's own name for it, or empty.
@@ -117,7 +117,7 @@ pub struct LightLabel {
     pub group: String,
 }
 
-/// What the numbers of a file's lights are.
+/// The units of a file's lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightUnits {
     /// Candela and lux, which are divided by 683 lm/W.

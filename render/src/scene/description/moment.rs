@@ -1,4 +1,4 @@
-//! Moments of a model's animations, and what is told of these.
+//! Moments of a model's animations, and a summary of these.
 
 /// A moment of a model's animations.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Moment {
     pub animations: Vec<String>,
 }
 
-/// What an animation is called and when it moves.
+/// The name of an animation and the times of its motion.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Animation {
     /// The file's name for it, or its number.

@@ -1,8 +1,8 @@
-//! What moves while the shutter is open.
+//! Motion while the shutter is open.
 //!
-//! Whatever moves is known at keys, evenly spaced from the opening of the shutter (time 0) to its closing (1), and moves in
-//! straight lines between them: vertices, elements of transforms, the points of cameras and lights. The scene itself is that of
-//! the middle key. A [`Scene`] has a `Motion` if something moves; what stands still is in none of the tables here, and costs
+//! Motion is given at keys, evenly spaced from the opening of the shutter (time 0) to its closing (1), and is linear
+//! between them: vertices, elements of transforms, the points of cameras and lights. The scene itself is that of the
+//! middle key. A [`Scene`] has a `Motion` if anything moves; static elements are in none of the tables here, and cost
 //! nothing.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use halfdome_kernel::geometry::Moment as Place;
 
 use crate::scene::{CameraPose, PunctualLight};
 
-/// Where things are at the keys of the shutter's time.
+/// Positions at the keys of the shutter's time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// The number of keys: odd, and at least 3.
@@ -26,7 +26,7 @@ pub struct Motion {
     pub instances: BTreeMap<usize, Arc<[Affine3A]>>,
     /// Each light that moves, by its number: of these alone place and direction count.
     pub lights: BTreeMap<usize, Vec<PunctualLight>>,
-    /// The camera's poses, none if it stands still.
+    /// The camera's poses, empty if it is static.
     pub cameras: Vec<CameraPose>,
 }
 
@@ -44,10 +44,10 @@ pub struct Shutter {
 impl Shutter {
     /// The greatest number of keys.
     pub const MAX_KEYS: usize = 129;
-    /// The number of keys if nobody says: a quarter of a turn is off a circle by half a percent of its radius.
+    /// The default number of keys: a quarter of a turn deviates from a circle by half a percent of its radius.
     pub const DEFAULT_KEYS: usize = 5;
 
-    /// The seconds after the frame's time at each of so many keys.
+    /// The seconds after the frame's time at each of `keys` keys.
     pub(crate) fn times(&self, keys: usize, fps: f64) -> impl Iterator<Item = f64> + use<> {
         let unit = if self.in_seconds { 1.0 } else { fps.recip() };
         let (open, length) = (self.open * unit, (self.close - self.open) * unit);
@@ -79,7 +79,7 @@ impl Motion {
 }
 
 impl PunctualLight {
-    /// Where it stands, its greatest intensity, and its radius; `None` if it is infinitely far away.
+    /// The position, the greatest intensity, and the radius; `None` if it is infinitely far away.
     pub(crate) fn place(&self) -> Option<(Vec3, Vec3, f32)> {
         match self {
             Self::Point { position, intensity, radius } | Self::Spot { position, intensity, radius, .. } => {

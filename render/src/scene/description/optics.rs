@@ -1,4 +1,4 @@
-//! What a camera is besides its pose: how points of the film become rays.
+//! A camera's optics, without its pose: the mapping from points of the film to rays.
 //!
 //! Lengths are in the units of the scene, angles in degrees.
 
@@ -8,10 +8,10 @@ use glam::{Vec2, Vec3};
 
 use crate::settings::named;
 
-/// How a camera makes a picture of what is before it. The default is a pinhole.
+/// The optics of a camera. The default is a pinhole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Optics {
-    /// Which ray belongs to which point of the film.
+    /// The mapping from film points to rays.
     pub projection: Projection,
     /// The lens in place of a pinhole; only perspective and orthographic cameras have one.
     pub lens: Option<Lens>,
@@ -22,7 +22,7 @@ pub struct Optics {
     pub clip: Clip,
 }
 
-/// Which ray belongs to which point of the film.
+/// The mapping from film points to rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Projection {
     /// Through one point, onto a plane; the pose has the field of view.
@@ -30,7 +30,7 @@ pub enum Projection {
     Perspective,
     /// Parallel rays, from the plane of the eye on.
     Orthographic {
-        /// The height of what is seen.
+        /// The height of the view.
         height: f32,
     },
     /// All directions, equirectangular: the view is in the middle, up is the top row, right the right half.
@@ -40,7 +40,7 @@ pub enum Projection {
     },
     /// A disc in the middle of the film, as wide as its shorter side.
     Fisheye {
-        /// How the angle from the view grows with the distance from the middle.
+        /// The mapping from the distance to the middle to the angle from the view.
         mapping: FisheyeMapping,
         /// The angle that the disc's diameter sees, up to 360.
         field_of_view: f32,

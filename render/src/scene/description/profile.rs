@@ -1,9 +1,9 @@
-//! How strongly a measured light shines in each direction: a table over angles, as photometric files (IES) have it.
+//! Photometric profiles: the intensity of a measured light over angles, as in IES files.
 //!
-//! Directions are those of type C photometry: the *vertical* angle is that from the light's axis, which of a ceiling
-//! light points down; the *horizontal* angle is the turn about it, from the zero half plane, counter-clockwise as seen
-//! from behind the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the table
-//! there is no light.
+//! Directions are those of type C photometry: the *vertical* angle is measured from the light's axis, which points down
+//! for a ceiling light; the *horizontal* angle is measured about it, from the zero half plane, counter-clockwise as
+//! seen from behind the light. In between, intensity is bilinear in both angles; beyond the vertical angles of the
+//! table there is no light.
 
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ pub struct Profile {
     vertical: Vec<f32>,
     /// Degrees about it, in order, from 0 to 360; or 0 alone, for a light that is the same all around.
     horizontal: Vec<f32>,
-    /// For each horizontal angle those of all vertical ones, candela.
+    /// Intensities in candela: all vertical angles of each horizontal angle.
     candela: Vec<f32>,
 }
 
@@ -22,15 +22,15 @@ pub struct Profile {
 /// angle 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileFrame {
-    /// Where the vertical angle is 0.
+    /// The direction of the vertical angle 0.
     pub axis: Vec3,
     /// Where the horizontal angle is 0, and the vertical one 90 degrees.
     pub zero: Vec3,
 }
 
 impl Profile {
-    /// A table whose angles are in order; `rows` has one for each horizontal angle. What it says of a part of the
-    /// circle, a quarter (0 to 90 degrees) or a half (0 to 180, 90 to 270), holds for the others mirrored.
+    /// A table whose angles are in order; `rows` has one for each horizontal angle. A part of the circle, a quarter (0
+    /// to 90 degrees) or a half (0 to 180, 90 to 270), is mirrored to the others.
     pub(crate) fn new(vertical: Vec<f32>, horizontal: Vec<f32>, mut rows: Vec<Vec<f32>>) -> Self {
         let mut angles = horizontal;
         // Mirrored about an angle, its own row left out.

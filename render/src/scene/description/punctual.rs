@@ -13,7 +13,7 @@ use crate::scene::{Profile, ProfileFrame};
 pub enum PunctualLight {
     /// Shines alike in every direction.
     Point {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
         /// Radiant intensity from afar, W/sr.
         intensity: Vec3,
@@ -22,7 +22,7 @@ pub enum PunctualLight {
     },
     /// Shines into a cone.
     Spot {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
         /// Unit vector along the cone's axis.
         direction: Vec3,
@@ -35,14 +35,14 @@ pub enum PunctualLight {
         cos_inner: f32,
         /// Cosine of the angle from which it is zero; less than `cos_inner`.
         cos_outer: f32,
-        /// How it rises in between.
+        /// The rise in between.
         edge: SpotEdge,
     },
     /// Shines as was measured.
     Profiled {
-        /// Where it stands.
+        /// The position.
         position: Vec3,
-        /// How it is turned.
+        /// The rotation.
         frame: ProfileFrame,
         /// W/sr from afar for each candela of the profile.
         intensity: Vec3,

@@ -1,7 +1,7 @@
-//! The light from outside the scene: the same from everywhere, or a picture of all directions.
+//! The sky: constant radiance, or a picture of all directions.
 //!
 //! A picture is equirectangular: its top row is around +y, its middle column towards -z, which is where glTF's cameras
-//! look, and its right half towards +x. A texel has one radiance all over.
+//! look, and its right half towards +x. Rendering interpolates between texels.
 
 use std::f64::consts::PI;
 use std::io::BufReader;
@@ -14,12 +14,12 @@ use image::{DynamicImage, ImageDecoder as _};
 
 use crate::scene::{Place, SceneError};
 
-/// The light from outside the scene. By default there is none.
+/// The light from outside the scene; black by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sky {
     /// Radiance from everywhere, W/(m² sr).
     pub radiance: Vec3,
-    /// What is added to it, by direction.
+    /// The part added to it, by direction.
     pub picture: Option<SkyPicture>,
 }
 
@@ -32,7 +32,7 @@ pub struct SkyPicture {
     pub(crate) height: u32,
     /// Row by row from the top, finite and not negative, W/(m² sr).
     pub(crate) texels: Vec<Vec3>,
-    /// By how much the picture is turned about +y, counter-clockwise as seen from above; radians.
+    /// The rotation of the picture about +y in radians, counter-clockwise as seen from above.
     pub(crate) rotation: f32,
 }
 

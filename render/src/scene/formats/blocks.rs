@@ -1,4 +1,4 @@
-//! Large files in parts that are read on many threads, and taken in their order.
+//! Reads parts of large files on many threads, and returns them in order.
 
 use rayon::prelude::*;
 

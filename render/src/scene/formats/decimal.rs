@@ -1,9 +1,9 @@
-//! Decimal numbers in text, to the nearest `f32`, as `str::parse` has them and several times as fast.
+//! Decimal numbers in text, to the nearest `f32`, like `str::parse`, but several times as fast.
 //!
-//! Most numbers in models have less than 16 digits and a small power of ten. Then both are exact in double precision, and
-//! their product or quotient is rounded once (Clinger, "How to read floating point numbers accurately", 1990). Rounding it
-//! again to single precision is right unless it stands exactly between two of these; that and all else is left to the
-//! standard library.
+//! Most numbers in models have less than 16 digits and a small power of ten. Then both are exact in double precision,
+//! and their product or quotient is rounded once (Clinger, "How to read floating point numbers accurately", 1990).
+//! Rounding it again to single precision is correct unless it is exactly between two of these; that case and all others
+//! are left to the standard library.
 
 /// The powers of ten that are exact in double precision.
 const POWERS: [f64; 23] = [
@@ -11,10 +11,10 @@ const POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// As many digits make no number beyond 2⁶³.
+/// This many digits stay below 2⁶³.
 const MOST_DIGITS: usize = 18;
 
-/// The number that `word` is; `None` if it is none.
+/// The number in `word`; `None` if it is not a number.
 pub(super) fn parse(word: &[u8]) -> Option<f32> {
     match prefix(word) {
         Some((number, length)) if length == word.len() => Some(number),

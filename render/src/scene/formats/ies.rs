@@ -1,16 +1,16 @@
 //! Photometric files (`.ies`) by IES LM-63, of 1986, 1991, 1995, 2002 and 2019, with type C photometry.
 //!
-//! Read are the angles, the candela values, and the factors on them: the multiplier, that of the ballast and, before
-//! 1995, the one of ballast and lamp (which is reserved since then). `TILT=INCLUDE` tells how a lamp dims when its
-//! luminaire is tilted out of the position of the measurement; it is read past, and so are keywords, the luminaire's
-//! size, lumens and watts.
+//! The reader takes the angles, the candela values, and their factors: the multiplier, the ballast factor and, in files
+//! older than 1995, the ballast-lamp factor (reserved in later editions). `TILT=INCLUDE` says how a lamp dims when its
+//! luminaire is tilted out of the measured position; it is skipped, and so are keywords, the luminaire's size, lumens
+//! and watts.
 
 use std::path::Path;
 
 use crate::scene::description::profile::Profile;
 use crate::scene::error::{Place, SceneError};
 
-/// First lines, and the years that they stand for. Files of 1986 have none.
+/// First lines, and their years. Files of 1986 have none.
 const VERSIONS: [(&str, u32); 5] = [
     ("IESNA91", 1991),
     ("IESNA:LM-63-1991", 1991),

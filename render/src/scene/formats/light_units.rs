@@ -1,10 +1,9 @@
 //! The units of a glTF file's punctual lights.
 //!
-//! `KHR_lights_punctual` is photometric: candela and lux. Blender's exporter multiplies watts by 683 lm/W for it by default
-//! ("Standard"), but writes emission of surfaces as it is; so in such a file lights are 683 times too bright beside
-//! emitters. Its modes "Unitless" and "Raw" leave watts as they are, and nothing in the file says which mode it was. In
-//! files of other programs lights and emission have the same units, whichever these are, and numbers are taken as they
-//! are.
+//! `KHR_lights_punctual` is photometric: candela and lux. Blender's exporter multiplies watts by 683 lm/W for it by
+//! default ("Standard"), but not the emission of surfaces; so in such a file lights are 683 times too bright relative
+//! to emitters. Its modes "Unitless" and "Raw" do not multiply, and the file does not store the mode. In files of other
+//! programs lights and emission have the same units, and numbers are used unchanged.
 
 use glam::Vec3;
 
@@ -28,7 +27,7 @@ impl LightUnits {
         }
     }
 
-    /// What a file's numbers are multiplied by.
+    /// The factor on a file's numbers.
     fn factor(self) -> f32 {
         match self {
             Self::Photometric => LUMENS_PER_WATT.recip(),

@@ -1,20 +1,20 @@
-//! How a model is read.
+//! Options for reading a model.
 
 use std::path::Path;
 
 use crate::scene::{Moment, Sharing};
 
-/// What can be chosen when a model is read.
+/// Options for reading a model.
 #[derive(Clone, Default)]
 pub struct LoadOptions<'a> {
     /// Whether meshes that it shows several times are kept once.
     pub sharing: Sharing,
     /// The moment of its animations; without one it is in the pose of its nodes.
     pub moment: Option<Moment>,
-    /// Whether pictures are left out, each a white texel instead: for those who want to know where things are.
+    /// Whether pictures are replaced by a white texel each: for callers that need only geometry.
     pub without_pictures: bool,
-    /// Of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes. Without it they are left
-    /// out.
+    /// The radius of glTF's points and lines, in the coordinates of their mesh, as spheres and cylinders. Without it
+    /// they are left out.
     pub point_radius: Option<f32>,
     /// The camera to use: of glTF the name of its node or its own, or its number among those of the file, from 1; the first
     /// without it.
@@ -40,7 +40,7 @@ pub(super) struct Loading<'a> {
 }
 
 impl<'a> Loading<'a> {
-    /// Of a file with `total` bytes.
+    /// The progress of a file with `total` bytes.
     pub(crate) fn new(path: &'a Path, total: usize, watch: Option<&'a dyn LoadWatch>) -> Self {
         Self { path, done: 0, total, watch }
     }

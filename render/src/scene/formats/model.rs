@@ -1,4 +1,4 @@
-//! Loads a model file of any known format, and checks what all formats have in common.
+//! Loads a model file of any known format, with the checks common to all formats.
 //!
 //! The extension names the format; the file's first bytes must agree with it.
 
@@ -69,8 +69,8 @@ enum Format {
 /// Reads the model at `path`: Wavefront OBJ with its MTL files (`.obj`), PLY (`.ply`), glTF 2.0 (`.gltf`, `.glb`),
 /// or pbrt-v4 (`.pbrt`).
 ///
-/// Things that are missing or of no use here, such as textures, give a line in [`Scene::warnings`]. Degenerate
-/// triangles stay in the meshes.
+/// Missing or unsupported content, such as textures, gives a line in [`Scene::warnings`]. Degenerate triangles stay in
+/// the meshes.
 ///
 /// # Errors
 ///
@@ -83,7 +83,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// Reads the model at `path` as [`load`] does, in the way that `options` say.
 ///
 /// # Errors
-/// Those of [`load`], and if the model has no animation with a name of the moment's.
+/// The errors of [`load`], and if the model has no animation with a name of the moment's.
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let whole = |problem: &str, remedy: &str| SceneError::new(path, Place::File, problem, remedy);
     let metadata = std::fs::metadata(path).map_err(|error| SceneError::unreadable(path, &error))?;
@@ -100,7 +100,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError
 /// Reads the model at `path` as [`load`] does, from `files`.
 ///
 /// # Errors
-/// Those of [`load`].
+/// The errors of [`load`].
 pub fn load_from(files: &dyn Files, path: &Path) -> Result<Scene, SceneError> {
     read(files, path, Format::of(path)?, &LoadOptions::default())
 }
@@ -129,7 +129,7 @@ fn parse(
     }
     format.check_content(path, text)?;
     if let Some(name) = options.camera.filter(|_| !matches!(format, Format::Gltf | Format::Glb)) {
-        let problem = format!("a camera {name:?} is asked for, and cameras of these files have no names");
+        let problem = format!("`model_camera` is {name:?}, but this format has no named cameras");
         return Err(whole(&problem, "leave `model_camera` out, or export the model as glTF"));
     }
     let scene = match format {

@@ -13,12 +13,13 @@
 //! | `Ps`, `Pc`, `Pcr`, `aniso`, `anisor` | `fuzz_weight`, `coat_weight`, `coat_roughness`, anisotropy and its turn (1 for all around) |
 //! | `norm`; `bump`, `map_Bump` with `-bm` | normal map; bump map, in the model's unit of length, or a normal map if it looks like one |
 //!
-//! Files that Blender wrote, as their first line says, are taken as Blender means them: its `Ns` is `1000 (1 - roughness)²`, its
-//! `Ks` of 0.5 is a reflectance of 4%, its `illum` 3 a metal with the metalness `Ka`, its bump maps are normal maps.
+//! Files by Blender, recognised by their first line, are read with Blender's conventions: its `Ns` is `1000 (1 -
+//! roughness)²`, its `Ks` of 0.5 is a reflectance of 4%, its `illum` 3 a metal with the metalness `Ka`, its bump maps
+//! are normal maps.
 //!
-//! Deviations: `Ka` is ignored otherwise. Of a map's options `-s`, `-o`, `-bm`, `-clamp` and `-imfchan` count. Maps of other
-//! kinds are left out with a warning, all other statements without one. Reflectances and opacities outside 0..=1 are clamped with
-//! a warning. Colours as spectra or in CIE XYZ are refused.
+//! Deviations: `Ka` is ignored otherwise. Of a map's options `-s`, `-o`, `-bm`, `-clamp` and `-imfchan` are read. Maps
+//! of other kinds are left out with a warning, all other statements without one. Reflectances and opacities outside
+//! 0..=1 are clamped with a warning. Colours as spectra or in CIE XYZ are refused.
 
 mod finish;
 mod map;

@@ -1,4 +1,4 @@
-//! What is read past, collected so that each kind becomes one warning that names who has it.
+//! Collects skipped content, so that each kind becomes one warning that names the affected elements.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;

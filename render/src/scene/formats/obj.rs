@@ -1,18 +1,18 @@
 //! Wavefront OBJ: polygons (`v`, `vt`, `vn`, `f`), their groups (`o`, `g`) and materials (`usemtl`, `mtllib`).
 //!
-//! A reader of our own, because those on crates.io give no line numbers in their errors. Blocks of lines are read in
-//! parallel (`obj/lines.rs`), once it is known how many vertices stand before each; then faces become meshes in their order
-//! (`obj/weld.rs`).
+//! This reader is our own, because those on crates.io give no line numbers in their errors. Blocks of lines are read in
+//! parallel (`obj/lines.rs`), after a pass that counts the vertices before each block; then faces become meshes in
+//! order (`obj/weld.rs`).
 //!
 //! Every run of faces with one object, group and material becomes a mesh, or up to four: faces whose corners all have
-//! normals, or texture coordinates, stand apart from those where some are missing, which are flat or without texture
-//! coordinates. Vertices are shared within a mesh. It is called like its group, or like its object where a group has no name
-//! or there is none; masks and light path expressions know it by that name.
+//! normals, or texture coordinates, are separate from those where some are missing, which are flat or without texture
+//! coordinates. Vertices are shared within a mesh. It has the name of its group, or of its object where there is no
+//! group or it has no name; masks and light path expressions use that name.
 //!
 //! Polygons are cut into triangles (`meshes/polygon.rs`).
 //!
 //! Deviations: lines and points are skipped with a warning; smoothing groups, free-form surfaces and unknown statements
-//! without one. A face can only name vertices that stand before it. A normal without a direction counts as missing.
+//! without one. A face can only refer to earlier vertices. A normal without a direction counts as missing.
 
 mod lines;
 mod weld;

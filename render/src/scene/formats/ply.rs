@@ -2,7 +2,7 @@
 //! follows is cut into pieces of one element (`ply/pieces.rs`), whose values (`ply/values.rs`) are read in parallel.
 //!
 //! Reads element `vertex` (`x y z`, `nx ny nz`, and `s t`, `u v` or `texture_u texture_v`) and element `face`
-//! (`vertex_indices` or `vertex_index`), and passes over all else, colours included. Errors count vertices and faces
+//! (`vertex_indices` or `vertex_index`), and ignores everything else, colours included. Errors count vertices and faces
 //! from 0, as the format does. Polygons are cut into triangles (`meshes/polygon.rs`).
 //!
 //! A header's counts are compared with the file's length before any element is read. In ASCII an element is a line.
@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], watch: Option<&dyn LoadWatch>) -> 
     }
 }
 
-/// For a header alone.
+/// Ignores elements, to read a header alone.
 struct Ignored;
 
 impl PropertyAccess for Ignored {
@@ -211,7 +211,7 @@ impl<'a> File<'a> {
                 let name = &element.name;
                 if piece.line == 0 {
                     let part = Place::Part(format!("{name} {}", piece.first + place));
-                    return self.error(part, "its values are not what the header says", "export the model again");
+                    return self.error(part, "its values do not match the header", "export the model again");
                 }
                 let line = piece.line + place;
                 let properties: Vec<&str> = element.properties.keys().map(String::as_str).collect();

@@ -1,14 +1,14 @@
-//! Whether meshes that a file shows several times are kept once.
+//! Decides whether repeated meshes of a file are shared.
 //!
-//! Copies cost memory, instances time: a ray is transformed for each one that it comes near. So files that are small
-//! with all their copies are read as copies.
+//! Copies cost memory, instances time: a ray is transformed for each instance that it enters. So files whose copies are
+//! small in total are read as copies.
 
 /// Triangles of copies that a file may have together before they are shared.
 const MOST_COPIED: usize = 1_000_000;
 /// Copies of a mesh with fewer triangles in all stay copies.
 const FEW: usize = 1000;
 
-/// What becomes of meshes that several nodes show.
+/// The treatment of meshes shared by several nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// Each is kept once if the file's copies would have over a million triangles.

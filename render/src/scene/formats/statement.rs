@@ -1,8 +1,8 @@
-//! What OBJ and MTL have in common: a statement is a line with a keyword and words after it.
+//! The statements of OBJ and MTL: a line with a keyword and words after it.
 //!
 //! A backslash at the end of a line continues it; a comment starts with `#` and is never continued, since comments hold
-//! Windows paths. Numbers end at a word that starts with `#`, names do not ("Material #25" is a common one).
-//! Names need not be UTF-8: what is not becomes U+FFFD.
+//! Windows paths. Numbers end at a word that starts with `#`, names do not ("Material #25" is a common one). Names need
+//! not be UTF-8: invalid bytes become U+FFFD.
 
 use std::borrow::Cow;
 use std::path::Path;

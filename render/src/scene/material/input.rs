@@ -137,7 +137,7 @@ impl Input {
         }
     }
 
-    /// Which values it may have.
+    /// The range of its values.
     pub(crate) fn range(self) -> Range {
         match self {
             Self::SpecularIor | Self::CoatIor | Self::ThinFilmIor => IOR,

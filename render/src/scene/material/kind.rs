@@ -1,4 +1,4 @@
-//! What a material asks of whoever shades it.
+//! Kinds of materials by the work that shading needs.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 

@@ -1,4 +1,4 @@
-//! Maps: what textures do to the inputs of a material.
+//! Maps: textures on the inputs of a material.
 //!
 //! An input with a map goes from a value at texel 0 (`zero`, mostly 0) to its constant at texel 1:
 //! `value = zero × (1 - texel) + constant × texel`. With 0 that is the product that most formats define; glossiness (1 to
@@ -13,9 +13,9 @@ use crate::scene::TextureMap;
 /// A texture and the inputs that it varies: one lookup serves them all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputMap {
-    /// Where it lies.
+    /// The mapping.
     pub texture: TextureMap,
-    /// What it varies.
+    /// The input that it varies.
     pub targets: Vec<Target>,
 }
 
@@ -56,7 +56,7 @@ pub struct NormalMap {
     pub scale: Vec2,
 }
 
-/// What turns the normals of a coat.
+/// The normal map of a coat.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CoatNormal {
     /// The same as those of what it covers.
@@ -71,7 +71,7 @@ pub enum CoatNormal {
 /// Heights over the surface, which turn its normals (Blinn 1978).
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpMap {
-    /// Where it lies.
+    /// The mapping.
     pub texture: TextureMap,
     /// Which part of the texel is the height.
     pub channel: Channel,
@@ -79,12 +79,12 @@ pub struct BumpMap {
     pub height: f32,
 }
 
-/// How much of a surface there is.
+/// The opacity of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opacity {
     /// From 0, nothing, to 1, all of it. A vertex colour's alpha multiplies it.
     pub value: f32,
-    /// What multiplies it.
+    /// The map that multiplies it.
     pub map: Option<(TextureMap, Channel)>,
     /// A mask: below this opacity there is a hole, from it on the surface is whole. Without one, a surface is there with the
     /// probability of its opacity.
@@ -146,7 +146,7 @@ impl CoatNormal {
 }
 
 impl InputMap {
-    /// What the texel does to the constants.
+    /// The effect of the texel on the constants.
     #[inline]
     pub(super) fn apply(&self, texel: Vec4, inputs: &mut Inputs) {
         for &Target { input, channel, zero } in &self.targets {

@@ -1,4 +1,4 @@
-//! Materials as files describe them: constants, the maps that vary them, and what belongs to no closure.
+//! Materials as described by files: constants, their maps, and properties outside the closure.
 
 mod input;
 mod kind;
@@ -13,7 +13,7 @@ pub use maps::{BumpMap, Channel, CoatNormal, GltfAnisotropy, InputMap, NormalMap
 use super::{Texture, TextureMap};
 use crate::material::Inputs;
 
-/// How a surface scatters and emits.
+/// The scattering and emission of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The file's own name for it, or empty.
@@ -23,7 +23,7 @@ pub struct Material {
 
     /// The inputs of its closure, where no map says otherwise.
     pub inputs: Inputs,
-    /// What varies them, each texture once.
+    /// The maps that vary them, each texture once.
     pub maps: Vec<InputMap>,
     /// Whether the colours of a mesh's vertices multiply `base_color`, and their alpha the opacity.
     pub uses_vertex_colors: bool,
@@ -34,13 +34,13 @@ pub struct Material {
     pub tangent_rotation: f32,
     /// Anisotropy as glTF has it, in place of [`Inputs::specular_anisotropy`].
     pub anisotropy: Option<GltfAnisotropy>,
-    /// What turns the normals, if anything does.
+    /// The normal or bump map, if any.
     pub normal_map: Option<NormalMap>,
     /// The same by heights.
     pub bump_map: Option<BumpMap>,
-    /// What turns those of its coat.
+    /// The normal map of its coat.
     pub coat_normal: CoatNormal,
-    /// How much of the surface there is.
+    /// The opacity.
     pub opacity: Opacity,
     /// Whether it scatters nothing and shows a colour, which is its emission, whatever the light.
     pub unlit: bool,
@@ -48,7 +48,7 @@ pub struct Material {
     pub dispersion: f32,
     /// Emitted radiance; zero for most surfaces.
     pub emission: Vec3,
-    /// What emission is multiplied by, likewise.
+    /// The factor on emission, likewise.
     pub emission_map: Option<TextureMap>,
     /// Whether the back emits too; the front alone by default, as in glTF, pbrt and Mitsuba.
     pub emits_both_sides: bool,

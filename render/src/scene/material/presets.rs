@@ -1,4 +1,4 @@
-//! Materials that need no more than a number or two.
+//! Materials by one or two parameters.
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
-//! Lamps of simple shapes: meshes of emissive triangles, which cameras, mirrors and bounces see.
+//! Lamps of simple shapes: meshes of emissive triangles, visible to cameras, mirrors and bounces.
 //!
-//! A mesh has exactly the area of its shape, and so its power: discs are fans of [`SIDES`] triangles, spheres are
-//! icosahedra whose faces are parted [`LEVELS`] times (1280 triangles) with the sphere's normals. Both are a little
+//! A mesh has exactly the area of its shape, and so the same power: discs are fans of [`SIDES`] triangles, spheres are
+//! icosahedra whose faces are subdivided [`LEVELS`] times (1280 triangles) with the sphere's normals. Both are a little
 //! larger than their shape across corners: a disc by 0.08% of its radius, a sphere by 0.3%.
 
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ pub(crate) struct Lamp {
     pub radiance: Vec3,
 }
 
-/// What a lamp looks like.
+/// The appearance of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// Emits outwards.
@@ -41,7 +41,7 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
-    /// Of all sides that emit.
+    /// The area of all emitting sides.
     pub(crate) fn area(&self) -> f64 {
         let sides = |two: bool| if two { 2.0 } else { 1.0 };
         match *self {

@@ -1,12 +1,12 @@
-//! A material at a point of a mesh: everything that textures and vertices say there.
+//! A material at a point of a mesh, with its textures and vertex attributes.
 //!
 //! # Normals
 //!
-//! Normal maps are read as MikkTSpace asks for it: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
-//! interpolated, not normalised, and `B = w N × T`. Bump maps follow Blinn 1978 in Mikkelsen's form (2010):
-//! `n ∥ N - (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel.
-//! Both give the normal on the front. Deviation: normals that point below the surface are left to whoever shades, who knows
-//! where the light comes from.
+//! Normal maps are read as MikkTSpace defines them: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
+//! interpolated, not normalised, and `B = w N × T`. Bump maps follow Blinn 1978 in Mikkelsen's form (2010): `n ∥ N -
+//! (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel. Both give the
+//! normal on the front. Deviation: normals that point below the surface are handled in shading, where the direction of
+//! light is known.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -18,7 +18,7 @@ use crate::scene::{BumpMap, CoatNormal, Material, Mesh, NormalMap, Texture, Text
 pub struct MeshPoint<'a> {
     /// The scene's.
     pub textures: &'a [Texture],
-    /// Where it is.
+    /// The position.
     pub mesh: &'a Mesh,
     /// The triangle's number in the mesh.
     pub triangle: usize,
@@ -28,10 +28,10 @@ pub struct MeshPoint<'a> {
     pub turn: Option<Turn>,
 }
 
-/// What shading starts from.
+/// The inputs of shading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingInputs {
-    /// For the closure.
+    /// The inputs of the closure.
     pub inputs: Inputs,
     /// Shading normal and tangent.
     pub frame: ShadingFrame,
@@ -126,7 +126,7 @@ impl Material {
         (mapped * vertex).max(Vec3::ZERO)
     }
 
-    /// How much of the surface there is at a point: 0 to 1, of a mask 0 or 1.
+    /// The opacity at a point: 0 to 1, of a mask 0 or 1.
     pub fn opacity_at(&self, point: &MeshPoint<'_>) -> f32 {
         let texel = self.opacity.map.as_ref().map_or(Vec4::ONE, |(map, _)| point.texel(map));
         self.opacity.at(texel, if self.uses_vertex_colors { point.vertex_color().w } else { 1.0 })

@@ -1,4 +1,4 @@
-//! Meshes and objects taken to where they are shown.
+//! Transforms of meshes and objects into the world.
 
 use glam::{Affine3A, DAffine3, Vec3};
 use halfdome_kernel::scene::Item;
@@ -8,7 +8,7 @@ use super::turn::normal_matrix;
 use crate::scene::description::unit;
 use crate::scene::{Instance, Mesh, Scene};
 
-/// As many vertices are worth a thread's while.
+/// The least number of vertices for a thread.
 const PARALLEL: usize = 1 << 14;
 
 impl Mesh {
@@ -96,8 +96,8 @@ impl Scene {
         }
     }
 
-    /// Puts copies where instances stand still by transforms that nearly flatten them, which the kernel takes no ray back by; these
-    /// are hidden instead.
+    /// Replaces static instances whose transforms are nearly singular, which the kernel cannot invert, by copies; the
+    /// instances are hidden.
     pub(crate) fn place_distorted(&mut self) {
         let moves = |number: &usize| self.motion.as_ref().is_some_and(|motion| motion.instances.contains_key(number));
         let is_distorted =
@@ -118,8 +118,8 @@ impl Scene {
         }
     }
 
-    /// Puts copies of all objects of a scene file where their instances are: whoever edits or unwraps the model needs
-    /// its surfaces in the world.
+    /// Puts copies of all objects of a scene file where their instances are: editing and unwrapping need the model's
+    /// surfaces in the world.
     ///
     /// Nothing moves yet.
     pub(crate) fn place_instances(&mut self) {

@@ -1,9 +1,9 @@
-//! Polygons cut into triangles: a fan around the first corner where that is right, as it is of convex ones, else ears
+//! Triangulation of polygons: a fan around the first corner where that is valid, as for convex ones, else ear clipping
 //! (Held, "FIST: Fast Industrial-Strength Triangulation of Polygons", 2001), through the crate `earcut`.
 //!
-//! A fan is right if no triangle of it is turned over, seen along the polygon's normal (Newell's: the sum of the cross
-//! products of its sides, which corners out of a plane have, too). Ears are cut in the plane across that normal. Those of
-//! a polygon that crosses itself cover it somehow, and one without area is a fan.
+//! A fan is valid if none of its triangles is flipped, seen along the polygon's normal (Newell's: the sum of the cross
+//! products of its sides, which is defined for non-planar corners, too). Ears are clipped in the plane across that
+//! normal. A self-intersecting polygon gets some triangulation, and one without area a fan.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};

@@ -1,4 +1,4 @@
-//! Positions as keys: corners are one if their coordinates are equal bit for bit.
+//! Positions as keys: corners are the same if their coordinates are equal bit for bit.
 
 use glam::Vec3;
 

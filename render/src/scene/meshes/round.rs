@@ -1,8 +1,8 @@
-//! Points as balls and lines as tubes: triangles with the normals of the true surfaces.
+//! Points as spheres and lines as cylinders: triangles with the normals of the true surfaces.
 //!
-//! A ball is an icosahedron whose faces are cut in four again and again, the fewer times the more balls there are. A line is a
-//! tube of twelve sides between balls, so that lines that meet have no gap. What lies inside of others stays there, which
-//! shows in glass alone.
+//! A sphere is a subdivided icosahedron, with fewer levels the more spheres there are. A line is a cylinder of twelve
+//! sides between spheres, so that connected lines have no gap. Inner surfaces are not removed, which is visible only in
+//! glass.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,12 +16,12 @@ const MOST: usize = 1 << 21;
 const FINEST: u32 = 2;
 const SIDES: u32 = 12;
 
-/// Vertices that stand in for those of a mesh.
+/// Vertices that replace those of a mesh.
 #[derive(Default)]
 struct Solid {
     /// The vertex of the mesh that each belongs to.
     of: Vec<u32>,
-    /// From there, in units of the radius: the normal too.
+    /// The direction from there, in units of the radius: also the normal.
     outward: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
 }
@@ -72,7 +72,7 @@ impl Solid {
             let next = (side + 1) % SIDES;
             let corner = |side: u32, end: u32| first + 2 * side + end;
             let quad = [corner(side, 0), corner(next, 0), corner(next, 1), corner(side, 1)];
-            // From `across` to `above` is counter-clockwise for who looks against `along`.
+            // From `across` to `above` is counter-clockwise seen against `along`.
             self.triangles.extend([[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]);
             self.of.extend([from, to]);
             self.outward.extend([outward, outward]);

@@ -31,7 +31,7 @@ pub(super) fn tangents(mesh: &Mesh, set: u32) -> Vec<[Vec4; 3]> {
 struct Work<'a> {
     mesh: &'a Mesh,
     set: u32,
-    /// Zero where nothing tells a direction.
+    /// Zero where the direction is undefined.
     tangents: Vec<[Vec4; 3]>,
 }
 

@@ -1,7 +1,8 @@
-//! How transforms turn directions on surfaces.
+//! Transforms of normals and tangents.
 //!
-//! Normals go by the inverse transpose. That is the matrix of cofactors over the determinant, and as normals become unit
-//! vectors its sign suffices: `M⁻ᵀ n ∥ sign(det M) cof(M) n`. So a transform that flattens has normals, too.
+//! Normals are transformed by the inverse transpose. That is the matrix of cofactors over the determinant, and as
+//! normals become unit vectors its sign suffices: `M⁻ᵀ n ∥ sign(det M) cof(M) n`. So normals are defined for transforms
+//! that flatten, too.
 
 use glam::{DMat3, Mat3, Vec3, Vec4};
 
@@ -11,7 +12,7 @@ pub(super) fn normal_matrix(linear: DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if linear.determinant() < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// How an instance turns directions on surfaces.
+/// The rotation of directions on surfaces by an instance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     linear: Mat3,
@@ -20,7 +21,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// That of a transform with this linear part.
+    /// The turn of a transform with this linear part.
     pub(crate) fn new(linear: Mat3) -> Self {
         let normals = normal_matrix(linear.as_dmat3()).as_mat3();
         Self { linear, normals, side: if linear.determinant() < 0.0 { -1.0 } else { 1.0 } }

@@ -1,4 +1,4 @@
-//! `[[aov]]` in scene files: light of some paths, in channels of its own.
+//! `[[aov]]` in scene files: AOVs by light path expressions.
 //!
 //! ```toml
 //! [[aov]]

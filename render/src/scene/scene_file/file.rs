@@ -1,4 +1,4 @@
-//! Scene files: TOML that names a model and says what model formats cannot.
+//! Scene files: TOML that names a model and adds what model formats lack.
 //!
 //! ```toml
 //! [scene]
@@ -51,11 +51,12 @@
 //! # with daylight_model = "hosek" (or "preetham") and daylight_albedo = 0.3, of the ground
 //! ```
 //!
-//! All but `scene.file` may be left out, and that where there are objects. `[[material]]` tables change materials: see
-//! `material_table.rs`. `[[light]]` tables add lights: see `light_table.rs`. `[[object]]` and `[[instance]]` show models
-//! at many places: see `objects.rs`. `[[aov]]` tables add AOVs: see `aov_table.rs`. The keys `lights`, `light_radius`,
-//! `sun_angle` and `emission` are about the model's lights, and leave these as they are. Each value is checked here; what
-//! only several options together can get wrong is left to [`Overrides::apply`], since the command line may still change it.
+//! Everything except `scene.file` is optional, and that too if there are objects. `[[material]]` tables change
+//! materials: see `material_table.rs`. `[[light]]` tables add lights: see `light_table.rs`. `[[object]]` and
+//! `[[instance]]` place models many times: see `objects.rs`. `[[aov]]` tables add AOVs: see `aov_table.rs`. The keys
+//! `lights`, `light_radius`, `sun_angle` and `emission` apply to the model's lights, not to these. Each value is
+//! checked here; conflicts between options are left to [`Overrides::apply`], since the command line may still change
+//! it.
 
 use std::path::{Path, PathBuf};
 
@@ -73,7 +74,7 @@ use crate::scene::formats::load_options::{LoadOptions, LoadWatch};
 use crate::scene::nearest::suggestion;
 use crate::scene::{Overrides, Place, Scene, SceneError, Sharing, load_with};
 
-/// What a scene file says.
+/// The contents of a scene file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
     /// The model, relative to the current folder or absolute; `None` if there are only objects.
@@ -84,7 +85,7 @@ pub struct SceneFile {
     pub materials: Vec<MaterialTable>,
     /// Models that are shown where instances are.
     pub objects: Vec<ObjectTable>,
-    /// Where they are shown.
+    /// Their instances.
     pub instances: Vec<InstanceTable>,
 }
 
@@ -105,7 +106,7 @@ pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides
     open_watched(path, overrides, None)
 }
 
-/// Reads a scene as [`open_with`] does, while somebody watches.
+/// Reads a scene like [`open_with`], and reports progress.
 pub fn open_watched(
     path: &Path,
     overrides: &Overrides,
@@ -250,7 +251,7 @@ impl Parser<'_> {
         Ok(SceneFile { model, overrides, materials, objects, instances })
     }
 
-    /// Sets the option that `entry` of `section` stands for; whether there is one.
+    /// Sets the option of `entry` in `section`; returns whether there is one.
     fn set(&self, to: &mut Overrides, section: &str, entry: &Entry<'_>) -> Result<bool, SceneError> {
         match (section, entry.name) {
             ("scene", "animation") => to.moment.animations = Some(self.read(value::names, section, entry)?),

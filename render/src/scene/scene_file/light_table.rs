@@ -1,4 +1,4 @@
-//! `[[light]]` in scene files: lights and lamps that the model lacks.
+//! `[[light]]` in scene files: lights and lamps added to the model.
 //!
 //! ```toml
 //! [[light]]
@@ -15,14 +15,15 @@
 //! radius = 0.05                  # for soft shadows
 //! ```
 //!
-//! A point or spot with `profile = "lamp.ies"` shines as was measured: a candela is `scale` / 683 W/sr, or `power` says
-//! how much it is in all. It looks along `direction` or at `target`, and `profile_rotation` turns it about that.
+//! A point or spot with `profile = "lamp.ies"` uses the measured distribution: a candela is `scale` / 683 W/sr, or
+//! `power` sets the total power. It points along `direction` or at `target`, and `profile_rotation` turns it about
+//! that.
 //!
 //! A point light has `position`, `intensity` or `power`, and `radius`. A directional one has `direction`, `irradiance`
-//! (W/m² on what faces it), and `angle` (degrees that its disc subtends). The others are lamps that one sees, with
-//! `radiance` (W/(m² sr)) or `power` (π × radiance × area of all sides): a `sphere` with `position` and `radius`, a
-//! `disc` with these and `direction` or `target`, a `rectangle` with `size = [width, height]` and `up` in place of the
-//! radius; the last two may be `two_sided`.
+//! (W/m² on what faces it), and `angle` (degrees that its disc subtends). The others are visible lamps, with `radiance`
+//! (W/(m² sr)) or `power` (π × radiance × area of all sides): a `sphere` with `position` and `radius`, a `disc` with
+//! these and `direction` or `target`, a `rectangle` with `size = [width, height]` and `up` in place of the radius; the
+//! last two may be `two_sided`.
 
 mod fields;
 mod profiled;
@@ -43,7 +44,7 @@ use crate::scene::{LightLabel, PunctualLight, Scene, SpotEdge};
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTable {
     source: Source,
-    /// What it is called.
+    /// The name.
     label: LightLabel,
     /// The file of its profile.
     file: Option<PathBuf>,
@@ -57,7 +58,7 @@ enum Source {
 
 /// The largest light without a surface; lamps have coordinates.
 const MAX_RADIUS: f32 = 1e15;
-/// Of lamps, as of their places: so no corner is too far away.
+/// The largest size of lamps, and their largest coordinate, so that no corner is too far away.
 const MAX_SIZE: f32 = 0.25 * MAX_COORDINATE;
 /// As in Blender.
 const DEFAULT_CONE: f32 = 45.0;

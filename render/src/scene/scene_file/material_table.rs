@@ -20,8 +20,8 @@
 //! transmission_dispersion_abbe_number = 36   # of solid glass: how little it spreads colours
 //! ```
 //!
-//! What is not named stays as the model has it. A map of `"none"` removes the model's; without one of its own a coat has the
-//! base's normals, with `"none"` those of the vertices.
+//! Inputs that are not named keep the model's values. A map of `"none"` removes the model's; without one of its own a
+//! coat has the base's normals, with `"none"` those of the vertices.
 
 mod apply;
 mod maps;
@@ -49,7 +49,7 @@ pub struct MaterialTable {
     changes: Vec<(usize, Change)>,
 }
 
-/// What a key changes.
+/// The input of a key.
 #[derive(Clone, Debug, PartialEq)]
 enum Change {
     Input(Input, Vec3),
@@ -67,7 +67,7 @@ enum Change {
     NoMap(Target),
 }
 
-/// What a map varies.
+/// The input of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Target {
     Input(Input),

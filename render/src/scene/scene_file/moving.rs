@@ -1,4 +1,4 @@
-//! Finds out what moves while the shutter is open, by reading the scene as it is at each of the shutter's keys.
+//! Detects motion while the shutter is open, by reading the scene at each of the shutter's keys.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(super) fn add_motion(
 }
 
 impl Motion {
-    /// Notes how `scene`, that of a key, differs from that of the middle one; in words why that cannot be told.
+    /// Notes how `scene`, that of a key, differs from that of the middle one; or the reason why it cannot.
     fn note(&mut self, middle: &Scene, key: usize, scene: Scene) -> Result<(), String> {
         let Scene { meshes, instances, lights, camera, .. } = scene;
         let counts = [

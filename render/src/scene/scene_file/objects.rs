@@ -1,4 +1,4 @@
-//! `[[object]]` and `[[instance]]` in scene files: models that are shown at many places.
+//! `[[object]]` and `[[instance]]` in scene files: instanced models.
 //!
 //! ```toml
 //! [[object]]
@@ -15,8 +15,8 @@
 //! materials = { leaf = "autumn" }   # other materials than the object's own
 //! ```
 //!
-//! What an object brings is called after it: its material `leaf` is `tree/leaf`, for `[[material]]` too. An object
-//! without an instance is not seen. See `objects/place_table.rs` for tables.
+//! An object's contents have its name as a prefix: its material `leaf` is `tree/leaf`, in `[[material]]` too. An object
+//! without an instance is invisible. See `objects/place_table.rs` for tables.
 
 mod place_table;
 mod tables;
@@ -34,7 +34,7 @@ pub(super) use tables::{read_instances, read_objects};
 /// The most instances of a scene: more than fit into any memory.
 const MOST: usize = 1 << 28;
 
-/// What an object of a scene file became.
+/// The result of an object of a scene file.
 struct Loaded {
     /// The object of those meshes that its model has in its own space, if there are any.
     own: Option<usize>,

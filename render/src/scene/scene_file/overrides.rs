@@ -1,6 +1,6 @@
 //! The options that a scene file and the command line may set: what they override, and how they combine.
 //!
-//! The command line wins over the scene file, the scene file over the model, the model over the defaults.
+//! The command line overrides the scene file, the scene file the model, the model the defaults.
 
 mod cached;
 mod camera;
@@ -88,15 +88,15 @@ options! {
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov: bool = value::flag, in "film";
-        /// With --aov: where the first surface is a mirror or clear glass, the channels are of what it shows, as --denoise has
-        /// them
+        /// With --aov: where the first surface is a mirror or clear glass, use the surfaces seen through it, as
+        /// --denoise does
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov_through: bool = value::flag, in "film";
         /// Add Cryptomatte 1.2 masks to the EXR: object, material or both, as object,material
         #[arg(value_name = "KINDS", help_heading = "Film")]
         cryptomatte: MatteKinds = value::matte_kinds, in "film";
-        /// How many names a pixel has in a Cryptomatte at most [default: 6]
+        /// Most names of a pixel in a Cryptomatte [default: 6]
         #[arg(value_name = "N", help_heading = "Film")]
         cryptomatte_levels: u32 = value::matte_levels, in "film";
         /// Add an AOV of the light of each light group to the EXR: of lights by their names, or by their keys `group`
@@ -109,12 +109,12 @@ options! {
         /// Material variant of the model to use (glTF's KHR_materials_variants)
         #[arg(value_name = "NAME", help_heading = "Model")]
         variant: String = value::text, in "scene";
-        /// Radius of glTF's points and lines, in the coordinates of their mesh: they are shown as balls and tubes [default: they are
-        /// left out]
+        /// Draw glTF's points and lines as spheres and cylinders of this radius, in the coordinates of their mesh
+        /// [default: skip them]
         #[arg(value_name = "R", help_heading = "Model", allow_negative_numbers = true)]
         point_radius: f32 = value::length, in "scene";
-        /// Whether meshes that the model shows several times are kept once: always, never, or auto, where copies would have
-        /// over a million triangles [default: auto]
+        /// Store repeated meshes of the model once: always, never, or auto, where copies would have over a million
+        /// triangles [default: auto]
         #[arg(value_name = "WHEN", help_heading = "Model")]
         instances: Sharing = value::sharing, in "scene";
     }
@@ -168,7 +168,7 @@ impl Overrides {
         groups.concat().into_iter().filter(|(of, _)| *of == section).map(|(_, key)| key).collect()
     }
 
-    /// Sets the option that a key of a scene file stands for; whether there is one.
+    /// Sets the option of a scene file's key; returns whether there is one.
     pub(crate) fn set_key<S: Source>(&mut self, section: &str, key: &str, source: &S) -> Result<bool, S::Error> {
         let Self { camera, moment, integrator, light, .. } = self;
         Ok(camera.set(section, key, source)?
@@ -190,8 +190,8 @@ impl Overrides {
         self.sets_any(Group::Camera)
     }
 
-    /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning tells of one that
-    /// was made up.
+    /// Overrides `scene` and the default settings. Afterwards the scene has a valid camera; a warning reports an
+    /// automatic one.
     ///
     /// # Errors
     /// If options do not go together, or with the scene.

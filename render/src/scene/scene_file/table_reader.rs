@@ -1,4 +1,4 @@
-//! Reads the values of tables in a scene file, such as `[[material]]`, and says what is wrong with them.
+//! Reads the values of tables in a scene file, such as `[[material]]`, with errors for invalid ones.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Values of TOML with their places in the text.
+//! TOML values with their positions in the text.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::value::Value;
 
-/// A key or section with its value, and where both stand in the text.
+/// A key or section with its value, and their positions in the text.
 pub(crate) struct Entry<'a> {
     pub(crate) name: &'a str,
     pub(crate) at: Range<usize>,

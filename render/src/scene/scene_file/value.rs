@@ -1,6 +1,6 @@
-//! Values as scene files and command lines spell them, and the types and ranges that options ask of them.
+//! Values of scene files and command lines, with the types and ranges that options require.
 //!
-//! Both sources are read by the same functions, so that they accept the same values and say the same about others.
+//! Both sources are read by the same functions, so that they accept the same values and give the same errors.
 
 mod film;
 mod integrating;
@@ -35,7 +35,7 @@ pub(crate) enum Value {
     Other,
 }
 
-/// What would be right in place of a wrong value.
+/// The remedy for a wrong value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected {0}")]
 pub(crate) struct Expected(pub(crate) String);
@@ -240,12 +240,12 @@ pub(crate) fn daylight(value: &Value) -> Reading<Daylight> {
     }
 }
 
-/// How the light of daylight's sky is spread.
+/// The model of daylight's sky.
 pub(crate) fn daylight_model(value: &Value) -> Reading<DaylightModel> {
     value.one_of(&DaylightModel::NAMES)
 }
 
-/// What a surface reflects: one number for all channels, or three.
+/// Reflectance: one number for all channels, or three.
 pub(crate) fn albedo(value: &Value) -> Reading<Vec3> {
     match value.finite().map(Vec3::splat).or_else(|| value.three()) {
         Some(albedo) if albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0 => Ok(albedo),
@@ -332,17 +332,17 @@ pub(super) fn flag(value: &Value) -> Reading<bool> {
     }
 }
 
-/// Where random numbers come from.
+/// The sampler of random numbers.
 pub(super) fn sampler(value: &Value) -> Reading<Pattern> {
     value.one_of(&[("random", Pattern::Random), ("sobol", Pattern::Sobol), ("r2", Pattern::R2)])
 }
 
-/// How much time to spend on a tree.
+/// The quality of a tree.
 pub(crate) fn quality(value: &Value) -> Reading<Quality> {
     value.one_of(&Quality::ALL.map(|quality| (quality.name(), quality)))
 }
 
-/// Which sides emit: whether both do.
+/// Whether both sides emit.
 pub(crate) fn emission(value: &Value) -> Reading<bool> {
     value.one_of(&[("front", false), ("both", true)])
 }

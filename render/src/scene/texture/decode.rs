@@ -1,7 +1,8 @@
-//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR, KTX2 and TGA, told apart by their first bytes, TGA by its name.
+//! Texture files: PNG, JPEG, WebP, OpenEXR, Radiance HDR, KTX2 and TGA, recognised by their first bytes, TGA by its
+//! name.
 //!
-//! Deviations: numbers of an EXR or HDR picture that are not finite become 0; an EXR's layers beyond the first one with colours
-//! are not read. A JPEG's or PNG's colour profile does not count: colours are sRGB.
+//! Deviations: numbers of an EXR or HDR picture that are not finite become 0; an EXR's layers beyond the first one with
+//! colours are not read. A JPEG's or PNG's colour profile is ignored: colours are sRGB.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -11,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 use super::error::{MAX_BYTES, TextureError};
 use super::{Texels, Texture};
 
-/// What all KTX2 files begin with.
+/// The first bytes of all KTX2 files.
 const KTX2: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 
 /// The picture in `bytes`. `name` is the file's, where it has one.

@@ -1,4 +1,4 @@
-//! Why a picture is not read, and how large one may be.
+//! Errors of pictures, and limits on their size.
 
 /// The most pixels across or down; a picture with more is refused before memory is asked for.
 const MAX_SIDE: u32 = 1 << 16;
@@ -6,7 +6,7 @@ const MAX_SIDE: u32 = 1 << 16;
 /// The most bytes that one picture may take while it is decoded.
 pub(super) const MAX_BYTES: u64 = 4 << 30;
 
-/// What is wrong and what would be right, as in an error of a scene.
+/// The problem and the remedy, as in an error of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TextureError {
     pub(crate) problem: String,
@@ -16,7 +16,7 @@ pub(crate) struct TextureError {
 }
 
 impl TextureError {
-    /// Of a kind that is read.
+    /// The error of a picture of a known kind.
     pub(super) fn wrong(problem: String, remedy: &'static str) -> Self {
         Self { problem, remedy, is_unknown_kind: false }
     }

@@ -1,8 +1,8 @@
-//! How a texture lies on a surface: texture coordinates, their transform, what is beyond the picture, filtering.
+//! The mapping of a texture: texture coordinates, their transform, wrapping, filtering.
 
 use glam::{Affine2, Vec2};
 
-/// How a texture lies on surfaces.
+/// The mapping of a texture onto surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureMap {
     /// An index into [`Scene::textures`](super::super::Scene::textures).
@@ -12,15 +12,15 @@ pub struct TextureMap {
     pub set: u32,
     /// Takes texture coordinates to the picture, whose upper left corner is (0, 0).
     pub transform: Affine2,
-    /// What is beyond the picture, across and down.
+    /// Wrapping beyond the picture, across and down.
     pub wrap: [Wrap; 2],
     /// Whether texels are mixed.
     pub filter: TextureFilter,
-    /// What the texels' numbers stand for.
+    /// The meaning of the texels' numbers.
     pub space: ColorSpace,
 }
 
-/// What lies beyond a picture.
+/// Wrapping beyond a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The picture again.
@@ -32,7 +32,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// How a colour between the centres of texels is found.
+/// Interpolation between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
     /// A mean of the nearest four.
@@ -42,7 +42,7 @@ pub enum TextureFilter {
     Nearest,
 }
 
-/// What the numbers of texels stand for. Alpha is always linear, and so are pictures of 32-bit floats.
+/// The meaning of the texels' numbers. Alpha is always linear, and so are pictures of 32-bit floats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Colours, encoded with the transfer function of sRGB (IEC 61966-2-1).

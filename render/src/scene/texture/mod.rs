@@ -1,11 +1,11 @@
-//! Pictures on surfaces: texels as their file stores them, looked up in linear numbers.
+//! Textures: texels as stored in their file, looked up as linear values.
 //!
-//! A picture has one to four channels (grey; grey and alpha; red, green and blue; all four) of 8 or 16 bits or of 32-bit
-//! floats, and is kept so: 8 bits stay 8 bits. Colours in sRGB are decoded at each lookup by a table. A lookup is a function
-//! of the map and the texture coordinates alone.
+//! A picture has one to four channels (grey; grey and alpha; red, green and blue; all four) of 8 or 16 bits or of
+//! 32-bit floats, and is stored unconverted: 8 bits stay 8 bits. Colours in sRGB are decoded at each lookup by a table.
+//! A lookup is a function of the map and the texture coordinates alone.
 //!
-//! Filtering is bilinear or none; it mixes linear colours. Deviation: there are no smaller levels for surfaces far away:
-//! the samples of a pixel take their mean.
+//! Filtering is bilinear or none; it mixes linear colours. Deviation: there are no mip levels: the samples of a pixel
+//! average over distant texels.
 
 mod decode;
 mod error;

@@ -11,13 +11,13 @@ use crate::scene::{Files, SceneError};
 /// Textures by their paths.
 pub(crate) struct TextureStore<'a> {
     files: &'a dyn Files,
-    /// Those that have been read.
+    /// The textures that have been read.
     pub(crate) list: Vec<Texture>,
     /// The number in the list of each file, or what is wrong with it.
     known: BTreeMap<PathBuf, Result<usize, Problem>>,
 }
 
-/// What is wrong with a texture file, and what would be right.
+/// The problem with a texture file, and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Problem {
     pub(crate) problem: String,

@@ -30,7 +30,7 @@ pub(super) const HESSIAN: &str = "Hessian";
 /// Paths in figures.
 const PATHS: &str = "path tracing";
 
-/// What is measured.
+/// The measured quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
     /// Numbers of paths.
@@ -43,12 +43,12 @@ pub struct Plan<'a> {
     pub metrics: &'a [Metric],
 }
 
-/// What errors are drawn against.
+/// The horizontal axis of errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
     /// Rays, which are the same on every machine.
     Rays,
-    /// Processor time, where somebody took it.
+    /// Processor time, if measured.
     Seconds,
 }
 

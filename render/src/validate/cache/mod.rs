@@ -1,7 +1,7 @@
-//! What the irradiance cache is worth: its error against path tracing, for the rays and the records that it takes.
+//! Experiments on the irradiance cache: its error against path tracing, by rays and records.
 //!
 //! Unlike other experiments these have no closed form. Their references are long runs of path tracing, whose own error
-//! the figures' titles say and which does not count.
+//! is stated in the figures' titles and subtracted.
 
 mod curves;
 mod study;

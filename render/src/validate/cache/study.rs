@@ -1,9 +1,9 @@
-//! How wrong indirect light is where a camera sees it, by paths and by caches, for the rays that it takes.
+//! The error of indirect light at camera hits, by paths and by caches, against the number of rays.
 //!
-//! A study looks at some of the surfaces that the camera sees through the pixels of a picture. Their irradiance by many
-//! paths is the reference, which comes as two independent halves `a` and `b`: the variance of their mean is the mean of
-//! `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the reference, and
-//! without the reference's own variance.
+//! A study uses some of the surface points that the camera sees through the pixels of a picture. Their irradiance by
+//! many paths is the reference, which comes as two independent halves `a` and `b`: the variance of their mean is the
+//! mean of `(a - b)²/4`. Errors are root mean squares over surfaces and channels, relative to the mean of the
+//! reference, and without the reference's own variance.
 
 use glam::{DVec3, Vec2, Vec3};
 use halfdome_kernel::sampling::Stream;
@@ -75,20 +75,20 @@ pub struct Study<'a> {
     watch: &'a dyn Watch,
 }
 
-/// What an estimate took, and how wrong it was.
+/// The cost and the error of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// Records of the cache; none by paths.
     pub records: usize,
     /// Rays for all pixels.
     pub rays: f64,
-    /// Seconds for all pixels, if somebody timed it, or 0.
+    /// Seconds for all pixels, or 0 if not measured.
     pub seconds: f64,
     /// Relative error.
     pub error: RelativeError,
 }
 
-/// Which surfaces a study looks at.
+/// The surfaces of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Places {
     /// Those in the middles of pixels that may get a record: how metrics and gradients differ shows best there.
@@ -122,7 +122,7 @@ impl<'a> Study<'a> {
         self.reference.error()
     }
 
-    /// How many pixels a surface of the study stands for.
+    /// The number of pixels that a surface of the study represents.
     pub fn pixels(&self) -> f64 {
         f64::from(SIDE * SIDE) / self.sensors.len() as f64
     }

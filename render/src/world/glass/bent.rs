@@ -1,23 +1,24 @@
-//! Light that glass bends.
+//! Light refracted by glass.
 //!
-//! From a point of a surface, rays are sent through glass, refracted at every face, until one leaves it towards the light: Newton's
-//! method for the two coordinates of the direction at the surface. What a ray becomes for a small change of that direction,
-//! ray differentials say (Igehy, "Tracing ray differentials", 1999), with the normals' derivatives across each triangle. This is
-//! manifold exploration (Jakob and Marschner 2012; Hanika, Droske and Fascione, "Manifold next event estimation", 2015), with the
-//! chain of refractions as a function of its first direction `ω`, which may meet any number of faces.
+//! From a point of a surface, rays are sent through glass, refracted at every face, until one leaves it towards the
+//! light: Newton's method for the two coordinates of the direction at the surface. Ray differentials give the change of
+//! the ray for a small change of that direction (Igehy, "Tracing ray differentials", 1999), with the normals'
+//! derivatives across each triangle. This is manifold exploration (Jakob and Marschner 2012; Hanika, Droske and
+//! Fascione, "Manifold next event estimation", 2015), with the chain of refractions as a function of its first
+//! direction `ω`, which may meet any number of faces.
 //!
 //! With `ω'` the direction in which the ray leaves, and `y` where it passes a point light, across the ray, the surface receives per
 //! area that faces `ω`
 //!
 //! `E T |∂ω/∂ω'|` of a sun with the irradiance `E`, and `I T |∂ω/∂y|` of a point of the intensity `I`,
 //!
-//! where `T` is what the faces and the way between them leave.
+//! where `T` is the transmittance of the faces and of the path between them.
 //!
-//! Light may come on several ways, and to points that no glass is in front of: searches begin where [photons](super::photons) have left
-//! the glass, and if none of them finds a way, towards the light.
+//! Light may arrive by several paths, and at points without glass in front: searches begin where
+//! [photons](super::photons) have left the glass, and if none of them finds a path, towards the light.
 //!
-//! Deviations: ways whose starts photons miss are left out (those that meet in a point, as on the axis of a ball), and light that is
-//! reflected within glass or on it. A light of a size sends from each point of a disc that faces the glass.
+//! Deviations: paths whose starts photons miss are left out (those that meet in a point, as on the axis of a ball), and
+//! light reflected within glass or on it. A light with a size emits from each point of a disc that faces the glass.
 
 use glam::{Mat2, Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -31,17 +32,18 @@ use super::{Face, MOST};
 struct Patience {
     /// Rays that are sent out at most.
     shots: usize,
-    /// How often a step is halved.
+    /// The number of halvings of a step.
     halvings: u32,
-    /// What must be left of the angle beside the light after a step, at most. Where no way leads to the light, it ends in a minimum.
+    /// The greatest ratio of the angular error after a step to that before. Where no path leads to the light, the
+    /// search ends in a minimum.
     less: f32,
 }
 
-/// Of one that begins in the direction of the light.
+/// Limits for a search that begins in the direction of the light.
 const FROM_STRAIGHT: Patience = Patience { shots: 10, halvings: 3, less: 0.85 };
-/// Of one that begins where a photon has left the glass: a way is near, or there is none.
+/// Limits for a search that begins where a photon has left the glass: a path is near, or there is none.
 const FROM_PHOTON: Patience = Patience { shots: 5, halvings: 0, less: 0.5 };
-/// How far, as an angle, a ray may leave beside the light: a twentieth of the sun's width.
+/// The allowed angular error of a ray beside the light: a twentieth of the sun's width.
 const CLOSE: f32 = 2.5e-4;
 /// The most that a step turns the direction, as a tangent.
 const STEP: f32 = 0.4;
@@ -52,10 +54,10 @@ const SAME: f32 = 1e-3;
 /// Solids one in another of which absorption is known.
 const NESTED: usize = 4;
 
-/// Where light comes from.
+/// The light's end of a connection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightEnd {
-    /// From infinitely far away: the unit vector towards it.
+    /// A light at infinity: the unit vector towards it.
     Direction(Vec3),
     /// From a point.
     Point(Vec3),
@@ -65,15 +67,15 @@ pub(crate) enum LightEnd {
 pub(crate) struct BentLight {
     /// The unit vector from the surface by which it arrives.
     pub direction: Vec3,
-    /// From the last face of glass to the light.
+    /// The ray from the last face of glass to the light.
     pub rest: Ray,
     /// The unit vector by which it leaves the light.
     pub leaving: Vec3,
-    /// What glass leaves of it.
+    /// The transmittance of the glass.
     pub left: Vec3,
     /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
     pub spread: f32,
-    /// How far the direction may be off, as a search ends close to the light.
+    /// The error of the direction, as a search ends close to the light.
     off: f32,
 }
 
@@ -106,7 +108,7 @@ impl BentLight {
     }
 }
 
-/// A ray on its way, and what it becomes for a change of the direction in which it began along each of two axes.
+/// A ray with its differentials by a change of its first direction along each of two axes.
 pub(super) struct Beam {
     pub(super) ray: Ray,
     pub(super) origin_by: [Vec3; 2],
@@ -114,21 +116,22 @@ pub(super) struct Beam {
     pub(super) left: Vec3,
 }
 
-/// What a direction leads to.
+/// The result of a direction.
 struct Shot {
     beam: Beam,
-    /// How far beside the light the ray goes, along two axes across it: as an angle, or as a length.
+    /// The offset of the ray from the light along two axes across it: as an angle, or as a length.
     beside: Vec2,
-    /// What that is for a change of direction along each axis.
+    /// Its derivative by the direction along each axis.
     jacobian: Mat2,
-    /// How long the way is to a point, and 1 to a sun: `beside` over the angle that it is.
+    /// The distance to a point, and 1 to a sun: `beside` divided by its angle.
     distance: f32,
     angle: f32,
 }
 
 impl World {
-    /// The ways on which light from `end`, the light of this number, arrives at a surface through glass that bends it. Where some is
-    /// on the straight line, and photons show no way, the search begins there; `straight` is that line, if light comes along it.
+    /// The paths of light from `end`, the light of this index, to a surface through refracting glass. Where glass is on
+    /// the straight line, and photons seed no path, the search begins there; `straight` is that line, if light comes
+    /// along it.
     #[inline(never)]
     pub(crate) fn bend_light(&self, from: &Surface, (end, light): (LightEnd, u32), straight: Option<Vec3>) -> BentWays {
         let mut ways = BentWays::default();
@@ -190,7 +193,7 @@ impl World {
             LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
             LightEnd::Point(point) => Ray::between(beam.ray.origin, point),
         };
-        // Nor is a NaN close.
+        // False for NaN.
         (spread.is_finite() && angle <= CLOSE).then_some(BentLight {
             direction,
             rest,
@@ -201,8 +204,8 @@ impl World {
         })
     }
 
-    /// Where to begin: straight towards the light, or from within a solid in the direction in which the face that is met there
-    /// refracts light from it.
+    /// The start direction: straight towards the light, or from within a solid the direction into which the next face
+    /// refracts its light.
     fn first_direction(&self, from: &Surface, end: LightEnd) -> Option<Vec3> {
         let towards = |point: Vec3| match end {
             LightEnd::Direction(direction) => direction,
@@ -309,7 +312,7 @@ impl Beam {
         self.ray.origin = face.surface.origin_towards(self.ray.direction);
     }
 
-    /// How the ray passes the light, having come a way already.
+    /// The miss of the ray beside the light, given the distance so far.
     fn past(self, end: LightEnd, way: f32) -> Option<Shot> {
         let direction = self.ray.direction;
         let (axis, beside, by, distance) = match end {
@@ -333,8 +336,8 @@ impl Beam {
     }
 }
 
-/// The unit vector in which a ray goes on behind a face whose normal is on its side, with the refractive index here by that beyond;
-/// and the cosines here and beyond.
+/// The unit direction of a ray refracted at a face whose normal is on its side, with the refractive index here divided
+/// by that beyond; and the cosines here and beyond.
 fn refract(direction: Vec3, normal: Vec3, eta: f32) -> Option<(Vec3, f32, f32)> {
     let cos = -direction.dot(normal);
     let squared = 1.0 - eta * eta * (1.0 - cos * cos);

@@ -1,12 +1,12 @@
-//! Light that crosses glass without being bent.
+//! Light that crosses glass without a change of direction.
 //!
-//! With `F` reflected by a face and `a` left by the way between the two faces of a pane, which are parallel,
+//! With the reflectance `F` of a face and the transmittance `a` between the two parallel faces of a pane,
 //!
 //! `T = (1 - F)² a / (1 - F² a²)`,
 //!
-//! all passages summed; a thin wall has `a = 1`.
+//! all inner reflections summed; a thin wall has `a = 1`.
 //!
-//! Deviations: light leaves a pane where it came, not beside it; films and coats reflect nothing.
+//! Deviations: a pane does not offset light sideways; films and coats reflect nothing.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -15,14 +15,14 @@ use halfdome_kernel::sampling::Frame;
 use super::super::{MIDDLE, World};
 use super::{Between, Face, MOST, beyond};
 
-/// The cosine of the angle, 3°, from which on two faces are not parallel.
+/// The cosine of 3°, the greatest angle between two faces that count as parallel.
 const PARALLEL: f32 = 0.998_63;
-/// By how much, as a part, a pane may spread what comes from a point, or focus it.
+/// The greatest relative change of the light's density by which a pane may spread or focus light from a point.
 const POWER: f32 = 0.03;
 
 impl World {
-    /// The part of a shadow ray beyond all smooth glass that it meets first, as if that did not bend light, in the middle of the
-    /// shutter's time: so about light gets there.
+    /// The part of a shadow ray beyond all smooth glass that it meets first, ignoring refraction, at mid-shutter: an
+    /// approximation for estimates of visibility.
     pub(in crate::world) fn beyond_glass(&self, shadow: Ray) -> Ray {
         let mut ray = shadow;
         if !self.has_clear_glass() || !self.glass.may_meet(&shadow) {
@@ -35,7 +35,7 @@ impl World {
         ray
     }
 
-    /// What of glass is on the way of a shadow ray.
+    /// The glass that a shadow ray crosses.
     #[inline(never)]
     pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
         let (mut ray, mut left) = (*shadow, Vec3::ONE);
@@ -71,7 +71,7 @@ impl World {
         Between::Bends
     }
 
-    /// Whether two faces of a solid leave the direction of light as it is, and its divergence on a way of this length.
+    /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance.
     fn are_parallel(&self, entry: &Face, exit: &Face, way: f32) -> bool {
         let normal = entry.surface.smooth_normal;
         if normal.dot(exit.surface.smooth_normal) < PARALLEL {

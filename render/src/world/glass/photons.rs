@@ -1,18 +1,19 @@
-//! Where light arrives that glass bends, and from where on the glass: starts for the search of its ways.
+//! A photon map of refracted light: where it arrives, and from where on the glass. It seeds the search for light paths.
 //!
-//! A search finds the way next to its start, and light may come to a point on several, or to points in no shadow of glass at all. So
-//! rays are sent from points, spots and suns at each body of glass, refracted at every face, as photons are (Jensen, "Global
-//! illumination using photon maps", 1996), with the footprint that ray differentials give them (Schjøth et al., "Photon
-//! differentials", 2007). Beside a photon that has left the glass, rays pass
+//! A search finds the path next to its start, and light may reach a point by several paths, or reach points outside the
+//! glass's shadow. So rays are sent from points, spots and suns at each body of glass, refracted at every face, as
+//! photons are (Jensen, "Global illumination using photon maps", 1996), with the footprint that ray differentials give
+//! them (Schjøth et al., "Photon differentials", 2007). Beside a photon that has left the glass, rays pass
 //!
 //! `x(u, v) = o + t d + u (∂o/∂u + t ∂d/∂u) + v (∂o/∂v + t ∂d/∂v)`.
 //!
-//! A point within the footprint has `u` and `v` in [-1, 1], and a search begins where its ray has left the glass. Starts of rays that
-//! would have been sent from the same place are one.
+//! A point within the footprint has `u` and `v` in [-1, 1], and a search begins where its ray has left the glass.
+//! Starts whose rays would have been sent from the same place are merged.
 //!
-//! Deviations: photons carry no light, and their number says nothing. They are sent in the middle of the shutter's time. Their cells
-//! are around the surface where they arrive: what is smaller than a footprint, before that surface, may be missed, and what faces
-//! between two photons alone do to light. Of very many lights and solids, each light has those that are largest from there.
+//! Deviations: photons carry no flux; they only seed the manifold search, so their density has no meaning. They are
+//! sent at mid-shutter. Their cells are around the surface where they arrive: objects smaller than a footprint in front
+//! of that surface may be missed, and so may refracting features smaller than the photon spacing. With very many lights
+//! and solids, each light uses the solids that look largest from it.
 
 mod send;
 
@@ -20,21 +21,22 @@ use glam::{IVec3, Mat2, Vec2, Vec3};
 use halfdome_kernel::geometry::Aabb;
 use std::collections::HashMap;
 
-/// The least and the greatest extent of a footprint, as a part of the body's radius: what is spread more widely is faint.
+/// The least and the greatest extent of a footprint, as a part of the body's radius: wider footprints are faint.
 const EXTENTS: [f32; 2] = [0.01, 0.5];
 /// The least width of a cell, as a part of its distance from the origin.
 const LEAST_CELL: f32 = 1e-6;
-/// How far beside a footprint's plane a point may be, as a part of its length: where it folds, the second derivative counts.
+/// The allowed distance of a point from a footprint's plane, relative to its length: where it folds, the second
+/// derivative matters.
 const FOLD: f32 = 0.25;
 /// The most photons of a cell, ...
 const OF_CELL: usize = 48;
 /// ... and the most starts for a point.
 const MOST_STARTS: usize = 32;
 
-/// Where light of points, spots and suns arrives.
+/// A map of the refracted light of points, spots and suns.
 #[derive(Debug, Default)]
 pub(in crate::world) struct Photons {
-    /// By the number of the light.
+    /// Photons by the index of the light.
     lights: HashMap<u32, LightPhotons>,
 }
 
@@ -58,27 +60,28 @@ struct Photon {
     origin_by: [Vec3; 2],
     direction_by: [Vec3; 2],
     sent: Sent,
-    /// How wide its source is, as an angle: by this times its way behind the glass, light from elsewhere on it arrives beside it.
+    /// The angular size of its source: times the distance behind the glass it is the offset of light from elsewhere on
+    /// the source.
     blur: f32,
 }
 
-/// Where a photon has been sent: of a sun, its origin, and of others its direction.
+/// The emission of a photon: for a sun its origin, for other lights its direction.
 #[derive(Clone, Copy, Debug)]
 struct Sent {
     at: Vec3,
-    /// For one sent beside it.
+    /// The change for a photon sent beside it.
     by: [Vec3; 2],
 }
 
-/// Where a search begins.
+/// The start of a search.
 #[derive(Clone, Copy, Debug, Default)]
 struct Start {
     direction: Vec3,
-    /// Where a photon that comes from there would have been sent, ...
+    /// The emission of a photon that arrives there, ...
     sent: Vec3,
     /// ... and how far apart photons were.
     apart: f32,
-    /// How far the point is from the middle of the footprint: the less, the likelier is a way near the start.
+    /// The distance of the point from the middle of the footprint: the less, the likelier is a path near the start.
     off: f32,
 }
 
@@ -153,7 +156,7 @@ impl Photons {
 }
 
 impl LightPhotons {
-    /// Those of all photons around a point.
+    /// The starts of all photons around a point.
     fn starts(&self, point: Vec3) -> impl Iterator<Item = Start> {
         let is_within =
             self.bounds.is_some_and(|bounds| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all());
@@ -193,7 +196,7 @@ impl LightPhotons {
         }
     }
 
-    /// Takes note of a photon in a cell that it may light, if none of the cell has a start close to its own that is better.
+    /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
     fn add_to(&mut self, at: IVec3, level: i32, number: u32) {
         let width = (level as f32).exp2();
         let center = width * (at.as_vec3() + 0.5);

@@ -1,4 +1,4 @@
-//! Colours by which a picture tells lights apart: a hue for each emissive mesh, each punctual light and the sky.
+//! Distinct colours of lights in a picture: a hue for each emissive mesh, each punctual light and the sky.
 
 use glam::{Vec3, Vec4};
 
@@ -20,8 +20,8 @@ impl World {
         }
     }
 
-    /// The names of all lights, with the colours, in linear sRGB, by which the integrator `heat-lights` tells them apart: the sky, punctual lights, meshes that emit. Without a name of its own a
-    /// light has its number.
+    /// The names of all lights, with the colours, in linear sRGB, of the integrator `heat-lights`: the sky, punctual
+    /// lights, meshes that emit. Without a name of its own a light has its number.
     pub fn light_colors(&self) -> Vec<(String, Vec3)> {
         let sky = (self.lights.sky.mean() != Vec3::ZERO).then(|| (SKY.to_owned(), color(0)));
         let punctual = self.light_labels.iter().enumerate().map(|(number, label)| {

@@ -1,4 +1,4 @@
-//! What surfaces and lights are called, for masks and light path expressions.
+//! Names of surfaces and lights, for masks and light path expressions.
 
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ impl World {
     }
 }
 
-/// What lights are called that have no name, and the sky.
+/// The labels of lights without a name, and of the sky.
 const REST: &str = "rest";
 pub(super) const SKY: &str = "sky";
 
@@ -64,7 +64,7 @@ impl World {
         })
     }
 
-    /// Of each punctual light, in the scene's order, the names of its group and itself.
+    /// The names of the group and of the light itself, for each punctual light in the scene's order.
     pub(crate) fn punctual_labels(&self) -> impl Iterator<Item = [String; 2]> {
         self.light_labels.iter().map(|LightLabel { name, group }| {
             let name = first_name([name, ""]);
@@ -72,7 +72,7 @@ impl World {
         })
     }
 
-    /// Those of the sky.
+    /// The labels of the sky.
     pub(crate) fn sky_labels() -> [String; 2] {
         [SKY; 2].map(str::to_owned)
     }

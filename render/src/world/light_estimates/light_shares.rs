@@ -1,4 +1,4 @@
-//! Which part of the light samples each light gets, for whoever wants to know why a picture is noisy.
+//! The share of light samples that each light gets, to explain noise in pictures.
 
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
@@ -15,7 +15,7 @@ const CHOICES: u32 = 8;
 /// fronts. The sum is 1 unless no point receives light.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightShares {
-    /// Of all emissive triangles of each material.
+    /// The share of all emissive triangles of each material.
     pub materials: Vec<f64>,
     /// Of each punctual light, in the scene's order.
     pub punctual: Vec<f64>,

@@ -1,9 +1,9 @@
-//! How much of what shines from infinitely far away reaches the surfaces that a picture shows, estimated.
+//! An estimate of the part of the visible surfaces that lights at infinity reach.
 //!
-//! In a room the sky and the sun could send more to each point than all lamps, but walls stand in between, and the
-//! lamps would get a few samples in a hundred. So their weights are multiplied by the part of the points that they
-//! reach: of those that the camera sees and those that these see, by the cosine. It says how often a light is chosen,
-//! not what it is worth, so that a poor estimate makes noise and no bias.
+//! In a room the unoccluded sky and sun would outweigh all lamps, but walls block them, and the lamps would get few
+//! samples. So their weights are multiplied by the fraction of points that they reach, among camera hits and the hits
+//! of cosine-distributed rays from there. This only affects the probability of a light, so a poor estimate causes noise
+//! but no bias.
 
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Pattern, Sampler};
@@ -12,7 +12,7 @@ use super::seen_points::SeenPoints;
 use crate::light::SkyPart;
 use crate::world::{Surface, World};
 
-/// What lies in the shadow nearly everywhere counts as if it reached this part of the points.
+/// The least visibility, for lights that are occluded nearly everywhere.
 const LEAST: f32 = 0.05;
 
 impl World {

@@ -1,9 +1,9 @@
-//! Which triangles are so fiercely lit that paths had better aim at them.
+//! Selects secondary lights: triangles lit so strongly that they are sampled like lights.
 //!
-//! A triangle counts as lit if lights give one of its sides many times the radiance that bounces find on average where
-//! the picture's paths come, and if it is so small that they seldom find it. Of those the fiercest are kept, if they
-//! are worth it: if what they send makes much of the variance, and if most of the rays that are aimed at them arrive.
-//! As all of this only says where to aim, an error costs time and makes no bias.
+//! A triangle counts as lit if lights give one of its sides many times the mean radiance that bounces of the picture's
+//! paths find, and if it is so small that bounces rarely hit it. The brightest ones are kept, if that pays: if their
+//! light causes much of the variance, and most of the rays sent to them arrive. As this only affects sampling, an error
+//! costs time but causes no bias.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -17,26 +17,26 @@ use super::seen_points::SeenPoints;
 use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
 use crate::world::{Hit, World};
 
-/// A lit triangle is so many times as bright as the mean.
+/// A lit triangle is at least this many times as bright as the mean.
 const FIERCE: f32 = 8.0;
-/// The part of all surfaces that one may be, and that all of them may be.
+/// The largest part of the total area for one such triangle, and for all of them.
 const SMALL: f64 = 1e-3;
 const ALL_SMALL: f64 = 0.02;
-/// The part of their power that those have which are kept, and their number.
+/// The part of their power that is kept, and the greatest number of triangles.
 const MOST_POWER: f64 = 0.995;
 const MOST: usize = 1 << 11;
-/// The part of the scene's light that they send, times how much brighter than the mean they are, is about the variance
-/// that bounces have by them. Where it is less than this, bounces do.
+/// Their share of the scene's light, times their brightness relative to the mean, is about the variance that they cause
+/// in bounces. Below this value bounces suffice.
 const LEAST_GAIN: f32 = 0.5;
-/// The part of the aimed rays that must arrive.
+/// The least part of rays towards them that must be unoccluded.
 const LEAST_SEEN: f32 = 0.3;
-/// Paths are sure to aim from this multiple of the mean irradiance on: found by trial, as a ray has its price.
+/// From this multiple of the mean irradiance on paths always sample them: found by trial.
 const AIM_FROM: f32 = 8.0;
-/// By which one finds out how far light gets that leaves a triangle.
+/// Rays that measure how far the light of a triangle reaches.
 const REACH_RAYS: u32 = 512;
 
 impl World {
-    /// Looks for lit triangles.
+    /// Finds the secondary lights.
     pub(crate) fn find_lit_triangles(&mut self, points: &SeenPoints) {
         let Some(lit) = self.worthy_lit_triangles(points) else { return };
         for &prim_id in lit.prims() {
@@ -47,7 +47,7 @@ impl World {
         self.lights.lit = lit;
     }
 
-    /// Knows of none.
+    /// Removes all secondary lights.
     pub(crate) fn forget_lit_triangles(&mut self) {
         for prim_id in self.plain_lit.drain(..) {
             self.triangle_records[prim_id as usize].is_plain = 1;
@@ -55,9 +55,9 @@ impl World {
         self.lights.lit = LitTriangles::default();
     }
 
-    /// Those that are worth aiming at.
+    /// The triangles that are worth sampling.
     fn worthy_lit_triangles(&self, points: &SeenPoints) -> Option<LitTriangles> {
-        // What is far away lights nothing fiercely.
+        // Distant lights do not light small triangles strongly.
         let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
         let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
         if lit.is_empty() {
@@ -68,7 +68,7 @@ impl World {
         let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
         let mut lit = LitTriangles::new(lit, reach, self.triangle_records.len());
         let [received, reached] = self.mean_received(&lit, points);
-        // What bounces find, and how much of it and how much brighter than it lit triangles are.
+        // The mean radiance of bounces, and the share and the relative brightness of lit triangles.
         let found = mean + received * FRAC_1_PI;
         let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
         lit.aim_from(AIM_FROM * PI * found, PI * mean);
@@ -125,7 +125,7 @@ impl World {
         [received, reached].map(|sum| sum / count.max(1) as f32)
     }
 
-    /// How far light gets that leaves a lit triangle, and what is beyond the scene counts as far.
+    /// The reach of a lit triangle's light; misses count as far.
     fn reach(&self, prim_id: u32, light: &TriangleLight) -> Reach {
         let sampler = |number| Sampler::new(Pattern::Sobol, 0, prim_id, number);
         let ray = |number: u32| {

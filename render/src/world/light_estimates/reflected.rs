@@ -1,7 +1,7 @@
-//! What triangles reflect of the lights' own light, about.
+//! An approximation of the direct light that triangles reflect.
 //!
-//! Irradiance is estimated as lights are chosen, without shadows, times the part of a few shadow rays that are free.
-//! What comes from the sky is left out, and a material counts by its mean albedo.
+//! Irradiance is the light tree's estimate without shadows, times the unoccluded fraction of a few shadow rays. The sky
+//! is left out, and a material has its mean albedo.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -15,11 +15,11 @@ use crate::light::{Light, Receiver, SkyPart, TriangleLight, luminance_weight};
 use crate::scene::PunctualLight;
 use crate::world::{Surface, World};
 
-/// By which one finds out how much of the light arrives at a triangle.
+/// Shadow rays that estimate how much of the light arrives at a triangle.
 const SHADOW_RAYS: u32 = 16;
-/// The same, at a point that stands for many.
+/// The same, at a point that represents many.
 const POINT_SHADOW_RAYS: u32 = 4;
-/// What is so many times as bright as the mean does not count in full in a mean of few.
+/// Values above this multiple of the mean are clamped in a mean of few.
 const OUTLIER: f32 = 8.0;
 
 impl World {

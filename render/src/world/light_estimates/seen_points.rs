@@ -1,5 +1,5 @@
-//! A few points of surfaces that paths come to: those that the camera sees, or at which light is asked for, and those
-//! that these see by the cosine.
+//! A sample of surface points that paths reach: camera hits or requested points, and the hits of cosine-distributed
+//! rays from there.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -15,7 +15,7 @@ const SIDE: u32 = 32;
 /// The points that are begun with, at most.
 const POINTS: usize = (SIDE * SIDE) as usize;
 
-/// Where light is to be found. It says what a [`World`] prepares for, which makes a difference for noise alone.
+/// The points at which light is needed. A [`World`] prepares for them, which affects only noise.
 #[derive(Clone, Copy, Debug)]
 pub enum LookFrom<'a> {
     /// In a picture of its camera.
@@ -53,12 +53,12 @@ enum SeenPoint {
 }
 
 impl SeenPoints {
-    /// Those from which rays were scattered, with normals that face whoever sees them.
+    /// The surfaces from which rays were scattered, with normals that face the viewer.
     pub(crate) fn all<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.seen.iter().chain(&self.next).map(|point| point.surface(world))
     }
 
-    /// Those that scattered rays met.
+    /// The surfaces that scattered rays hit.
     pub(super) fn scattered<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.next.iter().chain(&self.last).map(|point| point.surface(world))
     }
@@ -149,7 +149,7 @@ impl World {
         points.iter().zip(0..).filter_map(ray).collect()
     }
 
-    /// Where rays hit something.
+    /// Hits of rays.
     fn points_along(&self, rays: &[Ray]) -> Vec<SeenPoint> {
         let mut hits = vec![Hit::MISS; rays.len()];
         self.intersect_many(rays, &mut hits);

@@ -1,9 +1,9 @@
-//! Objects that are kept once and seen at many places: a tree for each object, and one over all instances.
+//! Instances: a tree for each object, and one over all instances.
 //!
-//! So are triangles that move by themselves, in a tree of their own.
+//! Triangles that move between keys are in a tree of their own.
 //!
 //! Rays go through the tree of all other triangles first, in streams, and then, shortened, from instance to instance. A
-//! hit's triangle is that of the object; an [`InstanceRecord`] takes it to the world.
+//! hit refers to the object's triangle; an [`InstanceRecord`] transforms it to the world.
 //!
 //! A point of a triangle is off by the rounding of three multiplications and sums and by that of the local ray, whose
 //! origin is rounded in the object's coordinates: so rays start farther away from it than from other triangles.
@@ -43,17 +43,17 @@ pub(crate) struct InstanceRecord {
 #[derive(Debug)]
 pub(crate) struct Instances {
     scene: Scene<'static>,
-    /// For each item of the scene the number of its object's first triangle.
+    /// The index of the first triangle of each item's object.
     first_prims: Vec<u32>,
-    /// Those of the items, after that of the world itself.
+    /// The records of the items, after that of the world itself.
     records: Vec<InstanceRecord>,
     /// The item that has the triangles that move by themselves, in the world's coordinates.
     moving: Option<u32>,
-    /// How many reach beyond what coordinates may be, and are not seen.
+    /// How many exceed the coordinate limits, and are invisible.
     pub(crate) out_of_range: usize,
 }
 
-/// Rays whose hits with instances are looked for at once.
+/// Rays that are traced through instances together.
 const BATCH: usize = 64;
 
 impl InstanceRecord {
@@ -83,7 +83,7 @@ impl InstanceRecord {
         Self { axes, translation, scale, side, ..self }
     }
 
-    /// Where corners of this triangle are, its unit normal on the front, and how far from its plane rays start.
+    /// The corners of this triangle, its unit normal on the front, and the offset of ray origins from its plane.
     #[inline(always)]
     pub(crate) fn place(&self, corners: &Triangle, offset: f32) -> (Triangle, Vec3, f32) {
         let [x, y, z] = self.axes;
@@ -101,7 +101,7 @@ impl InstanceRecord {
         }
     }
 
-    /// How it turns directions.
+    /// The rotation of directions.
     pub(crate) fn turn(&self) -> Turn {
         Turn::new(Mat3::from_cols(self.axes[0], self.axes[1], self.axes[2]))
     }
@@ -278,13 +278,13 @@ impl Batch {
 }
 
 impl World {
-    /// What is known of each instance; `None` if all triangles are in world space.
+    /// The record of each instance; `None` if all triangles are in world space.
     #[inline(always)]
     pub(crate) fn instance_records(&self) -> Option<&[InstanceRecord]> {
         self.instances.as_ref().map(Instances::records)
     }
 
-    /// Where a mesh is, once or as an instance many times.
+    /// The transforms of a mesh, one or many.
     pub(crate) fn placements_of(&self, mesh: &Mesh) -> Vec<Affine3A> {
         if mesh.object.is_none() {
             return vec![Affine3A::IDENTITY];

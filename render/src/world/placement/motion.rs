@@ -1,8 +1,8 @@
-//! What moves while the shutter is open, ready to be traced.
+//! Moving geometry, prepared for tracing.
 //!
-//! Every path has a time, and so have its hits ([`Hit::time`]). Rays without one see the world as it is in the middle, where
-//! the records of triangles, instances and lights have it; so does whoever estimates how much light there is. A point's place
-//! at another time is interpolated just as the kernel does it.
+//! Every path has a time, and so have its hits ([`Hit::time`]). Rays without a time see the world at the middle time,
+//! which is also the time of the records of triangles, instances and lights, and of light estimates. A point's position
+//! at another time is interpolated exactly as in the kernel.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,13 +25,13 @@ pub(crate) struct Motion {
     instances: BTreeMap<usize, Arc<[Affine3A]>>,
     /// Each punctual light that moves, by its number in the scene.
     lights: BTreeMap<usize, Vec<PunctualLight>>,
-    /// The camera's poses, none if it stands still.
+    /// The camera's poses, empty if it is static.
     cameras: Vec<CameraPose>,
     shutter: scene::Motion,
 }
 
 impl Motion {
-    /// Of the meshes that these numbers name, whose triangles have numbers from `first` on.
+    /// The motion of the meshes with the indices `moving`, whose triangles have indices from `first` on.
     pub(crate) fn new(mut motion: scene::Motion, meshes: &[Mesh], moving: &[usize], first: u32) -> Self {
         let at = |key: usize| {
             let corners = |number: &usize| {
@@ -102,12 +102,12 @@ impl Motion {
         self.shutter.time(u)
     }
 
-    /// The camera's poses at the keys, none if it stands still.
+    /// The camera's poses at the keys, empty if it is static.
     pub(crate) fn cameras(&self) -> &[CameraPose] {
         &self.cameras
     }
 
-    /// Lets the camera stand still.
+    /// Makes the camera static.
     pub(crate) fn stop_camera(&mut self) {
         self.cameras.clear();
     }
@@ -117,7 +117,7 @@ impl Motion {
         self.moment(time)
     }
 
-    /// A punctual light, by its number in the scene, where it is at a time; `None` if it stands still.
+    /// A punctual light, by its number in the scene, where it is at a time; `None` if it is static.
     pub(crate) fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
         let keys = self.lights.get(&number)?;
         let moment = self.moment(time);

@@ -1,7 +1,7 @@
-//! Surfaces, emitters and lights where they are at the time of a path.
+//! Surfaces, emitters and lights at the time of a path.
 //!
-//! Vertex normals and tangents are those of the middle of the shutter's time, turned as the triangle has turned since: by the
-//! linear map of its edges and its normal.
+//! Vertex normals and tangents are those of the middle of the shutter's time, rotated with the triangle: by the linear
+//! map of its edges and its normal.
 
 use glam::Mat3;
 use halfdome_kernel::Triangle;
@@ -10,7 +10,7 @@ use crate::light::area;
 use crate::scene::{PunctualLight, Turn};
 use crate::world::{Hit, InstanceRecord, Motion, TriangleRecord, World};
 
-/// How a triangle has turned; `None` if it was or is a line.
+/// The rotation of a triangle; `None` if it was or is a line.
 fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
     let frame = |[a, b, c]: &Triangle| {
         let [b, c] = [(b - a).as_dvec3(), (c - a).as_dvec3()];
@@ -25,7 +25,7 @@ fn turn_between(from: &Triangle, to: &Triangle) -> Option<Turn> {
 }
 
 impl World {
-    /// What moves, if anything does.
+    /// Motion, if there is any.
     pub(crate) fn motion(&self) -> Option<&Motion> {
         self.motion.as_ref()
     }

@@ -1,5 +1,5 @@
-//! Closures of surfaces. Of a material without maps they differ by side alone, and are made once; where the base colour alone
-//! varies, what does not depend on it is.
+//! Closures of surfaces. For a material without maps they depend only on the side, and are made once; where only the
+//! base colour varies, the parts independent of it are made once.
 
 use std::sync::OnceLock;
 
@@ -10,15 +10,15 @@ use crate::world::{Surface, World};
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
 pub(crate) type ClosureCell = OnceLock<MaterialClosures>;
 
-/// What is known of a material's closures before its surfaces are.
+/// The precomputed closures of a material.
 #[derive(Debug)]
 pub(crate) struct MaterialClosures {
     varies: Varies,
-    /// From outside and from inside, without maps.
+    /// The closures from outside and from inside, without maps.
     sides: [Closure; 2],
 }
 
-/// Which of a material's inputs differ from point to point.
+/// The inputs of a material that vary over a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Varies {
     Nothing,

@@ -1,4 +1,4 @@
-//! What closures are made from: a material's inputs at a point, with its textures.
+//! A material's inputs at a point, with its textures, from which closures are made.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::scene::{CoatNormal, MeshPoint};
 use crate::world::{Hit, Surface, World};
 
 impl World {
-    /// What kind of closure a triangle's material needs.
+    /// The kind of closure of a triangle's material.
     #[inline(always)]
     pub(crate) fn kind(&self, prim_id: u32) -> Kind {
         self.kinds[self.triangle_records[prim_id as usize].material as usize]
@@ -19,8 +19,8 @@ impl World {
         self.has_closures
     }
 
-    /// Whether a triangle's material scatters nearly as a diffuse surface of its albedo would, so that what it reflects may be
-    /// told by its irradiance where means over many such points are taken.
+    /// Whether a triangle's material scatters nearly as a diffuse surface of its albedo would, so that its reflected
+    /// light may be computed from its irradiance in means over many such points.
     pub(crate) fn is_nearly_diffuse(&self, prim_id: u32) -> bool {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
         self.kind(prim_id) == Kind::Matte || material.is_nearly_diffuse()
@@ -114,7 +114,7 @@ mod tests {
         for (number, turn) in turns.into_iter().enumerate() {
             let (with, against) = if number == 2 { (left, right) } else { (right, left) };
             for from_above in [true, false] {
-                // From below all normals are the opposite ones.
+                // Seen from below all normals are reversed.
                 let side = if from_above { 1.0 } else { -1.0 };
                 for (coat, expected) in [
                     (CoatNormal::OfBase, with),

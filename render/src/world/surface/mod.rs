@@ -1,10 +1,10 @@
-//! Surfaces: what the world is where a ray meets it.
+//! Surfaces: the world at a ray's hit.
 //!
-//! Most triangles are plain: all that a hit tells of them is in their [`TriangleRecord`] and their material. Vertex normals and
-//! textures are looked up for the others alone; see [`bsdf`](crate::bsdf) for closures.
+//! Most triangles are plain: all their data is in their [`TriangleRecord`] and their material. Vertex normals and
+//! textures are looked up only for the others; see [`bsdf`](crate::bsdf) for closures.
 //!
-//! What is on a path's way is inlined by force: a surface whose address is passed on lives in memory, written in small
-//! pieces and read in large ones, which processors are slow at.
+//! Functions on the hot path are force-inlined: a surface whose address is passed lives in memory, written in small
+//! pieces and read in large ones, which is slow (failed store forwarding).
 
 pub(super) mod closures;
 mod inputs;
@@ -26,7 +26,7 @@ use rounding::rounded;
 /// The material of whatever measures light, or just scatters it.
 pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material::matte(Vec3::ONE));
 
-/// Where a ray met the world.
+/// The hit of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'w> {
     pub position: Vec3,
@@ -44,11 +44,11 @@ pub(crate) struct Surface<'w> {
     pub diffuse: Vec3,
     /// Radiance emitted here, from the sides that emit.
     pub emission: Vec3,
-    /// How far from the triangle's plane rays start, or from the point where it is [rounded](rounding).
+    /// The offset of ray origins from the triangle's plane, or from the point where it is [rounded](super::rounding).
     pub offset: f32,
-    /// How far the front and the back are rounded.
+    /// The offsets of the front and the back.
     pub rounding: Rounding,
-    /// By how much the refractive index is greater than the material's, at the wavelength of whoever asks.
+    /// The refractive index minus the material's, at the path's wavelength.
     pub dispersed: f32,
     pub prim_id: u32,
     /// As [`Hit::instance`].
@@ -64,7 +64,7 @@ pub(crate) struct Surface<'w> {
     pub material: &'w Material,
 }
 
-/// What differs between the points of a triangle that is not plain.
+/// Data that varies over a triangle that is not plain.
 struct Details {
     normal: Vec3,
     smooth_normal: Vec3,
@@ -163,7 +163,7 @@ impl World {
         surface
     }
 
-    /// What vertices and textures say.
+    /// Data of vertices and textures.
     #[inline(never)]
     fn details(&self, face: &TriangleRecord, hit: &Hit, weights: [f32; 3]) -> Details {
         let normal = face.normal;
@@ -237,15 +237,14 @@ pub(crate) fn interpolate(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
 }
 
 impl Surface<'_> {
-    /// Where a ray starts that leaves in `direction`.
+    /// The origin of a ray that leaves in `direction`.
     #[inline(always)]
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_point(self.position, self.normal, self.offset, direction)
     }
 
-    /// Where a ray from `point` ends that comes as far as this surface, and does not hit it. Its test sees the corners at
-    /// the distance of `point`, and errs by units in the last place of that, which are more than those of a ray that
-    /// leaves.
+    /// The end of a ray from `point` to this surface, just before a hit. Its test has errors of the last place at the
+    /// distance of `point`, which are more than those of a ray that leaves.
     #[inline(always)]
     pub(crate) fn end_from(&self, point: Vec3) -> Vec3 {
         const ERROR: f32 = 8.0 / (1u32 << 24) as f32;
@@ -281,7 +280,7 @@ impl Surface<'_> {
         Self { shading_normal: self.smooth_normal, ..self }
     }
 
-    /// What lights are chosen by.
+    /// The receiver for the choice of lights.
     #[inline(always)]
     pub(crate) fn receiver(&self) -> Receiver {
         Receiver::new(self.position, self.shading_normal, self.transmits)

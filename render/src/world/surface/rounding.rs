@@ -1,16 +1,18 @@
-//! Smooth surfaces on flat triangles: where a convex mesh has vertex normals, light arrives and leaves as at the round surface that
-//! the normals mean.
+//! Shadow terminators: where a convex mesh has vertex normals, light arrives and leaves as at the round surface that
+//! the normals describe.
 //!
-//! A light below the plane of a triangle may be above the plane of its vertex normals. The triangle's own plane would end the light
-//! there, facet by facet, and the shadow's edge on a ball be a staircase. So the side of a surface is that of its vertex normal, and
-//! rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is on or above the planes about its corners and so
-//! above the facets around (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
+//! A light below the plane of a triangle may be above the plane of its vertex normals. The triangle's own plane would
+//! cut off the light there, facet by facet, and the shadow terminator on a ball would be a staircase. So the side of a
+//! surface is that of its vertex normal, and rays start at the point `p' = Σ wᵢ (p - min(0, (p - pᵢ)·nᵢ) nᵢ)`, which is
+//! on or above the planes about its corners and so above the facets around (Hanika, "Hacking the Shadow Terminator",
+//! Ray Tracing Gems II, 2021).
 //!
-//! What stands on a floor bulges below it near its foot. So a point is lifted half of the way to whatever else is there, at most.
+//! The round surface of an object on a floor may extend below the floor. So a point is lifted at most half of the
+//! distance to the next surface.
 //!
-//! Deviations: of `p'` its height above the triangle counts alone; triangles that are not convex, whose normals lean by more than
-//! [`STEEPEST`], that emit or let light through stay flat, for there a ray from such a point would meet what it left, or start on
-//! the wrong side.
+//! Deviations: only the height of `p'` above the triangle is used; triangles that are not convex, whose normals deviate
+//! by more than [`STEEPEST`], that emit or transmit light stay flat, as there a ray from such a point would hit its own
+//! surface, or start on the wrong side.
 
 use glam::Vec3;
 use halfdome_kernel::{Ray, Triangle, triangle_normal};
@@ -21,24 +23,25 @@ use crate::world::{Hit, World};
 
 /// The least cosine between a triangle and its vertex normals, of 30°.
 const STEEPEST: f32 = 0.866;
-/// How far a corner may be above the plane of another's normal, as a part of their distance: less is rounding.
+/// The height of a corner above the plane of another's normal, relative to their distance, below which it counts as
+/// rounding.
 const LEAST: f32 = 1e-4;
-/// A height that is less than this part of a ray's length is not seen, and no ray looks for what is there.
+/// A height below this part of a ray's length is not visible, and needs no ray.
 const UNSEEN: f32 = 1e-4;
 
-/// On which side a triangle bulges to the round surface of its vertex normals: transforms leave that as it is.
+/// The side on which the round surface of its vertex normals rises above a triangle: transforms preserve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bulge {
-    /// On neither, or it is to stay flat.
+    /// On neither side, or the triangle is to stay flat.
     None,
     /// On the side of the normals.
     Front,
-    /// On the other.
+    /// On the other side.
     Back,
 }
 
 impl Bulge {
-    /// That of each triangle of a mesh.
+    /// The convexity of each triangle of a mesh.
     pub(crate) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
         let can_round = !mesh.normals.is_empty() && material.is_opaque_and_dark();
         mesh.triangles.iter().enumerate().map(move |(face, triangle)| {
@@ -70,7 +73,8 @@ impl Bulge {
     }
 }
 
-/// How high a point of the round surface is above a triangle, on its front and on its back; less than 0 where that is flat.
+/// The height of the round surface above a point of a triangle, on its front and on its back; less than 0 where that is
+/// flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rounding {
     front: f32,
@@ -78,10 +82,11 @@ pub(crate) struct Rounding {
 }
 
 impl Rounding {
-    /// Of what is flat, or stays so.
+    /// A flat triangle, or one that is to stay flat.
     pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
 
-    /// At the point with these weights of a triangle with unit normals at its corners, on the side of its own.
+    /// The heights above the point with these weights in a triangle. `normals` are the unit normals of its corners, on
+    /// the side of its own.
     pub(crate) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
         let side = match bulge {
             Bulge::None => return Self::FLAT,
@@ -89,13 +94,14 @@ impl Rounding {
             Bulge::Back => -1.0,
         };
         let point: Vec3 = (0..3).map(|i| weights[i] * corners[i]).sum();
-        // What the point is below each corner's plane, along the triangle's normal.
+        // The point's depth below each corner's plane, along the triangle's normal.
         let depth = |i: usize| (side * normals[i].dot(corners[i] - point)).max(0.0) * normals[i].dot(normal);
         let lift: f32 = (0..3).map(|i| weights[i] * depth(i)).sum::<f32>().max(0.0);
         if bulge == Bulge::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
     }
 
-    /// On its round side no higher than `free` says of a height there, if that is any: the side is 1 for the front, or -1.
+    /// Bounds the height on the round side, if any, by `free(height, side)`: the side is 1 for the front, -1 for the
+    /// back.
     #[inline]
     pub(crate) fn below(self, free: impl FnOnce(f32, f32) -> f32) -> Self {
         let Self { front, back } = self;
@@ -117,8 +123,8 @@ impl Rounding {
 }
 
 impl World {
-    /// How far a hit's point just above its triangle, `origin`, may be lifted along the triangle's normal: what is in the way along the
-    /// smooth one decides.
+    /// The height by which a hit's `origin`, just above its triangle, may be lifted along the triangle's normal, given
+    /// the obstacles along the smooth normal.
     pub(super) fn free_lift(&self, hit: &Hit, origin: Vec3, [normal, smooth]: [Vec3; 2], lift: f32) -> f32 {
         if hit.t.is_finite() && lift < UNSEEN * hit.t {
             return lift;
@@ -129,8 +135,8 @@ impl World {
     }
 }
 
-/// The normal of a round surface as `wo` sees it, and how far from the point rays start that would be `offset` away from the
-/// triangle, and now are higher by `lift`.
+/// The normal of a round surface as seen from `wo`, and the offset of ray origins: `offset` from the triangle, plus
+/// `lift`.
 #[inline]
 pub(super) fn rounded(normal: Vec3, smooth: Vec3, wo: Vec3, (offset, lift): (f32, f32)) -> (Vec3, f32) {
     let round = bent_normal(normal, smooth, wo);

@@ -1,8 +1,8 @@
-//! Shading records: what is known of triangles, their materials and their lights, in eight words or a multiple. Whoever shades
-//! many surfaces turns records into columns.
+//! Shading records: the data of triangles, their materials and their lights, in eight words or a multiple. Shading of
+//! many surfaces transposes records into columns.
 //!
-//! A triangle is *plain* if nothing varies over it. All that is to know of it is then in its own record and its
-//! material's. A light has a record besides; vertex normals do not matter to it if they agree which side is the front.
+//! A triangle is *plain* if nothing varies over it. All its data is then in its own record and its material's. A light
+//! has another record; its vertex normals only matter if they disagree on the front.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -12,14 +12,14 @@ use crate::material::Kind;
 use crate::scene::Material;
 use crate::world::World;
 
-/// A triangle, with what most hits need to know of it in one cache line.
+/// A triangle, with the data that most hits need in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleRecord {
     pub(crate) corners: Triangle,
     /// Unit normal by the winding.
     pub(crate) normal: Vec3,
-    /// How far from its plane rays start.
+    /// The offset of ray origins from its plane.
     pub(crate) offset: f32,
     pub(crate) mesh: u32,
     pub(crate) material: u32,
@@ -27,7 +27,7 @@ pub(crate) struct TriangleRecord {
     pub(crate) is_plain: u32,
 }
 
-/// What a material says of plain triangles.
+/// The data of a material for plain triangles.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct MaterialRecord {
@@ -48,7 +48,7 @@ pub(crate) struct EmitterRecord {
     pub(crate) corners: Triangle,
     /// Unit normal, on the side that emits if there is only one.
     pub(crate) normal: Vec3,
-    /// How far from its plane rays start.
+    /// The offset of ray origins from its plane.
     pub(crate) offset: f32,
     pub(crate) emission: Vec3,
     pub(crate) area: f32,
@@ -68,7 +68,7 @@ impl TriangleRecord {
 }
 
 impl MaterialRecord {
-    /// What `material` says.
+    /// The record of `material`.
     pub(crate) fn of(material: &Material) -> Self {
         let Material { emission, emits_both_sides, .. } = *material;
         let (diffuse, kind) = (material.mean_diffuse(), material.kind() as u32);
@@ -82,7 +82,7 @@ impl MaterialRecord {
 }
 
 impl EmitterRecord {
-    /// What stands for lights of other kinds.
+    /// The value for lights of other kinds.
     pub(crate) const NONE: Self = Self {
         corners: [Vec3::ZERO; 3],
         normal: Vec3::ZERO,

@@ -16,7 +16,7 @@ fn an_unchanged_level_is_up_to_date_and_a_changed_one_says_what_changed() {
         assert!(talk("").contains("out.gltf is up to date"));
         assert!(talk("--threads 2").contains("up to date"), "threads do not matter");
         assert!(program.files() == before);
-        // A map that somebody changed is made again.
+        // A changed map is made again.
         fs::write(program.folder.join("out-0.exr"), "not a map").unwrap();
         assert!(talk("").contains("out-0.exr was changed since it was written"));
         assert!(program.files() == before);

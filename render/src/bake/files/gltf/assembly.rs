@@ -1,4 +1,4 @@
-//! The parts of a file put together: its JSON, old and new binary data, and what else a container holds.
+//! Assembles a file: its JSON, old and new binary data, and other chunks of a container.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::scene::SceneError;
 use crate::scene::formats::gltf::Document;
 use crate::scene::formats::gltf::container::Chunks;
 
-/// Where new binary data go.
+/// The place of new binary data.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Home {
     /// Behind the container's chunk, which is buffer 0, or is made.

@@ -17,7 +17,7 @@ use crate::scene::formats::gltf::{Document, accessor};
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// What is added to a file.
+/// Additions to a file.
 pub(super) struct Data {
     /// The buffer that it goes to.
     buffer: usize,

@@ -11,7 +11,7 @@ use crate::scene::formats::gltf::Document;
 /// The file's materials, and what becomes of them.
 pub(super) struct Materials<'a> {
     texts: Vec<&'a str>,
-    /// Those of which no copy is needed.
+    /// Materials that need no copy.
     in_place: BTreeSet<usize>,
     /// Number of the material that stands for an old one, or for none, on a page.
     numbers: BTreeMap<(Option<usize>, usize), usize>,

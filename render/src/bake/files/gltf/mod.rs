@@ -1,4 +1,4 @@
-//! Lightmaps put into the glTF file that they were baked for.
+//! Adds lightmaps to the glTF file that they were baked for.
 //!
 //! The file's JSON is changed as text (`text.rs`) and its binary data grow at the end, so that materials, names, extras
 //! and extensions that are unknown here survive byte for byte. What changes:
@@ -53,7 +53,7 @@ pub struct Page<'a> {
     pub embedded: Option<&'a [u8]>,
 }
 
-/// For whom.
+/// The engine that reads the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// Bevy, with a plugin that reads the extras.
@@ -67,7 +67,7 @@ pub enum Target {
 pub struct Patched {
     /// All its bytes: a GLB container if the old one is, else JSON.
     pub bytes: Vec<u8>,
-    /// What the user should know, one line each.
+    /// Warnings, one line each.
     pub warnings: Vec<String>,
 }
 
@@ -89,8 +89,8 @@ pub fn patch(path: &Path, bytes: &[u8], parts: &[Part], pages: &[Page], target: 
     Ok(Patched { bytes, warnings })
 }
 
-/// The files that the file whose `bytes` these are names, as it spells them: who puts the new file into another folder
-/// must bring them along.
+/// The files that the file with these `bytes` refers to, as it spells them: they must be copied along with the new
+/// file.
 ///
 /// # Errors
 /// If the file is broken.

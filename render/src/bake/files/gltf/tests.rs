@@ -1,4 +1,4 @@
-//! Files of odd spelling that are patched, and read again by the scene's loader and by the crate `gltf`.
+//! Files with unusual formatting that are patched, and read back by the scene's loader and by the crate `gltf`.
 
 use glam::Vec3;
 use serde_json::Value;

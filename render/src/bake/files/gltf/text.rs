@@ -1,4 +1,4 @@
-//! Changes to JSON as text: what is not changed keeps its bytes, be it numbers, escapes, spaces or the order of members.
+//! Changes to JSON as text: unchanged content keeps its bytes: numbers, escapes, spaces and the order of members.
 //!
 //! A value is the text that stands for it. `serde_json` finds where members and elements begin and end (`RawValue`
 //! borrows from the text); here strings are cut and joined. Texts are valid JSON of the kind that a function expects, as

@@ -1,4 +1,4 @@
-//! `halfdome bake --check-uv`: what is right and wrong with lightmap coordinates.
+//! `halfdome bake --check-uv`: a check of lightmap coordinates.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ fn pages(path: &Path, pages: usize) -> Vec<PathBuf> {
     if pages == 1 { vec![path.to_owned()] } else { (0..pages).map(numbered).collect() }
 }
 
-/// What was found, for people.
+/// The results as text.
 fn text(scene: &Scene, atlas: &Atlas, found: &Check) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {

@@ -1,5 +1,5 @@
-//! The files of a bake: the model, its maps, a manifest and a report. Each is put in its place in one step, the manifest
-//! last, so that a manifest only ever tells of files that are there.
+//! The files of a bake: the model, its maps, a manifest and a report. Each is replaced atomically, the manifest last,
+//! so that a manifest only names files that exist.
 
 mod pages;
 
@@ -21,7 +21,7 @@ use crate::cli::progress::job::accuracy_text;
 use crate::output::OutputFile;
 use crate::scene::{Scene, count};
 
-/// Where everything goes.
+/// The output paths.
 pub(super) struct Files {
     /// The model that is written.
     pub(super) model: PathBuf,
@@ -109,7 +109,7 @@ impl Files {
         Ok(files)
     }
 
-    /// What is written besides pages.
+    /// Output besides pages.
     pub(super) fn named(&self) -> Vec<&Path> {
         [Some(&self.model), Some(&self.manifest), self.report.as_ref()]
             .into_iter()
@@ -118,7 +118,7 @@ impl Files {
             .collect()
     }
 
-    /// Checks that pages can be written, and are none of the files that are read.
+    /// Checks that pages can be written, and are not among the input files.
     pub(super) fn check_pages(&self, pages: usize, options: &BakeOptions, inputs: &[PathBuf]) -> Result<(), CliError> {
         for page in 0..pages {
             let names = [Some(self.page(page, "exr")), self.map_name(page), self.directional_name(page, options)];
@@ -135,8 +135,8 @@ impl Files {
         hashes(scene, options, self.preset)
     }
 
-    /// Why files must be written anew although nothing that they depend on changed: what is asked for and was not written,
-    /// or is not as it was written; `None` if all is well.
+    /// The reason to rewrite files although their inputs are unchanged: requested files that were not written, or have
+    /// changed; `None` if there is none.
     pub(super) fn fault(&self, manifest: &Manifest) -> Option<String> {
         let asked = [Some(self.model.as_path()), self.report.as_deref()].into_iter().flatten();
         let is_new = |path: &&Path| manifest.outputs.iter().all(|output| output.file != self.relative(path));
@@ -263,7 +263,7 @@ impl Files {
         Ok(patched.bytes)
     }
 
-    /// What people want to know.
+    /// The summary as text.
     fn report(&self, scene: &Scene, bake: &Bake, warnings: &[String]) -> Report {
         let s = &bake.statistics;
         // No rays: a bake that was resumed counts its own alone, and its report is that of one that was not.

@@ -14,7 +14,7 @@ use crate::world::World;
 pub(crate) enum Inside {
     /// Wherever it is.
     Anywhere,
-    /// Where the file's camera stands.
+    /// The position of the file's camera.
     Camera,
     /// This one.
     At(Vec3),
@@ -32,7 +32,7 @@ impl Inside {
         }
     }
 
-    /// The places that all of them name; `None` if there are none. `eye` is where the file's camera stands.
+    /// The places that all of them name; `None` if there are none. `eye` is the position of the file's camera.
     ///
     /// # Errors
     /// If the file has no camera.
@@ -51,7 +51,7 @@ impl Inside {
     }
 }
 
-/// Finds what is left out, and says how much it is.
+/// Finds the surfaces to leave out, and prints how many they are.
 pub(super) fn left_out(scene: &Scene, world: &World, options: &BakeOptions, style: Style) -> Result<LeftOut, CliError> {
     let Some(places) = &options.skip_outside else { return Ok(LeftOut::default()) };
     let left_out = LeftOut::outside(scene, world, places)?;

@@ -1,4 +1,4 @@
-//! `halfdome bake --shard`: the light that a part of the texels finds without an irradiance cache, as a state of the bake.
+//! `halfdome bake --shard`: light of a part of the texels without an irradiance cache, as a state of the bake.
 
 use std::path::Path;
 use std::time::Instant;

@@ -26,12 +26,12 @@ use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
 use crate::watch::Watch;
 use crate::world::{LookFrom, World};
 
-/// What `halfdome cache` takes.
+/// The arguments of `halfdome cache`.
 #[derive(Subcommand, Clone, Debug)]
 pub(crate) enum CacheCommand {
-    /// Fill a cache for what the camera sees, and write it
+    /// Fill a cache for the camera's view, and write it
     Build(Box<BuildArguments>),
-    /// Show what is in a cache
+    /// Show the contents of a cache
     Info(InfoArguments),
     /// Merge caches of the same scene and options
     Merge(MergeArguments),
@@ -49,15 +49,15 @@ pub(crate) struct BuildArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Start from this cache of the same scene and options, and add what is missing
+    /// Start from this cache of the same scene and options, and add missing records
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -86,7 +86,7 @@ pub(crate) struct MergeArguments {
 }
 
 impl CacheCommand {
-    /// How its progress is shown.
+    /// The display of progress.
     pub(crate) fn progress(&self) -> Mode {
         match self {
             Self::Build(arguments) => arguments.common.progress,

@@ -1,4 +1,4 @@
-//! `halfdome cache show`: where records are and how far they reach.
+//! `halfdome cache show`: draws the positions and radii of records.
 
 use std::f32::consts::TAU;
 use std::fmt::Write as _;
@@ -42,11 +42,11 @@ pub(in crate::cli) struct ShowArguments {
     #[arg(long)]
     dots: bool,
 
-    /// What overrides the scene.
+    /// Overrides of the scene.
     #[command(flatten)]
     overriding: OverrideArguments,
 
-    /// How it runs.
+    /// Threads and progress.
     #[command(flatten)]
     pub(super) common: CommonArguments,
 }

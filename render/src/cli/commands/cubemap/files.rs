@@ -1,4 +1,4 @@
-//! The files of a cube map, each put in its place in one step, the manifest last.
+//! The files of a cube map, each replaced atomically, the manifest last.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::cubemap::{self, CubeMap, Face, Language, Level, unfold};
 use crate::output::{Map, OutputFile, Shape, Texture, ToneMapping, encode_exr, encode_hdr, encode_ktx2_texture, write};
 use crate::scene::count;
 
-/// Where everything goes.
+/// The output paths.
 pub(super) struct Files {
     outputs: Vec<(PathBuf, Format)>,
     lookup: Option<(PathBuf, Language)>,
@@ -15,7 +15,7 @@ pub(super) struct Files {
     tone: ToneMapping,
 }
 
-/// How a map is stored.
+/// The storage of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Ktx2,
@@ -24,7 +24,7 @@ enum Format {
     Hdr,
 }
 
-/// What was written, and texels that had to be changed for it.
+/// The files that were written, and texels that had to be changed for them.
 #[derive(Default)]
 struct Written {
     paths: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! What camera a scene has.
+//! The camera of a scene.
 
 use glam::{Vec2, Vec3};
 use serde::Serialize;

@@ -25,7 +25,7 @@ pub(super) struct Lights {
     directional: usize,
     /// Lights with a photometric profile.
     profile: usize,
-    /// What the file's numbers of these three were taken for.
+    /// The units of the file's lights.
     units: Option<&'static str>,
     sky_radiance: [f32; 3],
     /// Bytes of the light trees.
@@ -44,12 +44,12 @@ struct Light {
     unit: &'static str,
     /// The part of the light samples that it gets, all over the scene's surfaces.
     share: f64,
-    /// What is known by its number in the scene.
+    /// A light by its index in the scene.
     #[serde(skip)]
     key: Key,
 }
 
-/// Which light of the scene it is.
+/// The light's index in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Key {
     Material(usize),

@@ -14,10 +14,10 @@ use crate::scene::count;
 /// The version of the JSON's form; it changes when old readers would misunderstand it.
 const VERSION: u32 = 1;
 
-/// Where probes go.
+/// The output of probes.
 pub(super) struct Files(Vec<(PathBuf, Format)>);
 
-/// How probes are stored.
+/// The format of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Json,
@@ -48,7 +48,7 @@ struct GridEntry {
     count: [u32; 3],
     min: Vec3,
     max: Vec3,
-    /// What places Bevy's volume, a cube of side 1.
+    /// The transform of Bevy's volume, a cube of side 1.
     transform: Transform,
 }
 

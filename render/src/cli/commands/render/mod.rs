@@ -98,7 +98,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
     let has_aovs =
         wants_aov || settings.light_groups || !settings.aovs.is_empty() || !settings.cryptomatte.kinds.is_empty();
     if has_aovs && film_path.is_none() && arguments.tev.is_none() && !paths.iter().any(|path| is_exr(path)) {
-        let warning = "AOVs are asked for, but PNG has none: name an .exr (-o) to have them";
+        let warning = "AOVs were requested, but PNG has none: add an .exr output (-o)";
         scene.warnings.push(warning.to_owned());
     }
     let [stats_file, report_file] = [&arguments.stats_json, &arguments.report]
@@ -187,7 +187,7 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         denoised = if end == End::Interrupted {
             Err(DenoiseError::Stopped)
         } else {
-            // What cannot be denoised must not be lost.
+            // A picture that cannot be denoised is still written.
             denoiser::denoise(method, result.picture.clone(), &pool, style).map(|picture| {
                 result.picture = if wants_aov { picture } else { without_aov(picture) };
             })
@@ -303,7 +303,7 @@ fn print_light_colors(style: Style, world: &World) {
     }
 }
 
-/// What is said of samples that are not numbers, if there are any.
+/// The warning about samples that are not finite, if there are any.
 pub(crate) fn bad_samples(film: &Film) -> Option<String> {
     let BadSamples { count: number, first: Some((row, column)) } = film.bad_samples() else { return None };
     let samples =
@@ -311,7 +311,7 @@ pub(crate) fn bad_samples(film: &Film) -> Option<String> {
     Some(format!("{samples} as black, the first at pixel ({column}, {row})"))
 }
 
-/// What is said of a scene that nothing lights.
+/// The warning about a scene without light.
 fn without_light(scene: &Scene) -> String {
     if !scene.lights.is_empty() {
         return "all lights of the scene have a strength of 0, so the picture is black".to_owned();

@@ -11,7 +11,7 @@ pub(super) fn is_exr(path: &Path) -> bool {
     output::Format::from_path(path) == Ok(output::Format::Exr)
 }
 
-/// What a viewer calls the picture: by its file, or the scene.
+/// The picture's name in a viewer: its file's, or the scene's.
 pub(super) fn shown_name(paths: &[PathBuf], scene: &Path) -> String {
     paths.first().map_or(scene, PathBuf::as_path).display().to_string()
 }
@@ -29,7 +29,7 @@ pub(crate) fn write_all(paths: &[PathBuf], picture: &Picture, tone: &ToneMapping
     (written, failures)
 }
 
-/// An error if there are failures, which says what was written all the same.
+/// An error if there are failures, which lists the files that were written.
 pub(crate) fn refuse_failures(written: &[PathBuf], mut failures: Vec<String>) -> Result<(), CliError> {
     if failures.is_empty() {
         return Ok(());

@@ -1,5 +1,5 @@
-//! What a render made, for people (`--report`): the picture, its error against time and place, where time went, the
-//! options, as one HTML file.
+//! The HTML report of a render (`--report`): the picture, its error against time and over the picture, times, the
+//! options, in one file.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
-//! What a render took and gave, as JSON (`--stats-json`): the scene, the options, times, rays, samples, errors.
+//! Statistics of a render as JSON (`--stats-json`): the scene, the options, times, rays, samples, errors.
 //!
-//! Times, rates and memory are the machine's and differ from run to run; the rest does not.
+//! Times, rates and memory depend on the machine and differ from run to run; the rest does not.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -22,14 +22,14 @@ pub(crate) struct Statistics {
     /// The program's version, and the arguments that it was given.
     pub(crate) version: &'static str,
     pub(crate) arguments: Vec<String>,
-    /// What rays are traced with.
+    /// The instruction set.
     pub(crate) instruction_set: &'static str,
     pub(crate) threads: usize,
     pub(crate) scene: SceneFacts,
     pub(crate) options: Options,
     /// Seconds of wall-clock time.
     pub(crate) seconds: Seconds,
-    /// Seconds of all threads, where the system tells.
+    /// Seconds of all threads, where the system reports them.
     pub(crate) processor_seconds: Option<f64>,
     pub(crate) rays: u64,
     pub(crate) rays_by_kind: RayFacts,
@@ -49,7 +49,7 @@ pub(crate) struct Statistics {
     pub(crate) end: &'static str,
     /// XXH3 of the pixels' values, hexadecimal: equal for equal pictures.
     pub(crate) picture_hash: String,
-    /// The most memory that the process had, in bytes, where the system tells.
+    /// The most memory that the process had, in bytes, where the system reports it.
     pub(crate) peak_memory: Option<u64>,
     pub(crate) files: Vec<String>,
     pub(crate) warnings: Vec<String>,
@@ -61,9 +61,9 @@ pub(crate) struct SceneFacts {
     /// Equal for scenes that give equal pictures, hexadecimal.
     pub(crate) hash: String,
     pub(crate) meshes: usize,
-    /// Those of instances included.
+    /// All triangles, with those of instances.
     pub(crate) triangles: usize,
-    /// Those in memory.
+    /// Triangles in memory.
     pub(crate) stored_triangles: usize,
     pub(crate) objects: usize,
     pub(crate) instances: usize,
@@ -83,7 +83,7 @@ pub(crate) struct Options {
     pub(crate) seed: u64,
     pub(crate) sampler: String,
     pub(crate) integrator: &'static str,
-    /// Of the error, relative; `None` if all samples were asked for.
+    /// The relative error to reach; `None` if all samples were requested.
     pub(crate) target: Option<f64>,
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct RayFacts {
     pub(crate) preparation: u64,
     pub(crate) camera: u64,
     pub(crate) bounce: u64,
-    /// Those of ambient occlusion too.
+    /// Shadow rays, with those of ambient occlusion.
     pub(crate) shadow: u64,
 }
 
@@ -117,7 +117,7 @@ pub(crate) struct CacheFacts {
     negative: u64,
 }
 
-/// How far a render was.
+/// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Moment {
     pub(crate) seconds: f64,
@@ -175,7 +175,7 @@ impl SceneFacts {
         }
     }
 
-    /// What is known when the scene can be traced.
+    /// The statistics before rendering.
     pub(crate) fn with_world(self, world: &World) -> Self {
         let (tree_bytes, instance_bytes) = (world.tree_statistics().bytes, world.instance_bytes());
         Self { hash: format!("{:016x}", world.hash()), tree_bytes, instance_bytes, ..self }
@@ -234,7 +234,7 @@ impl Statistics {
         }
     }
 
-    /// What is known of the whole run, for people.
+    /// The statistics of the whole run as text.
     pub(crate) fn duration(&self) -> Duration {
         let Seconds { load, build, render, output } = self.seconds;
         Duration::from_secs_f64(load + build + render + output)

@@ -1,4 +1,4 @@
-//! What is said on stderr before and after a render, as text or as lines of JSON.
+//! Messages on stderr before and after a render, as text or as lines of JSON.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,18 +12,18 @@ use crate::driver::{CacheUse, Render};
 use crate::scene::count;
 use crate::settings::{Integrator, Settings};
 
-/// How a render ended.
+/// The end of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     /// At its target: all samples, or the error that was asked for.
     Done,
     /// At a limit.
     Limit,
-    /// By a signal.
+    /// The run was interrupted by a signal.
     Interrupted,
 }
 
-/// What is rendered.
+/// The scene and settings.
 pub(super) struct RenderReport<'a> {
     /// As the user calls it.
     pub(super) scene: String,

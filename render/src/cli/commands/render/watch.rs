@@ -1,4 +1,4 @@
-//! Watches a render: shows how far it is, writes early pictures (`--progressive`) and checkpoints, keeps to a time limit.
+//! Watches a render: shows progress, writes early pictures (`--progressive`) and checkpoints, enforces a time limit.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,17 +19,17 @@ pub(super) struct RenderWatch<'a> {
     pub(super) progress: &'a Progress,
     /// The side of the first squares, if the picture is to be seen early.
     pub(super) coarsest: Option<u32>,
-    /// Where it is written then.
+    /// The path of early pictures.
     pub(super) paths: &'a [PathBuf],
     pub(super) tone: &'a ToneMapping,
     pub(super) style: Style,
     /// When time is up.
     pub(super) deadline: Option<Instant>,
-    /// Where the film is kept.
+    /// The path of the film.
     pub(super) checkpoint: Option<&'a Checkpoint>,
-    /// Who notes how far it is.
+    /// The recorder of progress.
     pub(super) recorder: Option<&'a Recorder>,
-    /// Who shows it.
+    /// The display of progress.
     pub(super) tev: Option<&'a Tev>,
 }
 
@@ -57,7 +57,7 @@ impl Watch for RenderWatch<'_> {
         if let Some(tev) = self.tev {
             tev.show(picture, true);
         }
-        // What cannot be written now cannot be written in the end, which tells.
+        // A file that cannot be written now cannot be written at the end, where the error is reported.
         let written = self.paths.iter().filter(|path| output::write(path, picture, self.tone).is_ok());
         let files: Vec<_> = written.map(|path| path.display().to_string()).collect();
         if self.style == Style::Json {

@@ -81,12 +81,12 @@ fn no_display(error: &dyn std::fmt::Display) -> CliError {
     ))
 }
 
-/// What is in the window.
+/// The contents of the window.
 struct Shown {
     session: Session,
     context: Context<OwnedDisplayHandle>,
     surface: Option<Surface<OwnedDisplayHandle, Rc<winit::window::Window>>>,
-    /// Of the picture that was shown last.
+    /// The pixels of the picture that was shown last.
     codes: Vec<[u8; 3]>,
     has_panel: bool,
     cursor: (f64, f64),

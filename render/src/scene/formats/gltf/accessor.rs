@@ -179,7 +179,7 @@ impl<'a> Slices<'a> {
         (0..count).map(move |index| &bytes[index * stride..index * stride + size])
     }
 
-    /// With nothing in between.
+    /// The elements without gaps.
     fn packed(self) -> Cow<'a, [u8]> {
         if self.stride == self.size { Cow::Borrowed(self.bytes) } else { self.iter().flatten().copied().collect() }
     }

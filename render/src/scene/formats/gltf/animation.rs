@@ -1,14 +1,13 @@
-//! Animations: channels, each of which says a property of a node at any time (glTF 2.0, section 3.11 and appendix C).
+//! Animations: channels, each of which gives a property of a node at any time (glTF 2.0, section 3.11 and appendix C).
 //!
-//! Between the keys k and k + 1, at `t` = 0 to 1 and `d` seconds apart, a property is the value at k (`STEP`), a mean of
-//! both, of rotations along the shorter arc (`LINEAR`), or a cubic (`CUBICSPLINE`) of values v, out-tangents b and
-//! in-tangents a:
-//! `(2t³ - 3t² + 1) v_k + d (t³ - 2t² + t) b_k + (3t² - 2t³) v_(k+1) + d (t³ - t²) a_(k+1)`.
-//! Before the first key and after the last one it is what it is there.
+//! Between the keys k and k + 1, at `t` = 0 to 1 and `d` seconds apart, a property is the value at k (`STEP`), a mean
+//! of both, of rotations along the shorter arc (`LINEAR`), or a cubic (`CUBICSPLINE`) of values v, out-tangents b and
+//! in-tangents a: `(2t³ - 3t² + 1) v_k + d (t³ - 2t² + t) b_k + (3t² - 2t³) v_(k+1) + d (t³ - t²) a_(k+1)`. Before the
+//! first key and after the last one it has their values.
 //!
-//! Blender writes an animation for each action, in `frame / fps` seconds: those of several objects play together, but of
-//! an object with several actions (walk, run) one alone can play. So animations play together unless they move the same
-//! property of a node; then the first of the file does.
+//! Blender writes an animation for each action, in `frame / fps` seconds: those of several objects play together, but
+//! only one of an object's actions (walk, run) can play. So animations play together unless they move the same property
+//! of a node; then the first of the file does.
 //!
 //! Deviations: keys of equal times are allowed, and step. `KHR_animation_pointer` is not read.
 
@@ -77,7 +76,7 @@ pub(super) enum Property {
     Translation,
     Rotation,
     Scale,
-    /// Of morph targets.
+    /// The weights of morph targets.
     Weights,
 }
 
@@ -248,7 +247,7 @@ impl Animation {
     }
 }
 
-/// Those of `animations` that are called `names`, or all, without those that move what one before moves.
+/// The `animations` with these `names`, or all, without those that animate the same property as an earlier one.
 pub(super) fn playing<'a>(
     document: &Document,
     animations: &'a [Animation],

@@ -21,7 +21,7 @@ use crate::scene::description::unit;
 pub(super) struct Vertices {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Vec<Vec3>,
-    /// With the sign of the bitangent.
+    /// Tangents with the sign of the bitangent.
     pub(super) tangents: Vec<Vec4>,
 }
 
@@ -32,7 +32,7 @@ pub(super) type Influences = [(u32, f32); 4];
 pub(super) struct Attributes<'a> {
     document: &'a Document<'a>,
     primitive: &'a Primitive,
-    /// For errors.
+    /// The place for errors.
     place: &'a str,
     draco: Option<DracoMesh>,
     is_quantized: bool,
@@ -88,7 +88,7 @@ impl<'a> Attributes<'a> {
         accessor::read_as(self.document, index, self.place, name, kinds, |numbers: [_; N]| numbers.map(number))
     }
 
-    /// What a morph target adds to an attribute.
+    /// The deltas of a morph target for an attribute.
     pub(super) fn deltas(&self, index: Index<Accessor>, name: &str, vertices: usize) -> Result<Vec<Vec3>, SceneError> {
         let deltas = self.read::<3>(index, name, &[F32])?.into_iter().map(Vec3::from_array).collect();
         let deltas = self.complete(Some(deltas), vertices, "delta of a morph target", "deltas of a morph target")?;
@@ -174,7 +174,7 @@ impl<'a> Attributes<'a> {
         self.complete(pairs, vertices, "texture coordinate", "texture coordinates")
     }
 
-    /// Colours of three or four numbers, linear; what is no number is white.
+    /// Colours of three or four numbers, linear; NaN becomes white.
     pub(super) fn colors(&self, vertices: usize) -> Result<Vec<Vec4>, SceneError> {
         let semantic = Semantic::Colors(0);
         let kinds = [F32, U8, U16];

@@ -1,7 +1,7 @@
 //! Cameras: they look along their node's -Z axis, with +Y up.
 //!
-//! The magnifications of an orthographic camera are half the width and half the height of what it sees. Clipping planes
-//! are kept, but not used unless somebody asks. glTF has no lens shift and no depth of field.
+//! The magnifications of an orthographic camera are half the width and half the height of its view. Clipping planes are
+//! stored, but not used unless requested. glTF has no lens shift and no depth of field.
 
 use ::gltf::json::Camera;
 use ::gltf::json::camera::{Orthographic, Perspective};

@@ -1,4 +1,4 @@
-//! Where a glTF file's bytes are: the chunks of a GLB container, files beside it, and data URIs.
+//! The sources of a glTF file's bytes: the chunks of a GLB container, files beside it, and data URIs.
 
 use std::borrow::Cow;
 use std::path::Path;

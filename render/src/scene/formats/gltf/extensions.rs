@@ -15,7 +15,7 @@ type Objects = ::serde_json::Map<String, Value>;
 /// The extensions of one object, from which those that are known are taken one by one.
 pub(super) struct Extensions<'a> {
     document: &'a Document<'a>,
-    /// What has them, for errors.
+    /// Their owner, for errors.
     place: &'a str,
     objects: Objects,
 }
@@ -34,7 +34,7 @@ impl<'a> Extensions<'a> {
         })
     }
 
-    /// The names of those that nobody has taken.
+    /// The names of the extensions that were not read.
     pub(super) fn rest(self) -> impl Iterator<Item = String> {
         self.objects.into_iter().map(|(name, _)| name)
     }

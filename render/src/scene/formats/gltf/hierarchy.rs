@@ -1,4 +1,4 @@
-//! The node hierarchy: which nodes the scene shows, and where they are in the world.
+//! The node hierarchy: the nodes of the scene, and their transforms to the world.
 //!
 //! Nodes must form trees: each has one parent at most, and none is its own ancestor (glTF 2.0, section 3.5.2).
 

@@ -1,7 +1,7 @@
-//! Which meshes are kept once, and `EXT_mesh_gpu_instancing`: a node's mesh at many places.
+//! Decides which meshes are shared, and reads `EXT_mesh_gpu_instancing`: a node's mesh at many places.
 //!
 //! The extension's attributes are accessors of one length: `TRANSLATION`, `ROTATION` (a quaternion) and `SCALE`. Each
-//! instance is at `node × translation × rotation × scale`. Other attributes are of no use here.
+//! instance is at `node × translation × rotation × scale`. Other attributes are not read.
 
 use ::gltf::json::Index;
 use ::gltf::json::accessor::ComponentType::{F32, I8, I16};
@@ -30,7 +30,7 @@ struct Attributes {
     scale: Option<usize>,
 }
 
-/// Where a node shows its mesh.
+/// The instances of a node's mesh.
 pub(super) fn places(document: &Document, placed: &Placed) -> Result<Vec<DAffine3>, SceneError> {
     let Some(Attributes { translation, rotation, scale }) = attributes(document, placed.node)? else {
         return Ok(vec![placed.to_world()]);
@@ -92,7 +92,7 @@ fn attributes(document: &Document, node: usize) -> Result<Option<Attributes>, Sc
     Ok(Some(extension.attributes))
 }
 
-/// For each mesh whether it is kept once.
+/// Whether each mesh is shared.
 pub(super) fn shared(document: &Document, walk: &[Placed], sharing: Sharing) -> Result<Vec<bool>, SceneError> {
     let root = &document.root;
     let mut meshes: Vec<(usize, usize)> = root.meshes.iter().map(|_| (0, 0)).collect();

@@ -1,12 +1,12 @@
 //! `KHR_lights_punctual`: lights shine along their node's -Z axis. Scale does not change them.
 //!
-//! The extension has no sizes. Of a light's `extras`, which Blender writes of custom properties, `radius` is that of a
-//! point or spot (metres), and `angle` the one that the disc of a directional light subtends (radians).
+//! The extension has no sizes. In a light's `extras`, which Blender writes from custom properties, `radius` is the
+//! radius of a point or spot (metres), and `angle` the angle that the disc of a directional light subtends (radians).
 //!
 //! A spot of Blender's fades by a smoothstep in the cosine, over the part `blend` of the way from the edge of its cone
-//! to the axis, and Blender writes `(1 - blend)` times the outer angle for the inner one. In its files the edge is that
-//! one, and not the square of a ramp between the two angles, which the extension recommends. (A spot in Blender 5.0's
-//! Cycles has the same profile within 0.003.)
+//! to the axis, and Blender writes `(1 - blend)` times the outer angle for the inner one. In its files this edge is
+//! used instead of the square of a ramp between the two angles, which the extension recommends. (A spot in Blender
+//! 5.0's Cycles has the same profile within 0.003.)
 
 use core::f32::consts::FRAC_PI_2;
 

@@ -14,8 +14,8 @@
 //! | `KHR_materials_unlit` | emission of the base colour, and nothing else |
 //!
 //! Transmission without a volume is a thin wall, as the specification has it; but in a file that Blender wrote it is a
-//! solid, since Blender has no thin walls and writes no volume for its glass. A solid's base colour tints light once for its
-//! way in and out, so half of it (the square root) at each surface, as rasterizers and Cycles do.
+//! solid, since Blender has no thin walls and writes no volume for its glass. A solid's base colour tints light once
+//! for entering and leaving, so its square root applies at each surface, as rasterizers and Cycles do.
 //!
 //! Deviations: `occlusionTexture` and a volume's thickness are not used, as light is traced.
 
@@ -54,7 +54,7 @@ pub(super) fn read(document: &Document, notes: &mut Notes) -> Result<(Vec<Materi
 /// Reads one material.
 struct Reader<'a> {
     document: &'a Document<'a>,
-    /// For errors: which material it is.
+    /// The material's name in errors.
     place: &'a str,
     textures: &'a mut Textures,
     notes: &'a mut Notes,

@@ -1,4 +1,4 @@
-//! The meshes of nodes: each in world space, or, if many nodes show it, once as an object with instances.
+//! The meshes of nodes: each in world space, or, if shared by many nodes, once as an object with instances.
 
 use std::collections::BTreeMap;
 use std::iter::repeat_n;
@@ -18,7 +18,7 @@ use crate::scene::{Instance, Mesh, Object, Origin, Scene, SceneError, Sharing};
 pub(super) struct Meshes<'a> {
     document: &'a Document<'a>,
     pose: &'a Pose,
-    /// Those of the scene, by their numbers.
+    /// The scene's nodes, by index.
     nodes: BTreeMap<usize, &'a Placed>,
     /// Whether each mesh of the file is kept once.
     is_shared: Vec<bool>,

@@ -1,8 +1,8 @@
 //! `EXT_meshopt_compression`: buffer views in the bit streams of Arseny Kapoulkine's meshoptimizer, as the extension's
 //! specification defines them (appendices A and B).
 //!
-//! A decoder of our own, since those on crates.io bind a C++ library or read an older stream only. Each part of the output is
-//! made as its input is read, so a short file cannot ask for much memory.
+//! This decoder is our own, since those on crates.io bind a C++ library or read only an older stream. Output grows as
+//! its input is read, so a short file cannot claim much memory.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use crate::scene::{Place, SceneError};
 
-/// What the extension says of a buffer view.
+/// The extension's data of a buffer view.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Compression {

@@ -1,12 +1,12 @@
 //! glTF 2.0 (Khronos Group), as JSON text or in a binary container (GLB).
 //!
 //! The crate `gltf` gives the JSON its types. Its readers are not used, since they panic on indices and ranges that a
-//! malformed file may have: here every index is looked up and every range checked.
+//! malformed file may have: here every index and every range is checked.
 //!
-//! Read are the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals and the
-//! first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
+//! The reader takes the default scene (all root nodes if there is none), its nodes' transforms, triangles with normals
+//! and the first two sets of texture coordinates, colours and tangents, materials (`material.rs`) with their textures
 //! (`texture.rs`), cameras and `KHR_lights_punctual`. Every primitive of every node becomes a mesh in world space,
-//! named like its node; those of a mesh that many nodes show become an object with instances (`instancing.rs`).
+//! named like its node; meshes shared by many nodes become objects with instances (`instancing.rs`).
 //!
 //! Deviations: a primitive without a material gets the grey default, where the specification has white. Emission is
 //! radiance, a light's candela are W/sr and its lux W/m², one to one. Lights' ranges are left out
@@ -89,11 +89,11 @@ pub(crate) struct Document<'a> {
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// See [`LoadOptions`].
     without_pictures: bool,
-    /// Of points and lines, in the coordinates of their mesh; without it they are left out.
+    /// The radius of points and lines, in the coordinates of their mesh; without it they are left out.
     point_radius: Option<f32>,
 }
 
-/// Takes a file apart that may be JSON text or a GLB container, for those who do not want a scene of it.
+/// Splits a file that may be JSON text or a GLB container, for callers that need no scene.
 pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>, container::Chunks<'a>), SceneError> {
     let chunks = match bytes.starts_with(b"glTF") {
         true => container::split(path, bytes)?,
@@ -123,7 +123,7 @@ pub(crate) fn open<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<(Document<'a>,
     ))
 }
 
-/// As many elements are worth a thread's while.
+/// The least number of elements for a thread.
 const PARALLEL: usize = 1 << 14;
 
 impl Document<'_> {
@@ -158,7 +158,7 @@ impl Document<'_> {
         self.root.asset.generator.as_deref().is_some_and(|generator| generator.contains("Blender"))
     }
 
-    /// For errors: "node 5" or "node 5 (\"lamp\")".
+    /// The node's name in errors: "node 5" or "node 5 (\"lamp\")".
     pub(crate) fn node(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|node| node.name.as_deref());
         name.map_or_else(|| format!("node {index}"), |name| format!("node {index} ({name:?})"))
@@ -184,7 +184,7 @@ fn parse(
     place: impl Fn(&::gltf::json::Error) -> Place,
 ) -> Result<(Root, Vec<animation::Listed>), SceneError> {
     let wrong = |error: ::gltf::json::Error, place: Place| {
-        // The message ends with the place, which is told on its own.
+        // The message ends with the place, which is reported separately.
         let message = error.to_string();
         let problem = message.split(" at line ").next().unwrap_or_default();
         SceneError::new(path, place, format!("this is not valid glTF: {problem}"), "export the model again")
@@ -198,7 +198,7 @@ fn parse(
     let version = asset.map(|asset| asset.version);
     if !version.as_deref().is_some_and(|version| version == "2" || version.starts_with("2.")) {
         let problem = version.map_or_else(
-            || "it tells no glTF version".to_owned(),
+            || "it has no glTF version".to_owned(),
             |version| format!("its version is {version:?}, which is not 2"),
         );
         return Err(SceneError::new(path, Place::Part("asset".to_owned()), problem, "export the model as glTF 2.0"));
@@ -297,8 +297,8 @@ fn read(
     Ok(Scene { warnings, ..scene })
 }
 
-/// The pose at a moment, or of the nodes themselves; the scene is told the animations. Those that are wrong matter if they
-/// are to be played.
+/// The pose at a moment, or of the nodes themselves; the scene receives the animations. Invalid ones are errors only if
+/// they are played.
 fn pose(
     document: &Document,
     moment: Option<&Moment>,

@@ -1,4 +1,4 @@
-//! Poses: where nodes are relative to their parents, and the weights of their morph targets, at a moment.
+//! Poses: the local transforms of nodes and the weights of their morph targets at a moment.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::Document;
 use super::animation::{Animation, Property};
 use crate::scene::SceneError;
 
-/// What animations say of nodes; of all else these say themselves.
+/// The properties of nodes that animations set; nodes keep all others.
 #[derive(Default)]
 pub(super) struct Pose {
     nodes: BTreeMap<usize, Posed>,
@@ -24,7 +24,7 @@ struct Posed {
 }
 
 impl Pose {
-    /// That of animations, which move different things, at a time in seconds.
+    /// The pose by animations of different properties, at a time in seconds.
     pub(super) fn at(playing: &[&Animation], time: f64) -> Self {
         let mut pose = Self::default();
         for channel in playing.iter().flat_map(|animation| &animation.channels) {

@@ -1,5 +1,5 @@
-//! Triangles of a mesh primitive, or balls and tubes for its points and lines, in the mesh's coordinates, or, where a skin moves
-//! them, in the world's.
+//! Triangles of a mesh primitive, or spheres and cylinders for its points and lines, in the mesh's coordinates, or with
+//! a skin in the world's.
 
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
@@ -11,16 +11,16 @@ use super::{Document, Skipped, morph};
 use crate::scene::meshes::round;
 use crate::scene::{Mesh, SceneError};
 
-/// What moves the vertices of a node's mesh.
+/// The deformation of a node's mesh.
 #[derive(Default)]
 pub(super) struct Deformation {
     pub(super) skin: Option<Skin>,
-    /// Of morph targets.
+    /// The weights of morph targets.
     pub(super) weights: Vec<f64>,
 }
 
 impl Deformation {
-    /// The skin, if the vertices of `primitive` tell which joints they follow.
+    /// The skin, if the vertices of `primitive` have joints.
     pub(super) fn skin_of(&self, primitive: &Primitive) -> Option<&Skin> {
         let is_skinned = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
         self.skin.as_ref().filter(|_| is_skinned)

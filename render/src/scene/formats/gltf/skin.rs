@@ -1,8 +1,8 @@
-//! Skins (glTF 2.0, section 3.7.3.3): each vertex goes to the world by a mean of matrices `Mⱼ = Wⱼ Bⱼ`, joint `j`'s
-//! transform to the world and its inverse bind matrix, weighted by the vertex's `WEIGHTS_n`. The transform of the mesh's
-//! own node does not count. Normals go by the mean's cofactors, as in `Mesh::placed`.
+//! Skins (glTF 2.0, section 3.7.3.3): each vertex is transformed to the world by a mean of matrices `Mⱼ = Wⱼ Bⱼ`, joint
+//! `j`'s transform to the world and its inverse bind matrix, weighted by the vertex's `WEIGHTS_n`. The transform of the
+//! mesh's own node does not count. Normals are transformed by the mean's cofactors, as in `Mesh::placed`.
 //!
-//! Weights are divided by their sum. A vertex whose weights are all zero follows the first joint that it names.
+//! Weights are divided by their sum. A vertex whose weights are all zero is bound to its first joint.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use crate::scene::count;
 
 /// A skin in a pose.
 pub(super) struct Skin {
-    /// From the mesh to the world, for each joint.
+    /// The matrix from the mesh to the world of each joint.
     joints: Vec<DMat4>,
 }
 
@@ -83,7 +83,7 @@ impl Skin {
         2 * mirrors > self.joints.len()
     }
 
-    /// Takes vertices to the world; tells how many of them have no weight.
+    /// Transforms vertices to the world; returns how many of them have no weight.
     pub(super) fn apply(&self, attributes: &Attributes, vertices: &mut Vertices) -> Result<usize, SceneError> {
         let sets = attributes.influences(vertices.positions.len())?;
         let mut weightless = 0;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::scene::error::count;
 
-/// What was left out, for the warnings.
+/// Skipped content, for the warnings.
 #[derive(Default)]
 pub(super) struct Skipped {
     pub(super) points_and_lines: usize,
@@ -26,9 +26,9 @@ impl Skipped {
                 "primitives of points or lines are",
                 "skipped: --point-radius shows them",
             ),
-            (self.skinless, "primitive is", "primitives are", "shown without the skin, for want of JOINTS_0"),
+            (self.skinless, "primitive is", "primitives are", "shown without the skin: JOINTS_0 is missing"),
             (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
-            (self.weightless, "vertex is", "vertices are", "moved by the first joint named, for want of weights"),
+            (self.weightless, "vertex is", "vertices are", "bound to the first listed joint: weights are missing"),
             (self.ranges, "light has", "lights have", "a range, which is ignored"),
         ];
         let counts = counts.iter().filter(|(number, ..)| *number > 0);

@@ -1,7 +1,7 @@
 //! Textures: images from files, data URIs or buffers, with samplers and `KHR_texture_transform`.
 //!
-//! `EXT_texture_webp` and `KHR_texture_basisu` name an image before the texture's own `source`. An image that is missing
-//! or damaged is an error; one of a kind that is not read is left out with a warning, and the factor counts alone.
+//! `EXT_texture_webp` and `KHR_texture_basisu` name an image before the texture's own `source`. An image that is
+//! missing or damaged is an error; one of an unsupported kind is left out with a warning, and only the factor is used.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub(super) struct Textures {
     images: BTreeMap<usize, Option<usize>>,
 }
 
-/// What a material says of a texture.
+/// A material's reference to a texture.
 pub(super) struct Reference<'a> {
     index: Index<::gltf::json::Texture>,
     set: u32,
@@ -136,7 +136,7 @@ impl Textures {
     }
 }
 
-/// Says who uses what is wrong.
+/// Adds the user of an invalid texture to the error.
 fn about(error: SceneError, user: &str) -> SceneError {
     SceneError { remedy: format!("{}; it is used by {user}", error.remedy), ..error }
 }

@@ -179,7 +179,7 @@ impl Finish<'_, '_> {
         }
     }
 
-    /// A map of an input that counts in full where no number is given.
+    /// A map of an input whose factor is 1 if not given.
     fn scaled(&mut self, texture: TextureMap, input: Input, channel: Channel) {
         if matches!(input, Input::SpecularRoughness | Input::BaseMetalness) {
             self.material.inputs.specular_weight = 1.0;

@@ -8,7 +8,7 @@ use crate::scene::formats::statement::Statement;
 use crate::scene::texture::{Problem, TextureStore};
 use crate::scene::{Channel, ColorSpace, SceneError, TextureMap, Wrap};
 
-/// What a texture statement says.
+/// The contents of a texture statement.
 pub(super) struct Map {
     /// In lower case, as exporters differ.
     pub(super) key: String,

@@ -1,4 +1,4 @@
-//! A block of an OBJ file's lines, read without the others: only how many vertices stand before it is known.
+//! A block of an OBJ file's lines, read independently, given only the number of vertices before it.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::scene::error::count;
 use crate::scene::formats::blocks::Block;
 use crate::scene::formats::statement::{Statement, shown, statements};
 
-/// What lines say, in their order.
+/// The contents of lines, in order.
 #[derive(Default)]
 pub(super) struct Lines {
     pub(super) positions: Vec<Vec3>,
@@ -22,12 +22,12 @@ pub(super) struct Lines {
     pub(super) corners: Vec<Corner>,
     /// The number of each face's corners.
     pub(super) faces: Vec<u32>,
-    /// What changes before which face.
+    /// State changes, each before a face.
     pub(super) changes: Vec<(usize, Change)>,
     pub(super) lines_and_points: usize,
 }
 
-/// What holds for all faces that follow.
+/// The state of the following faces.
 pub(super) enum Change {
     Object(String),
     Group(String),
@@ -44,7 +44,7 @@ pub(super) enum Change {
 pub(super) struct Counts(pub(super) [usize; 3]);
 
 impl Counts {
-    /// Those of a block that has no errors.
+    /// The counts of a block without errors.
     pub(super) fn of(block: Block) -> Self {
         let mut counts = [0; 3];
         let mut is_continued = false;
@@ -70,7 +70,7 @@ impl Counts {
 }
 
 impl Lines {
-    /// Reads a block of the file at `path`; so many vertices stand `before` it.
+    /// Reads a block of the file at `path`; `before` is the number of vertices before it.
     pub(super) fn read(path: &Path, block: Block, before: Counts) -> Result<Self, SceneError> {
         let mut lines = Self::default();
         for statement in statements(path, block, "an OBJ file") {

@@ -68,7 +68,7 @@ fn files_of_many_blocks_are_read_as_one() {
         mesh.corners(19_999),
         [Vec3::new(last, 0.0, 0.0), Vec3::new(last + 0.5, 1.0, 0.0), Vec3::new(last, 1.0, 0.0)]
     );
-    // The first wrong line is told, wherever others are.
+    // The first invalid line is reported, wherever others are.
     let wrong = row_of_squares(|i| if i == 25_000 || i == 38_000 { "f 1 2 9000000".to_owned() } else { corners(i) });
     let line = 25_001 * 7 + 2;
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Faces of an OBJ file that become meshes, whose vertices are shared.
+//! Makes meshes with shared vertices from the faces of an OBJ file.
 
 use std::mem;
 
@@ -40,7 +40,7 @@ struct Vertex {
 }
 
 impl Vertices {
-    /// Of a file with so many positions.
+    /// A welder for a file with this many positions.
     pub(super) fn new(positions: usize) -> Self {
         Self { first: vec![NONE; positions], list: Vec::new() }
     }

@@ -1,4 +1,4 @@
-//! What stands between a directive and its parameters: strings and numbers.
+//! Arguments between a directive and its parameters: strings and numbers.
 
 use super::tokens::{At, Kind, Token, Tokens};
 use crate::scene::SceneError;

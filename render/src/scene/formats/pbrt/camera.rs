@@ -1,8 +1,8 @@
-//! Cameras: `Camera`, and what `Film` and `Sampler` say of the picture's shape and samples.
+//! Cameras: `Camera`, and the picture's size and samples by `Film` and `Sampler`.
 //!
-//! pbrt's cameras look along +z with +y up and +x to the right, which is left-handed; so a scene's coordinates are left-handed
-//! unless the camera's transform mirrors (`Scale -1 1 1`). Coordinates are right-handed here: where the transform does not
-//! mirror, the x of all that is in the world is negated, and pictures are as pbrt's.
+//! pbrt's cameras look along +z with +y up and +x to the right, which is left-handed; so a scene's coordinates are
+//! left-handed unless the camera's transform mirrors (`Scale -1 1 1`). Coordinates are right-handed here: where the
+//! transform does not mirror, the world's x is negated, so that pictures match pbrt's.
 //!
 //! `fov` is of the shorter side. A `screenwindow` may be anywhere and of any shape: it gives the lens's shift, the height
 //! of the view and the picture's aspect.
@@ -14,7 +14,7 @@ use super::parameters::Parameters;
 use crate::scene::nearest::suggestion;
 use crate::scene::{CameraPose, Lens, Optics, Projection, SceneError};
 
-/// What a `Camera` directive says.
+/// The contents of a `Camera` directive.
 pub(super) struct Camera {
     is_orthographic: bool,
     fov: f32,
@@ -22,7 +22,7 @@ pub(super) struct Camera {
     aspect: Option<f32>,
     lens_radius: f32,
     focal_distance: f32,
-    /// With negated x, if the world is.
+    /// The camera's transform, with negated x if the world is mirrored.
     to_world: DAffine3,
 }
 

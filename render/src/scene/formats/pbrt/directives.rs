@@ -1,4 +1,4 @@
-//! What each directive does.
+//! The effects of directives.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -13,7 +13,7 @@ use super::{Reader, of_v3};
 use crate::scene::SceneError;
 use crate::scene::nearest::nearest;
 
-/// For directives that are misspelt.
+/// Known directives, to suggest for misspelt ones.
 const KNOWN: [&str; 36] = [
     "Accelerator",
     "ActiveTransform",

@@ -1,8 +1,8 @@
-//! Lights. Radiance and intensity are those of the film in pbrt: `rgb` is taken as it is, every other spectrum is scaled to
-//! a luminance of 1 (pbrt divides it by its luminous intensity), and `scale` multiplies both.
+//! Lights. Radiance and intensity are those of the film in pbrt: `rgb` is used unchanged, every other spectrum is
+//! scaled to a luminance of 1 (pbrt divides it by its luminous intensity), and `scale` multiplies both.
 //!
-//! `power` and `illuminance` set what a light gives in all, as in pbrt. There each triangle or patch of a mesh is a light of
-//! its own that gets the whole `power`; a mesh has that sum here, evenly spread.
+//! `power` and `illuminance` set a light's total, as in pbrt. There each triangle or patch of a mesh is a light of its
+//! own that gets the whole `power`; a mesh has that sum here, evenly spread.
 
 use std::rc::Rc;
 
@@ -17,14 +17,14 @@ use crate::scene::description::unit;
 use crate::scene::nearest::suggestion;
 use crate::scene::{Mesh, PunctualLight, SceneError, SpotEdge, TextureMap};
 
-/// What an `AreaLightSource` makes of the shapes that follow.
+/// The emission of the following shapes by an `AreaLightSource`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AreaLight {
     radiance: Vec3,
     power: Option<f32>,
     pub(super) two_sided: bool,
     pub(super) picture: Option<TextureMap>,
-    /// Of the picture, or 1.
+    /// The mean of the picture, or 1.
     mean: f32,
 }
 

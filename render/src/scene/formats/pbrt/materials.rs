@@ -12,12 +12,12 @@
 //!
 //! Roughness: pbrt's α is √`roughness` with `remaproughness` and `roughness` without; ours is `specular_roughness²`.
 //!
-//! Under a coat, diffuse light is reflected back by the coat's inside, of which our layers know nothing. With the mean
-//! reflectance `F` of the inside, a part `t` that the medium of the coat lets through on each way and the albedo `ρ` of the
-//! base, the sum over all reflections is `ρ' = t² ρ (1 - F) / (1 - t² ρ F)`. That is what `base_color` gets.
+//! Under a coat, diffuse light is reflected back by the coat's inside, which our layers do not model. With the mean
+//! reflectance `F` of the inside, the transmittance `t` of the coat's medium in each direction and the albedo `ρ` of
+//! the base, the sum over all reflections is `ρ' = t² ρ (1 - F) / (1 - t² ρ F)`. `base_color` is set to it.
 //!
-//! Deviations: media (`albedo`, `g`) between layers are left out; a coat does not darken the metal below it. Rough surfaces
-//! keep the light that bounces several times between their facets, which pbrt loses: 8% at α = 0.25.
+//! Deviations: media (`albedo`, `g`) between layers are left out; a coat does not darken the metal below it. Rough
+//! surfaces include multiple scattering between microfacets, which pbrt loses: 8% at α = 0.25.
 
 use glam::Vec3;
 
@@ -40,10 +40,10 @@ const KNOWN: [&str; 8] = [
     "thindielectric",
 ];
 
-/// Those of pbrt-v4 that have no counterpart.
+/// Materials of pbrt-v4 without a counterpart.
 const OTHERS: [&str; 3] = ["hair", "measured", "subsurface"];
 
-/// Those of pbrt-v3 that pbrt-v4 calls otherwise.
+/// Materials of pbrt-v3 with other names in pbrt-v4.
 const OF_V3: [&str; 13] = [
     "disney",
     "fourier",
@@ -233,7 +233,7 @@ impl Reader<'_> {
     }
 }
 
-/// From pbrt's roughness to ours, of which the square is α.
+/// Converts pbrt's roughness to ours, whose square is α.
 fn to_roughness(value: Vec3, remaps: bool) -> Vec3 {
     value
         .max(Vec3::ZERO)

@@ -1,10 +1,10 @@
-//! The material `mix`: two materials, of which pbrt takes one or the other at random, here as one material.
+//! The material `mix`: pbrt chooses one of two materials at random; here they become one material.
 //!
 //! Each weight of a lobe is the mean of both weights, and each other input the mean weighted by how much of its lobe the two
 //! have: so the roughness of a metal does not change when it is mixed with a matte surface. Mixes of diffuse surfaces are
 //! exact.
 //!
-//! Deviations: a metal and a matte surface share `base_color`, and so its mean; textures count by their means.
+//! Deviations: a metal and a matte surface share `base_color`, and so its mean; textures are replaced by their means.
 
 use super::Reader;
 use super::parameters::Parameters;
@@ -71,7 +71,7 @@ fn between(first: &Inputs, second: &Inputs, amount: f32) -> Inputs {
     let mut mixed = if amount > 0.5 { *second } else { *first };
     for input in Input::ALL {
         let [a, b] = [(first, 1.0 - amount), (second, amount)].map(|(inputs, part)| part * share(input, inputs));
-        // What neither has does not matter.
+        // Inputs that neither uses do not matter.
         let (a, b) = if a + b > 0.0 { (a, b) } else { (1.0 - amount, amount) };
         input.set(&mut mixed, (input.get(first) * a + input.get(second) * b) / (a + b));
     }

@@ -1,11 +1,12 @@
 //! pbrt-v4 scenes (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition; pbrt.org/fileformat-v4).
 //!
-//! Read are transforms and attributes (`directives.rs`, `state.rs`), shapes (`shapes.rs`), materials and textures, lights, the
-//! camera, the film's shape and the number of samples; integrator, filter and film's file are not, as they are options here.
-//! What of a scene is not read is a warning with its lines; what is wrong is an error.
+//! The reader takes transforms and attributes (`directives.rs`, `state.rs`), shapes (`shapes.rs`), materials and
+//! textures, lights, the camera, the film's shape and the number of samples; integrator, filter and output file are
+//! ignored, as they are options here. Content that is not read is a warning with its lines; invalid content is an
+//! error.
 //!
-//! Deviations: spectra become colours (`spectrum.rs`); media are not read; transforms do not move: those of the shutter's
-//! opening count. Coordinates are mirrored where that is needed to make them right-handed (`camera.rs`).
+//! Deviations: spectra become colours (`spectrum.rs`); media are not read; transforms do not move: those of the
+//! shutter's opening are used. Coordinates are mirrored where needed to make them right-handed (`camera.rs`).
 
 mod arguments;
 mod camera;
@@ -41,7 +42,7 @@ use tokens::At;
 struct Reader<'f> {
     files: &'f dyn Files,
     main: Rc<Path>,
-    /// That of the main file, to which names of files are relative.
+    /// The folder of the main file, to which file names are relative.
     folder: PathBuf,
     scene: Scene,
     textures: TextureStore<'f>,
@@ -105,7 +106,7 @@ impl Reader<'_> {
         self.notes.add(what, place);
     }
 
-    /// Warns of parameters that nobody asked for.
+    /// Warns of parameters that were not read.
     fn warn_of_unused(&mut self, parameters: &Parameters) {
         for unused in parameters.unused() {
             let what = format!("`{}` of {} is not read", unused.name, parameters.of);
@@ -145,7 +146,7 @@ impl Reader<'_> {
 /// A thing that pbrt-v3 had and pbrt-v4 has not.
 fn of_v3(at: &At, what: &str) -> SceneError {
     let remedy = "convert the file with pbrt-v4: `pbrt --upgrade old.pbrt > new.pbrt`";
-    at.error(format!("{what} is of pbrt-v3, and files of pbrt-v4 are read"), remedy)
+    at.error(format!("{what} belongs to pbrt-v3; only pbrt-v4 is supported"), remedy)
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ pub(super) struct Parameter {
     pub(super) name: String,
     pub(super) values: Values,
     pub(super) at: At,
-    /// Whether anybody asked for it.
+    /// Whether it was read.
     used: Cell<bool>,
 }
 
@@ -94,7 +94,7 @@ impl Parameters {
     /// Adds one that an `Attribute` directive gave, unless it is there.
     pub(super) fn add_default(&mut self, default: &Parameter) {
         if !self.has(&default.name) {
-            // It may be of no use for this directive.
+            // The parameter may not apply to this directive.
             default.used.set(true);
             self.list.push(default.clone());
         }
@@ -104,7 +104,7 @@ impl Parameters {
         self.list
     }
 
-    /// Those that nobody asked for.
+    /// The parameters that were not read.
     pub(super) fn unused(&self) -> impl Iterator<Item = &Parameter> {
         self.list.iter().filter(|parameter| !parameter.used.get())
     }

@@ -1,4 +1,4 @@
-//! From shapes to meshes of the scene: their places, objects and instances, and what they look like.
+//! From shapes to meshes of the scene: their transforms, objects, instances and materials.
 //!
 //! Names of materials and objects may be used before they are defined, so meshes get their materials when all is read: a
 //! material of the file may become several, with and without emission and holes.
@@ -24,7 +24,7 @@ pub(super) enum Definition {
     Interface,
 }
 
-/// What a mesh looks like.
+/// The appearance of a mesh.
 #[derive(PartialEq)]
 pub(super) struct Look {
     /// The number of a material of the file; `None` for the default.

@@ -1,5 +1,5 @@
-//! Surfaces of revolution about z as strips around it, in their own coordinates: spheres, discs and cylinders, each with exactly
-//! the area of the shape, and so its power. Fronts are where the normals point.
+//! Surfaces of revolution about z as strips around it, in their own coordinates: spheres, discs and cylinders, each
+//! with exactly the area of the shape, and so the same power. Fronts are where the normals point.
 
 use std::f64::consts::PI;
 
@@ -101,7 +101,7 @@ pub(super) fn cylinder(parameters: &Parameters) -> Result<Mesh, SceneError> {
     Ok(revolve(&[ring(low.min(high), 0.0), ring(low.max(high), 1.0)], phi_max, false))
 }
 
-/// Of all triangles.
+/// The area of all triangles.
 pub(super) fn area(mesh: &Mesh) -> f64 {
     let of_face = |face: usize| {
         let [a, b, c] = mesh.corners(face).map(Vec3::as_dvec3);

@@ -1,8 +1,8 @@
 //! Environment maps: from pbrt's square, the equal-area octahedral map of Clarberg ("Fast Equal-Area Mapping of the
 //! (Hemi)Sphere using SIMD", 2008), to an equirectangular picture.
 //!
-//! The picture is twice as wide and as high as the square, and so has twice as many texels; each is the mean of
-//! [`SAMPLES`]² places, evenly spread in longitude and in the sine of the latitude, of which each shows the nearest texel.
+//! The picture is twice as wide and as high as the square, and so has twice as many texels; each is the mean of the
+//! nearest texels at [`SAMPLES`]² points, evenly spread in longitude and in the sine of the latitude.
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
@@ -43,7 +43,7 @@ pub(super) fn resample(square: &Texture, to_light: DMat3, scale: Vec3) -> SkyPic
         for place in 0..SAMPLES * SAMPLES {
             let [across, down] =
                 [place % SAMPLES, place / SAMPLES].map(|it| (f64::from(it) + 0.5) / f64::from(SAMPLES));
-            // From -z in the middle to +x on the right.
+            // Longitude runs from -z in the middle to +x on the right.
             let longitude = TAU * ((f64::from(column) + across) / f64::from(width) - 0.5);
             let y = edges[0] + (edges[1] - edges[0]) * down;
             let ring = (1.0 - y * y).max(0.0).sqrt();

@@ -1,9 +1,10 @@
 //! Spectra as colours in linear sRGB.
 //!
-//! A spectrum has samples `[wavelength value ...]` in nanometres and is linear in between. Of a light it is integrated with
-//! the CIE's colour matching functions (the fit by Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ
-//! Color Matching Functions", JCGT 2013) and, as in pbrt, scaled to a luminance of 1; a reflectance is taken under
-//! illuminant D65, so that one that is the same everywhere is grey. Colours beyond sRGB lose what is negative.
+//! A spectrum has samples `[wavelength value ...]` in nanometres and is linear in between. A light's spectrum is
+//! integrated with the CIE's colour matching functions (the fit by Wyman, Sloan and Shirley, "Simple Analytic
+//! Approximations to the CIE XYZ Color Matching Functions", JCGT 2013) and, as in pbrt, scaled to a luminance of 1; a
+//! reflectance is evaluated under illuminant D65, so that a constant one is grey. Negative components of colours
+//! outside sRGB are clamped.
 
 use std::path::Path;
 
@@ -22,7 +23,7 @@ pub(super) enum Spectrum {
     Rgb(Vec3),
     /// A black body's temperature, K.
     Blackbody(f64),
-    /// By wavelength, nm, in rising order.
+    /// Samples by wavelength in nm, in rising order.
     Samples(Vec<(f64, f64)>),
     /// One of pbrt's own.
     Named(String),
@@ -70,7 +71,7 @@ const D65: [f64; 21] = [
     83.6992, 80.2146, 78.2842, 71.6091, 61.604, 75.087, 46.4182, 63.3828,
 ];
 
-/// Wavelengths that stand for red, green and blue where a spectrum is no colour.
+/// Wavelengths that represent red, green and blue where a spectrum is not a colour.
 const RGB_WAVELENGTHS: [f64; 3] = [630.0, 540.0, 465.0];
 
 /// The yellow line of helium, at which refractive indices are given.

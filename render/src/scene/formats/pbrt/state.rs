@@ -1,4 +1,4 @@
-//! The graphics state: transform, material, area light and what else holds until it is changed; transforms.
+//! The graphics state: transform, material, area light and other attributes; transforms.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use super::parameters::Parameter;
 use super::tokens::At;
 use crate::scene::SceneError;
 
-/// What holds for the shapes that follow.
+/// The state of the following shapes.
 #[derive(Clone)]
 pub(super) struct State {
     /// pbrt's current transformation matrix: to the world, or before `WorldBegin` from it.
@@ -37,7 +37,7 @@ impl Default for State {
     }
 }
 
-/// What was begun and is to be ended.
+/// An open block.
 pub(super) struct Saved {
     /// `Attribute`, `Transform` or `Object`; `Import` of a file.
     pub(super) what: &'static str,

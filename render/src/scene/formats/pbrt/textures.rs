@@ -1,8 +1,8 @@
-//! Textures: constants, pictures, products of both, checkerboards; and what varies an input of a material.
+//! Textures: constants, pictures, products of both, checkerboards; and textures on material inputs.
 //!
-//! Texture coordinates count from a picture's lower edge in pbrt and from its upper one here; meshes have been turned, so
-//! `uscale` and its like are turned, too. Where pbrt evaluates a function that there is no counterpart of (`fbm`, `marble`),
-//! a constant stands for it, with a warning. A product of two pictures takes the mean of the second.
+//! Texture coordinates count from a picture's lower edge in pbrt and from its upper one here; meshes have been turned,
+//! so `uscale` and its like are turned, too. pbrt's procedural textures without a counterpart (`fbm`, `marble`) become
+//! a constant, with a warning. A product of two pictures uses the mean of the second.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ pub(super) struct NamedTextures {
 /// A function of a texel's colour.
 pub(super) type Convert<'a> = Option<&'a dyn Fn(Vec3) -> Vec3>;
 
-/// Those that pbrt makes by a formula.
+/// pbrt's procedural textures.
 const FORMULAS: [&str; 8] = ["bilerp", "directionmix", "dots", "fbm", "marble", "ptex", "windy", "wrinkled"];
 
 const CLASSES: [&str; 5] = ["checkerboard", "constant", "imagemap", "mix", "scale"];
@@ -141,7 +141,7 @@ impl Reader<'_> {
         }
     }
 
-    /// From the texture coordinates of meshes to the picture.
+    /// The transform from the meshes' texture coordinates to the picture.
     fn mapping(&mut self, parameters: &Parameters) -> Result<Affine2, SceneError> {
         let mapping = parameters.text("mapping")?.unwrap_or("uv");
         if mapping != "uv" {

@@ -20,7 +20,7 @@ impl At {
     }
 }
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A directive, a number, `true` or `false`.
@@ -39,7 +39,7 @@ pub(super) struct Token<'a> {
 }
 
 impl<'a> Token<'a> {
-    /// The text as it stands in the file; what is not UTF-8 is empty.
+    /// The text of the file; empty if it is not UTF-8.
     pub(super) fn raw(&self) -> &'a str {
         str::from_utf8(self.text).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! What the header of a PLY file must declare, and how much of it can be true.
+//! Checks of a PLY file's header: required elements, and counts that the file's length allows.
 
 use std::io::ErrorKind;
 

@@ -131,7 +131,7 @@ fn files_of_many_pieces_are_read_as_one() {
         face.iter().for_each(|index| bytes.extend(index.to_le_bytes()));
     }
     assert_eq!(super::tests::mesh(&bytes), mesh);
-    // Errors tell the number among all, and the line.
+    // Errors give the index among all elements, and the line.
     let wrong = text.replace(&format!("\n4 {}\n", words(&faces[60_000])), "\n4 0 1 2 90000\n");
     assert_eq!(problem(&wrong), "face 60000: vertex 90000 does not exist: the file has 90000 vertices");
     let line = 10 + SIDE * SIDE + 60_001;

@@ -5,12 +5,12 @@ use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use super::{INDICES, TEXCOORDS};
 use crate::scene::formats::decimal;
 
-/// What is read of an element.
+/// The data read from an element.
 #[derive(Default)]
 pub(super) struct Row {
     /// Position, normal, texture coordinates.
     pub(super) numbers: [f32; 8],
-    /// Of a face.
+    /// The vertex indices of a face.
     pub(super) corners: Vec<i64>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Field {
     scalar: ScalarType,
 }
 
-/// What becomes of a property.
+/// The use of a property.
 #[derive(Clone, Copy)]
 enum Role {
     Passed,
@@ -33,16 +33,16 @@ enum Role {
 
 /// The values of elements that follow each other.
 pub(super) trait Values<'a> {
-    /// Of all elements in `bytes`.
+    /// A reader of all elements in `bytes`.
     fn new(bytes: &'a [u8]) -> Self;
 
     /// Goes to the next element.
     fn begin_element(&mut self);
 
-    /// The next value as a number; `None` if it is none or not there.
+    /// The next value as a number; `None` if it is missing or not one.
     fn number(&mut self, kind: &ScalarType) -> Option<f32>;
 
-    /// The next value as a whole number; `None` if it is none or not there.
+    /// The next value as a whole number; `None` if it is missing or not one.
     fn whole(&mut self, kind: &ScalarType) -> Option<i64>;
 
     /// Passes over so many values; `None` if they are not there.
@@ -50,7 +50,7 @@ pub(super) trait Values<'a> {
 }
 
 impl Field {
-    /// Those of an element, in their order.
+    /// The properties of an element, in order.
     pub(super) fn all(element: &ElementDef) -> Vec<Self> {
         let field = |(name, kind): (&str, &PropertyType)| match kind {
             PropertyType::Scalar(scalar) => {
@@ -150,7 +150,7 @@ impl<'a> Values<'a> for Words<'a> {
                 self.line = &self.line[length..];
                 Some(number)
             }
-            // Infinity and what is no number have no place in a file.
+            // Infinity and NaN are invalid in a file.
             _ => decimal::parse(self.word().filter(|word| word.iter().all(|byte| b"+-.0123456789eE".contains(byte)))?),
         }
     }

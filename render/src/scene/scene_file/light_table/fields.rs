@@ -1,4 +1,4 @@
-//! The keys of a `[[light]]` table: which of them its kind has, and their values.
+//! The keys of a `[[light]]` table by kind, and their values.
 
 use glam::{DVec3, Vec3};
 use halfdome_kernel::MAX_COORDINATE;
@@ -191,7 +191,7 @@ impl<'a> Table<'a> {
         Ok(strength.as_vec3())
     }
 
-    /// What multiplies the strength.
+    /// The factor on the strength.
     pub(super) fn color(&self) -> Result<Vec3, SceneError> {
         self.get("color").map_or(Ok(Vec3::ONE), |color| self.reader.color(color, 0.0, f32::MAX))
     }

@@ -1,8 +1,8 @@
-//! Tables of places: where and how often something is shown.
+//! Tables of places: the transforms of instances.
 //!
 //! Columns, or properties of PLY's vertices, have these names: `x y z`, and if they are there `qx qy qz qw` (a
-//! quaternion), or `rx ry rz` (degrees about x, then y, then z), or `nx ny nz` (where +y points), and `scale` or
-//! `sx sy sz`. Others are passed over. CSV has their names in its first line; numbers are separated by commas, semicolons or
+//! quaternion), or `rx ry rz` (degrees about x, then y, then z), or `nx ny nz` (where +y points), and `scale` or `sx sy
+//! sz`. Other columns are ignored. CSV has the names in its first line; numbers are separated by commas, semicolons or
 //! blanks; blank lines and `#` comments are skipped.
 
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::scene::{Place, SceneError};
 /// The names, in the order of a row's numbers.
 const NAMES: [&str; 17] =
     ["x", "y", "z", "qx", "qy", "qz", "qw", "rx", "ry", "rz", "nx", "ny", "nz", "scale", "sx", "sy", "sz"];
-/// Those that come together.
+/// Columns that must come together.
 const GROUPS: [&[&str]; 6] = [
     &["x", "y", "z"],
     &["qx", "qy", "qz", "qw"],
@@ -30,7 +30,7 @@ const HELP: &str = "name the columns x y z, and if need be qx qy qz qw or rx ry 
 /// The numbers of a place.
 struct Row([f32; NAMES.len()]);
 
-/// Which names there are.
+/// The columns' names.
 struct Columns([bool; NAMES.len()]);
 
 /// Reads a `.csv`, `.txt` or `.ply`.
@@ -142,7 +142,7 @@ impl Columns {
         NAMES.iter().zip(self.0).any(|(it, is_there)| *it == name && is_there)
     }
 
-    /// What is wrong with the names.
+    /// The error of the names.
     fn check(&self) -> Result<(), String> {
         if !self.has("x") {
             return Err("there is no column x".to_owned());

@@ -10,13 +10,13 @@ options! {
     #[command(next_help_heading = "Irradiance cache")]
     pub struct CachedOverrides;
     options {
-        /// Allowed error of records, more than 0 and at most 1; their reach is proportional to it [default: 0.3]
+        /// Allowed error of records, more than 0 and at most 1; their radii are proportional to it [default: 0.3]
         #[arg(value_name = "A", allow_negative_numbers = true)]
         cache_error: f32 = value::cache_error, in "render";
         /// Gradients by which records are extrapolated: off, rotation or both (rotation and translation) [default: both]
         #[arg(value_name = "WHICH")]
         gradients: Gradients = value::gradients, in "render";
-        /// What limits the reach of records: split-sphere, bounded (split-sphere, bounded by the gradient) or hessian
+        /// Metric of the records' radii: split-sphere, bounded (split-sphere, bounded by the gradient) or hessian
         /// [default: hessian]
         #[arg(value_name = "NAME")]
         metric: Metric = value::metric, in "render";
@@ -26,11 +26,11 @@ options! {
         /// Approximate number of rays per record [default: 2048]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         record_rays: u32 = value::record_rays, in "render";
-        /// Reflections of light on its way to a record, with one cache for each [default: unlimited, by path tracing]
+        /// Number of reflections before a record, with one cache for each [default: unlimited, by path tracing]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         cache_bounces: u32 = value::cache_bounces, in "render";
-        /// Root mean square error of irradiance that is asked for, as a part of its mean: 1%, 0.03. Rays of records, their reach
-        /// and, where direct light is sampled besides, its samples follow from it
+        /// Requested root mean square error of irradiance, relative to its mean: 1%, 0.03. It determines the rays and
+        /// radii of records and, in bakes and sensors, the samples of direct light
         #[arg(value_name = "ERROR", allow_negative_numbers = true)]
         #[arg(conflicts_with_all = ["cache_error", "record_rays"])]
         accuracy: f32 = value::accuracy, in "render";

@@ -1,6 +1,6 @@
-//! The options that say what kind of camera there is, and which of them belong to which kind.
+//! The options of cameras, and the kinds that they belong to.
 //!
-//! An option that the camera would not use is refused: whoever gives it expects something else than would happen.
+//! An option that the camera would not use is refused, as it would have no effect.
 
 use std::path::PathBuf;
 
@@ -43,10 +43,10 @@ options! {
         /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is given]
         #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
         focus: f32 = value::length, in "camera";
-        /// A point at whose distance along the view a lens is sharp, in place of --focus
+        /// A point in the plane of focus, in place of --focus
         #[arg(value_name = "X,Y,Z", allow_hyphen_values = true)]
         focus_at: Vec3 = value::point, in "camera";
-        /// Blades of the aperture, which make it a polygon, from 3 on; 0 is a disc [default: 0]
+        /// Blades of the polygonal aperture, at least 3; 0 is a disc [default: 0]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         blades: u32 = value::blades, in "camera";
         /// Turn of the blades in degrees, from right to up; at 0 a corner is on the right [default: 0]
@@ -58,7 +58,7 @@ options! {
         /// Millimetres in one of the model's units, for aperture and eye distance [default: 1000, for metres]
         #[arg(value_name = "MM", allow_negative_numbers = true)]
         mm_per_unit: f32 = value::length, in "camera";
-        /// orthographic: height of what is seen, in the model's units [default: the model's, or what a perspective camera sees
+        /// orthographic: height of the view, in the model's units [default: the model's, or that of a perspective view
         /// at the target, if one is given]
         #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
         ortho_height: f32 = value::length, in "camera";
@@ -72,16 +72,17 @@ options! {
         /// fisheye: how distance from the middle grows with the angle: equidistant or equisolid [default: equidistant]
         #[arg(value_name = "MAPPING")]
         fisheye: FisheyeMapping = value::fisheye, in "camera";
-        /// fisheye: angle that the disc sees, in degrees, up to 360 [default: 180]
+        /// fisheye: angle across the disc in degrees, up to 360 [default: 180]
         #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
         fov: f32 = value::fisheye_fov, in "camera";
-        /// Nothing nearer is seen: along the view of perspective and orthographic cameras, from the eye of others [default: 0]
+        /// Clip nearer geometry: along the view of perspective and orthographic cameras, from the eye of others
+        /// [default: 0]
         #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
         near: f32 = value::near, in "camera";
-        /// Nothing farther is seen [default: no limit]
+        /// Clip farther geometry [default: no limit]
         #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
         far: f32 = value::length, in "camera";
-        /// Clip at the planes of the model's camera, where --near and --far do not say otherwise (glTF's znear and zfar)
+        /// Clip at the planes of the model's camera (glTF's znear and zfar), unless --near and --far are given
         #[arg(num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         model_clip: bool = value::flag, in "camera";

@@ -1,6 +1,6 @@
 //! The options that choose an integrator and belong to it.
 //!
-//! An option that the integrator would not use is refused: whoever gives it expects something else than would happen.
+//! An option that the integrator would not use is refused, as it would have no effect.
 
 use super::super::value;
 use super::options::options;
@@ -23,8 +23,8 @@ options! {
         /// most surfaces seen through mirrors and glass [default: 32]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         max_depth: u32 = value::count, in "render";
-        /// path, heat: how light is found: naive (bounces hit emitters by chance), direct (light sampling) or mis (both, by
-        /// multiple importance sampling) [default: mis]
+        /// path, heat: sampling of lights: naive (bounces hit emitters by chance), direct (light sampling) or mis
+        /// (both, by multiple importance sampling) [default: mis]
         #[arg(value_name = "HOW")]
         lights: LightSampling = value::lights, in "render";
         /// path, heat: what ends a path: depth (only --max-depth), threshold or roulette (Russian roulette) [default:
@@ -34,7 +34,7 @@ options! {
         /// --stop threshold: end a path when its throughput falls below this in all channels [default: 0.01]
         #[arg(value_name = "C", allow_negative_numbers = true)]
         cutoff: f32 = value::fraction, in "render";
-        /// --stop threshold: add the scene's mean radiance in place of the light that is cut off
+        /// --stop threshold: add the scene's mean radiance in place of the lost light
         #[arg(num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         add_back: bool = value::flag, in "render";
@@ -45,12 +45,12 @@ options! {
         /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
         #[arg(value_name = "P", allow_negative_numbers = true)]
         survival: Survival = value::survival, in "render";
-        /// path, heat: scale down what a light adds after two reflections and more to at most this radiance: fewer
-        /// fireflies, less light [default: off]
+        /// path, heat: clamp contributions after two reflections and more to this radiance: fewer fireflies, less light
+        /// [default: off]
         #[arg(value_name = "L", allow_negative_numbers = true)]
         clamp_indirect: f32 = value::clamp, in "render";
-        /// path: trace paths before the picture and learn from them where light comes from, for rooms that are lit through a
-        /// window or a door ajar; =N by so many paths [default: false; N is 524288]
+        /// path: path guiding: trace N paths first to learn where light comes from; for rooms lit through a small
+        /// opening [default: false; N is 524288]
         #[arg(num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "N", default_missing_value = "true")]
         guide: u32 = value::guide, in "render";
@@ -78,9 +78,9 @@ options! {
     }
 }
 
-/// What paths have; a stopping rule adds its own.
+/// Options of paths; a stopping rule adds its own.
 const PATH: [&str; 5] = ["max_depth", "lights", "stop", "clamp_indirect", "guide"];
-/// What those have whose cost is shown.
+/// Options of the paths whose cost is shown.
 const HEAT: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
 
 impl IntegratorOverrides {

@@ -1,4 +1,4 @@
-//! The options of what lights a scene.
+//! The options of lights and skies.
 
 use glam::Vec3;
 
@@ -18,8 +18,8 @@ options! {
         sky: Vec3 = value::radiance, in "sky" "radiance";
         /// Sides from which all emitters emit: front or both [default: from each material]
         ///
-        /// The front is where corners are counter-clockwise, or where vertex normals point. Many models do not care: if a
-        /// lamp lights the wrong way, try both.
+        /// The front is where corners are counter-clockwise, or where vertex normals point. Many models have unreliable
+        /// winding: if a lamp lights the wrong side, use both.
         #[arg(id = "emission", value_name = "SIDES")]
         emits_both_sides: bool = value::emission, in "scene" "emission";
         /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)

@@ -1,4 +1,4 @@
-//! The options that say which moment of a model's animations is shown.
+//! The options of animations: frame, shutter.
 
 use super::super::value;
 use super::options::options;
@@ -19,25 +19,26 @@ options! {
         /// Frames per second [default: 24]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         fps: f64 = value::fps, in "scene";
-        /// Blurs what moves while the shutter is open: when it opens and closes in frames after --frame, as -0.25,0.25 or 0,1, or
-        /// in seconds, as 0s,0.01s; or how many frames it is open about --frame, as 0.5, which is Blender's default [default:
-        /// no motion blur]
+        /// Motion blur: opening and closing of the shutter in frames relative to --frame, such as -0.25,0.25 or 0,1, or
+        /// in seconds, such as 0s,0.01s; or the number of frames that it is open around --frame, such as 0.5, Blender's
+        /// default [default: no motion blur]
         #[arg(value_name = "OPEN,CLOSE", allow_hyphen_values = true)]
         #[arg(help_heading = "Camera")]
         shutter: Shutter = value::shutter, in "camera";
-        /// The part of that time in which the shutter opens, and in which it closes, at an even rate, from 0 to 0.5 [default: 0,
-        /// at once]
+        /// Part of that time during which the shutter opens, and again closes, linearly, from 0 to 0.5 [default: 0, at
+        /// once]
         #[arg(value_name = "PART", allow_negative_numbers = true)]
         #[arg(help_heading = "Camera")]
         shutter_ramp: f32 = value::shutter_ramp, in "camera";
-        /// Number of times from opening to closing at which the model is posed, odd; in between all moves in straight lines
+        /// Number of times from opening to closing at which the model is posed, odd; motion in between is linear
         /// [default: 5]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         #[arg(help_heading = "Camera")]
         shutter_keys: usize = value::shutter_keys, in "camera";
     }
     others {
-        /// Animation to play, can be given several times [default: all, but for those that move what an earlier one moves]
+        /// Animation to play, can be given several times [default: all, except those that animate the same property as
+        /// an earlier one]
         #[arg(long = "animation", value_name = "NAME")]
         animations: Option<Vec<String>>, in "scene" "animation";
     }

@@ -51,7 +51,7 @@ impl Overrides {
         Ok(())
     }
 
-    /// Gives the camera at the shutter's keys what the options say of it.
+    /// Applies the options to the camera at the shutter's keys.
     fn move_camera(&self, scene: &mut Scene, kind: CameraKind, vfov: Option<f32>, aspect: f64) -> Result<(), Invalid> {
         let Some(mut motion) = scene.motion.take() else { return Ok(()) };
         let middle = scene.camera;
@@ -115,7 +115,7 @@ impl Overrides {
                 };
                 let height = ortho_height.or(of_width).or(of_base).ok_or_else(|| {
                     let remedy = "give ortho_height or ortho_width in the model's units, or a target";
-                    Invalid::new("nothing says how much the orthographic camera sees", remedy)
+                    Invalid::new("the orthographic camera has no height or width", remedy)
                 })?;
                 Projection::Orthographic { height }
             }
@@ -171,7 +171,7 @@ impl Overrides {
         };
         let focus = focus.ok_or_else(|| {
             let remedy = "give focus, a distance in the model's units, or focus_at, a point";
-            Invalid::new("nothing says at which distance the lens is sharp", remedy)
+            Invalid::new("the lens has no focus distance", remedy)
         })?;
         let (blades_of_base, rotation, ratio) =
             base.lens.map_or((0, 0.0, 1.0), |lens| (lens.blades, lens.rotation, lens.ratio));
@@ -209,7 +209,7 @@ impl Overrides {
     }
 }
 
-/// Of rays that come from a file; nothing depends on it.
+/// The pose of a camera with rays from a file; it is unused.
 const NO_POSE: CameraPose = CameraPose { eye: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, vfov: 90.0 };
 
 /// The distance of a point along the view.

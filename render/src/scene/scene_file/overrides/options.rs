@@ -1,4 +1,4 @@
-//! How options are declared: once, for the command line, for scene files, and for what combines them.
+//! Declaration of options: once for the command line, for scene files, and for their combination.
 
 use super::super::value::{Expected, Value};
 
@@ -13,7 +13,7 @@ pub(crate) trait Source {
     fn read<T>(&self, reading: fn(&Value) -> Result<T, Expected>) -> Result<T, Self::Error>;
 }
 
-/// What counts behind something that may be set: options and groups of them have this as a method of their own.
+/// Fallback of options and groups of them: a method of each.
 pub(super) trait Or {
     fn or(self, fallback: Self) -> Self;
 }
@@ -87,7 +87,7 @@ macro_rules! options {
                 }
             }
 
-            /// Sets the option of this group that a key of a scene file stands for; whether there is one.
+            /// Sets this group's option of a scene file's key; returns whether there is one.
             pub(crate) fn set<S: $crate::scene::scene_file::overrides::options::Source>(
                 &mut self,
                 section: &str,

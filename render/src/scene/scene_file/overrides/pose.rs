@@ -1,4 +1,4 @@
-//! Where the camera stands and looks: from the options, the model, or the model's bounds.
+//! The camera's pose: from the options, the model, or the model's bounds.
 
 use glam::Vec3;
 use halfdome_kernel::MAX_COORDINATE;
@@ -11,7 +11,8 @@ use crate::settings::Invalid;
 /// Degrees; what a camera has whose vertical field of view is not given.
 const DEFAULT_VFOV: f32 = 40.0;
 
-/// The least sine of the angle between the view and the up vector: below it 32-bit floats cannot tell which way is up.
+/// The least sine of the angle between the view and the up vector: below it the up direction is undefined in 32-bit
+/// floats.
 const MIN_SIN_UP: f64 = 1e-4;
 
 /// The least distance from eye to target; the square of a smaller one vanishes in 32 bits.
@@ -33,7 +34,7 @@ impl Overrides {
                 let up = self.up.unwrap_or(Vec3::Y);
                 let inside = if new { None } else { frame_inside(scene, up, vfov) };
                 if !new {
-                    let what = if inside.is_some() { "that stands in its closed room" } else { "that shows all of it" };
+                    let what = if inside.is_some() { "inside its closed room" } else { "that shows all of it" };
                     let how = if scene.meshes.iter().any(|mesh| mesh.origin.is_some()) {
                         "set --eye and --target, or export one: Blender leaves cameras out unless Include > Cameras is on"
                     } else {

@@ -41,7 +41,7 @@ options! {
     }
 }
 
-/// Of the ground: about that of grass and soil.
+/// The albedo of the ground: about that of grass and soil.
 const GROUND: Vec3 = Vec3::splat(0.3);
 
 impl SkyOverrides {

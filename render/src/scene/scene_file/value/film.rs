@@ -3,7 +3,7 @@
 use super::{Reading, Value, expected};
 use crate::settings::{Cryptomatte, MatteKind};
 
-/// What Cryptomatte layers tell apart.
+/// The names that Cryptomatte layers distinguish.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MatteKinds(pub Vec<MatteKind>);
 

@@ -1,4 +1,4 @@
-//! What integrators and the irradiance cache are told.
+//! Values of options of integrators and the irradiance cache.
 
 use super::{Reading, Value, expected};
 use crate::settings::{
@@ -11,7 +11,7 @@ pub(in crate::scene) fn integrator(value: &Value) -> Reading<Integrator> {
     value.named(&Integrator::NAMES, Integrator::named)
 }
 
-/// How light is found.
+/// The sampling of lights.
 pub(in crate::scene) fn lights(value: &Value) -> Reading<LightSampling> {
     value.one_of(&[("naive", LightSampling::Naive), ("direct", LightSampling::Direct), ("mis", LightSampling::Mis)])
 }
@@ -29,7 +29,7 @@ pub(in crate::scene) fn fraction(value: &Value) -> Reading<f32> {
     }
 }
 
-/// The probability that a path goes on, or the word for one that follows its throughput.
+/// The survival probability of a path, or the word for one by its throughput.
 pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
     match value {
         Value::Text(text) if text == "throughput" => Ok(Survival::default()),
@@ -40,7 +40,7 @@ pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
     }
 }
 
-/// How directions are chosen.
+/// The sampling of directions.
 pub(in crate::scene) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> {
     value.one_of(&[
         ("uniform", HemisphereSampling::Uniform),
@@ -50,7 +50,7 @@ pub(in crate::scene) fn hemisphere_sampling(value: &Value) -> Reading<Hemisphere
     ])
 }
 
-/// What occlusion rays count.
+/// The values of occlusion rays.
 pub(in crate::scene) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
     value.one_of(&[("misses", AoWeighting::Misses), ("hit-length", AoWeighting::HitLength)])
 }
@@ -85,17 +85,17 @@ pub(crate) fn accuracy(value: &Value) -> Reading<f32> {
     }
 }
 
-/// What records are extrapolated by.
+/// The gradients of records.
 pub(in crate::scene) fn gradients(value: &Value) -> Reading<Gradients> {
     value.one_of(&Gradients::ALL.map(|gradients| (gradients.name(), gradients)))
 }
 
-/// What decides how far a record reaches.
+/// The metric of a record's radius.
 pub(in crate::scene) fn metric(value: &Value) -> Reading<Metric> {
     value.one_of(&Metric::ALL.map(|metric| (metric.name(), metric)))
 }
 
-/// How a record's rays are spread.
+/// The layout of a record's rays.
 pub(in crate::scene) fn gather_layout(value: &Value) -> Reading<GatherLayout> {
     value.one_of(&GatherLayout::ALL.map(|layout| (layout.name(), layout)))
 }

@@ -77,7 +77,7 @@ pub(in crate::scene) fn camera_kind(value: &Value) -> Reading<CameraKind> {
     value.one_of(&CameraKind::ALL.map(|kind| (kind.name(), kind)))
 }
 
-/// How a fisheye maps angles.
+/// The mapping of a fisheye.
 pub(in crate::scene) fn fisheye(value: &Value) -> Reading<FisheyeMapping> {
     value.one_of(&FisheyeMapping::ALL.map(|mapping| (mapping.name(), mapping)))
 }

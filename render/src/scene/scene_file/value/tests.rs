@@ -1,4 +1,4 @@
-//! What both sources accept, and what they say of the rest.
+//! Values that both sources accept, and their errors.
 
 use super::*;
 

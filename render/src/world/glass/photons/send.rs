@@ -36,7 +36,7 @@ struct Body {
 }
 
 impl Body {
-    /// How large it is, seen from a light.
+    /// The size as seen from a light.
     fn size_from(&self, light: &PunctualLight) -> f32 {
         light.place().map_or(self.radius, |(position, ..)| self.radius / position.distance(self.center))
     }
@@ -58,7 +58,7 @@ impl World {
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
         let follow = |&(light, number): &(&PunctualLight, u32)| {
             let mut arrived = LightPhotons::default();
-            // Those that are largest from the light.
+            // The bodies that look largest from the light.
             let mut bodies = bodies.clone();
             bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
             for body in bodies.iter().take(of_light / count) {
@@ -90,8 +90,8 @@ impl World {
         bodies
     }
 
-    /// One of so many photons from the middle of a light towards the disc that a body is from there, or to all sides from within; and
-    /// the angle within which the rest of the light is.
+    /// One of several photons from the middle of a light towards a body's disc, or in all directions from within; and
+    /// the angular radius of the light.
     fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(Beam, f32)> {
         // Fibonacci's lattice.
         let of_count = (photon as f32 + 0.5) / count as f32;
@@ -130,7 +130,7 @@ impl World {
         })
     }
 
-    /// Where a photon arrives behind glass that has bent it.
+    /// The arrival of a photon behind the glass that refracted it.
     fn follow(&self, (mut beam, blur): (Beam, f32)) -> Option<Arrival> {
         let is_sun = beam.origin_by[0] != Vec3::ZERO;
         let sent = if is_sun {
@@ -150,7 +150,7 @@ impl World {
                 let photon = Photon { origin, direction, origin_by, direction_by, sent, blur };
                 let normal = self.surface_at(&hit).normal;
                 let slant = direction.dot(normal).abs().max(LEAST_SLANT);
-                // Where rays beside it meet the surface, along it.
+                // Where neighbouring rays hit the surface, along it.
                 let [a, b] = [0, 1].map(|axis| {
                     let across = photon.across(axis, hit.t);
                     across.abs() + direction.abs() * (across.dot(normal).abs() / slant)

@@ -1,5 +1,5 @@
-//! The files of a page: the master with all layers, the map that the model shows, and what is kept of directions; and which
-//! part of it belongs to which surface.
+//! The files of a page: the master with all layers, the map that the model uses, and directional layers; and the
+//! mapping of its parts to surfaces.
 
 use std::path::Path;
 
@@ -102,7 +102,7 @@ fn picture(bake: &Bake, page: usize, options: &BakeOptions) -> Picture {
     Picture { width: size.width, height: size.height, channels, metadata }
 }
 
-/// What of which page belongs to which surface.
+/// The surfaces of each page's parts.
 pub(super) fn surfaces(scene: &Scene, bake: &Bake) -> Vec<SurfaceEntry> {
     let surface = |part: &Part| {
         let mesh = &scene.meshes[part.mesh];

@@ -58,7 +58,7 @@ impl Reader<'_> {
         self.material.inputs.absorption = match self.document.is_from_blender() {
             // It writes the colour and the density of its absorption, which is `(1 - colour) × density`.
             true => (Vec3::ONE - color) / distance,
-            // What lets nothing through is as good as black after the distance.
+            // An opaque colour counts as nearly black after the distance.
             false => -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance,
         };
         Ok(())

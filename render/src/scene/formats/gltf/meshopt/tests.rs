@@ -1,4 +1,4 @@
-//! Streams that meshoptimizer's own encoder (1.x, its JavaScript build) made, and what its decoder makes of them.
+//! Streams that meshoptimizer's own encoder (1.x, its JavaScript build) made, and its decoder's output.
 
 use super::*;
 use crate::scene::fnv;

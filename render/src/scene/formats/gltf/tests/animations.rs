@@ -1,4 +1,4 @@
-//! Animations of nodes, cameras, lights, skins and morph targets, and what is wrong with them.
+//! Animations of nodes, cameras, lights, skins and morph targets, and their errors.
 
 use glam::Vec3;
 use serde_json::json;

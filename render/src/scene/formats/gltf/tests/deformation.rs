@@ -83,11 +83,11 @@ fn vertices_and_primitives_without_weights_are_told() {
     let weights = model.floats("VEC4", 3, &[0.0; 12]);
     model.document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
     let scene = model.read().unwrap();
-    assert_eq!(scene.warnings, ["model.gltf: 3 vertices are moved by the first joint named, for want of weights"]);
+    assert_eq!(scene.warnings, ["model.gltf: 3 vertices are bound to the first listed joint: weights are missing"]);
     assert_near(&one_mesh(scene).positions, &[[0.5, 0.0, 0.0], [1.0, 2.0, 0.0], [0.0, 3.0, 0.0]]);
     model.document["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0});
     let scene = model.read().unwrap();
-    assert_eq!(scene.warnings, ["model.gltf: 1 primitive is shown without the skin, for want of JOINTS_0"]);
+    assert_eq!(scene.warnings, ["model.gltf: 1 primitive is shown without the skin: JOINTS_0 is missing"]);
     assert_eq!(one_mesh(scene).positions[0], Vec3::new(100.0, 0.0, 0.0));
 }
 

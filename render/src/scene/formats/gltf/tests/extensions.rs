@@ -1,4 +1,4 @@
-//! The extensions of materials, variants, quantized meshes, and what is wrong with them.
+//! The extensions of materials, variants, quantized meshes, and their errors.
 
 use glam::Vec3;
 use serde_json::{Value, json};

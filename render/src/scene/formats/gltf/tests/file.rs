@@ -34,7 +34,7 @@ fn wrong_json_and_versions() {
         wrong("{\"asset\": {\"version\": \"1.0\"}, \"nodes\": {}}"),
         "asset: its version is \"1.0\", which is not 2"
     );
-    assert_eq!(wrong("{}"), "asset: it tells no glTF version");
+    assert_eq!(wrong("{}"), "asset: it has no glTF version");
     assert_eq!(
         wrong("{\"asset\": {\"version\": \"2.0\"},\n\"nodes\": {}}"),
         "line 2: this is not valid glTF: invalid type: map, expected a sequence"

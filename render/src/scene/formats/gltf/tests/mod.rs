@@ -1,4 +1,4 @@
-//! Documents that the tests of this folder change, and what they read from them.
+//! Documents that the tests of this folder change and read.
 
 mod animations;
 mod deformation;

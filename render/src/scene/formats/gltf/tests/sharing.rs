@@ -1,4 +1,4 @@
-//! Meshes that are shown several times.
+//! Shared meshes.
 
 use glam::Vec3;
 

@@ -255,7 +255,7 @@ fn cameras() {
     assert_eq!(parse(triangle()).unwrap().camera, None);
 }
 
-/// The magnifications are half of what is seen.
+/// The magnifications are half of the view's extent.
 #[test]
 fn orthographic_cameras() {
     let mut document = triangle();

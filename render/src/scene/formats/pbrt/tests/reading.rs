@@ -1,4 +1,4 @@
-//! Files that include others, and what is said of wrong ones and of what is not read.
+//! Files that include others, errors of invalid ones, and warnings about skipped content.
 
 use std::io::Write as _;
 
