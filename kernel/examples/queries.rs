@@ -64,7 +64,7 @@ fn main() -> Result<(), Error> {
     println!(
         "refitted: a ray costs {}, {} of before; build again: {}",
         refit.cost,
-        refit.decay,
+        refit.cost_ratio,
         refit.should_rebuild()
     );
     println!("the nearest hit is now {:?}", bvh.view().intersect(&down));

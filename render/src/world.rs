@@ -24,9 +24,9 @@ use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, SceneFault, Texture};
 pub(crate) use bodies::Bodies;
 use glass::Glass;
-pub(crate) use glass::{BentLight, Between, LightEnd};
+pub(crate) use glass::{Between, LightEnd, RefractedConnection};
 pub(crate) use hit::{Hit, MIDDLE, time_of};
-pub use light_estimates::seen_points::LookFrom;
+pub use light_estimates::seen_points::LightQuery;
 pub(crate) use light_estimates::seen_points::Side;
 pub(crate) use media::Boundary;
 use media::Solids;
@@ -36,9 +36,9 @@ pub(crate) use placement::motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 use surface::closures::ClosureCell;
-use surface::rounding::Bulge;
-pub(crate) use surface::rounding::Rounding;
 pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
+use surface::shadow_terminator::Convexity;
+pub(crate) use surface::shadow_terminator::TerminatorOffset;
 pub(crate) use surface::{Surface, WHITE, interpolate};
 
 /// Geometry in a tree, materials, lights and a camera.
@@ -52,7 +52,7 @@ pub struct World {
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     /// The convexity of each `prim_id`.
-    bulges: Vec<Bulge>,
+    bulges: Vec<Convexity>,
     has_closures: bool,
     /// The absorption of solids.
     solids: Solids,
@@ -86,7 +86,7 @@ pub struct World {
     /// Of each punctual light, in the scene's order.
     light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
-    /// The lit triangles that are plain otherwise.
+    /// The secondary lights that are plain otherwise.
     plain_lit: Vec<u32>,
     ray_counters: RayCounters,
 }
@@ -125,16 +125,16 @@ impl World {
     /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`]
     /// with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
-        Self::looking_from(scene, LookFrom::Camera)
+        Self::for_light_query(scene, LightQuery::Camera)
     }
 
     /// Likewise, to find light elsewhere than in a picture of its camera.
     ///
     /// # Errors
     /// The errors of [`new`](Self::new).
-    pub fn looking_from(scene: Scene, from: LookFrom) -> Result<Self, WorldError> {
+    pub fn for_light_query(scene: Scene, from: LightQuery) -> Result<Self, WorldError> {
         // Only pictures are taken for a time.
-        let motion = if matches!(from, LookFrom::Camera) { scene.motion } else { None };
+        let motion = if matches!(from, LightQuery::Camera) { scene.motion } else { None };
         let scene = Scene { motion, ..scene };
         let mut world = Self::assemble(scene, &BuildOptions::default(), &RayonExecutor::UNWATCHED)?;
         world.look(from);
@@ -147,17 +147,17 @@ impl World {
     /// The errors of [`new`](Self::new).
     pub fn build<E: Executor>(scene: Scene, options: &BuildOptions, executor: &E) -> Result<Self, WorldError> {
         let mut world = Self::assemble(scene, options, executor)?;
-        world.look(LookFrom::Camera);
+        world.look(LightQuery::Camera);
         Ok(world)
     }
 
     /// Finds out how far lights reach, and what they light fiercely; what was found before is forgotten.
-    fn look(&mut self, from: LookFrom) {
+    fn look(&mut self, from: LightQuery) {
         self.lights.forget_visibility();
-        self.forget_lit_triangles();
+        self.forget_secondary_lights();
         if let Some(points) = self.seen_points(from) {
             self.estimate_light_visibility(&points);
-            self.find_lit_triangles(&points);
+            self.find_secondary_lights(&points);
         }
     }
 
@@ -235,7 +235,7 @@ impl World {
     /// this camera, to the bit. It takes a while, as making the world does: less by what its tree takes.
     pub fn look_through(&mut self, camera: CameraPose) {
         self.set_camera(camera);
-        self.look(LookFrom::Camera);
+        self.look(LightQuery::Camera);
     }
 
     /// The record of each triangle.

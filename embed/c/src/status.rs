@@ -70,7 +70,7 @@ impl From<Error> for Failure {
             Error::InvalidScene(_) | Error::InvalidMesh(_) | Error::Refit(_) => HD_ERROR_VALUE,
             Error::InvalidTree(InvalidTree::BadKeys { .. }) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
-            Error::OtherByteOrder | Error::OtherVersion { .. } => HD_ERROR_VERSION,
+            Error::WrongEndianness | Error::UnsupportedVersion { .. } => HD_ERROR_VERSION,
             _ => HD_ERROR_BLOB,
         };
         Self::new(status, error.to_string())

@@ -168,7 +168,7 @@ pub unsafe extern "C" fn hd_tree_refit(tree: Option<&mut hd_tree>, mesh: *const 
                     refit
                 }
             };
-            Ok(refit.decay)
+            Ok(refit.cost_ratio)
         };
         // SAFETY: the caller's promise.
         let now = unsafe { with_mesh(&mesh, refit) }?;

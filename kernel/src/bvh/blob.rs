@@ -75,7 +75,7 @@ impl<'a> BvhView<'a> {
     /// memory.
     ///
     /// # Errors
-    /// - [`Error::NotABlob`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: the first bytes do not match.
+    /// - [`Error::NotABlob`], [`Error::WrongEndianness`], [`Error::UnsupportedVersion`]: the first bytes do not match.
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
     /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Bvh::from_bytes` copies it.
     /// - [`Error::Damaged`]: the checksum does not match.

@@ -30,8 +30,8 @@ pub(crate) trait BlobHeader: AnyBitPattern {
     /// The header of a blob of the right length.
     ///
     /// # Errors
-    /// [`NOT_THIS`](Self::NOT_THIS), [`Error::Truncated`], [`Error::OtherByteOrder`], [`Error::BadHeader`],
-    /// [`Error::OtherVersion`] and [`Error::TrailingBytes`].
+    /// [`NOT_THIS`](Self::NOT_THIS), [`Error::Truncated`], [`Error::WrongEndianness`], [`Error::BadHeader`],
+    /// [`Error::UnsupportedVersion`] and [`Error::TrailingBytes`].
     fn read(bytes: &[u8]) -> Result<Self, Error> {
         let start = bytes.get(..Self::MAGIC.len()).unwrap_or(bytes);
         if !Self::MAGIC.starts_with(start) {
@@ -44,11 +44,11 @@ pub(crate) trait BlobHeader: AnyBitPattern {
         let header: Self = bytemuck::pod_read_unaligned(header);
         match header.byte_order() {
             BYTE_ORDER => {}
-            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::OtherByteOrder),
+            order if order == BYTE_ORDER.swap_bytes() => return Err(Error::WrongEndianness),
             _ => return Err(Error::BadHeader { field: "byte order" }),
         }
         if header.version() != Self::VERSION {
-            return Err(Error::OtherVersion { found: header.version(), readable: Self::VERSION });
+            return Err(Error::UnsupportedVersion { found: header.version(), readable: Self::VERSION });
         }
         let needed = header.blob_len();
         match found {

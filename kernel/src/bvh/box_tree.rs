@@ -58,7 +58,7 @@ impl BoxTree {
             prims
         };
         let built = build_tree(executor, &Boxes, prims, options.quality)?;
-        report.too_deep = built.too_deep;
+        report.rejected_builds = built.rejected_builds;
         let items = built.collapsed.blocks;
         let mut nodes = Vec::with_capacity(keys * built.collapsed.nodes.len());
         for key in 0..keys {
@@ -206,7 +206,7 @@ mod tests {
     fn equal_boxes_make_no_deep_tree() {
         let same = vec![Aabb { min: Vec3::ZERO, max: Vec3::ONE }; 20_000];
         let (tree, report) = build(&same, 1);
-        assert_eq!((report.kept, report.too_deep), (20_000, 0));
+        assert_eq!((report.kept, report.rejected_builds), (20_000, 0));
         // Seven inner children or boxes more for each node: not many nodes are half empty.
         assert!(tree.nodes.len() < 20_000 / 3, "{}", tree.nodes.len());
     }

@@ -49,7 +49,7 @@ pub struct BuildReport {
     /// The first primitive that was left out; of points and curves [`RoundPrimitive::fault`] says why.
     pub first_dropped: Option<u32>,
     /// How many trees were built and rejected as too deep, before one with less regard for cost was accepted.
-    pub too_deep: u32,
+    pub rejected_builds: u32,
 }
 
 /// A tree in figures.
@@ -159,7 +159,7 @@ impl Bvh {
         let mut report = BuildReport::default();
         let prims = || usable(mesh, &mut report);
         let tree = build_tree(executor, &Faces(mesh), prims, options.quality)?;
-        report.too_deep = tree.too_deep;
+        report.rejected_builds = tree.rejected_builds;
         let Collapsed { nodes, blocks, cost } = tree.collapsed;
         let bounds = nodes[0].bounds();
         Ok((Self { nodes, blocks, bounds, cost, built_cost: cost, stack: tree.stack }, report))
@@ -202,7 +202,7 @@ impl Bvh {
 pub(super) struct Built<B> {
     pub collapsed: Collapsed<B>,
     pub stack: u32,
-    pub too_deep: u32,
+    pub rejected_builds: u32,
 }
 
 /// Builds a tree over those of `contents` that `prims` gives, and gives anew if a tree is too deep.
@@ -212,7 +212,7 @@ pub(super) fn build_tree<E: Executor, C: Contents + ?Sized>(
     mut prims: impl FnMut() -> Vec<Primitive>,
     quality: Quality,
 ) -> Result<Built<C::Block>, InvalidTree> {
-    let mut too_deep = 0;
+    let mut rejected_builds = 0;
     // Moving subtrees has no regard for depth, splitting by cost hardly any, and splitting in the middle all.
     for effort in [quality.effort(), Effort::SPLIT_ONLY, Effort::MEDIAN] {
         let prims = prims();
@@ -221,12 +221,12 @@ pub(super) fn build_tree<E: Executor, C: Contents + ?Sized>(
         }
         executor.advance(0.05);
         match attempt(executor, contents, prims, effort) {
-            Err(InvalidTree::TooDeep { .. }) => too_deep += 1,
-            result => return result.map(|(collapsed, stack)| Built { collapsed, stack, too_deep }),
+            Err(InvalidTree::TooDeep { .. }) => rejected_builds += 1,
+            result => return result.map(|(collapsed, stack)| Built { collapsed, stack, rejected_builds }),
         }
     }
     let collapsed = Collapsed { nodes: vec![Node::EMPTY], blocks: Vec::new(), cost: 0.0 };
-    Ok(Built { collapsed, stack: 1, too_deep })
+    Ok(Built { collapsed, stack: 1, rejected_builds })
 }
 
 fn attempt<E: Executor, C: Contents + ?Sized>(
@@ -250,7 +250,7 @@ pub(super) fn check_count(count: usize) -> Result<(), Error> {
 
 /// The triangles that a ray can hit; counts them and the others.
 pub(super) fn usable<M: Mesh + ?Sized>(mesh: &M, report: &mut BuildReport) -> Vec<Primitive> {
-    *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
+    *report = BuildReport { rejected_builds: report.rejected_builds, ..BuildReport::default() };
     let mut prims = Vec::with_capacity(mesh.len());
     for prim_id in 0..mesh.len() {
         let triangle = &mesh.triangle(prim_id);
@@ -307,7 +307,7 @@ mod tests {
         let (bvh, report) = Bvh::build(&triangles, &BuildOptions::default()).unwrap();
         let first_dropped = Some(3);
         let expected =
-            BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, first_dropped, too_deep: 0 };
+            BuildReport { kept: 3, degenerate: 1, not_finite: 3, out_of_range: 2, first_dropped, rejected_builds: 0 };
         assert_eq!((report, report.dropped(), bvh.statistics().triangles), (expected, 6, 3));
         assert_eq!(
             alloc::format!("{report}"),

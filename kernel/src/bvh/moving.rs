@@ -68,7 +68,7 @@ impl MovingBvh {
             prims
         };
         let built = build_tree(executor, &FirstKey(keys[0]), prims, options.quality)?;
-        report.too_deep = built.too_deep;
+        report.rejected_builds = built.rejected_builds;
         let (shape, first) = (built.collapsed.nodes, built.collapsed.blocks);
         let mut tree = Self {
             nodes: Vec::with_capacity(keys.len() * shape.len()),

@@ -60,9 +60,10 @@ impl Bvh {
         let Some(root) = root else {
             return Self::build_mesh_on(executor, mesh, &super::BuildOptions::default());
         };
-        let too_deep = InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 };
-        let binary =
-            BinaryTree { nodes: side_by_side(&reader.parts, root), prims: reader.prims }.in_order().ok_or(too_deep)?;
+        let rejected_builds = InvalidTree::TooDeep { needed: MAX_DEPTH as u32, allowed: MAX_STACK as u32 };
+        let binary = BinaryTree { nodes: side_by_side(&reader.parts, root), prims: reader.prims }
+            .in_order()
+            .ok_or(rejected_builds)?;
         let Collapsed { nodes, blocks, cost } = collapse(executor, &binary, &Faces(mesh), 1.0)?;
         let stack = Faces(mesh).validate(&nodes, &blocks)?;
         let bounds = nodes[0].bounds();
@@ -220,7 +221,7 @@ mod tests {
                 }
                 let (bvh, report) = Bvh::from_obvhs(&tree, &triangles).unwrap();
                 let (ours, other) = Bvh::build(&triangles, &crate::BuildOptions::default()).unwrap();
-                assert_eq!(report, BuildReport { too_deep: 0, ..other });
+                assert_eq!(report, BuildReport { rejected_builds: 0, ..other });
                 let view = bvh.view();
                 assert!(BvhView::new(view.nodes(), view.blocks()).is_ok());
                 assert!(bvh.statistics().triangles == report.kept && bvh.statistics().cost > 0.0);

@@ -21,18 +21,18 @@ pub struct Refit {
     /// The expected cost of a ray, as in [`TreeStatistics::cost`](super::TreeStatistics::cost).
     pub cost: f32,
     /// That cost as a multiple of what it was when the tree was built or loaded: about 1 if nothing has moved.
-    pub decay: f32,
+    pub cost_ratio: f32,
 }
 
 impl Refit {
-    /// The [`decay`](Self::decay) from which on a rebuild usually pays. Where sheets and clouds of triangles twist or
+    /// The [`cost_ratio`](Self::cost_ratio) from which on a rebuild usually pays. Where sheets and clouds of triangles twist or
     /// drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or three
     /// rays a triangle.
-    pub const REBUILD: f32 = 1.5;
+    pub const REBUILD_COST_RATIO: f32 = 1.5;
 
     /// Whether a rebuild is advisable.
     pub fn should_rebuild(&self) -> bool {
-        self.decay > Self::REBUILD
+        self.cost_ratio > Self::REBUILD_COST_RATIO
     }
 }
 
@@ -60,8 +60,8 @@ impl Bvh {
         fit::fit_on(executor, &mut self.nodes, &|leaf| TriangleBlock::bounds_of(&blocks[leaf]));
         self.bounds = self.nodes[0].bounds();
         self.cost = expected_cost(&self.nodes);
-        let decay = if self.built_cost > 0.0 { self.cost / self.built_cost } else { 1.0 };
-        Ok(Refit { cost: self.cost, decay })
+        let cost_ratio = if self.built_cost > 0.0 { self.cost / self.built_cost } else { 1.0 };
+        Ok(Refit { cost: self.cost, cost_ratio })
     }
 
     fn check_refit<M: Mesh + ?Sized>(&self, mesh: &M) -> Result<(), RefitError> {
@@ -141,7 +141,7 @@ mod tests {
             let (before, cost) = (bits(&bvh), bvh.statistics().cost);
             let refit = bvh.refit(&triangles).unwrap();
             assert!(bits(&bvh) == before);
-            assert!((refit.decay - 1.0).abs() < 1e-4 && (refit.cost - cost).abs() < 1e-4 * cost, "{refit:?}");
+            assert!((refit.cost_ratio - 1.0).abs() < 1e-4 && (refit.cost - cost).abs() < 1e-4 * cost, "{refit:?}");
             assert!(!refit.should_rebuild());
         }
     }
@@ -178,11 +178,11 @@ mod tests {
         let scattered: Vec<_> = (0..triangles.len()).map(|i| triangles[i * 1009 % triangles.len()]).collect();
         let (fresh, _) = Bvh::build(&scattered, &Quality::High.into()).unwrap();
         let refit = bvh.refit(&scattered).unwrap();
-        assert!(refit.should_rebuild() && refit.decay > 10.0, "{refit:?}");
+        assert!(refit.should_rebuild() && refit.cost_ratio > 10.0, "{refit:?}");
         let visits = |bvh: &Bvh| rays().map(|ray| bvh.view().intersect_visits(&ray).total()).sum::<u64>();
         assert!(visits(&bvh) > 3 * visits(&fresh));
         // Back in their places, all is well.
-        assert!((bvh.refit(&triangles).unwrap().decay - 1.0).abs() < 1e-4);
+        assert!((bvh.refit(&triangles).unwrap().cost_ratio - 1.0).abs() < 1e-4);
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn trees_of_nothing_and_of_one() {
         let (mut none, _) = Bvh::build(&[], &Quality::Fast.into()).unwrap();
-        assert_eq!(none.refit(&[]), Ok(Refit { cost: 0.0, decay: 1.0 }));
+        assert_eq!(none.refit(&[]), Ok(Refit { cost: 0.0, cost_ratio: 1.0 }));
         assert!(none.refit(&sheet(1, |_, _| 0.0)).is_err());
         let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let (mut one, _) = Bvh::build(&[triangle], &Quality::Fast.into()).unwrap();

@@ -89,7 +89,7 @@ impl RoundBvh {
         let mut report = BuildReport::default();
         let prims = || usable(primitives, &mut report);
         let tree = build_tree(executor, &Rounds(primitives), prims, options.quality)?;
-        report.too_deep = tree.too_deep;
+        report.rejected_builds = tree.rejected_builds;
         let (nodes, blocks) = (tree.collapsed.nodes, tree.collapsed.blocks);
         let bounds = nodes[0].bounds();
         Ok((Self { nodes, blocks: P::keep(blocks), bounds }, report))
@@ -131,7 +131,7 @@ impl RoundBvh {
 
 /// The primitives that a ray can hit; counts them and the others.
 fn usable<P: RoundPrimitive>(primitives: &[P], report: &mut BuildReport) -> Vec<Primitive> {
-    *report = BuildReport { too_deep: report.too_deep, ..BuildReport::default() };
+    *report = BuildReport { rejected_builds: report.rejected_builds, ..BuildReport::default() };
     let mut prims = Vec::with_capacity(primitives.len());
     for (prim_id, primitive) in (0..).zip(primitives) {
         match primitive.fault() {

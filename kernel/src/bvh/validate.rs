@@ -82,10 +82,10 @@ pub(super) fn validate_nodes(
         }
     }
     if next_node as usize != nodes.len() {
-        return Err(InvalidTree::ForgottenNode { node: next_node });
+        return Err(InvalidTree::UnreachableNode { node: next_node });
     }
     if next_block as usize != blocks {
-        return Err(InvalidTree::ForgottenBlock { block: next_block });
+        return Err(InvalidTree::UnreferencedBlock { block: next_block });
     }
     Ok(most_needed as u32)
 }

@@ -8,7 +8,7 @@ use crate::sampling::warp::{
     Triangle, UniformHemisphere, UniformSphere, Warp,
 };
 use crate::sampling::{
-    Address, AliasEntry, AliasTable, Frame, Pattern, Strata, Stream, fill2, fill4, sin_cos_turns, unit_double,
+    AliasEntry, AliasTable, Frame, Pattern, SampleId, Strata, Stream, fill2, fill4, sin_cos_turns, unit_double,
 };
 use crate::simd::isas;
 use crate::{Isa, offset_origin, triangle_normal};
@@ -52,8 +52,8 @@ fn numbers_are_those_that_are_kept() {
 
 /// Pairs and sets of four of many samples of a few pixels, and of few samples of many pixels.
 fn samples(isa: Isa, pattern: Pattern) -> Vec<f32> {
-    let few = (0..4000).map(|i| Address { pixel: i / 1000, sample: i % 1000 });
-    let addresses: Vec<_> = few.chain((0..1001).map(|pixel| Address { pixel, sample: !pixel })).collect();
+    let few = (0..4000).map(|i| SampleId { pixel: i / 1000, sample: i % 1000 });
+    let addresses: Vec<_> = few.chain((0..1001).map(|pixel| SampleId { pixel, sample: !pixel })).collect();
     let (mut pairs, mut fours) = (vec![Vec2::ZERO; addresses.len()], vec![[0.0; 4]; addresses.len()]);
     fill2(isa, pattern, 42, 3, &addresses, &mut pairs);
     fill4(isa, pattern, u64::MAX, 7, &addresses, &mut fours);

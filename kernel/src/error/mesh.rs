@@ -16,7 +16,7 @@ pub enum InvalidMesh {
         least: usize,
     },
     /// The indices, or without them the positions, are not a multiple of three.
-    NotThrees {
+    IncompleteTriangle {
         /// How many there are.
         count: usize,
     },
@@ -45,7 +45,7 @@ impl fmt::Display for InvalidMesh {
             Self::BadStride { stride, least } => {
                 write!(f, "positions of {least} bytes cannot lie {stride} bytes apart")
             }
-            Self::NotThrees { count } => write!(f, "{count} corners are not a multiple of 3"),
+            Self::IncompleteTriangle { count } => write!(f, "{count} corners are not a multiple of 3"),
             Self::IndexOutOfRange { place, index, count } => {
                 write!(f, "index {place} is {index}, but there are only {count} vertices")
             }

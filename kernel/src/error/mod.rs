@@ -34,9 +34,9 @@ pub enum Error {
     /// The bytes do not begin with the magic number of a scene's blob.
     NotAScene,
     /// The blob was written by a machine of the other endianness.
-    OtherByteOrder,
+    WrongEndianness,
     /// The blob's version cannot be read.
-    OtherVersion {
+    UnsupportedVersion {
         /// The blob's version.
         found: u32,
         /// The only version that can be read.
@@ -89,11 +89,11 @@ impl fmt::Display for Error {
             Self::InvalidMesh(error) => error.fmt(f),
             Self::NotABlob => write!(f, "these bytes are not a tree, which would begin with 89 48 44 42 56 48 0d 0a"),
             Self::NotAScene => write!(f, "these bytes are not a scene, which would begin with 89 48 44 53 43 4e 0d 0a"),
-            Self::OtherByteOrder => {
+            Self::WrongEndianness => {
                 let [theirs, ours] = if cfg!(target_endian = "big") { ["little", "big"] } else { ["big", "little"] };
                 write!(f, "the blob was written on a {theirs}-endian machine, and this one is {ours}-endian")
             }
-            Self::OtherVersion { found, readable } => {
+            Self::UnsupportedVersion { found, readable } => {
                 let age = if found < readable { "older" } else { "newer" };
                 write!(f, "the blob is of version {found}, {age} than {readable}, the only one that can be read here")
             }

@@ -45,7 +45,7 @@ pub enum InvalidScene {
         item: usize,
     },
     /// An item is a custom shape, which cannot be written as bytes.
-    NotSaved {
+    NotSerializable {
         /// The item's index in its scene.
         item: usize,
         /// How many scenes enclose that scene.
@@ -59,7 +59,7 @@ pub enum InvalidScene {
         index: usize,
     },
     /// Less memory, or fewer scenes, were given than a scene's blob needs.
-    TooFew {
+    BufferTooSmall {
         /// What there are too few of.
         what: &'static str,
         /// How many are needed.
@@ -105,7 +105,7 @@ impl fmt::Display for InvalidScene {
             Self::TooManyPaths { item } => {
                 write!(f, "with item {item} there are more than 2^64 - 1 paths through nested scenes")
             }
-            Self::NotSaved { item, depth } => {
+            Self::NotSerializable { item, depth } => {
                 write!(f, "item {item} is a custom shape, which cannot be written as bytes")?;
                 match depth {
                     0 => Ok(()),
@@ -116,7 +116,7 @@ impl fmt::Display for InvalidScene {
             Self::BadRecord { record, index } => {
                 write!(f, "the blob's {record} {index} refers to something that does not exist, or is out of order")
             }
-            Self::TooFew { what, needed, given } => {
+            Self::BufferTooSmall { what, needed, given } => {
                 write!(f, "the scene needs {needed} {what}, and {given} were given")
             }
         }

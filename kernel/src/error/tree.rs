@@ -29,12 +29,12 @@ pub enum InvalidTree {
         node: u32,
     },
     /// A node that no other refers to.
-    ForgottenNode {
+    UnreachableNode {
         /// Its index.
         node: u32,
     },
     /// A block that no leaf refers to.
-    ForgottenBlock {
+    UnreferencedBlock {
         /// Its index.
         block: u32,
     },
@@ -150,8 +150,8 @@ impl fmt::Display for InvalidTree {
             Self::BadOrder { node } => {
                 write!(f, "an order of the children of node {node} does not list each child once")
             }
-            Self::ForgottenNode { node } => write!(f, "node {node} has no parent"),
-            Self::ForgottenBlock { block } => write!(f, "block {block} is in no leaf"),
+            Self::UnreachableNode { node } => write!(f, "node {node} has no parent"),
+            Self::UnreferencedBlock { block } => write!(f, "block {block} is in no leaf"),
             Self::BadBox { node, slot } => {
                 write!(f, "the box of child {slot} of node {node} does not enclose what is in it")
             }

@@ -38,7 +38,7 @@ pub struct SurfacePoint {
 
 /// A candidate for the closest point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Foot {
+pub(crate) struct ClosestCandidate {
     /// The position relative to the query point.
     pub offset: [f32; 3],
     /// The distance, squared.
@@ -48,7 +48,7 @@ pub(crate) struct Foot {
     pub prim_id: u32,
 }
 
-impl Foot {
+impl ClosestCandidate {
     /// Whether this is closer than `other`, or as close on a triangle that comes first.
     #[inline(always)]
     pub(crate) fn precedes(&self, other: &Self) -> bool {
@@ -63,9 +63,9 @@ impl Foot {
 }
 
 /// The foot on `triangle` of the point `from`; its `prim_id` is 0. The definition: lanes equal it bit for bit.
-pub(crate) fn closest_point(from: Vec3, triangle: &Triangle) -> Foot {
+pub(crate) fn closest_point(from: Vec3, triangle: &Triangle) -> ClosestCandidate {
     let [a, b, c] = triangle.map(|p| [p.x - from.x, p.y - from.y, p.z - from.z]);
-    let foot = |weights: [f32; 3], offset: [f32; 3]| Foot {
+    let foot = |weights: [f32; 3], offset: [f32; 3]| ClosestCandidate {
         offset,
         distance2: dot(offset, offset),
         u: weights[1],
@@ -120,7 +120,7 @@ pub(crate) fn closest_point(from: Vec3, triangle: &Triangle) -> Foot {
         // Never a negative zero, here and below.
         (if x > upper { upper } else { x }) + 0.0
     });
-    Foot { offset, distance2: dot(offset, offset), u: best.u + 0.0, v: best.v + 0.0, prim_id: 0 }
+    ClosestCandidate { offset, distance2: dot(offset, offset), u: best.u + 0.0, v: best.v + 0.0, prim_id: 0 }
 }
 
 fn sub(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
@@ -135,8 +135,8 @@ fn cross(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
     [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }
 
-/// Feet on several triangles; fields as in [`Foot`].
-pub(crate) struct FootLanes<L> {
+/// Feet on several triangles; fields as in [`ClosestCandidate`].
+pub(crate) struct ClosestCandidateLanes<L> {
     pub offset: [L; 3],
     pub distance2: L,
     pub u: L,
@@ -145,14 +145,16 @@ pub(crate) struct FootLanes<L> {
 
 /// The feet of zero on triangles whose `corners` are relative to it. Lanes without a triangle hold NaN, and give it.
 #[inline(always)]
-pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]) -> FootLanes<L> {
+pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]) -> ClosestCandidateLanes<L> {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (ab, on_ab) = on_edge(a, b);
     let (bc, on_bc) = on_edge(b, c);
     let (ca, on_ca) = on_edge(c, a);
-    let best = FootLanes { offset: on_ab, distance2: dot_lanes(on_ab, on_ab), u: ab, v: zero };
-    let best = nearer(FootLanes { offset: on_bc, distance2: dot_lanes(on_bc, on_bc), u: one - bc, v: bc }, best);
-    let best = nearer(FootLanes { offset: on_ca, distance2: dot_lanes(on_ca, on_ca), u: zero, v: one - ca }, best);
+    let best = ClosestCandidateLanes { offset: on_ab, distance2: dot_lanes(on_ab, on_ab), u: ab, v: zero };
+    let best =
+        nearer(ClosestCandidateLanes { offset: on_bc, distance2: dot_lanes(on_bc, on_bc), u: one - bc, v: bc }, best);
+    let best =
+        nearer(ClosestCandidateLanes { offset: on_ca, distance2: dot_lanes(on_ca, on_ca), u: zero, v: one - ca }, best);
 
     let (edge_b, edge_c) = (sub_lanes(b, a), sub_lanes(c, a));
     let normal = cross_lanes(edge_b, edge_c);
@@ -170,12 +172,12 @@ pub(crate) fn closest_points<const N: usize, L: Lanes<N>>([a, b, c]: [[L; 3]; 3]
     let is_inside = zero.le(u) & zero.le(v) & zero.le(w);
     // Out of the way if it is outside: what is not a number is not nearer.
     let distance2 = L::select(is_inside, dot_lanes(offset, offset), L::splat(f32::NAN));
-    let best = nearer(FootLanes { offset, distance2, u, v }, best);
+    let best = nearer(ClosestCandidateLanes { offset, distance2, u, v }, best);
 
     let [x, y, z] = best.offset;
     let offset =
         [clamp(x, [a[0], b[0], c[0]]) + zero, clamp(y, [a[1], b[1], c[1]]) + zero, clamp(z, [a[2], b[2], c[2]]) + zero];
-    FootLanes { offset, distance2: dot_lanes(offset, offset), u: best.u + zero, v: best.v + zero }
+    ClosestCandidateLanes { offset, distance2: dot_lanes(offset, offset), u: best.u + zero, v: best.v + zero }
 }
 
 /// How far along an edge from `p` zero is closest, and the point.
@@ -201,9 +203,12 @@ fn on_edge<const N: usize, L: Lanes<N>>(p: [L; 3], q: [L; 3]) -> (L, [L; 3]) {
 
 /// In each lane `foot` if it is nearer than `other`, else `other`.
 #[inline(always)]
-fn nearer<const N: usize, L: Lanes<N>>(foot: FootLanes<L>, other: FootLanes<L>) -> FootLanes<L> {
+fn nearer<const N: usize, L: Lanes<N>>(
+    foot: ClosestCandidateLanes<L>,
+    other: ClosestCandidateLanes<L>,
+) -> ClosestCandidateLanes<L> {
     let is_nearer = foot.distance2.lt(other.distance2);
-    FootLanes {
+    ClosestCandidateLanes {
         offset: [
             L::select(is_nearer, foot.offset[0], other.offset[0]),
             L::select(is_nearer, foot.offset[1], other.offset[1]),

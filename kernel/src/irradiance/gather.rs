@@ -25,12 +25,12 @@ pub struct Gather {
     /// The standard error of E, in the channel where it is greatest, in W/m²: √(½ Σ (ΔL ∫ cos θ dω)²) over cells and
     /// their neighbours in a row. Neighbours see nearly the same, so half of their squared difference is the variance
     /// of one; where they do not, the estimate is too high. Parts of E below 10⁻¹⁹ are lost, above 10¹⁹ it is infinite.
-    pub deviation: f32,
+    pub standard_error: f32,
 }
 
 impl Gather {
     /// From the sums in local coordinates, whose gradients have no third component; `inverse_distance` is
-    /// Σ (1/r) ∫ cos θ dω, and `squares` are those of the deviation.
+    /// Σ (1/r) ∫ cos θ dω, and `squares` are those of the standard_error.
     pub(super) fn from_sums(
         irradiance: [f32; 3],
         [rotational, translational]: [[[f32; 2]; 3]; 2],
@@ -45,7 +45,7 @@ impl Gather {
             translational: translational.map(local),
             harmonic_mean_distance: PI / inverse_distance,
             minimum_distance,
-            deviation: libm::sqrtf(0.5 * squares.into_iter().fold(0.0, f32::max)),
+            standard_error: libm::sqrtf(0.5 * squares.into_iter().fold(0.0, f32::max)),
         }
     }
 

@@ -172,7 +172,7 @@ impl Sums {
             translational: self.translational.map(flat),
             harmonic_mean_distance: (PI / self.inverse_distance) as f32,
             minimum_distance: (1.0 / self.nearness) as f32,
-            deviation: libm::sqrt(0.5 * self.squares.max_element()) as f32,
+            standard_error: libm::sqrt(0.5 * self.squares.max_element()) as f32,
         }
     }
 }

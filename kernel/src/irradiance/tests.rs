@@ -18,7 +18,7 @@ fn noise(cells: usize, misses: bool) -> (Vec<Vec3>, Vec<f32>) {
 }
 
 fn close(a: &Gather, b: &Gather, tolerance: f32) {
-    let scalars = |g: &Gather| [g.harmonic_mean_distance, g.minimum_distance, g.deviation];
+    let scalars = |g: &Gather| [g.harmonic_mean_distance, g.minimum_distance, g.standard_error];
     for (a, b) in scalars(a).into_iter().zip(scalars(b)) {
         assert!(a == b || (a - b).abs() <= tolerance * b, "{a} {b}");
     }
@@ -60,11 +60,11 @@ fn deviation_is_that_of_independent_cells() {
     let strata = Strata::new(36, 114).unwrap();
     let layout = Stratified::new(strata, vec![0.0; Stratified::table_len(&strata)]).unwrap();
     let (radiance, distance) = noise(strata.cells(), false);
-    let found = layout.accumulate(&radiance, &distance).unwrap().deviation;
+    let found = layout.accumulate(&radiance, &distance).unwrap().standard_error;
     let expected = core::f32::consts::PI * (100.0 / 12.0 / strata.cells() as f32).sqrt();
     assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
     let even = layout.accumulate(&vec![Vec3::new(3.0, 2.0, 1.0); strata.cells()], &distance).unwrap();
-    assert_eq!(even.deviation, 0.0);
+    assert_eq!(even.standard_error, 0.0);
 }
 
 #[test]

@@ -27,7 +27,7 @@ impl<'a> IndexedMesh<'a> {
     /// Checks all indices once.
     ///
     /// # Errors
-    /// [`InvalidMesh::NotThrees`] if the indices, or without them the positions, are not a multiple of 3, and
+    /// [`InvalidMesh::IncompleteTriangle`] if the indices, or without them the positions, are not a multiple of 3, and
     /// [`InvalidMesh::IndexOutOfRange`].
     pub fn new(positions: impl Into<Positions<'a>>, indices: Indices<'a>) -> Result<Self, InvalidMesh> {
         let positions = positions.into();
@@ -45,7 +45,7 @@ impl<'a> IndexedMesh<'a> {
             Indices::InOrder => Ok(count),
         }?;
         if !len.is_multiple_of(3) {
-            return Err(InvalidMesh::NotThrees { count: len });
+            return Err(InvalidMesh::IncompleteTriangle { count: len });
         }
         Ok(Self { positions, indices, len: len / 3 })
     }

@@ -118,8 +118,8 @@ fn what_is_no_mesh_is_refused() {
     let check = |indices| IndexedMesh::new(&vertices[..], indices).map(|mesh| mesh.len());
     assert_eq!(check(Indices::U16(&[0, 1, 2, 3, 3, 3])), Ok(2));
     assert_eq!(check(Indices::U32(&[])), Ok(0));
-    assert_eq!(check(Indices::InOrder), Err(InvalidMesh::NotThrees { count: 4 }));
-    assert_eq!(check(Indices::U16(&[0, 1])), Err(InvalidMesh::NotThrees { count: 2 }));
+    assert_eq!(check(Indices::InOrder), Err(InvalidMesh::IncompleteTriangle { count: 4 }));
+    assert_eq!(check(Indices::U16(&[0, 1])), Err(InvalidMesh::IncompleteTriangle { count: 2 }));
     let out = |place, index| Err(InvalidMesh::IndexOutOfRange { place, index, count: 4 });
     assert_eq!(check(Indices::U16(&[0, 1, 4, 65535])), out(2, 4));
     assert_eq!(check(Indices::U32(&[u32::MAX])), out(0, u32::MAX));

@@ -38,7 +38,7 @@ use glam::Vec2;
 
 pub use alias::{AliasEntry, AliasError, AliasTable};
 pub use circle::{sin_cos_turns, turns};
-pub use fill::{Address, fill2, fill4};
+pub use fill::{SampleId, fill2, fill4};
 pub use frame::Frame;
 pub use heuristic::{balance, power};
 pub use rng::{Stream, philox4x32};

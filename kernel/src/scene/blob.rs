@@ -132,7 +132,7 @@ impl<'a> SceneBlob<'a> {
     /// Checks a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and no memory.
     ///
     /// # Errors
-    /// - [`Error::NotAScene`], [`Error::OtherByteOrder`], [`Error::OtherVersion`]: the first bytes do not match.
+    /// - [`Error::NotAScene`], [`Error::WrongEndianness`], [`Error::UnsupportedVersion`]: the first bytes do not match.
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
     /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Scene::from_bytes` copies it.
     /// - [`Error::Damaged`]: the checksum does not match.
@@ -249,7 +249,7 @@ impl<'a> SceneBlob<'a> {
     /// `inner` are the views of the earlier scenes, at least of those that it contains.
     ///
     /// # Errors
-    /// [`InvalidScene::TooFew`] if there are fewer items or scenes than needed; and, for bytes that were not written by
+    /// [`InvalidScene::BufferTooSmall`] if there are fewer items or scenes than needed; and, for bytes that were not written by
     /// halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
     pub fn view<'s, 'i: 's>(
         &self,
@@ -260,7 +260,7 @@ impl<'a> SceneBlob<'a> {
     where
         'a: 'i,
     {
-        let too_few = |what, needed, given| InvalidScene::TooFew { what, needed, given };
+        let too_few = |what, needed, given| InvalidScene::BufferTooSmall { what, needed, given };
         let record = self.scenes.get(scene).ok_or(too_few("scenes", scene + 1, self.scenes.len()))?;
         let (needed, given) = (record.items as usize, items.len());
         let items = items.get_mut(..needed).ok_or(too_few("items", needed, given))?;

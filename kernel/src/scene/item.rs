@@ -24,7 +24,7 @@ pub struct Item<'a> {
 
 /// A summary of an item for its scene; see the methods of the same names.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Facts {
+pub(super) struct ItemSummary {
     pub reach: Aabb,
     pub error: Vec3,
     pub levels: usize,
@@ -34,7 +34,7 @@ pub(super) struct Facts {
     pub count: u32,
 }
 
-impl Facts {
+impl ItemSummary {
     /// The facts of an empty scene.
     #[cfg(any(feature = "alloc", test))]
     pub(super) const NOTHING: Self =
@@ -180,8 +180,8 @@ impl Item<'_> {
     }
 
     /// The item's summary for its scene.
-    pub(super) fn facts(&self) -> Facts {
-        Facts {
+    pub(super) fn facts(&self) -> ItemSummary {
+        ItemSummary {
             reach: self.reach(),
             error: self.error(),
             levels: self.levels(),

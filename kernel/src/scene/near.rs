@@ -17,7 +17,7 @@ use super::object::Target;
 use super::space::{Proximity, Space, between, next};
 use super::{Item, SceneHit, SceneView, reference, round};
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
-use crate::geometry::closest::{Foot, closest_point};
+use crate::geometry::closest::{ClosestCandidate, closest_point};
 use crate::geometry::moment::Moment;
 use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle, overlaps};
 use crate::simd::Level;
@@ -71,14 +71,15 @@ impl SceneView<'_> {
 /// The closest point.
 struct Closest {
     point: Vec3,
-    best: Foot,
+    best: ClosestCandidate,
     /// The item and path of the closest point.
     place: SceneHit,
 }
 
 impl Closest {
     fn new(point: Vec3, radius: f32) -> Self {
-        let nothing = Foot { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
+        let nothing =
+            ClosestCandidate { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
         Self { point, best: nothing, place: SceneHit::MISS }
     }
 
@@ -104,8 +105,8 @@ impl Proximity for Closest {
     }
 
     fn meet(&mut self, triangle: &Triangle, place: SceneHit) -> ControlFlow<()> {
-        let foot = Foot { prim_id: place.hit.prim_id, ..closest_point(self.point, triangle) };
-        let order = |foot: &Foot, place: &SceneHit| (place.geometry_id, foot.prim_id, place.path);
+        let foot = ClosestCandidate { prim_id: place.hit.prim_id, ..closest_point(self.point, triangle) };
+        let order = |foot: &ClosestCandidate, place: &SceneHit| (place.geometry_id, foot.prim_id, place.path);
         let is_first = || order(&foot, &place) < order(&self.best, &self.place);
         if foot.distance2 < self.best.distance2 || foot.distance2 == self.best.distance2 && is_first() {
             (self.best, self.place) = (foot, place);

@@ -7,7 +7,7 @@ use core::mem;
 use glam::Affine3A;
 
 use super::handle::{Handle, Places};
-use super::item::Facts;
+use super::item::ItemSummary;
 use super::top_level::{TASK, TopLevel, check_count};
 use super::transform::Placement;
 use super::view::SceneSummary;
@@ -26,7 +26,7 @@ pub struct Scene<'a> {
     options: BuildOptions,
     /// As of the last commit, by index.
     items: Vec<Item<'a>>,
-    facts: Vec<Facts>,
+    facts: Vec<ItemSummary>,
     places: Places,
     staged: Vec<Staged<'a>>,
     /// For each index its place in `staged`, or [`UNCHANGED`].
@@ -109,7 +109,7 @@ impl<'a> Scene<'a> {
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
         let mut facts = Vec::new();
-        facts.resize(items.len(), Facts::NOTHING);
+        facts.resize(items.len(), ItemSummary::NOTHING);
         for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = items[place].facts());
         let mut scene = Self::new(*options);
         scene.places = Places::taken(items.len());
@@ -132,7 +132,7 @@ impl<'a> Scene<'a> {
         if index == self.items.len() {
             // Nothing yet, with the paths of nothing: none.
             self.items.push(Item { first_path: self.summary.first_path(), ..Item::nothing() });
-            self.facts.push(Facts::NOTHING);
+            self.facts.push(ItemSummary::NOTHING);
             self.staged_at.push(UNCHANGED);
         }
         *self.stage(handle.index) = item;
@@ -240,7 +240,7 @@ impl<'a> Scene<'a> {
         let mut is_rebuilt = false;
         if changed > 0 {
             let mut facts = Vec::new();
-            facts.resize(changed, Facts::NOTHING);
+            facts.resize(changed, ItemSummary::NOTHING);
             for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = self.staged[place].item.facts());
             self.exchange_facts(&mut facts);
             let summary = match self.new_summary() {
@@ -317,7 +317,7 @@ impl<'a> Scene<'a> {
         &mut self.staged[*place as usize].item
     }
 
-    fn exchange_facts(&mut self, facts: &mut [Facts]) {
+    fn exchange_facts(&mut self, facts: &mut [ItemSummary]) {
         for (staged, facts) in self.staged.iter().zip(facts) {
             mem::swap(&mut self.facts[staged.index as usize], facts);
         }

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::item::Facts;
+use super::item::ItemSummary;
 use super::view::SceneSummary;
 use super::widening::Widening;
 use super::{Item, Part};
@@ -12,7 +12,7 @@ use crate::geometry::Aabb;
 
 /// The cost ratio from which on the tree is rebuilt. It is over few boxes, so a build takes only about ten times as
 /// long as a refit.
-const REBUILD: f32 = 1.2;
+const REBUILD_COST_RATIO: f32 = 1.2;
 
 /// Items that are one task.
 pub(super) const TASK: usize = 256;
@@ -55,7 +55,7 @@ impl TopLevel {
     /// [`InvalidTree::TooLarge`].
     pub(super) fn build<E: Executor>(
         executor: &E,
-        (items, facts): (&[Item], &[Facts]),
+        (items, facts): (&[Item], &[ItemSummary]),
         summary: &SceneSummary,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
@@ -110,7 +110,7 @@ impl TopLevel {
     pub(super) fn fit<E: Executor>(
         &mut self,
         executor: &E,
-        (items, facts): (&[Item], &[Facts]),
+        (items, facts): (&[Item], &[ItemSummary]),
         changed: &[u32],
         summary: &SceneSummary,
     ) -> Option<()> {
@@ -156,7 +156,7 @@ impl TopLevel {
             self.tree.fit(executor, |key, part| widening.in_tree(plain(key, part), error(part)));
         }
         self.measure(widening);
-        (self.tree.cost() <= REBUILD * self.built_cost).then_some(())
+        (self.tree.cost() <= REBUILD_COST_RATIO * self.built_cost).then_some(())
     }
 
     /// The number of visible parts.

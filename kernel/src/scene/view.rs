@@ -4,7 +4,7 @@ use core::cell::Cell;
 
 use glam::{Affine3A, Vec3};
 
-use super::item::Facts;
+use super::item::ItemSummary;
 use super::object::Target;
 use super::transform::MAX_ERROR;
 use super::widening::{Errors, Widening};
@@ -80,7 +80,7 @@ impl SceneSummary {
     ///
     /// # Errors
     /// [`InvalidScene::TooManyPaths`], [`InvalidScene::TooDeep`] and [`InvalidScene::Imprecise`].
-    pub(super) fn add(&mut self, index: usize, item: &Facts, errors: &mut Errors) -> Result<(), InvalidScene> {
+    pub(super) fn add(&mut self, index: usize, item: &ItemSummary, errors: &mut Errors) -> Result<(), InvalidScene> {
         self.paths = self.paths.checked_add(item.paths).ok_or(InvalidScene::TooManyPaths { item: index })?;
         if item.levels > MAX_LEVELS {
             return Err(InvalidScene::TooDeep { item: index });

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::collector::Collector;
 use crate::bvh::{BvhView, Child, MAX_STACK, RoundBlock, RoundView, TriangleBlock, WIDTH, used_lanes, with_blocks};
-use crate::geometry::closest::{self, Foot};
+use crate::geometry::closest::{self, ClosestCandidate};
 use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_round, intersect_side, intersect_triangle, overlaps};
 
 /// The result of [`BvhView::intersect`].
@@ -99,9 +99,9 @@ pub(crate) fn walk_round<C: Collector>(tree: &RoundView, ray: &Ray, collector: &
 }
 
 /// The result of [`BvhView::closest_point`], if it precedes `best`: a loop over the triangles in memory order.
-pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: Foot) -> Foot {
+pub(crate) fn closest_point(tree: &BvhView, point: Vec3, mut best: ClosestCandidate) -> ClosestCandidate {
     for (triangle, prim_id) in triangles(tree.blocks()) {
-        let foot = Foot { prim_id, ..closest::closest_point(point, &triangle) };
+        let foot = ClosestCandidate { prim_id, ..closest::closest_point(point, &triangle) };
         if foot.precedes(&best) {
             best = foot;
         }

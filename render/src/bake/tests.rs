@@ -10,7 +10,7 @@ use super::*;
 use crate::scene::{Material, Mesh, cornell_box};
 use crate::settings::GatherLayout;
 use crate::watch::NeverStops;
-use crate::world::LookFrom;
+use crate::world::LightQuery;
 
 mod accuracy;
 mod layout;
@@ -53,7 +53,7 @@ fn glowing(emission: f32, diffuse: f32) -> Material {
 
 fn baked(scene: &Scene, options: &BakeOptions) -> Bake {
     let atlas = Atlas::new(scene, options).unwrap();
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap();
+    let world = World::for_light_query(scene.clone(), LightQuery::Surfaces).unwrap();
     bake(scene, &world, atlas, options, &Checkpoint::new(0), &NeverStops).unwrap()
 }
 

@@ -193,12 +193,12 @@ impl Cache {
             }
             records.push(Record::from_words(key, &words));
         }
-        if !records.iter().all(Record::is_sound) {
+        if !records.iter().all(Record::is_valid) {
             return Err(CacheFileError::new("has an invalid record: a number is not finite or out of range", again));
         }
         let [light, root_mean_square] = estimate.map(f32::from_bits);
-        let is_sound = |number: f32| (0.0..f32::INFINITY).contains(&number);
-        if !is_sound(light) || !is_sound(root_mean_square) {
+        let is_valid = |number: f32| (0.0..f32::INFINITY).contains(&number);
+        if !is_valid(light) || !is_valid(root_mean_square) {
             return Err(CacheFileError::new("has an error estimate that is no number", again));
         }
         let estimate = options.accuracy.map(|_| ErrorEstimate { light, root_mean_square });

@@ -131,7 +131,7 @@ impl Record {
     }
 
     /// Whether all numbers are what they may be; those of a file could be anything.
-    pub(super) fn is_sound(&self) -> bool {
+    pub(super) fn is_valid(&self) -> bool {
         let vectors = [self.position, self.normal, self.irradiance, self.axis].into_iter();
         let finite = vectors.chain(self.rotational).chain(self.translational).all(|v| v.is_finite());
         let lengths = self.radii[0] > 0.0 && self.radii[1] >= self.radii[0] && self.radii[1].is_finite();

@@ -12,7 +12,7 @@ use super::messages::{Style, print_warning};
 use super::progress::stages::LoadProgress;
 use crate::scene::{self, Overrides, Place, Scene, SceneError};
 use crate::settings::Settings;
-use crate::world::{LookFrom, World};
+use crate::world::{LightQuery, World};
 
 /// The scene of a name, with options.
 pub(super) struct Prepared {
@@ -61,14 +61,14 @@ pub(super) fn prepare_world<P: AsRef<Path> + Sync>(
     overrides: Overrides,
     arguments: &CommonArguments,
     outputs: &[P],
-    from: LookFrom,
+    from: LightQuery,
 ) -> Result<(World, Settings, rayon::ThreadPool), CliError> {
     let style = arguments.progress.style(std::io::stderr().is_terminal());
     let pool = thread_pool(arguments)?;
     let (mut scene, settings) = pool.install(|| prepare(name, overrides, outputs, style))?;
     scene.warnings.iter().for_each(|warning| print_warning(style, warning));
     scene.warnings.clear();
-    let world = pool.install(|| World::looking_from(scene, from)).map_err(CliError::input)?;
+    let world = pool.install(|| World::for_light_query(scene, from)).map_err(CliError::input)?;
     Ok((world, settings, pool))
 }
 

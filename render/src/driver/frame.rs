@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
-use halfdome_kernel::sampling::{Address, Sampler, fill2};
+use halfdome_kernel::sampling::{SampleId, Sampler, fill2};
 
 use super::features;
 use super::mattes::MatteIds;
@@ -29,7 +29,7 @@ pub(super) struct TileScratch {
     /// Number of the pixel in its tile, number of the sample, and place in the pixel.
     places: Vec<(usize, u32, FilterSample)>,
     samplers: Vec<Sampler>,
-    addresses: Vec<Address>,
+    addresses: Vec<SampleId>,
     /// Numbers for the place in the pixel.
     u_film: Vec<Vec2>,
     /// Numbers for the place on the lens; empty without one.
@@ -140,7 +140,7 @@ impl FrameRender {
             let point = FilmPoint { pixel: (x, y), point };
             if has_border {
                 if !self.camera.covers(&point) {
-                    tile.add_blind(number, sample, &filter);
+                    tile.add_uncovered(number, sample, &filter);
                     continue;
                 }
                 // Samples that hit something move up.

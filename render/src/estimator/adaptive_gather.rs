@@ -64,7 +64,7 @@ impl AdaptiveGatherer {
 
     /// The round that should be right enough after what another found: the same if that is.
     fn next(&self, round: usize, found: &Gathered) -> usize {
-        let excess = (found.gather.deviation / self.tolerance).powi(2) / SLACK;
+        let excess = (found.gather.standard_error / self.tolerance).powi(2) / SLACK;
         // False for NaN too.
         if excess > 1.0 {
             let further = excess.log2().ceil().clamp(1.0, 32.0) as usize;

@@ -1,17 +1,17 @@
-//! Rays that sample secondary lights (lit triangles), besides the rays over a hemisphere, which rarely hit them.
+//! Rays that sample secondary lights, besides the rays over a hemisphere, which rarely hit them.
 //!
 //! Both techniques are combined by the power heuristic with the numbers of rays (Veach 1997): of `N` rays with the
 //! density `p` and `n` aimed ones with `q`, a hit of the first keeps `(N p)²/((N p)² + (n q)²)` of its radiance, and
-//! one of the aimed rays the rest. All light reflected by a lit triangle counts, not light samples alone as in
-//! [`lit`](super::lit), as gathers should have little noise.
+//! one of the aimed rays the rest. All light reflected by a secondary light counts, not light samples alone as in
+//! [`secondary_lights`](super::secondary_lights), as gathers should have little noise.
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::{Sampler, power, unit_double};
 
 use super::follow::Follow;
-use super::lit::{aim, aimed_density};
 use super::salts;
+use super::secondary_lights::{aim, aimed_density};
 use crate::light::Receiver;
 use crate::world::{Hit, Surface, World};
 
@@ -87,7 +87,7 @@ impl AimedRays {
         self.aimed.clear();
     }
 
-    /// Samples lit triangles from `surface`, the point of index `point`; `sampler(seed, i)` has the random numbers of
+    /// Samples secondary lights from `surface`, the point of index `point`; `sampler(seed, i)` has the random numbers of
     /// ray `i`, for a `seed` of its own, and `others(direction)` is the expected number of other rays per steradian.
     pub(crate) fn push(
         &mut self,

@@ -4,7 +4,7 @@
 //! smooth and is not sampled elsewhere with a cache. Paths or a cache provide the radiance along the rays; this module
 //! makes rays and sums up their results. Many gathers run together, so that rays are traced in large batches.
 //!
-//! Lit triangles, which few cells would hit, are [sampled](super::aimed_rays) as secondary lights, and their light has
+//! Secondary lights, which few cells would hit, are [sampled](super::aimed_rays), and their light has
 //! its own gradients and second derivatives.
 
 use std::f32::consts::PI;
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::irradiance::{Gather, Hemicube, Hessian, Layout, PointSource, Stratified};
-use halfdome_kernel::sampling::{Address, Frame, Pattern, Sampler, Strata};
+use halfdome_kernel::sampling::{Frame, Pattern, SampleId, Sampler, Strata};
 
 use super::aimed_rays::{AimedFrom, AimedRays};
 use super::follow::Follow;
@@ -70,12 +70,12 @@ struct GatherScratch {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
-    addresses: Vec<Address>,
+    addresses: Vec<SampleId>,
     /// The position of each direction in its cell.
     jitter: Vec<Vec2>,
     radiance: Vec<Vec3>,
     distance: Vec<f32>,
-    /// The sampling of lit triangles by each point, and its results.
+    /// The sampling of secondary lights by each point, and its results.
     aimed_from: Vec<AimedFrom>,
     aimed: AimedRays,
 }
@@ -175,7 +175,7 @@ impl GatherScratch {
         self.rays.len() as u64 + further
     }
 
-    /// Samples lit triangles, with weights against the other rays; returns the number of rays.
+    /// Samples secondary lights, with weights against the other rays; returns the number of rays.
     fn aim(&mut self, gatherer: &Gatherer, world: &World, points: &[GatherPoint], follow: &mut dyn Follow) -> u64 {
         let cells = gatherer.layout.cells();
         self.aimed.clear();
@@ -198,7 +198,7 @@ impl GatherScratch {
         self.aimed.trace(world, follow)
     }
 
-    /// Adds what rays found that were aimed at lit triangles.
+    /// Adds what rays found that were aimed at secondary lights.
     fn add_aimed(&self, world: &World, point: &GatherPoint, number: usize, found: &mut (Gather, Option<Hessian>)) {
         let (frame, count) = (point.surface.frame(), self.aimed_from[number].count() as f32);
         let (mut sum, mut squares) = (Vec3::ZERO, Vec3::ZERO);
@@ -215,7 +215,7 @@ impl GatherScratch {
         }
         // The variance of a sum of so many independent samples.
         let variance = (squares - sum * sum / count.max(1.0)).max_element().max(0.0);
-        found.0.deviation = found.0.deviation.hypot(variance.sqrt());
+        found.0.standard_error = found.0.standard_error.hypot(variance.sqrt());
     }
 
     /// Sums up the rays of gather `number`, which begin with number `first`.

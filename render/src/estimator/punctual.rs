@@ -18,7 +18,7 @@ use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
 use crate::light::SpotCone;
 use crate::scene::PunctualLight;
-use crate::world::{BentLight, Between, LightEnd, Surface, World};
+use crate::world::{Between, LightEnd, RefractedConnection, Surface, World};
 
 /// A direction in which light arrives from such a light.
 pub(super) struct PunctualSample {
@@ -68,10 +68,10 @@ pub(super) fn sample_punctual(
         LightEnd::Point(end) => towards(surface, end),
     };
     let solid_angle = solid_angle(surface.position, light);
-    let straight = |shadow, left: Vec3| PunctualSample {
+    let straight = |shadow, transmittance: Vec3| PunctualSample {
         direction,
         shadow,
-        received: left * intensity(light, -direction) * per_intensity,
+        received: transmittance * intensity(light, -direction) * per_intensity,
         solid_angle,
     };
     if !world.has_clear_glass() {
@@ -79,21 +79,21 @@ pub(super) fn sample_punctual(
     }
     let straight = match world.glass_between(&shadow, surface.time) {
         Between::NoGlass => Some(straight(shadow, Vec3::ONE)),
-        Between::Panes(rest, left) => Some(straight(rest, left)),
+        Between::Panes(rest, transmittance) => Some(straight(rest, transmittance)),
         Between::Bends => None,
     };
-    let ways = world.bend_light(surface, (end, number), straight.as_ref().map(|_| direction));
+    let ways = world.refracted_connections(surface, (end, number), straight.as_ref().map(|_| direction));
     if ways.is_empty() {
         return straight;
     }
     let straight = straight.filter(|sample| !world.occluded_at(&sample.shadow, surface.time));
-    let bent = ways.iter().map(|&BentLight { direction, rest, leaving, left, spread, .. }| {
+    let bent = ways.iter().map(|&RefractedConnection { direction, rest, leaving, transmittance, spread, .. }| {
         let spread = match end {
             LightEnd::Direction(_) => spread,
             // Per area of the light in place of solid angle.
             LightEnd::Point(end) => spread * end.distance_squared(surface.position),
         };
-        let received = left * intensity(light, leaving) * (per_intensity * spread);
+        let received = transmittance * intensity(light, leaving) * (per_intensity * spread);
         PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 }
     });
     let brought =

@@ -38,8 +38,8 @@ impl Film {
         out.extend((tiles().count() as u32).to_le_bytes());
         for (number, tile) in tiles() {
             let (row, column) = tile.bad.first.unwrap_or((NONE, NONE));
-            let has_blind = u32::from(!tile.blind.is_empty());
-            for word in [number, tile.samples.start, tile.samples.end, row, column, has_blind] {
+            let has_uncovered = u32::from(!tile.uncovered.is_empty());
+            for word in [number, tile.samples.start, tile.samples.end, row, column, has_uncovered] {
                 out.extend(word.to_le_bytes());
             }
             out.extend(tile.bad.count.to_le_bytes());
@@ -111,13 +111,13 @@ impl Bytes<'_> {
     }
 
     fn tile(&mut self, tile: &mut Tile) -> Option<()> {
-        let [start, end, row, column, has_blind] =
+        let [start, end, row, column, has_uncovered] =
             [self.word()?, self.word()?, self.word()?, self.word()?, self.word()?];
         let count = self.long()?;
         tile.samples = (start < end).then_some(start..end)?;
         tile.bad = BadSamples { count, first: (row != NONE).then_some((row, column)) };
-        if has_blind == 1 {
-            tile.blind = vec![Sum::default(); tile.pixels.len()];
+        if has_uncovered == 1 {
+            tile.uncovered = vec![Sum::default(); tile.pixels.len()];
         }
         let mut is_whole = true;
         tile.visit(&mut |sum| match self.array() {
@@ -155,6 +155,6 @@ impl Tile {
             visit(&mut signed);
             *sum = signed as u128;
         }
-        self.blind.iter_mut().for_each(|sum| visit(&mut sum.0));
+        self.uncovered.iter_mut().for_each(|sum| visit(&mut sum.0));
     }
 }

@@ -121,9 +121,9 @@ impl Tile {
         for (sums, others) in self.mattes.iter_mut().flatten().zip(other.mattes.iter().flatten()) {
             sums.merge(others);
         }
-        if !other.blind.is_empty() {
-            self.blind.resize(self.pixels.len(), Default::default());
-            self.blind.iter_mut().zip(&other.blind).for_each(|(sum, other)| sum.merge(*other));
+        if !other.uncovered.is_empty() {
+            self.uncovered.resize(self.pixels.len(), Default::default());
+            self.uncovered.iter_mut().zip(&other.uncovered).for_each(|(sum, other)| sum.merge(*other));
         }
         self.bad = self.bad.and(other.bad);
     }

@@ -38,7 +38,7 @@ fn sample(film: &mut Film, number: u32, has: impl Fn(usize) -> bool) {
                 tile.add_name(layer, pixel, &filter, if y.is_multiple_of(7) { NO_NAME } else { name });
             }
             if i == 0 && pixel == 0 {
-                tile.add_blind(pixel, number, &filter);
+                tile.add_uncovered(pixel, number, &filter);
             }
         }
         tile.samples.end += 1;

@@ -78,7 +78,7 @@ pub(crate) struct Tile {
     /// The coverage of pixels in each Cryptomatte layer.
     pub(super) mattes: Vec<Vec<Coverage>>,
     /// The weights of each pixel's samples without a ray; empty if there are none.
-    pub(super) blind: Vec<Sum>,
+    pub(super) uncovered: Vec<Sum>,
     /// Samples that every pixel has, by their numbers.
     pub samples: Range<u32>,
     /// Samples that are not numbers.
@@ -142,7 +142,7 @@ pub(crate) fn tiles(width: u32, height: u32, extras: Extras) -> Vec<Tile> {
             squares: vec![[PositiveSum::default(); 3]; of(extras.features)],
             light: vec![vec![[Sum::default(); 3]; extras.light]; of(extras.light > 0)],
             mattes: vec![vec![Coverage::default(); count]; extras.mattes],
-            blind: Vec::new(),
+            uncovered: Vec::new(),
             samples: 0..0,
             bad: BadSamples::default(),
         }
@@ -177,9 +177,9 @@ impl Tile {
     }
 
     /// Adds a sample without a ray to the pixel of this index.
-    pub(crate) fn add_blind(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
-        self.blind.resize(self.pixels.len(), Sum::default());
-        self.blind[pixel].add(filter.weight.into());
+    pub(crate) fn add_uncovered(&mut self, pixel: usize, sample: u32, filter: &FilterSample) {
+        self.uncovered.resize(self.pixels.len(), Sum::default());
+        self.uncovered[pixel].add(filter.weight.into());
         for layer in 0..self.mattes.len() {
             self.add_name(layer, pixel, filter, NO_NAME);
         }
@@ -236,8 +236,8 @@ impl Tile {
 
     /// The part of a pixel that sees anything, 1 without samples.
     pub(super) fn alpha(&self, pixel: usize) -> f64 {
-        let blind = self.blind.get(pixel).map_or(0.0, |&weight| self.pixels[pixel].mean_of(weight));
-        (1.0 - blind).clamp(0.0, 1.0)
+        let uncovered = self.uncovered.get(pixel).map_or(0.0, |&weight| self.pixels[pixel].mean_of(weight));
+        (1.0 - uncovered).clamp(0.0, 1.0)
     }
 
     /// The sums of a pixel's halves; nothing on tiles that are not made for it.

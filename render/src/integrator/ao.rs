@@ -79,7 +79,7 @@ impl AoRays {
             self.times.extend(self.shares.iter().map(|(index, _)| times[*index]));
         }
         match weighting {
-            AoWeighting::Misses => {
+            AoWeighting::CacheMisses => {
                 self.occluded.resize(traced, false);
                 world.occluded_many_at(&self.rays, &self.times, &mut self.occluded);
                 for ((index, share), occluded) in self.shares.iter().zip(&self.occluded) {

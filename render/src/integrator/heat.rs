@@ -25,7 +25,7 @@ pub(super) fn visits(
             visits[index] += tree.occluded_visits(ray).total();
         }
     };
-    let traced = path::radiance(world, options, batch, wave, radiance, &mut watch, path::Companions::default());
+    let traced = path::radiance(world, options, batch, wave, radiance, &mut watch, path::PathObservers::default());
     for (radiance, visits) in radiance.iter_mut().zip(visits) {
         *radiance = Vec3::splat(visits as f32);
     }

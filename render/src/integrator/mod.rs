@@ -33,8 +33,8 @@ use crate::world::{Hit, World};
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
-    Aim, Follower, FrozenCache, GatherSource, HeldOut, IrradianceMap, MeanLight, RecordLog, SAMPLED_SHARE, Uncached,
-    fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
+    DirectGatherer, FillTarget, Follower, FrozenCache, GatherSource, HeldOut, IrradianceMap, MeanLight, RecordLog,
+    SAMPLED_SHARE, fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
 };
 pub(crate) use light_paths::{LightPaths, aovs, labels_hash};
 pub(crate) use wavefront::Wavefront;
@@ -61,7 +61,7 @@ pub(crate) struct Scratch {
     recorded: path::RecorderMemory,
     generations: [montecarlo::Generation; 2],
     ao_rays: ao::AoRays,
-    misses: cached::Misses,
+    misses: cached::CacheMisses,
 }
 
 /// Data that an integrator prepares once, before the first sample.
@@ -111,7 +111,7 @@ pub(crate) fn radiance_by_paths(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
 ) -> u64 {
-    path::radiance(world, options, rays, wave, radiance, &mut |_| (), path::Companions::default())
+    path::radiance(world, options, rays, wave, radiance, &mut |_| (), path::PathObservers::default())
 }
 
 /// Writes the radiance that each camera ray sees, and the AOVs of these light paths, side by side for each ray; gives the
@@ -134,7 +134,7 @@ pub(crate) fn radiance(
             let count = batch.rays.len();
             let recorder = light.map(|(paths, aovs)| path::Recorder::new(paths, recorded, count, aovs));
             let guide = if let Prepared::Guide(guide) = prepared { Some(guide) } else { None };
-            let companions = path::Companions { recorder, guide, trainer: None };
+            let companions = path::PathObservers { recorder, guide, trainer: None };
             path::radiance(world, options, batch, wave, radiance, &mut |_| (), companions)
         }
         Integrator::Cached(_) => unreachable!("its cache is prepared"),

@@ -42,7 +42,7 @@ pub(super) const SKY: SkyPart = SkyPart::Bright;
 
 /// Observers of paths.
 #[derive(Default)]
-pub(super) struct Companions<'a> {
+pub(super) struct PathObservers<'a> {
     /// Gets what AOVs by light path expressions have of them.
     pub recorder: Option<Recorder<'a>>,
     /// The guide of the paths.
@@ -61,7 +61,7 @@ pub(super) fn radiance(
     wave: &mut Wavefront,
     radiance: &mut [Vec3],
     watch: &mut dyn FnMut(&Wavefront),
-    Companions { recorder, guide, mut trainer }: Companions,
+    PathObservers { recorder, guide, mut trainer }: PathObservers,
 ) -> u64 {
     if let Some(trainer) = &mut trainer {
         trainer.start(batch.rays.len());

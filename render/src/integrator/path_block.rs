@@ -20,12 +20,12 @@ mod light;
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
-use halfdome_kernel::sampling::Address;
+use halfdome_kernel::sampling::SampleId;
 
 use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
-use crate::world::{Boundary, Hit, Rounding, Surface, World, interpolate};
+use crate::world::{Boundary, Hit, Surface, TerminatorOffset, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
@@ -75,17 +75,17 @@ pub(super) struct PathBlock {
     survival: Column,
     /// Whether it continues, apart from Russian roulette.
     goes_on: Integers,
-    pub addresses: [Address; LANES],
+    pub addresses: [SampleId; LANES],
     pub u_light: [Vec2; LANES],
     pub u_direction: [Vec2; LANES],
     /// The direction about the normal that `onwards` means by the cosine.
     pub cosine: [Vec3; LANES],
     /// Random numbers for Russian roulette; 0, with which all paths survive, unless they are drawn.
     pub u_roulette: Column,
-    /// Numbers that decide whether paths aim at lit triangles, if there are any.
+    /// Numbers that decide whether paths aim at secondary lights, if there are any.
     pub u_aim: Column,
     light_samples: LightSamples,
-    /// The `target` of paths that leave: 0, or of lit triangles [`Path::UNAIMED`].
+    /// The `target` of paths that leave: 0, or of secondary lights [`Path::UNAIMED`].
     target: Integers,
 }
 
@@ -164,13 +164,13 @@ impl PathBlock {
         self.paths.throughput.set(i, self.paths.throughput.get(i) * part);
     }
 
-    /// Puts path `i` at a lit triangle, with this weight on the light that it finds from there on.
+    /// Puts path `i` at a secondary light, with this weight on the light that it finds from there on.
     pub(super) fn set_lit(&mut self, i: usize, kept: f32) {
         self.target[i] = Path::UNAIMED;
         self.dim(i, Vec3::splat(kept));
     }
 
-    /// Whether the surface of path `i` aims at lit triangles: all but those do.
+    /// Whether the surface of path `i` aims at secondary lights: all but those do.
     #[inline(always)]
     pub(super) fn aims(&self, i: usize) -> bool {
         self.target[i] == 0
@@ -198,7 +198,7 @@ impl PathBlock {
             wo: Vec3::ZERO,
             barycentric: [0.0; 2],
             time: self.time[i],
-            rounding: Rounding::FLAT,
+            rounding: TerminatorOffset::FLAT,
             dispersed: 0.0,
             is_back: false,
             transmits: self.transmits[i] != 0,
@@ -225,7 +225,7 @@ impl PathBlock {
         }
     }
 
-    /// Russian roulette. Paths at lit triangles always survive, as they are likely to find more light than others.
+    /// Russian roulette. Paths at secondary lights always survive, as they are likely to find more light than others.
     #[inline(always)]
     pub(super) fn roulette(&mut self, survival: Survival) {
         for i in 0..LANES {

@@ -22,7 +22,7 @@ pub(super) struct Path {
     /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there? And in the
     /// first bit, whether it [sees lights](Self::sees_lights) of a size.
     pub normal: u32,
-    /// One more than the `prim_id` of the lit triangle that it was aimed at; 0 for a path that has left a surface that
+    /// One more than the `prim_id` of the secondary light that it was aimed at; 0 for a path that has left a surface that
     /// aims, and [`UNAIMED`](Self::UNAIMED) for one that has left another.
     pub target: u32,
 }
@@ -41,10 +41,10 @@ impl Path {
     /// The normal of a path that has left only mirrors and clear glass, where it does not matter.
     const MIRRORED: u32 = u32::MAX - 1;
 
-    /// The `target` of a path that has left a lit triangle: these do not aim, as their own bounces find the others.
+    /// The `target` of a path that has left a secondary light: these do not aim, as their own bounces find the others.
     pub(super) const UNAIMED: u32 = u32::MAX;
 
-    /// Whether it was aimed at a lit triangle.
+    /// Whether it was aimed at a secondary light.
     #[inline(always)]
     pub(super) fn is_aimed(&self) -> bool {
         self.target.wrapping_add(1) > 1

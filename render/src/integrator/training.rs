@@ -9,7 +9,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 use rayon::prelude::*;
 
-use super::path::{Companions, Trainer, radiance};
+use super::path::{PathObservers, Trainer, radiance};
 use super::{FIRST_SET, RayBatch, Wavefront};
 use crate::camera::{Camera, FilmPoint, FilmSample};
 use crate::guide::{Guide, GuideSample};
@@ -105,7 +105,7 @@ impl Round<'_> {
             density: f32::INFINITY,
         };
         let mut trainer = Trainer::default();
-        let companions = Companions { guide: self.guide, trainer: Some(&mut trainer), recorder: None };
+        let companions = PathObservers { guide: self.guide, trainer: Some(&mut trainer), recorder: None };
         let mut found = vec![Vec3::ZERO; rays.len()];
         let mut wave = Wavefront::default();
         let traced = radiance(self.world, self.options, &batch, &mut wave, &mut found, &mut |_| (), companions);

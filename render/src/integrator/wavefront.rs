@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Address, Sampler};
+use halfdome_kernel::sampling::{SampleId, Sampler};
 use halfdome_kernel::{Ray, Task};
 
 use super::RayBatch;
@@ -102,9 +102,9 @@ pub(crate) struct Wavefront {
     next_paths: Vec<Path>,
     next_rays: Vec<Ray>,
     /// The addresses of all camera rays, by index.
-    pub(super) addresses: Vec<Address>,
+    pub(super) addresses: Vec<SampleId>,
     /// The addresses of the paths, where numbers are drawn for all at once.
-    drawn: Vec<Address>,
+    drawn: Vec<SampleId>,
     u_light: Vec<Vec2>,
     u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use crate::cache::Cache;
 use crate::estimator::mean_in_rounds;
 use crate::integrator::CacheUse;
-use crate::integrator::{Aim, FrozenCache, HeldOut, MeanLight, SAMPLED_SHARE, fill_for_surfaces, max_depth};
+use crate::integrator::{FillTarget, FrozenCache, HeldOut, MeanLight, SAMPLED_SHARE, fill_for_surfaces, max_depth};
 use crate::settings::Shard;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -134,7 +134,7 @@ pub fn shard_by_cache(
     watch: &dyn Watch,
 ) -> Irradiance {
     let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
-    let (mut aim, mut effort, mut rays) = (Aim::Options, Effort::Samples(request.spp.max(1)), 0);
+    let (mut aim, mut effort, mut rays) = (FillTarget::Options, Effort::Samples(request.spp.max(1)), 0);
     let held_out;
     if cache.options().accuracy.is_some() {
         let light = if request.part == Part::Total { MeanLight::Total } else { MeanLight::Indirect };
@@ -146,7 +146,7 @@ pub fn shard_by_cache(
         held_out = found;
         rays = held_out.traced;
         effort = Effort::Noise(SAMPLED_SHARE.sqrt() * held_out.allowed_error());
-        aim = Aim::Accuracy(&held_out);
+        aim = FillTarget::Accuracy(&held_out);
     }
     let (frozen, filled) = fill_for_surfaces(world, request.seed, cache, &surfaces, aim, watch);
     let (mut found, variance) = look_up(world, (sensors, &own(sensors, shard)), &frozen, (request, effort), watch);

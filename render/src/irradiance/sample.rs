@@ -122,7 +122,7 @@ impl SensorScratch {
     }
 
     /// Adds what paths find along the scattered rays, `E = π` times the mean of their radiance, and along those that
-    /// are aimed at lit triangles.
+    /// are aimed at secondary lights.
     fn follow(
         &mut self,
         world: &World,

@@ -7,7 +7,7 @@
 
 use super::Receiver;
 use super::tree::WIDTH;
-use super::tree::cluster::{Lane, at, height, set, tame};
+use super::tree::cluster::{Lane, at, finite_or_zero, height, set};
 use glam::Vec3;
 
 /// Lights or patches, eight in a row.
@@ -73,7 +73,7 @@ impl Row {
         for (i, weight) in weights.iter_mut().enumerate() {
             let (z, radius) = (receiver.normal.dot(at(&self.direction, i)), self.radius[i]);
             let heights = height(z, radius) + height(-z, radius) * receiver.behind;
-            *weight = tame(self.irradiance[i] * heights);
+            *weight = finite_or_zero(self.irradiance[i] * heights);
         }
         weights
     }

@@ -9,8 +9,8 @@ mod ambient;
 mod choice;
 mod distant;
 pub(crate) mod few;
-mod lit;
 mod receiver;
+mod secondary_lights;
 mod sized;
 mod sky;
 mod tree;
@@ -23,8 +23,8 @@ use halfdome_kernel::{Aabb, Triangle};
 pub(crate) use self::choice::{LightChoice, SampledLight};
 use self::distant::Patches;
 use self::few::FEW;
-pub(crate) use self::lit::{LitTriangles, Reach};
 pub(crate) use self::receiver::Receiver;
+pub(crate) use self::secondary_lights::{Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::Tree;
@@ -52,7 +52,7 @@ pub(crate) struct LightSampler {
     /// Points, spots and directional lights that rays can meet.
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
-    pub(crate) lit: LitTriangles,
+    pub(crate) lit: SecondaryLights,
     /// The index of each `prim_id`'s light, or [`NO_LIGHT`]; empty if no triangle emits.
     index_of: Vec<u32>,
     /// The box around all points near an emissive triangle.
@@ -171,7 +171,7 @@ impl LightSampler {
             directional,
             punctual_numbers,
             sky,
-            lit: LitTriangles::default(),
+            lit: SecondaryLights::default(),
             index_of,
             surroundings,
             mean_radiance,

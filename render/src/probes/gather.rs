@@ -3,7 +3,7 @@
 //! Emitters, delta lights and the sky's sun are sampled, as they are for a bake's texels: by two sensors back to back,
 //! whose cosines are divided out. All other light, the rest of the sky included, is found by paths along the directions
 //! of a randomly rotated [`Quadrature`], so that noise has no pattern from probe to probe, and light without fine
-//! detail has no noise. The sensors sample lit triangles as secondary lights too.
+//! detail has no noise. The sensors sample secondary lights too.
 
 use std::f32::consts::PI;
 use std::slice;

@@ -143,7 +143,7 @@ pub struct AoOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AoWeighting {
     /// 1 if it hits nothing, else 0.
-    Misses,
+    CacheMisses,
     /// Its length as a part of the greatest distance: 1 if it hits nothing before.
     HitLength,
 }
@@ -304,7 +304,12 @@ impl Default for DirectOptions {
 
 impl Default for AoOptions {
     fn default() -> Self {
-        Self { weighting: AoWeighting::Misses, max_distance: None, rays: 16, sampling: HemisphereSampling::Stratified }
+        Self {
+            weighting: AoWeighting::CacheMisses,
+            max_distance: None,
+            rays: 16,
+            sampling: HemisphereSampling::Stratified,
+        }
     }
 }
 

@@ -91,7 +91,7 @@ fn openness() -> f64 {
 
 /// `n` rays of one sample of ambient occlusion.
 fn gather(sampling: HemisphereSampling, rays: u32) -> Settings {
-    let options = AoOptions { weighting: AoWeighting::Misses, max_distance: None, rays, sampling };
+    let options = AoOptions { weighting: AoWeighting::CacheMisses, max_distance: None, rays, sampling };
     Settings { spp: 1, sampler: Pattern::Random, integrator: Integrator::Ao(options), ..Settings::default() }
 }
 

@@ -263,7 +263,7 @@ fn escapes(runner: &Runner) -> Result<Outcome, Interrupted> {
     let paths =
         |lights| Integrator::Path(PathOptions { max_depth: 32, lights, stop: Stop::Depth, ..PathOptions::default() });
     let occlusion = AoOptions {
-        weighting: AoWeighting::Misses,
+        weighting: AoWeighting::CacheMisses,
         max_distance: None,
         rays: 16,
         sampling: HemisphereSampling::Uniform,

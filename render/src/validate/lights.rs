@@ -75,7 +75,7 @@ fn paths(lights: LightSampling) -> Integrator {
 }
 
 fn ambient_occlusion(sampling: HemisphereSampling) -> Integrator {
-    Integrator::Ao(AoOptions { weighting: AoWeighting::Misses, max_distance: None, rays: 16, sampling })
+    Integrator::Ao(AoOptions { weighting: AoWeighting::CacheMisses, max_distance: None, rays: 16, sampling })
 }
 
 /// A light meter that moves along the ground, in direction x.

@@ -9,8 +9,8 @@ use super::placement::instances::Instances;
 use super::placement::motion::Motion;
 use super::ray_counts::RayCounters;
 use super::surface::closures::ClosureCell;
-use super::surface::rounding::Bulge;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
+use super::surface::shadow_terminator::Convexity;
 use super::{World, WorldError};
 use crate::light::{Light, LightSampler, SkyLight, area};
 use crate::material::Kind;
@@ -130,7 +130,7 @@ struct TriangleTable<'a> {
     meshes: &'a [Mesh],
     materials: &'a [Material],
     records: Vec<TriangleRecord>,
-    bulges: Vec<Bulge>,
+    bulges: Vec<Convexity>,
     /// The number of each mesh's first triangle.
     first_faces: Vec<u32>,
 }
@@ -154,7 +154,7 @@ impl<'a> TriangleTable<'a> {
             self.first_faces[number] = self.records.len() as u32;
             let own = &triangles[self.records.len() - first..][..mesh.triangles.len()];
             let is_plain = u32::from(is_plain(mesh, self.materials));
-            self.bulges.extend(Bulge::of_mesh(mesh, &self.materials[mesh.material]));
+            self.bulges.extend(Convexity::of_mesh(mesh, &self.materials[mesh.material]));
             self.records.extend(own.iter().map(|&corners| {
                 let normal = triangle_normal(&corners);
                 let offset = offset_distance(&corners, normal);

@@ -11,7 +11,7 @@
 //!
 //! Only smooth faces are crossed: rough ones sample lights by their closures.
 
-mod bent;
+mod manifold;
 mod panes;
 mod photons;
 
@@ -25,7 +25,7 @@ use crate::material::Inputs;
 use crate::material::fresnel::Dielectric;
 use crate::material::ggx::Ggx;
 use crate::scene::Material;
-pub(crate) use bent::{BentLight, LightEnd};
+pub(crate) use manifold::{LightEnd, RefractedConnection};
 use photons::Photons;
 
 /// The most faces that a connection to a light may cross.
@@ -107,7 +107,7 @@ impl Face<'_> {
     }
 
     /// The transmittance of a thin wall, all inner reflections summed.
-    fn left_by_thin(&self, cos: f32) -> Vec3 {
+    fn thin_wall_transmittance(&self, cos: f32) -> Vec3 {
         let (reflected, _) = self.at(cos);
         self.tint * ((1.0 - reflected) / (1.0 + reflected))
     }

@@ -33,7 +33,7 @@ fn points_of_a_light_have_its_derivatives() {
             translational: [Vec3::ZERO; 3],
             harmonic_mean_distance: f32::INFINITY,
             minimum_distance: f32::INFINITY,
-            deviation: 0.0,
+            standard_error: 0.0,
         };
         let mut hessian = Hessian { xx: 0.0, xy: 0.0, yy: 0.0, irradiance: 0.0 };
         for source in points(corners) {

@@ -137,8 +137,8 @@ fn chains_as_deep_as_the_stack_allows_and_one_entry_deeper() {
             Ok(tree) => tree,
             Err(error) => {
                 let allowed = MAX_STACK as u32;
-                let too_deep = InvalidTree::TooDeep { needed: needed as u32, allowed };
-                assert_eq!((error, needed > MAX_STACK), (Error::InvalidTree(too_deep), true));
+                let rejected_builds = InvalidTree::TooDeep { needed: needed as u32, allowed };
+                assert_eq!((error, needed > MAX_STACK), (Error::InvalidTree(rejected_builds), true));
                 continue;
             }
         };

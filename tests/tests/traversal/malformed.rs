@@ -188,7 +188,7 @@ fn every_truncation_is_refused() {
         assert!(BvhView::new(&nodes, &blocks[..length]).is_err(), "{length} blocks");
     }
     let longer = [nodes.as_slice(), &[Node::EMPTY]].concat();
-    let forgotten = InvalidTree::ForgottenNode { node: nodes.len() as u32 };
+    let forgotten = InvalidTree::UnreachableNode { node: nodes.len() as u32 };
     assert_eq!(BvhView::new(&longer, &blocks).err(), Some(forgotten.into()));
 }
 

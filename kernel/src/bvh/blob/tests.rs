@@ -94,7 +94,7 @@ fn every_flipped_bit_is_noticed() {
             match (byte, error) {
                 (0..8, Error::NotABlob)
                 | (8..12, Error::BadHeader { field: "byte order" })
-                | (12..16, Error::OtherVersion { .. })
+                | (12..16, Error::UnsupportedVersion { .. })
                 | (24..32, Error::Truncated { .. } | Error::TrailingBytes { .. })
                 | (16..24 | 32.., Error::Damaged { .. }) => {}
                 _ => panic!("bit {bit} of byte {byte}: {error:?}"),
@@ -129,12 +129,12 @@ fn bytes_of_other_kinds_and_machines_are_told_apart() {
     let original = spiral(20).to_bytes();
     let mut blob = original.clone();
     blob[8..].chunks_exact_mut(4).for_each(<[u8]>::reverse);
-    assert_eq!(error(&blob), Error::OtherByteOrder);
+    assert_eq!(error(&blob), Error::WrongEndianness);
     for found in [0, BLOB_VERSION + 1, u32::MAX] {
         let mut blob = original.clone();
         put(&mut blob, 12, found);
         let error = error(&sign(blob));
-        assert_eq!(error, Error::OtherVersion { found, readable: BLOB_VERSION });
+        assert_eq!(error, Error::UnsupportedVersion { found, readable: BLOB_VERSION });
         let said = alloc::format!("{error}");
         let age = if found == 0 { "older" } else { "newer" };
         assert!(said.contains(&alloc::format!("version {found}, {age} than {BLOB_VERSION}")), "{said}");

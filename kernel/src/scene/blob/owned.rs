@@ -12,7 +12,7 @@ use crate::bvh::blob_header::{BYTE_ORDER, checksum};
 use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, RoundBvh, Serial};
 use crate::error::InvalidTree;
 use crate::scene::Scene;
-use crate::scene::item::Facts;
+use crate::scene::item::ItemSummary;
 use crate::scene::object::Target;
 use crate::scene::top_level::TopLevel;
 use crate::scene::transform::Placement;
@@ -22,7 +22,7 @@ impl Scene<'_> {
     /// Objects shared by several items are written once.
     ///
     /// # Errors
-    /// [`InvalidScene::NotSaved`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
+    /// [`InvalidScene::NotSerializable`] if an item is a shape of the caller's, and [`InvalidTree::TooLarge`].
     pub fn to_bytes(&self) -> Result<Blob, Error> {
         self.view().to_bytes(&self.options())
     }
@@ -152,10 +152,10 @@ impl Writer {
                 }
                 Target::Round(tree) => (MESH, self.round(&tree)?),
                 Target::Scene(inner) => (SCENE, self.scene(&inner, depth + 1)?),
-                Target::Shape(_) => return Err(InvalidScene::NotSaved { item: index, depth }.into()),
+                Target::Shape(_) => return Err(InvalidScene::NotSerializable { item: index, depth }.into()),
             });
         }
-        let facts: Vec<Facts> = items.iter().map(Item::facts).collect();
+        let facts: Vec<ItemSummary> = items.iter().map(Item::facts).collect();
         let (top, _) = TopLevel::build(&Serial, (items, &facts), scene.summary(), &self.options)?;
         let tree = top.tree.view();
         let mut record = SceneRecord {

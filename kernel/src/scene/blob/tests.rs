@@ -210,11 +210,11 @@ fn shapes_of_the_callers_are_named() {
     let shapes = Spheres(&[]);
     let mesh = bvh(2, 1);
     let inside = build(vec![Item::new(mesh.clone()), Item::new(mesh.clone()), Item::new(&shapes)]);
-    assert_eq!(inside.to_bytes().err(), Some(InvalidScene::NotSaved { item: 2, depth: 0 }.into()));
+    assert_eq!(inside.to_bytes().err(), Some(InvalidScene::NotSerializable { item: 2, depth: 0 }.into()));
     let view = inside.view();
     let outside = build(vec![Item::new(mesh), Item::new(&view)]);
     let error = outside.to_bytes().unwrap_err();
-    assert_eq!(error, InvalidScene::NotSaved { item: 2, depth: 1 }.into());
+    assert_eq!(error, InvalidScene::NotSerializable { item: 2, depth: 1 }.into());
     let said = alloc::format!("{error}");
     assert_eq!(
         said,
@@ -227,17 +227,17 @@ fn too_little_memory_is_told() {
     let blob = inner().to_bytes().unwrap();
     let mut items = vec![Item::nothing(); 2];
     let error = SceneView::from_bytes(&blob, &mut items).err();
-    assert_eq!(error, Some(InvalidScene::TooFew { what: "items", needed: 3, given: 2 }.into()));
+    assert_eq!(error, Some(InvalidScene::BufferTooSmall { what: "items", needed: 3, given: 2 }.into()));
     // More than needed is as good.
     let mut items = vec![Item::nothing(); 9];
     assert_eq!(SceneView::from_bytes(&blob, &mut items).unwrap().items().len(), 3);
     let blob = town().to_bytes().unwrap();
     let mut items = vec![Item::nothing(); 9];
     let error = SceneView::from_bytes(&blob, &mut items).err();
-    assert_eq!(error, Some(InvalidScene::TooFew { what: "scenes", needed: 1, given: 0 }.into()));
+    assert_eq!(error, Some(InvalidScene::BufferTooSmall { what: "scenes", needed: 1, given: 0 }.into()));
     let blob = SceneBlob::open(&blob).unwrap();
     let error = blob.view(2, &mut items, &[]).err();
-    assert_eq!(error, Some(InvalidScene::TooFew { what: "scenes", needed: 3, given: 2 }.into()));
+    assert_eq!(error, Some(InvalidScene::BufferTooSmall { what: "scenes", needed: 3, given: 2 }.into()));
     assert_eq!((blob.item_count(1), blob.item_count(2)), (Some(8), None));
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::closest::{Foot, closest_points};
+use crate::geometry::closest::{ClosestCandidate, closest_points};
 use crate::geometry::{Hit, MAX_COORDINATE, SurfacePoint};
 use crate::simd::{Lanes, Level, Mask, Simd, Work, dispatch, lanes_of};
 use crate::traverse::reference;
@@ -21,7 +21,8 @@ impl BvhView<'_> {
         if !in_range || radius.is_nan() || radius < 0.0 {
             return None;
         }
-        let nothing = Foot { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
+        let nothing =
+            ClosestCandidate { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
         let best = match self.isa().level() {
             Level::Scalar => reference::closest_point(self, point, nothing),
             _ => dispatch(self.isa(), Closest { tree: self, point, best: nothing }),
@@ -33,14 +34,14 @@ impl BvhView<'_> {
 struct Closest<'a> {
     tree: &'a BvhView<'a>,
     point: Vec3,
-    best: Foot,
+    best: ClosestCandidate,
 }
 
 impl Work for Closest<'_> {
-    type Output = Foot;
+    type Output = ClosestCandidate;
 
     #[inline(always)]
-    fn run<S: Simd>(mut self) -> Foot {
+    fn run<S: Simd>(mut self) -> ClosestCandidate {
         let from = [S::F8::splat(self.point.x), S::F8::splat(self.point.y), S::F8::splat(self.point.z)];
         let mut stack = TraversalStack::new();
         stack.reset_to_root();
@@ -78,7 +79,7 @@ impl Closest<'_> {
         let ([x, y, z], distance2) = (feet.offset, feet.distance2.store());
         let (x, y, z, u, v) = (x.store(), y.store(), z.store(), feet.u.store(), feet.v.store());
         for lane in lanes_of(bits) {
-            let foot = Foot {
+            let foot = ClosestCandidate {
                 offset: [x[lane], y[lane], z[lane]],
                 distance2: distance2[lane],
                 u: u[lane],

@@ -19,7 +19,7 @@ use crate::bake::options::{BakeOptions, Directional, Mode};
 use crate::cache::Cache;
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, RoundsMean, mean_in_rounds};
 use crate::integrator::CacheUse;
-use crate::integrator::{Aim, GatherSource, HeldOut, MeanLight, SAMPLED_SHARE, Uncached};
+use crate::integrator::{DirectGatherer, FillTarget, GatherSource, HeldOut, MeanLight, SAMPLED_SHARE};
 use crate::settings::Shard;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -125,7 +125,7 @@ impl Baker<'_> {
             let error = held_out.map(|held_out| held_out.relative(variance));
             return Some(BakedTexels { values: without_cache, rays, gathers, cache: None, error });
         }
-        let aim = held_out.as_ref().map_or(Aim::Options, Aim::Accuracy);
+        let aim = held_out.as_ref().map_or(FillTarget::Options, FillTarget::Accuracy);
         let options = &self.options.cache;
         let (mut gathers, mut first) = (0, None);
         if self.uses_first_map() {
@@ -320,7 +320,7 @@ impl Baker<'_> {
         let point =
             |(number, texel): &(usize, Texel)| GatherPoint { key: *number as u64, surface: self.surface(texel) };
         let points: Vec<GatherPoint> = texels.iter().map(point).collect();
-        let (irradiance, rays) = Uncached::new(world, &options.cache, source, options.seed).irradiance(&points);
+        let (irradiance, rays) = DirectGatherer::new(world, &options.cache, source, options.seed).irradiance(&points);
         let (moments, further) = self.gather_moments(texels);
         let values = Values::of(self.layers(), irradiance.into_iter().zip(moments));
         Found { values, rays: rays + further, variance: 0.0 }

@@ -16,7 +16,7 @@ use crate::bake::layout::texels::Texel;
 use crate::bake::options::Directional;
 use crate::cache::Cache;
 use crate::estimator::salts;
-use crate::integrator::{Aim, FrozenCache, GatherSource, fill_for_texels, lookup_point};
+use crate::integrator::{FillTarget, FrozenCache, GatherSource, fill_for_texels, lookup_point};
 use crate::settings::CachedOptions;
 use crate::world::Surface;
 
@@ -34,7 +34,7 @@ impl Baker<'_> {
         &'t self,
         texels: &'t [Texel],
         direct: &Values,
-        aim: Aim,
+        aim: FillTarget,
     ) -> Option<(TexelIrradiance<'t>, u64, u64)> {
         let options = self.options.cache;
         let error = (ROUGH * options.error).min(CachedOptions::MAX_ERROR);
@@ -57,7 +57,7 @@ impl Baker<'_> {
         &self,
         texels: &[Texel],
         (options, seed): (CachedOptions, u64),
-        (source, aim): (GatherSource, Aim),
+        (source, aim): (GatherSource, FillTarget),
         records: &CheckpointedRecords,
     ) -> Option<(FrozenCache, u64)> {
         let Self { world, watch, .. } = *self;

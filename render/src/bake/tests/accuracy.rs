@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::*;
 use crate::estimator::GatherPoint;
-use crate::integrator::{self, Uncached};
+use crate::integrator::{self, DirectGatherer};
 use crate::settings::CachedOptions;
 
 /// Rays of each of the two gathers at a texel that others are held against.
@@ -36,7 +36,7 @@ fn a_cache_tells_what_gathers_do() {
     let gathered = |seed: u64| -> Vec<f32> {
         let irradiance = |(key, texel): (usize, &Texel)| {
             let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-            let uncached = Uncached::new(&world, &many, integrator::GatherSource::paths(&many), seed);
+            let uncached = DirectGatherer::new(&world, &many, integrator::GatherSource::paths(&many), seed);
             uncached.irradiance(&[GatherPoint { key: key as u64, surface }]).0[0].x
         };
         some.par_iter().enumerate().map(irradiance).collect()

@@ -41,7 +41,7 @@ fn house() -> Scene {
 }
 
 fn left_out(scene: &Scene, places: &[Vec3]) -> Result<LeftOut, Invalid> {
-    LeftOut::outside(scene, &World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap(), places)
+    LeftOut::outside(scene, &World::for_light_query(scene.clone(), LightQuery::Surfaces).unwrap(), places)
 }
 
 /// The number of triangles of each mesh that are left out.
@@ -105,7 +105,7 @@ fn what_is_left_out_takes_no_room_and_gets_no_light() {
     let all_kept = Atlas::new(&own, &options).unwrap();
     let [lit, all] = [&kept, &all_kept].map(|atlas| Surfaces::new(&own, atlas).texels().len());
     assert!(lit < all, "{lit} of {all}");
-    let world = World::looking_from(own.clone(), LookFrom::Surfaces).unwrap();
+    let world = World::for_light_query(own.clone(), LightQuery::Surfaces).unwrap();
     let bake = bake(&own, &world, kept, &options, &Checkpoint::new(0), &NeverStops).unwrap();
     let outer = bake.atlas.parts.iter().find(|part| part.mesh == 1).unwrap();
     assert!(outer.charts.iter().all(|&chart| chart == NO_CHART));

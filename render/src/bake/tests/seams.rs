@@ -99,7 +99,7 @@ fn equations([width, length, height]: [f32; 3], floor: [f32; 2], wall: [f32; 2])
     corner.triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 5], [0, 5, 4]];
     let scene = scene(vec![corner], vec![glowing(0.0, 0.5)]);
     let atlas = Atlas::new(&scene, &BakeOptions { density: Some(20.0), ..quick() }).unwrap();
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap();
+    let world = World::for_light_query(scene.clone(), LightQuery::Surfaces).unwrap();
     let (lit, covered, _) = free_texels(&world, &Surfaces::new(&scene, &atlas));
     let mut page_texels = page_texels(&atlas, &lit, &covered);
     page_texels.iter_mut().for_each(|grid| grid.add_gutters(quick().padding()));

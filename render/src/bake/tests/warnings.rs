@@ -6,7 +6,7 @@ use super::*;
 fn bodies_that_are_inside_out_are_told_and_rooms_are_not() {
     let told = |meshes: Vec<Mesh>, materials: Vec<Material>| {
         let scene = scene(meshes, materials);
-        model_warnings(&scene, &World::looking_from(scene.clone(), LookFrom::Surfaces).unwrap())
+        model_warnings(&scene, &World::for_light_query(scene.clone(), LightQuery::Surfaces).unwrap())
     };
     let matte = || vec![glowing(0.0, 0.5), glowing(1.0, 0.5)];
     let at = |name: &str, from: f32, to: f32, inwards| hollow(name, Vec3::splat(from), Vec3::splat(to), inwards);

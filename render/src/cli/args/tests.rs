@@ -92,7 +92,7 @@ fn every_override_can_be_given() {
             bounces: Some(0),
             rays: Some(1),
             sampling: Some(HemisphereSampling::Cosine),
-            ao_weighting: Some(AoWeighting::Misses),
+            ao_weighting: Some(AoWeighting::CacheMisses),
             ao_distance: Some(3.0),
             cached: CachedOverrides {
                 cache_error: Some(0.25),

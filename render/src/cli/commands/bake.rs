@@ -25,7 +25,7 @@ use crate::cli::{inputs, interrupt, memory};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, Overrides, Scene, SceneFile, Sharing};
 use crate::settings::Shard;
-use crate::world::{LookFrom, World};
+use crate::world::{LightQuery, World};
 use files::Files;
 use inside::Inside;
 pub(super) use part::is_state;
@@ -271,7 +271,7 @@ fn bake(
     let state_file = OutputFile::check(&state).map_err(CliError::input)?;
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(state_file, STATE_INTERVAL);
 
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    let world = World::for_light_query(scene.clone(), LightQuery::Surfaces).map_err(CliError::input)?;
     warn(style, &mut bake::model_warnings(&scene, &world));
     let left_out = inside::left_out(&scene, &world, options, style)?;
     let begin = Instant::now();

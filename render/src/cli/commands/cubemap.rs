@@ -22,7 +22,7 @@ use crate::cubemap::{self, Axes, CubeMap, Environment, Filter, Language, Mapping
 use crate::output::{ToneCurve, ToneMapping};
 use crate::scene::scene_file::value;
 use crate::scene::{PunctualLight, Scene, Sky};
-use crate::world::LookFrom;
+use crate::world::LightQuery;
 use files::Files;
 
 /// The default standard error of a texel.
@@ -163,7 +163,7 @@ pub(crate) fn run(arguments: &CubemapArguments) -> Result<u8, CliError> {
         None => {
             let options = arguments.options(0)?;
             let (place, light) = (arguments.at.unwrap_or_default(), arguments.light.overrides());
-            let from = LookFrom::Places(slice::from_ref(&place));
+            let from = LightQuery::Places(slice::from_ref(&place));
             let (world, settings, pool) =
                 prepare_world(&arguments.source, light, &arguments.common, &files.paths(), from)?;
             let options = Options { seed: settings.seed, ..options };

@@ -22,7 +22,7 @@ use crate::irradiance::{self, Part, Request, Sensor, SensorPart};
 use crate::output::OutputFile;
 use crate::scene::{CachedOverrides, IntegratorOverrides, Overrides, count};
 use crate::settings::Shard;
-use crate::world::LookFrom;
+use crate::world::LightQuery;
 
 /// The arguments of `halfdome irradiance`.
 #[derive(Args, Clone, Debug)]
@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     }
     let overrides = with_cache(arguments.overrides());
     let places: Vec<(Vec3, Vec3)> = sensors.iter().map(|sensor| (sensor.position, sensor.normal)).collect();
-    let from = LookFrom::Sensors(&places);
+    let from = LightQuery::Sensors(&places);
     let (world, settings, pool) =
         prepare_world(&arguments.scene, overrides, &arguments.common, arguments.output.as_slice(), from)?;
     let options = cached_options(&settings)?;

@@ -21,7 +21,7 @@ use crate::irradiance;
 use crate::probes::{self, Options, ProbeGrid, Probes, State};
 use crate::scene::count;
 use crate::scene::scene_file::value;
-use crate::world::LookFrom;
+use crate::world::LightQuery;
 use crate::world::World;
 use files::Files;
 
@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &ProbesArguments) -> Result<u8, CliError> {
     inputs::refuse(&arguments.outputs, arguments.points.as_slice())?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let style = arguments.common.progress.style(io::stderr().is_terminal());
-    let from = points.as_deref().map_or(LookFrom::Surfaces, LookFrom::Places);
+    let from = points.as_deref().map_or(LightQuery::Surfaces, LightQuery::Places);
     let (world, settings, pool) =
         prepare_world(&arguments.scene, arguments.light.overrides(), &arguments.common, &arguments.outputs, from)?;
     let places = match (points, arguments.grid) {

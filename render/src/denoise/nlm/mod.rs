@@ -34,7 +34,7 @@ const STRENGTHS: [f32; 2] = [0.5, 1.0];
 const PASSES: usize = 2 * STRENGTHS.len();
 
 /// A neighbour has its full weight up to this multiple of the median variance.
-const BEARABLE: f32 = 6.0;
+const OUTLIER_VARIANCE: f32 = 6.0;
 
 /// What is added to variances, by the square of the mean brightness: what is equal to this is equal.
 const EPSILON: f32 = 1e-10;
@@ -70,7 +70,7 @@ struct Input {
     variance: [Plane; 3],
     features: Vec<Feature>,
     precision: Plane,
-    bearable: Plane,
+    variance_limit: Plane,
     epsilon: f32,
 }
 
@@ -89,7 +89,7 @@ impl Input {
             variance: variance.map(|values| Plane::new(extent, |i| values[i])),
             features: features(extent, channels),
             precision: Plane::new(extent, |i| 1.0 / total[i].max(f32::MIN_POSITIVE)),
-            bearable: Plane::new(extent, |i| BEARABLE * usual[i].max(f32::MIN_POSITIVE)),
+            variance_limit: Plane::new(extent, |i| OUTLIER_VARIANCE * usual[i].max(f32::MIN_POSITIVE)),
             epsilon: EPSILON * mean * mean + f32::MIN_POSITIVE,
         }
     }
@@ -104,7 +104,7 @@ impl Input {
             color: &self.halves[half],
             features: &self.features,
             precision: &self.precision,
-            bearable: &self.bearable,
+            variance_limit: &self.variance_limit,
         };
         let isa = Isa::detect();
         let fit = |row: usize| -> Option<Vec<Models>> {

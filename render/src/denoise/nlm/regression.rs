@@ -38,7 +38,7 @@ pub(super) struct Samples<'a> {
     /// One by the variance of a pixel.
     pub(super) precision: &'a Plane,
     /// The variance up to which a pixel's neighbours count in full.
-    pub(super) bearable: &'a Plane,
+    pub(super) variance_limit: &'a Plane,
 }
 
 /// One row of pixels of a tile.
@@ -102,9 +102,9 @@ impl Moments {
             }
             let mut share = *weight;
             let precision = samples.precision.row(x + dx, y + dy, across);
-            let bearable = samples.bearable.row(x, y, across);
+            let variance_limit = samples.variance_limit.row(x, y, across);
             for i in 0..across {
-                let part = bearable[i] * precision[i];
+                let part = variance_limit[i] * precision[i];
                 share[i] *= if part < 1.0 { part } else { 1.0 };
             }
             let mut entry = 0;

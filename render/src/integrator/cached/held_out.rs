@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::GatherSource;
 use super::clearance::lookup_point;
-use super::level::Uncached;
+use super::level::DirectGatherer;
 use crate::cache::{Cache, LookupPoint};
 use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, salts};
 use crate::settings::CachedOptions;
@@ -180,7 +180,7 @@ impl<'w> HeldOut<'w> {
                 return None;
             }
             let [(a, first), (b, second)] = salts::HELD_OUT.map(|salt| {
-                Uncached::new(world, &options, GatherSource::paths(&options), seed ^ salt).irradiance(points)
+                DirectGatherer::new(world, &options, GatherSource::paths(&options), seed ^ salt).irradiance(points)
             });
             watch.advance(0, first + second);
             Some((a.into_iter().zip(b).map(|(a, b)| [a, b]).collect::<Vec<_>>(), first + second))

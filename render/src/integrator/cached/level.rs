@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::clearance::clearance;
 use super::irradiance_map::{IrradianceMap, UnmappedHits};
-use super::{FrozenCache, Misses, indirect, irradiance_map, max_depth};
+use super::{CacheMisses, FrozenCache, indirect, irradiance_map, max_depth};
 use crate::cache::{Bounds, Cache, Pass, Place, Record, bound};
 use crate::estimator::{AdaptiveGatherer, Follow, GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
 use crate::integrator::{RayBatch, Wavefront};
@@ -64,13 +64,13 @@ impl RecordLog for NoLog {
 }
 
 /// Gathers for points that have no cache.
-pub(crate) struct Uncached<'a> {
+pub(crate) struct DirectGatherer<'a> {
     world: &'a World,
     gatherer: Gatherer,
     source: GatherSource<'a>,
 }
 
-impl<'a> Uncached<'a> {
+impl<'a> DirectGatherer<'a> {
     /// Gathers as records of a cache with these options are made.
     pub(crate) fn new(world: &'a World, options: &CachedOptions, source: GatherSource<'a>, seed: u64) -> Self {
         Self { world, gatherer: Gatherer::new(options.layout, options.rays, false, seed), source }
@@ -210,7 +210,7 @@ impl Level<'_> {
             position: surface.position,
             normal: surface.shading_normal,
             irradiance: gather.irradiance,
-            standard_error: gather.deviation,
+            standard_error: gather.standard_error,
             rotational: gather.rotational,
             translational: gather.translational,
             mean_distance,
@@ -243,7 +243,7 @@ pub(crate) struct Follower<'a> {
     world: &'a World,
     source: GatherSource<'a>,
     first_set: u32,
-    scratch: (Wavefront, Misses, UnmappedHits),
+    scratch: (Wavefront, CacheMisses, UnmappedHits),
 }
 
 impl<'a> Follower<'a> {

@@ -35,7 +35,7 @@ const LEAST_REST: f32 = 0.25;
 
 /// Points without a record, and the rays from there.
 #[derive(Default)]
-pub(crate) struct Misses {
+pub(crate) struct CacheMisses {
     /// Which camera ray saw them, and what the light that arrives by the ray is multiplied by.
     seen: Vec<(u32, Vec3)>,
     rays: Vec<Ray>,
@@ -53,7 +53,7 @@ pub(super) fn radiance(
     frozen: &FrozenCache,
     batch: &RayBatch,
     wave: &mut Wavefront,
-    misses: &mut Misses,
+    misses: &mut CacheMisses,
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
@@ -65,7 +65,7 @@ struct Lookup<'a> {
     world: &'a World,
     frozen: &'a FrozenCache,
     batch: &'a RayBatch<'a>,
-    misses: &'a mut Misses,
+    misses: &'a mut CacheMisses,
 }
 
 impl VertexStep for Lookup<'_> {
@@ -189,7 +189,7 @@ impl Lookup<'_> {
     }
 }
 
-impl Misses {
+impl CacheMisses {
     /// Adds the light of paths with at most `max_depth` surfaces in place of missing records; returns the number of
     /// rays.
     pub(super) fn follow(

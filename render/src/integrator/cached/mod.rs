@@ -32,11 +32,11 @@ pub(crate) use clearance::lookup_point;
 use clearance::lookup_point_anywhere;
 pub(crate) use held_out::{HeldOut, MeanLight};
 pub(crate) use irradiance_map::IrradianceMap;
-pub(crate) use level::{Follower, GatherSource, RecordLog, Uncached};
+pub(crate) use level::{DirectGatherer, Follower, GatherSource, RecordLog};
 use level::{Level, NoLog};
-pub(crate) use lookup::Misses;
+pub(crate) use lookup::CacheMisses;
 pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
-pub(crate) use to_accuracy::{Aim, SAMPLED_SHARE};
+pub(crate) use to_accuracy::{FillTarget, SAMPLED_SHARE};
 
 /// Surfaces after which roulette starts on indirect paths. A gather has many paths, so a few long ones are enough.
 const SURE_DEPTH: u32 = 1;
@@ -120,7 +120,7 @@ pub(super) fn indirect(
     let defaults = PathOptions::default();
     let stop = Stop::Roulette { after: SURE_DEPTH, survival: Survival::default() };
     let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
-    let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| (), path::Companions::default());
+    let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| (), path::PathObservers::default());
     for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
         if !hit.is_hit() {
             *radiance = world.lights.sky.ambient(ray.direction);
@@ -135,7 +135,7 @@ pub(super) fn radiance(
     frozen: &FrozenCache,
     batch: &RayBatch,
     wave: &mut Wavefront,
-    misses: &mut Misses,
+    misses: &mut CacheMisses,
     radiance: &mut [Vec3],
 ) -> u64 {
     let traced = lookup::radiance(world, frozen, batch, wave, misses, radiance);

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::clearance::lookup_point;
 use super::level::RecordSite;
 use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
-use super::to_accuracy::{self, Aim};
+use super::to_accuracy::{self, FillTarget};
 use super::{FrozenCache, GatherSource, HeldOut, Level, MeanLight, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
 use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer, salts};
@@ -51,7 +51,7 @@ pub(crate) fn fill_for_camera(
     let camera = world.camera_on(settings.width, settings.height);
     let error = to_accuracy::made_with(cache.options());
     let (sites, passes, rays) = camera_sites(world, settings, &camera, error);
-    let mut aim = Aim::Options;
+    let mut aim = FillTarget::Options;
     let held_out;
     if cache.options().accuracy.is_some() {
         let points = (sites.len(), |i: usize| sites[i].point.surface);
@@ -59,7 +59,7 @@ pub(crate) fn fill_for_camera(
             Some(found) => held_out = found,
             None => return (FrozenCache::new(cache), rays),
         }
-        aim = Aim::Accuracy(&held_out);
+        aim = FillTarget::Accuracy(&held_out);
     }
     let prefill = Prefill { world, seed: settings.seed, source: None, aim, log: &NoLog, watch };
     let (frozen, traced) = prefill.fill(cache, &sites, &passes);
@@ -72,7 +72,7 @@ pub(crate) fn fill_for_surfaces(
     seed: u64,
     cache: Cache,
     surfaces: &[Surface],
-    aim: Aim,
+    aim: FillTarget,
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
     let least_units = SENSOR_UNITS * to_accuracy::made_with(cache.options());
@@ -88,7 +88,7 @@ pub(crate) fn fill_for_texels<'w>(
     seed: u64,
     cache: Cache,
     texels: &[(Surface<'w>, f32)],
-    (source, aim): (GatherSource, Aim),
+    (source, aim): (GatherSource, FillTarget),
     log: &dyn RecordLog,
     watch: &dyn Watch,
 ) -> (FrozenCache, u64) {
@@ -109,7 +109,7 @@ struct Prefill<'a> {
     seed: u64,
     /// The source of light, unless a cache has a number of bounces; by default paths or another cache.
     source: Option<GatherSource<'a>>,
-    aim: Aim<'a>,
+    aim: FillTarget<'a>,
     log: &'a dyn RecordLog,
     watch: &'a dyn Watch,
 }
@@ -135,7 +135,7 @@ impl Prefill<'_> {
                 let options = CachedOptions { bounces: Some(reflections), accuracy: None, ..options };
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 let source = below.as_ref().map_or(paths, GatherSource::Cache);
-                traced += self.level(Aim::Means, &options, source, &NoLog).fill(
+                traced += self.level(FillTarget::Means, &options, source, &NoLog).fill(
                     &mut cache,
                     sites,
                     &point_passes(sites.len()),
@@ -155,12 +155,12 @@ impl Prefill<'_> {
         }
         let source = below.as_ref().map_or(paths, GatherSource::Cache);
         let (cache, rays) = match self.aim {
-            Aim::Accuracy(held_out) => {
+            FillTarget::Accuracy(held_out) => {
                 to_accuracy::fill(cache, held_out, self.log, self.watch, |options, cache, log| {
                     self.level(self.aim, options, source, log).fill(cache, sites, passes)
                 })
             }
-            Aim::Options | Aim::Means | Aim::Noise(..) => {
+            FillTarget::Options | FillTarget::Means | FillTarget::Noise(..) => {
                 let level = self.level(self.aim, &options, source, self.log);
                 let rays = Level { careful: self.careful(&options), ..level }.fill(&mut cache, sites, passes);
                 (cache, rays)
@@ -172,7 +172,7 @@ impl Prefill<'_> {
     /// What fills a cache of these options with light from a source.
     fn level<'l>(
         &'l self,
-        aim: Aim,
+        aim: FillTarget,
         options: &'l CachedOptions,
         source: GatherSource<'l>,
         log: &'l dyn RecordLog,
@@ -200,7 +200,7 @@ impl Prefill<'_> {
     fn careful(&self, options: &CachedOptions) -> Option<AdaptiveGatherer> {
         let rays = (MORE * options.rays).min(MOST_RAYS);
         let with_hessian = options.metric == Metric::Hessian;
-        (matches!(self.aim, Aim::Options) && rays > options.rays)
+        (matches!(self.aim, FillTarget::Options) && rays > options.rays)
             .then(|| Gatherer::new(options.layout, rays, with_hessian, self.seed ^ salts::AGAIN).into())
     }
 }

@@ -71,7 +71,7 @@ fn paths_in_place_of_records_are_as_long() {
         let cache = Cache::new(CachedOptions { bounces, ..CachedOptions::default() }, world.surroundings_hash());
         let frozen = FrozenCache::new(cache);
         let mut found = vec![Vec3::ZERO; COUNT as usize];
-        radiance(&world, &frozen, &camera.batch(), &mut Wavefront::default(), &mut Misses::default(), &mut found);
+        radiance(&world, &frozen, &camera.batch(), &mut Wavefront::default(), &mut CacheMisses::default(), &mut found);
         assert_eq!(frozen.usage().misses, u64::from(COUNT));
         let mean = mean(&found);
         assert!((mean / expected - 1.0).abs() < 0.008, "{bounces:?}: {mean}, not {expected}");
@@ -117,17 +117,17 @@ fn glossy_walls_are_as_bright_as_by_paths() {
     let mut found = vec![Vec3::ZERO; COUNT as usize];
     let options = PathOptions { max_depth: 64, stop: Stop::Depth, ..PathOptions::default() };
     let wave = &mut Wavefront::default();
-    path::radiance(&world, &options, &camera.batch(), wave, &mut found, &mut |_| (), path::Companions::default());
+    path::radiance(&world, &options, &camera.batch(), wave, &mut found, &mut |_| (), path::PathObservers::default());
     let expected = mean(&found);
     let empty = || Cache::new(CachedOptions::default(), world.surroundings_hash());
     let surfaces = camera.surfaces(&world);
-    let (filled, _) = fill_for_surfaces(&world, 1, empty(), &surfaces[..4096], Aim::Options, &NeverStops);
+    let (filled, _) = fill_for_surfaces(&world, 1, empty(), &surfaces[..4096], FillTarget::Options, &NeverStops);
     // Half of the points without a record.
     let half = filled.cache.records().iter().filter(|record| record.position.x > 0.0).copied().collect();
     let half = Cache::of(CachedOptions::default(), world.surroundings_hash(), half);
     let mut misses_before = u64::MAX;
     for (name, frozen) in [("none", FrozenCache::new(empty())), ("half", FrozenCache::new(half)), ("all", filled)] {
-        radiance(&world, &frozen, &camera.batch(), wave, &mut Misses::default(), &mut found);
+        radiance(&world, &frozen, &camera.batch(), wave, &mut CacheMisses::default(), &mut found);
         let (mean, misses) = (mean(&found), frozen.usage().misses);
         println!("{name}: {mean}, by paths {expected}; {misses} misses");
         assert!((mean / expected - 1.0).abs() < 0.004, "{name}: {mean}, not {expected}");
@@ -147,7 +147,7 @@ fn doubtful_records_are_gathered_again() {
         .filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
         .filter(|surface| surface.diffuse != Vec3::ZERO)
         .collect();
-    let noisy = |aim: Aim| {
+    let noisy = |aim: FillTarget| {
         let options = CachedOptions { rays: 24, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
         let (frozen, _) = fill_for_surfaces(&world, 1, cache, &surfaces, aim, &NeverStops);
@@ -155,7 +155,7 @@ fn doubtful_records_are_gathered_again() {
         let noisy = |record: &&Record| record.standard_error > 0.3 * record.irradiance.max_element();
         (records.iter().filter(noisy).count(), records.len())
     };
-    let [(before, all), (after, _)] = [Aim::Means, Aim::Options].map(noisy);
+    let [(before, all), (after, _)] = [FillTarget::Means, FillTarget::Options].map(noisy);
     println!("{before} of {all} records were noisy, {after} are");
     assert!(before > 20 && after * 4 < before, "{before} of {all} records were noisy, {after} are");
 }

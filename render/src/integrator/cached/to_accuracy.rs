@@ -35,7 +35,7 @@ const FACTORS: [f64; 2] = [0.5, 0.85];
 
 /// The accuracy of records.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Aim<'a> {
+pub(crate) enum FillTarget<'a> {
     /// As their options make them, the doubtful ones with more rays.
     Options,
     /// As their options make them.
@@ -46,15 +46,15 @@ pub(crate) enum Aim<'a> {
     Accuracy(&'a HeldOut<'a>),
 }
 
-impl Aim<'_> {
+impl FillTarget<'_> {
     /// The aim of a cache whose values are averaged by gathers.
-    pub(crate) fn of_means(&self) -> Aim<'static> {
+    pub(crate) fn of_means(&self) -> FillTarget<'static> {
         match self {
-            Aim::Options | Aim::Means => Aim::Means,
-            Aim::Noise(rays, tolerance) => Aim::Noise(*rays, *tolerance),
-            Aim::Accuracy(held_out) => {
+            FillTarget::Options | FillTarget::Means => FillTarget::Means,
+            FillTarget::Noise(rays, tolerance) => FillTarget::Noise(*rays, *tolerance),
+            FillTarget::Accuracy(held_out) => {
                 let (rays, tolerance) = held_out.rays_and_noise(NOISE_OF_MEANS);
-                Aim::Noise(rays, tolerance)
+                FillTarget::Noise(rays, tolerance)
             }
         }
     }
@@ -62,9 +62,9 @@ impl Aim<'_> {
     /// Rays of records at first, and their standard error, if that is what they go by.
     pub(super) fn rays_and_noise(&self) -> Option<(u32, f32)> {
         match self {
-            Aim::Options | Aim::Means => None,
-            Aim::Noise(rays, tolerance) => Some((*rays, *tolerance)),
-            Aim::Accuracy(held_out) => Some(held_out.rays_and_noise(NOISE)),
+            FillTarget::Options | FillTarget::Means => None,
+            FillTarget::Noise(rays, tolerance) => Some((*rays, *tolerance)),
+            FillTarget::Accuracy(held_out) => Some(held_out.rays_and_noise(NOISE)),
         }
     }
 }

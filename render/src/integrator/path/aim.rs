@@ -1,4 +1,4 @@
-//! Paths that sample lit triangles as secondary lights (see [`aim`]), and continue from there as usual.
+//! Paths that sample secondary lights (see [`aim`]), and continue from there as usual.
 
 use glam::Vec2;
 use halfdome_kernel::sampling::unit_double;
@@ -12,7 +12,7 @@ use crate::settings::{LightSampling, Stop};
 use crate::world::WHITE;
 
 impl Advance<'_, '_> {
-    /// Whether paths aim at lit triangles, and weigh what they find there. A threshold would end the two paths to one
+    /// Whether paths aim at secondary lights, and weigh what they find there. A threshold would end the two paths to one
     /// point at different throughputs, and what only one of them finds would be lost.
     #[inline(always)]
     pub(super) fn aims(&self) -> bool {
@@ -20,7 +20,7 @@ impl Advance<'_, '_> {
         self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis && ends_by_chance
     }
 
-    /// Samples lit triangles from the block's surfaces, and appends such paths to the continuing ones.
+    /// Samples secondary lights from the block's surfaces, and appends such paths to the continuing ones.
     #[inline(always)]
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
         let mut chances = [0.0; LANES];

@@ -118,7 +118,7 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// The part of what a path finds from a lit triangle on that is not left to those that were aimed there.
+    /// The part of what a path finds from a secondary light on that is not left to those that were aimed there.
     fn kept_beside_aimed(&self, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
         if path.target != 0 || path.is_first() {
             return 1.0;

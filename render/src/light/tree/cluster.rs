@@ -73,7 +73,7 @@ impl Clusters {
         let above = height(receiver.normal.dot(way), radius);
         let below = height(-receiver.normal.dot(way), radius) * receiver.behind;
         let weight = intensity * ((above + below) * inv_distance) * inv_squared;
-        if self.is_dark(i, towards, radius * inv_distance) { 0.0 } else { tame(weight) }
+        if self.is_dark(i, towards, radius * inv_distance) { 0.0 } else { finite_or_zero(weight) }
     }
 
     /// Whether the direction to the receiver is outside the cone of a cluster whose sphere subtends the half angle with
@@ -99,6 +99,6 @@ pub(crate) fn height(z: f32, radius: f32) -> f32 {
 
 /// A weight that can be added to others: finite, and 0 instead of NaN.
 #[inline(always)]
-pub(crate) fn tame(weight: f32) -> f32 {
+pub(crate) fn finite_or_zero(weight: f32) -> f32 {
     if weight > 0.0 { weight.min(1e30) } else { 0.0 }
 }

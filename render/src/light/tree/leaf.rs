@@ -15,7 +15,7 @@ use halfdome_kernel::Triangle;
 
 use crate::light::Receiver;
 use crate::light::tree::WIDTH;
-use crate::light::tree::cluster::{Lane, at, height, set, tame};
+use crate::light::tree::cluster::{Lane, at, finite_or_zero, height, set};
 use crate::scene::SpotEdge;
 
 /// Lights side by side.
@@ -221,7 +221,7 @@ pub(crate) fn triangle(
     let mean = 0.25 * ((sine(u) + sine(v)) + (sine(w) + sine(receiver.normal.dot(middle) * per_middle)));
     let irradiance = radiance * (solid_angle * mean).min(PI);
     let is_lit = (before > 0.0) & (least > 0.0);
-    if is_lit { tame(irradiance) } else { 0.0 }
+    if is_lit { finite_or_zero(irradiance) } else { 0.0 }
 }
 
 /// The angle in 0..=π of a vector whose `y` is not negative, to 2e-5 of itself.
@@ -280,7 +280,7 @@ impl LeafLights for Points {
             let part = SpotCone { cos_outer, slope, smoothness }.part(cosine);
             let z = receiver.normal.dot(way);
             let heights = height(z, radius) + height(-z, radius) * receiver.behind;
-            *weight = tame(self.intensity[i] * part * (heights * inv_distance) * inv_squared);
+            *weight = finite_or_zero(self.intensity[i] * part * (heights * inv_distance) * inv_squared);
         }
         if let Some(envelopes) = &self.envelopes {
             self.bound(envelopes, receiver, &mut weights);

@@ -160,7 +160,7 @@ impl<L: LeafLights> Tree<L> {
             return false;
         }
         let child = self.nodes[descent.child.0 as usize].children[descent.lane];
-        let weights = self.sound_weights(child, receiver);
+        let weights = self.nonzero_weights(child, receiver);
         let sums = Sums::of(&weights);
         let (lane, rest) = sums.pick(&weights, descent.rest * f64::from(sums.all));
         let probability = descent.probability * (weights[lane] / sums.all);
@@ -184,7 +184,7 @@ impl<L: LeafLights> Tree<L> {
         let mut parent = self.leaves[number].parent;
         let mut probability = 1.0;
         while parent < NO_PARENT {
-            let weights = self.sound_weights(child, receiver);
+            let weights = self.nonzero_weights(child, receiver);
             probability *= weights[lane] / sum(&weights);
             (number, lane) = ((parent / WIDTH as u32) as usize, parent as usize % WIDTH);
             child = Child::node(number);
@@ -195,7 +195,7 @@ impl<L: LeafLights> Tree<L> {
 
     /// The weights of a child that was chosen: not all are 0.
     #[inline(always)]
-    fn sound_weights(&self, child: Child, receiver: &Receiver) -> Lane {
+    fn nonzero_weights(&self, child: Child, receiver: &Receiver) -> Lane {
         let weights = self.weights(child, receiver);
         if sum(&weights) > 0.0 { weights } else { self.sizes(child) }
     }

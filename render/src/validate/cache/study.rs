@@ -10,7 +10,7 @@ use halfdome_kernel::sampling::Stream;
 
 use crate::cache::{Cache, Reading};
 use crate::camera::FilmPoint;
-use crate::integrator::{Aim, fill_for_camera, fill_for_surfaces};
+use crate::integrator::{FillTarget, fill_for_camera, fill_for_surfaces};
 use crate::irradiance::{Part, Request, Sensor, by_paths};
 use crate::settings::{CachedOptions, Settings};
 use crate::watch::Watch;
@@ -143,7 +143,7 @@ impl<'a> Study<'a> {
         let surfaces: Vec<_> =
             self.sensors.iter().map(|sensor| self.world.sensor(sensor.position, sensor.normal)).collect();
         let (frozen, more) =
-            fill_for_surfaces(self.world, self.settings.seed, frozen.cache, &surfaces, Aim::Options, self.watch);
+            fill_for_surfaces(self.world, self.settings.seed, frozen.cache, &surfaces, FillTarget::Options, self.watch);
         let (records, rays) = (frozen.cache.records().len(), (rays + more) as f64);
         let run = |&reading: &Reading| {
             let read = |sensor: &Sensor| frozen.cache.interpolate_by(reading, sensor.position, sensor.normal);

@@ -38,18 +38,18 @@ impl World {
     /// The glass that a shadow ray crosses.
     #[inline(never)]
     pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
-        let (mut ray, mut left) = (*shadow, Vec3::ONE);
+        let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
         if !self.glass.may_meet(shadow) {
             return Between::NoGlass;
         }
         for number in 0..MOST {
             let Some(entry) = self.face(&ray, time) else {
-                return if number == 0 { Between::NoGlass } else { Between::Panes(ray, left) };
+                return if number == 0 { Between::NoGlass } else { Between::Panes(ray, transmittance) };
             };
             let cos = entry.surface.smooth_normal.dot(ray.direction.normalize()).abs();
             let inner = beyond(&ray, &entry.surface);
             if entry.is_thin {
-                (ray, left) = (inner, left * entry.left_by_thin(cos));
+                (ray, transmittance) = (inner, transmittance * entry.thin_wall_transmittance(cos));
                 continue;
             }
             if entry.surface.is_back {
@@ -65,7 +65,8 @@ impl World {
             let ([(f, cos_inside), (g, _)], thickness) =
                 ([entry.at(cos), exit.at(cos)], (exit.surface.position - entry.surface.position).length() * cos);
             let absorbed = (-thickness / cos_inside.max(1e-3) * entry.absorption).exp();
-            left *= entry.tint * exit.tint * (1.0 - f) * (1.0 - g) * absorbed / (1.0 - f * g * absorbed * absorbed);
+            transmittance *=
+                entry.tint * exit.tint * (1.0 - f) * (1.0 - g) * absorbed / (1.0 - f * g * absorbed * absorbed);
             ray = beyond(&inner, &exit.surface);
         }
         Between::Bends

@@ -57,8 +57,8 @@ struct LightPhotons {
 struct Photon {
     origin: Vec3,
     direction: Vec3,
-    origin_by: [Vec3; 2],
-    direction_by: [Vec3; 2],
+    d_origin: [Vec3; 2],
+    d_direction: [Vec3; 2],
     sent: Sent,
     /// The angular size of its source: times the distance behind the glass it is the offset of light from elsewhere on
     /// the source.
@@ -116,7 +116,7 @@ impl Photon {
             return None;
         }
         let off = place.abs().max_element().max(rest / (FOLD * longest));
-        let exit = self.origin + place.x * self.origin_by[0] + place.y * self.origin_by[1];
+        let exit = self.origin + place.x * self.d_origin[0] + place.y * self.d_origin[1];
         Some(Start {
             direction: (exit - point).normalize_or_zero(),
             sent: self.sent.at + place.x * self.sent.by[0] + place.y * self.sent.by[1],
@@ -127,7 +127,7 @@ impl Photon {
 
     /// The change of the place where the photon is after a way, across it.
     fn across(&self, axis: usize, t: f32) -> Vec3 {
-        let moved = self.origin_by[axis] + t * self.direction_by[axis];
+        let moved = self.d_origin[axis] + t * self.d_direction[axis];
         moved - self.direction * moved.dot(self.direction)
     }
 }

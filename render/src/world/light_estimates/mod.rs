@@ -4,6 +4,6 @@
 
 mod light_shares;
 mod light_visibility;
-mod lit_triangles;
 mod reflected;
+mod secondary_lights;
 pub(super) mod seen_points;

@@ -29,7 +29,7 @@ impl World {
         let found: Vec<f32> = points.scattered(self).map(reflected).collect();
         let mean =
             |most: f32| found.iter().map(|&radiance| radiance.min(most)).sum::<f32>() / found.len().max(1) as f32;
-        // A few of them may be lit triangles.
+        // A few of them may be secondary lights.
         mean(OUTLIER * mean(f32::INFINITY))
     }
 

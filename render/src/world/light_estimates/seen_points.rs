@@ -17,7 +17,7 @@ const POINTS: usize = (SIDE * SIDE) as usize;
 
 /// The points at which light is needed. A [`World`] prepares for them, which affects only noise.
 #[derive(Clone, Copy, Debug)]
-pub enum LookFrom<'a> {
+pub enum LightQuery<'a> {
     /// In a picture of its camera.
     Camera,
     /// Anywhere on the front of its surfaces.
@@ -75,18 +75,18 @@ impl SeenPoint {
 
 impl World {
     /// Points that paths come to; `None` if nothing is seen.
-    pub(crate) fn seen_points(&self, from: LookFrom) -> Option<SeenPoints> {
+    pub(crate) fn seen_points(&self, from: LightQuery) -> Option<SeenPoints> {
         let seen = match from {
-            LookFrom::Camera => {
+            LightQuery::Camera => {
                 let camera = self.camera_on(SIDE, SIDE);
                 let pixels = (0..SIDE * SIDE).map(|i| FilmPoint::middle(i % SIDE, i / SIDE));
                 self.points_along(&pixels.filter_map(|pixel| camera.central_ray(&pixel)).collect::<Vec<_>>())
             }
-            LookFrom::Surfaces => self.points_by_area(),
-            LookFrom::Sensors(sensors) => {
+            LightQuery::Surfaces => self.points_by_area(),
+            LightQuery::Sensors(sensors) => {
                 some_of(sensors).map(|&(position, normal)| SeenPoint::Sensor(position, normal)).collect()
             }
-            LookFrom::Places(places) => {
+            LightQuery::Places(places) => {
                 let each = POINTS.div_ceil(places.len().max(1)) as u32;
                 let rays = some_of(places).zip(0..).flat_map(|(&place, number)| {
                     let u = move |i| Sampler::new(Pattern::Sobol, 0, number, i).uniform2(0);

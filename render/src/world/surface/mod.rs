@@ -8,8 +8,8 @@
 
 pub(super) mod closures;
 mod inputs;
-pub(super) mod rounding;
 pub(super) mod shading_records;
+pub(super) mod shadow_terminator;
 
 use std::sync::LazyLock;
 
@@ -18,10 +18,10 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{offset_distance, offset_point};
 
 use super::hit::MIDDLE;
-use super::{Bulge, Hit, Rounding, TriangleRecord, World};
+use super::{Convexity, Hit, TerminatorOffset, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
-use rounding::rounded;
+use shadow_terminator::rounded;
 
 /// The material of whatever measures light, or just scatters it.
 pub(crate) static WHITE: LazyLock<Material> = LazyLock::new(|| Material::matte(Vec3::ONE));
@@ -47,7 +47,7 @@ pub(crate) struct Surface<'w> {
     /// The offset of ray origins from the triangle's plane, or from the point where it is [rounded](super::rounding).
     pub offset: f32,
     /// The offsets of the front and the back.
-    pub rounding: Rounding,
+    pub rounding: TerminatorOffset,
     /// The refractive index minus the material's, at the path's wavelength.
     pub dispersed: f32,
     pub prim_id: u32,
@@ -72,7 +72,7 @@ struct Details {
     tangent: Vec3,
     diffuse: Vec3,
     emission: Vec3,
-    rounding: Rounding,
+    rounding: TerminatorOffset,
 }
 
 impl World {
@@ -91,7 +91,7 @@ impl World {
             diffuse: Vec3::ONE,
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
-            rounding: Rounding::FLAT,
+            rounding: TerminatorOffset::FLAT,
             dispersed: 0.0,
             prim_id: Hit::NO_PRIM,
             instance: 0,
@@ -139,7 +139,7 @@ impl World {
             diffuse: record.diffuse,
             emission: record.emission,
             offset: face.offset,
-            rounding: Rounding::FLAT,
+            rounding: TerminatorOffset::FLAT,
             dispersed: 0.0,
             prim_id,
             instance: hit.instance,
@@ -182,17 +182,16 @@ impl World {
         let is_turned = normal.dot(interpolated) < 0.0;
         let normal = if is_turned { -normal } else { normal };
         let bulge = self.bulges[hit.prim_id as usize];
-        let rounding = if bulge == Bulge::None {
-            Rounding::FLAT
+        let rounding = if bulge == Convexity::None {
+            TerminatorOffset::FLAT
         } else {
             let corner = |own: Vec3| point.turn.map_or(own, |turn| turn.normal(own)).normalize_or(normal);
-            Rounding::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights).below(
-                |lift, side| {
+            TerminatorOffset::new(bulge, &face.corners, normal, point.corners(&point.mesh.normals).map(corner), weights)
+                .below(|lift, side| {
                     let [normal, smooth] = [normal, interpolated.normalize_or(normal)].map(|it| side * it);
                     let origin = offset_point(interpolate(face.corners, weights), normal, face.offset, normal);
                     self.free_lift(hit, origin, [normal, smooth], lift)
-                },
-            )
+                })
         };
         Details {
             normal,
@@ -269,7 +268,7 @@ impl Surface<'_> {
             shading_normal: self.shading_normal * side,
             wo: -direction,
             offset,
-            rounding: Rounding::FLAT,
+            rounding: TerminatorOffset::FLAT,
             is_back: self.is_back != is_behind,
             ..self
         }

@@ -62,7 +62,7 @@ fn every_flipped_bit_is_noticed() {
             match (byte, error(&blob)) {
                 (0..8, Error::NotAScene)
                 | (8..12, Error::BadHeader { field: "byte order" })
-                | (12..16, Error::OtherVersion { .. })
+                | (12..16, Error::UnsupportedVersion { .. })
                 | (16..52 | 56..60, Error::Truncated { .. } | Error::TrailingBytes { .. } | Error::Damaged { .. })
                 | (52.., Error::Damaged { .. }) => {}
                 (_, error) => panic!("bit {bit} of byte {byte}: {error:?}"),
@@ -100,10 +100,10 @@ fn bytes_of_other_kinds_and_machines_are_told_apart() {
     assert_eq!(Bvh::from_bytes(&blob).err(), Some(Error::NotABlob));
     let mut turned = blob.clone();
     turned[8..].chunks_exact_mut(4).for_each(<[u8]>::reverse);
-    assert_eq!(error(&turned), Error::OtherByteOrder);
+    assert_eq!(error(&turned), Error::WrongEndianness);
     let mut newer = blob.clone();
     put(&mut newer, 12, 7);
-    assert_eq!(error(&sign(newer)), Error::OtherVersion { found: 7, readable: SCENE_BLOB_VERSION });
+    assert_eq!(error(&sign(newer)), Error::UnsupportedVersion { found: 7, readable: SCENE_BLOB_VERSION });
 }
 
 /// Checksums are no seal: what tracing relies on is checked for itself.

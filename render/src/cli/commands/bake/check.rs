@@ -13,7 +13,7 @@ use crate::cli::messages::Style;
 use crate::cli::print::print;
 use crate::output::{OutputFile, encode_png};
 use crate::scene::{Scene, count};
-use crate::world::{LookFrom, World};
+use crate::world::{LightQuery, World};
 
 /// Pairs of charts that are listed.
 const MOST_LISTED: usize = 10;
@@ -23,7 +23,7 @@ pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>, 
     let atlas = match Atlas::of_model(scene, options)? {
         Some(atlas) => atlas,
         None if options.skip_outside.is_some() => {
-            let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+            let world = World::for_light_query(scene.clone(), LightQuery::Surfaces).map_err(CliError::input)?;
             Atlas::without(scene, &left_out(scene, &world, options, style)?, options)?
         }
         None => Atlas::new(scene, options)?,

@@ -15,7 +15,7 @@ use crate::cli::progress::Progress;
 use crate::output::OutputFile;
 use crate::scene::Scene;
 use crate::settings::Shard;
-use crate::world::{LookFrom, World};
+use crate::world::{LightQuery, World};
 
 /// Whether a path is that of a bake's state.
 pub(in crate::cli) fn is_state(path: &Path) -> bool {
@@ -54,7 +54,7 @@ pub(super) fn run(
         return Err(invalid(problem, "give each shard a file of its own"));
     }
     let checkpoint = checkpoint.unwrap_or_else(|| Checkpoint::new(hash)).keep(file, STATE_INTERVAL);
-    let world = World::looking_from(scene.clone(), LookFrom::Surfaces).map_err(CliError::input)?;
+    let world = World::for_light_query(scene.clone(), LightQuery::Surfaces).map_err(CliError::input)?;
     warn(style, &mut bake::model_warnings(scene, &world));
     let left_out = left_out(scene, &world, options, style)?;
     let begin = Instant::now();

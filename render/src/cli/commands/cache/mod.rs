@@ -24,7 +24,7 @@ use crate::output::OutputFile;
 use crate::scene::Overrides;
 use crate::settings::{CachedOptions, Integrator, Invalid, Settings};
 use crate::watch::Watch;
-use crate::world::{LookFrom, World};
+use crate::world::{LightQuery, World};
 
 /// The arguments of `halfdome cache`.
 #[derive(Subcommand, Clone, Debug)]
@@ -137,7 +137,7 @@ fn build(arguments: &BuildArguments) -> Result<u8, CliError> {
     let file = OutputFile::check(&arguments.output).map_err(CliError::input)?;
     let overrides = with_cache(arguments.overriding.overrides());
     let (world, settings, pool) =
-        prepare_world(&arguments.scene, overrides, &arguments.common, &[&arguments.output], LookFrom::Camera)?;
+        prepare_world(&arguments.scene, overrides, &arguments.common, &[&arguments.output], LightQuery::Camera)?;
     let options = cached_options(&settings)?;
     memory::check(&settings)?;
     let cache = read_cache(arguments.cache.as_deref(), &options, &world)?;

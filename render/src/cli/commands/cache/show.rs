@@ -22,7 +22,7 @@ use crate::output::{self, OutputFile, ToneMapping};
 use crate::overlay::visible_records;
 use crate::settings::Invalid;
 use crate::watch::Watch;
-use crate::world::LookFrom;
+use crate::world::LightQuery;
 use crate::world::World;
 
 /// A cache, and the picture over which its records are drawn.
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<u8, CliError> {
     inputs::refuse(&arguments.outputs, &[&arguments.cache])?;
     let overrides = with_cache(arguments.overriding.overrides());
     let (world, settings, pool) =
-        prepare_world(&arguments.scene, overrides, &arguments.common, &arguments.outputs, LookFrom::Camera)?;
+        prepare_world(&arguments.scene, overrides, &arguments.common, &arguments.outputs, LightQuery::Camera)?;
     let cache = read_cache(Some(&arguments.cache), &cached_options(&settings)?, &world)?;
     memory::check(&settings)?;
     let mut stopped = false;

@@ -52,7 +52,7 @@ pub(in crate::scene) fn hemisphere_sampling(value: &Value) -> Reading<Hemisphere
 
 /// The values of occlusion rays.
 pub(in crate::scene) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
-    value.one_of(&[("misses", AoWeighting::Misses), ("hit-length", AoWeighting::HitLength)])
+    value.one_of(&[("misses", AoWeighting::CacheMisses), ("hit-length", AoWeighting::HitLength)])
 }
 
 /// A distance in the scene's units.

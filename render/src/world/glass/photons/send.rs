@@ -13,7 +13,7 @@ use super::{Arrival, FOLD, LightPhotons, Photon, Photons, Sent};
 use crate::light::Light;
 use crate::scene::PunctualLight;
 use crate::world::glass::MOST;
-use crate::world::glass::bent::Beam;
+use crate::world::glass::manifold::DifferentialRay;
 use crate::world::{MIDDLE, World};
 
 /// Photons for all lights and bodies of glass, ...
@@ -92,7 +92,7 @@ impl World {
 
     /// One of several photons from the middle of a light towards a body's disc, or in all directions from within; and
     /// the angular radius of the light.
-    fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(Beam, f32)> {
+    fn photon(&self, light: &PunctualLight, body: Body, photon: usize, count: usize) -> Option<(DifferentialRay, f32)> {
         // Fibonacci's lattice.
         let of_count = (photon as f32 + 0.5) / count as f32;
         let place = Vec2::new(of_count, (photon as f64 * 0.618_033_988_749_894_9).fract() as f32);
@@ -101,11 +101,11 @@ impl World {
         let beam = |origin: Vec3, direction: Vec3, by_origin: f32, by_direction: f32| {
             let frame = Frame::from_normal(direction);
             let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
-            Beam {
+            DifferentialRay {
                 ray: Ray::new(origin, direction),
-                origin_by: axes.map(|axis| by_origin * axis),
-                direction_by: axes.map(|axis| by_direction * axis),
-                left: Vec3::ONE,
+                d_origin: axes.map(|axis| by_origin * axis),
+                d_direction: axes.map(|axis| by_direction * axis),
+                transmittance: Vec3::ONE,
             }
         };
         Some(match *light {
@@ -131,12 +131,12 @@ impl World {
     }
 
     /// The arrival of a photon behind the glass that refracted it.
-    fn follow(&self, (mut beam, blur): (Beam, f32)) -> Option<Arrival> {
-        let is_sun = beam.origin_by[0] != Vec3::ZERO;
+    fn follow(&self, (mut beam, blur): (DifferentialRay, f32)) -> Option<Arrival> {
+        let is_sun = beam.d_origin[0] != Vec3::ZERO;
         let sent = if is_sun {
-            Sent { at: beam.ray.origin, by: beam.origin_by }
+            Sent { at: beam.ray.origin, by: beam.d_origin }
         } else {
-            Sent { at: beam.ray.direction, by: beam.direction_by }
+            Sent { at: beam.ray.direction, by: beam.d_direction }
         };
         let (first, mut is_behind) = (beam.ray.direction, false);
         for _ in 0..MOST {
@@ -146,8 +146,8 @@ impl World {
                 if !is_behind || direction.dot(first) >= STRAIGHT || !hit.is_hit() {
                     return None;
                 }
-                let Beam { origin_by, direction_by, .. } = beam;
-                let photon = Photon { origin, direction, origin_by, direction_by, sent, blur };
+                let DifferentialRay { d_origin, d_direction, .. } = beam;
+                let photon = Photon { origin, direction, d_origin, d_direction, sent, blur };
                 let normal = self.surface_at(&hit).normal;
                 let slant = direction.dot(normal).abs().max(LEAST_SLANT);
                 // Where neighbouring rays hit the surface, along it.

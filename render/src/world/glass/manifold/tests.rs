@@ -56,8 +56,8 @@ fn floor(world: &World, x: f32, y: f32) -> Surface<'_> {
 }
 
 /// The way that is next to the straight line.
-fn way(world: &World, from: &Surface, end: LightEnd) -> Option<BentLight> {
-    world.bend_light_near(from, end, world.first_direction(from, end)?, FROM_STRAIGHT)
+fn way(world: &World, from: &Surface, end: LightEnd) -> Option<RefractedConnection> {
+    world.refracted_connection_near(from, end, world.first_direction(from, end)?, FROM_STRAIGHT)
 }
 
 fn is_near(found: f32, expected: f64, tolerance: f64) -> bool {
@@ -76,7 +76,7 @@ fn the_sun_reaches_the_ground_of_water() {
             let cos_inside = (1.0 - sin_inside * sin_inside).sqrt();
             assert!((bent.direction - vec3(sin_inside, 0.0, cos_inside)).length() < 1e-4, "{}", bent.direction);
             let left = (1.0 - reflectance(f64::from(to_sun.z))) * f64::from(-absorption / cos_inside).exp();
-            assert!(is_near(bent.left.x, left, 1e-3), "{}, not {left}", bent.left);
+            assert!(is_near(bent.transmittance.x, left, 1e-3), "{}, not {left}", bent.transmittance);
             let spread = f64::from(to_sun.z / (IOR * IOR * cos_inside));
             assert!(is_near(bent.spread, spread, 1e-3), "{}, not {spread}", bent.spread);
             assert!(bent.rest.origin.z > 0.999 && !world.occluded(&bent.rest) && bent.rest.direction == to_sun);
@@ -115,7 +115,7 @@ fn points_shine_into_and_out_of_water() {
         let cos_in_air = if is_up { cos_at_light } else { cos };
         let absorbed = (-absorption * f64::from(end.distance(bent.rest.origin))).exp();
         let left = (1.0 - reflectance(cos_in_air)) * absorbed;
-        assert!(is_near(bent.left.x, left, 1e-3), "{}, not {left}", bent.left);
+        assert!(is_near(bent.transmittance.x, left, 1e-3), "{}, not {left}", bent.transmittance);
     }
 }
 
@@ -147,16 +147,16 @@ fn differentials_are_differences() {
         let direction = vec3(0.1, -0.05, 1.0).normalize();
         let frame = Frame::from_normal(direction);
         // Lights where that leads.
-        let beam = world.shoot(&from, direction, &frame, LightEnd::Direction(direction)).unwrap().beam;
+        let beam = world.trace_chain(&from, direction, &frame, LightEnd::Direction(direction)).unwrap().beam;
         for end in [LightEnd::Direction(beam.ray.direction), LightEnd::Point(beam.ray.at(4.0))] {
-            let shoot = |step: Vec2| {
+            let trace_chain = |step: Vec2| {
                 let direction = frame.to_world(step.extend(1.0)).normalize();
-                world.shoot(&from, direction, &frame, end).unwrap()
+                world.trace_chain(&from, direction, &frame, end).unwrap()
             };
-            let shot = shoot(Vec2::ZERO);
-            assert!(shot.beam.left.x < 0.93, "two faces");
+            let shot = trace_chain(Vec2::ZERO);
+            assert!(shot.beam.transmittance.x < 0.93, "two faces");
             for (axis, by) in [(Vec2::X, shot.jacobian.x_axis), (Vec2::Y, shot.jacobian.y_axis)] {
-                let [more, less] = [STEP, -STEP].map(|step| shoot(axis * step).beside);
+                let [more, less] = [STEP, -STEP].map(|step| trace_chain(axis * step).beside);
                 let difference = (more - less) / (2.0 * STEP);
                 let most = shot.jacobian.x_axis.length().max(shot.jacobian.y_axis.length());
                 assert!((difference - by).length() < 0.02 * most, "{by}, not {difference}: {end:?}");
@@ -188,8 +188,9 @@ fn light_is_found_where_no_glass_is_on_the_straight_line() {
         let ray = Ray::new(from.origin_towards(Vec3::Z), Vec3::Z);
         matches!(world.glass_between(&ray, MIDDLE), Between::NoGlass).then_some(Vec3::Z)
     };
-    let ways =
-        |from: &Surface| world.bend_light(from, (LightEnd::Direction(Vec3::Z), 0), straight(from)).iter().count();
+    let ways = |from: &Surface| {
+        world.refracted_connections(from, (LightEnd::Direction(Vec3::Z), 0), straight(from)).iter().count()
+    };
     assert_eq!((straight(&shadow), straight(&lit)), (None, Some(Vec3::Z)));
     assert_eq!([ways(&shadow), ways(&lit), ways(&outside)], [1, 1, 0]);
 }
@@ -294,8 +295,8 @@ fn walls_within_and_behind_glass_throw_shadows() {
 }
 
 /// What the ways of light bring to a surface that faces up.
-fn brought<'a>(ways: impl Iterator<Item = &'a BentLight>) -> f32 {
-    ways.map(|way| way.spread * way.left.x * way.direction.z).sum()
+fn brought<'a>(ways: impl Iterator<Item = &'a RefractedConnection>) -> f32 {
+    ways.map(|way| way.spread * way.transmittance.x * way.direction.z).sum()
 }
 
 #[test]
@@ -311,11 +312,11 @@ fn photons_find_nearly_all_ways() {
             // Nearer to the axis there are too many to count.
             let place = 0.3 * (0.03 * f32::from(i)).powi(2) * Vec2::from_angle(2.4 * f32::from(i));
             let from = floor(&world, place.x, place.y);
-            found += brought(world.bend_light(&from, (end, 0), None).iter());
-            let mut all: Vec<BentLight> = Vec::new();
+            found += brought(world.refracted_connections(&from, (end, 0), None).iter());
+            let mut all: Vec<RefractedConnection> = Vec::new();
             for start in 0..STARTS * STARTS {
                 let place = (vec2(f32::from(start % STARTS), f32::from(start / STARTS)) + 0.5) / f32::from(STARTS);
-                let way = world.bend_light_near(&from, end, UniformHemisphere.map(place), FROM_STRAIGHT);
+                let way = world.refracted_connection_near(&from, end, UniformHemisphere.map(place), FROM_STRAIGHT);
                 all.extend(way.filter(|way| !all.iter().any(|other| way.direction.distance(other.direction) < 0.01)));
             }
             there += brought(all.iter());

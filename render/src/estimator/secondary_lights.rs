@@ -1,10 +1,10 @@
-//! Sampling of lit triangles as secondary lights (see [`light`](crate::light)): light from a lamp by way of a point `y`
+//! Sampling of secondary lights (see [`light`](crate::light)): light from a lamp by way of a point `y`
 //! of such a triangle to the surface at `x`.
 //!
 //! Light reflected at `y` has two estimates. A bounce of a path may hit `y`, or `x` chooses `y` like a point on a lamp,
 //! with the density `p` per solid angle, and another path continues from `x` by way of `y`. Both are weighted by their
 //! densities at `x` (Veach 1997). Emission at `y` belongs to the first estimate, so that nothing is counted twice. Lit
-//! triangles do not sample other lit triangles, as their bounces hit each other: so paths do not multiply in a shade.
+//! triangles do not sample other secondary lights, as their bounces hit each other: so paths do not multiply in a shade.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -15,7 +15,7 @@ use crate::light::{Receiver, area};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World, interpolate};
 
-/// A ray to a point of a lit triangle.
+/// A ray to a point of a secondary light.
 pub(crate) struct AimedRay {
     /// A ray with a unit direction and no end.
     pub ray: Ray,
@@ -24,7 +24,7 @@ pub(crate) struct AimedRay {
     pub inv_density: f32,
 }
 
-/// Samples a lit triangle from a surface, by numbers in [0, 1): one for the triangle, and one for the point, with the
+/// Samples a secondary light from a surface, by numbers in [0, 1): one for the triangle, and one for the point, with the
 /// remainder of the first. `None` if that does not pay.
 pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
     let chosen = world.lights.lit.choose(receiver, choice)?;
@@ -73,7 +73,7 @@ mod tests {
     use halfdome_kernel::sampling::warp::UniformSphere;
 
     use super::*;
-    use crate::light::{LitTriangles, Reach, TriangleLight};
+    use crate::light::{Reach, SecondaryLights, TriangleLight};
     use crate::scene::{CameraPose, Material, Mesh, Scene};
     use crate::world::TriangleRecord;
 
@@ -99,7 +99,7 @@ mod tests {
         });
         let everywhere = (0..4096).map(|i| (UniformSphere.map(Stream::new(3, i, 0).uniform2(0)), f32::INFINITY));
         let reach = vec![Reach::of(everywhere); 2];
-        world.lights.lit = LitTriangles::new(lit.to_vec(), reach, 4);
+        world.lights.lit = SecondaryLights::new(lit.to_vec(), reach, 4);
         world.lights.lit.aim_from(0.2, 1.0);
         world
     }

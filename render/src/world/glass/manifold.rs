@@ -29,7 +29,7 @@ use super::{Face, MOST};
 
 /// When a search gives up.
 #[derive(Clone, Copy)]
-struct Patience {
+struct SearchLimits {
     /// Rays that are sent out at most.
     shots: usize,
     /// The number of halvings of a step.
@@ -40,9 +40,9 @@ struct Patience {
 }
 
 /// Limits for a search that begins in the direction of the light.
-const FROM_STRAIGHT: Patience = Patience { shots: 10, halvings: 3, less: 0.85 };
+const FROM_STRAIGHT: SearchLimits = SearchLimits { shots: 10, halvings: 3, less: 0.85 };
 /// Limits for a search that begins where a photon has left the glass: a path is near, or there is none.
-const FROM_PHOTON: Patience = Patience { shots: 5, halvings: 0, less: 0.5 };
+const FROM_PHOTON: SearchLimits = SearchLimits { shots: 5, halvings: 0, less: 0.5 };
 /// The allowed angular error of a ray beside the light: a twentieth of the sun's width.
 const CLOSE: f32 = 2.5e-4;
 /// The most that a step turns the direction, as a tangent.
@@ -64,7 +64,7 @@ pub(crate) enum LightEnd {
 }
 
 /// A way on which light arrives at a surface.
-pub(crate) struct BentLight {
+pub(crate) struct RefractedConnection {
     /// The unit vector from the surface by which it arrives.
     pub direction: Vec3,
     /// The ray from the last face of glass to the light.
@@ -72,7 +72,7 @@ pub(crate) struct BentLight {
     /// The unit vector by which it leaves the light.
     pub leaving: Vec3,
     /// The transmittance of the glass.
-    pub left: Vec3,
+    pub transmittance: Vec3,
     /// `|∂ω/∂ω'|`, or `|∂ω/∂y|` per area.
     pub spread: f32,
     /// The error of the direction, as a search ends close to the light.
@@ -81,11 +81,11 @@ pub(crate) struct BentLight {
 
 /// All ways that were found.
 #[derive(Default)]
-pub(crate) struct BentWays([Option<BentLight>; MOST_WAYS]);
+pub(crate) struct RefractedConnections([Option<RefractedConnection>; MOST_WAYS]);
 
-impl BentWays {
+impl RefractedConnections {
     /// Each of them.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &BentLight> + Clone {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &RefractedConnection> + Clone {
         self.0.iter().flatten()
     }
 
@@ -93,14 +93,14 @@ impl BentWays {
         self.0[0].is_none()
     }
 
-    fn add(&mut self, way: BentLight) {
+    fn add(&mut self, way: RefractedConnection) {
         if let Some(place) = self.0.iter_mut().find(|place| place.is_none()) {
             *place = Some(way);
         }
     }
 }
 
-impl BentLight {
+impl RefractedConnection {
     /// Whether a direction is that of the way, found from another start.
     fn is_along(&self, direction: Vec3) -> bool {
         let apart = (4.0 * self.off).max(SAME);
@@ -109,16 +109,16 @@ impl BentLight {
 }
 
 /// A ray with its differentials by a change of its first direction along each of two axes.
-pub(super) struct Beam {
+pub(super) struct DifferentialRay {
     pub(super) ray: Ray,
-    pub(super) origin_by: [Vec3; 2],
-    pub(super) direction_by: [Vec3; 2],
-    pub(super) left: Vec3,
+    pub(super) d_origin: [Vec3; 2],
+    pub(super) d_direction: [Vec3; 2],
+    pub(super) transmittance: Vec3,
 }
 
 /// The result of a direction.
-struct Shot {
-    beam: Beam,
+struct ChainEnd {
+    beam: DifferentialRay,
     /// The offset of the ray from the light along two axes across it: as an angle, or as a length.
     beside: Vec2,
     /// Its derivative by the direction along each axis.
@@ -133,10 +133,15 @@ impl World {
     /// the straight line, and photons seed no path, the search begins there; `straight` is that line, if light comes
     /// along it.
     #[inline(never)]
-    pub(crate) fn bend_light(&self, from: &Surface, (end, light): (LightEnd, u32), straight: Option<Vec3>) -> BentWays {
-        let mut ways = BentWays::default();
+    pub(crate) fn refracted_connections(
+        &self,
+        from: &Surface,
+        (end, light): (LightEnd, u32),
+        straight: Option<Vec3>,
+    ) -> RefractedConnections {
+        let mut ways = RefractedConnections::default();
         for start in self.glass.photons.starts(light, from.position) {
-            if let Some(way) = self.bend_light_near(from, end, start, FROM_PHOTON)
+            if let Some(way) = self.refracted_connection_near(from, end, start, FROM_PHOTON)
                 && straight.is_none_or(|straight| !way.is_along(straight))
                 && !ways.iter().any(|other| way.is_along(other.direction))
             {
@@ -146,7 +151,7 @@ impl World {
         if ways.is_empty()
             && straight.is_none()
             && let Some(start) = self.first_direction(from, end)
-            && let Some(way) = self.bend_light_near(from, end, start, FROM_STRAIGHT)
+            && let Some(way) = self.refracted_connection_near(from, end, start, FROM_STRAIGHT)
         {
             ways.add(way);
         }
@@ -154,15 +159,15 @@ impl World {
     }
 
     /// Looks for the way on which light arrives whose direction is near this one.
-    fn bend_light_near(
+    fn refracted_connection_near(
         &self,
         from: &Surface,
         end: LightEnd,
         mut direction: Vec3,
-        patience: Patience,
-    ) -> Option<BentLight> {
+        patience: SearchLimits,
+    ) -> Option<RefractedConnection> {
         let mut frame = Frame::from_normal(direction);
-        let mut shot = self.shoot(from, direction, &frame, end)?;
+        let mut shot = self.trace_chain(from, direction, &frame, end)?;
         let mut shots = 1;
         while shot.angle > CLOSE {
             let determinant = shot.jacobian.determinant();
@@ -181,24 +186,24 @@ impl World {
                 halvings += 1;
                 let next = frame.to_world(step.extend(1.0)).normalize();
                 let next_frame = Frame::from_normal(next);
-                match self.shoot(from, next, &next_frame, end) {
+                match self.trace_chain(from, next, &next_frame, end) {
                     Some(further) if further.angle < patience.less * shot.angle => break (next, next_frame, further),
                     _ => step *= 0.5,
                 }
             };
         }
-        let Shot { beam, jacobian, distance, angle, .. } = shot;
+        let ChainEnd { beam, jacobian, distance, angle, .. } = shot;
         let spread = jacobian.determinant().abs().recip();
         let rest = match end {
             LightEnd::Direction(direction) => Ray::new(beam.ray.origin, direction),
             LightEnd::Point(point) => Ray::between(beam.ray.origin, point),
         };
         // False for NaN.
-        (spread.is_finite() && angle <= CLOSE).then_some(BentLight {
+        (spread.is_finite() && angle <= CLOSE).then_some(RefractedConnection {
             direction,
             rest,
             leaving: -beam.ray.direction,
-            left: beam.left,
+            transmittance: beam.transmittance,
             spread,
             off: CLOSE * distance * spread.sqrt(),
         })
@@ -222,10 +227,10 @@ impl World {
     }
 
     /// Sends a ray out, refracted at all the glass that it meets before it passes the light.
-    fn shoot(&self, from: &Surface, direction: Vec3, frame: &Frame, end: LightEnd) -> Option<Shot> {
+    fn trace_chain(&self, from: &Surface, direction: Vec3, frame: &Frame, end: LightEnd) -> Option<ChainEnd> {
         let axes = [Vec3::X, Vec3::Y].map(|axis| frame.to_world(axis));
         let ray = Ray::new(from.origin_towards(direction), direction);
-        let mut beam = Beam { ray, origin_by: [Vec3::ZERO; 2], direction_by: axes, left: Vec3::ONE };
+        let mut beam = DifferentialRay { ray, d_origin: [Vec3::ZERO; 2], d_direction: axes, transmittance: Vec3::ONE };
         let (mut inside, mut depth, mut way, mut begun) = ([Vec3::ZERO; NESTED], 0usize, 0.0, 0.0);
         for _ in 0..MOST {
             if let LightEnd::Point(point) = end {
@@ -237,20 +242,20 @@ impl World {
             let Some(face) = self.face(&beam.ray, from.time) else {
                 // A point within a solid: of a sun no ray ends there.
                 if let (LightEnd::Point(_), Some(solid)) = (end, depth.checked_sub(1)) {
-                    beam.left *= (-beam.ray.t_max * inside[solid]).exp();
+                    beam.transmittance *= (-beam.ray.t_max * inside[solid]).exp();
                 }
                 return beam.past(end, way);
             };
             let distance = face.hit.t;
             way += distance;
             if depth > 0 {
-                beam.left *= (-distance * inside[depth - 1]).exp();
+                beam.transmittance *= (-distance * inside[depth - 1]).exp();
             } else {
                 begun += distance;
             }
             if face.is_thin {
                 let cos = face.surface.smooth_normal.dot(beam.ray.direction).abs();
-                beam.left *= face.left_by_thin(cos);
+                beam.transmittance *= face.thin_wall_transmittance(cos);
                 beam.straight(&face);
                 continue;
             }
@@ -265,7 +270,7 @@ impl World {
                 if let LightEnd::Point(_) = end {
                     return None;
                 }
-                beam.left *= (-begun * face.absorption).exp();
+                beam.transmittance *= (-begun * face.absorption).exp();
                 begun = 0.0;
             }
             self.refract(&mut beam, &face)?;
@@ -274,21 +279,21 @@ impl World {
     }
 
     /// Lets a beam through a face.
-    pub(super) fn refract(&self, beam: &mut Beam, face: &Face) -> Option<()> {
+    pub(super) fn refract(&self, beam: &mut DifferentialRay, face: &Face) -> Option<()> {
         let (surface, eta) = (&face.surface, if face.surface.is_back { face.ior } else { face.ior.recip() });
         let normal = surface.smooth_normal;
         let (refracted, cos, cos_beyond) = refract(beam.ray.direction, normal, eta)?;
         let (reflected, _) = face.at(if surface.is_back { cos_beyond } else { cos });
-        beam.left *= face.tint * (1.0 - reflected);
+        beam.transmittance *= face.tint * (1.0 - reflected);
         let normals = self.normal_derivative(face);
         beam.arrive(face);
         for axis in 0..2 {
-            let [origin_by, direction_by] = [beam.origin_by[axis], beam.direction_by[axis]];
-            let normal_by = normals.at(origin_by);
-            let cos_by = -(direction_by.dot(normal) + beam.ray.direction.dot(normal_by));
+            let [d_origin, d_direction] = [beam.d_origin[axis], beam.d_direction[axis]];
+            let normal_by = normals.at(d_origin);
+            let cos_by = -(d_direction.dot(normal) + beam.ray.direction.dot(normal_by));
             let along = eta * cos - cos_beyond;
             let along_by = (eta - eta * eta * cos / cos_beyond) * cos_by;
-            beam.direction_by[axis] = eta * direction_by + along * normal_by + along_by * normal;
+            beam.d_direction[axis] = eta * d_direction + along * normal_by + along_by * normal;
         }
         beam.ray.direction = refracted;
         beam.ray.origin = surface.origin_towards(refracted);
@@ -296,13 +301,13 @@ impl World {
     }
 }
 
-impl Beam {
+impl DifferentialRay {
     /// Moves the changes of the origin to the plane of a face.
     fn arrive(&mut self, face: &Face) {
         let (direction, normal) = (self.ray.direction, face.surface.normal);
         for axis in 0..2 {
-            let moved = self.origin_by[axis] + face.hit.t * self.direction_by[axis];
-            self.origin_by[axis] = moved - direction * (moved.dot(normal) / direction.dot(normal));
+            let moved = self.d_origin[axis] + face.hit.t * self.d_direction[axis];
+            self.d_origin[axis] = moved - direction * (moved.dot(normal) / direction.dot(normal));
         }
     }
 
@@ -313,18 +318,18 @@ impl Beam {
     }
 
     /// The miss of the ray beside the light, given the distance so far.
-    fn past(self, end: LightEnd, way: f32) -> Option<Shot> {
+    fn past(self, end: LightEnd, way: f32) -> Option<ChainEnd> {
         let direction = self.ray.direction;
         let (axis, beside, by, distance) = match end {
             LightEnd::Direction(sun) => {
                 if direction.dot(sun) <= 0.0 {
                     return None;
                 }
-                (sun, direction, self.direction_by, 1.0)
+                (sun, direction, self.d_direction, 1.0)
             }
             LightEnd::Point(point) => {
                 let rest = self.ray.t_max;
-                let by = [0, 1].map(|axis| self.origin_by[axis] + rest * self.direction_by[axis]);
+                let by = [0, 1].map(|axis| self.d_origin[axis] + rest * self.d_direction[axis]);
                 (direction, self.ray.at(rest) - point, by, way + rest)
             }
         };
@@ -332,7 +337,7 @@ impl Beam {
         let [x, y] = [Vec3::X, Vec3::Y].map(|axis| across.to_world(axis));
         let project = |vector: Vec3| Vec2::new(vector.dot(x), vector.dot(y));
         let (beside, jacobian) = (project(beside), Mat2::from_cols(project(by[0]), project(by[1])));
-        Some(Shot { beam: self, beside, jacobian, distance, angle: beside.length() / distance })
+        Some(ChainEnd { beam: self, beside, jacobian, distance, angle: beside.length() / distance })
     }
 }
 

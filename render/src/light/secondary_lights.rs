@@ -1,4 +1,4 @@
-//! Secondary lights (lit triangles): small triangles that a nearby lamp lights so strongly that they light the room
+//! Secondary lights: small triangles that a nearby lamp lights so strongly that they light the room
 //! themselves, such as the inside of a lampshade. Bounces rarely hit them, and each hit is a firefly in the picture.
 //!
 //! So they are sampled as lights (see [`estimator`](crate::estimator)): a light tree of their own chooses a triangle by
@@ -23,9 +23,9 @@ const REPRESENTATIVES: u32 = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
 
-/// The lit triangles of a world.
+/// The secondary lights of a world.
 #[derive(Debug, Default)]
-pub(crate) struct LitTriangles {
+pub(crate) struct SecondaryLights {
     tree: Option<Tree<Triangles>>,
     prims: Vec<u32>,
     reach: Vec<Reach>,
@@ -37,7 +37,7 @@ pub(crate) struct LitTriangles {
     elsewhere: f32,
 }
 
-/// A lit triangle that was chosen.
+/// A secondary light that was chosen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChosenTriangle {
     pub prim_id: u32,
@@ -47,7 +47,7 @@ pub(crate) struct ChosenTriangle {
     pub rest: f64,
 }
 
-impl LitTriangles {
+impl SecondaryLights {
     /// The secondary lights with these `prim_id`s, in a scene of `triangles` triangles.
     pub(crate) fn new(lit: Vec<(u32, TriangleLight)>, reach: Vec<Reach>, triangles: usize) -> Self {
         let (prims, lights): (Vec<u32>, Vec<TriangleLight>) = lit.into_iter().unzip();

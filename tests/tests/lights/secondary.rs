@@ -9,7 +9,7 @@ use halfdome::material::Inputs;
 use halfdome::probes::{self, Options};
 use halfdome::scene::{CameraPose, Material, PunctualLight, Scene};
 use halfdome::settings::{CachedOptions, GatherLayout, Integrator, LightSampling, PathOptions, Settings, Stop};
-use halfdome::world::{LookFrom, World};
+use halfdome::world::{LightQuery, World};
 use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad, render};
 
 const SIZE: u32 = 24;
@@ -182,8 +182,8 @@ const SENSORS: [([f32; 3], Vec3); 3] =
     [([2.6, 2.9, 1.5], Vec3::NEG_Y), ([1.0, 0.1, 3.0], Vec3::Y), ([0.1, 1.0, 2.0], Vec3::X)];
 
 /// The mean at each sensor over seeds, by a world that looks for lit triangles from sensors or, from nowhere, finds none.
-fn sensed(from: LookFrom, seeds: u64, sense: impl Fn(&World, &Sensor, u64) -> Vec3) -> Vec<Estimate> {
-    let world = World::looking_from(room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO)), from).unwrap();
+fn sensed(from: LightQuery, seeds: u64, sense: impl Fn(&World, &Sensor, u64) -> Vec3) -> Vec<Estimate> {
+    let world = World::for_light_query(room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO)), from).unwrap();
     let at = |(position, normal): ([f32; 3], Vec3)| {
         let sensor = Sensor { position: position.into(), normal };
         let values: Vec<DVec3> = (0..seeds).map(|seed| sense(&world, &sensor, seed).as_dvec3()).collect();
@@ -203,7 +203,7 @@ fn gathers_that_aim_find_what_others_do() {
         }
     };
     let (rays, times) = (512, 64);
-    let truth = sensed(LookFrom::Places(&[]), 32, paths(times * rays));
+    let truth = sensed(LightQuery::Places(&[]), 32, paths(times * rays));
     let gathers = |layout| {
         move |world: &World, sensor: &Sensor, seed| {
             let options = CachedOptions { rays, layout, ..CachedOptions::default() };
@@ -223,9 +223,9 @@ fn gathers_that_aim_find_what_others_do() {
         }
         assert!(quieter > 10.0, "{name}: {quieter} times the variance without");
     };
-    check("paths", sensed(LookFrom::Sensors(&places), 64, paths(rays)));
-    check("strata", sensed(LookFrom::Sensors(&places), 64, gathers(GatherLayout::Stratified)));
-    check("hemicube", sensed(LookFrom::Sensors(&places), 64, gathers(GatherLayout::Hemicube)));
+    check("paths", sensed(LightQuery::Sensors(&places), 64, paths(rays)));
+    check("strata", sensed(LightQuery::Sensors(&places), 64, gathers(GatherLayout::Stratified)));
+    check("hemicube", sensed(LightQuery::Sensors(&places), 64, gathers(GatherLayout::Hemicube)));
 }
 
 /// Probes likewise.
@@ -238,8 +238,8 @@ fn probes_that_aim_find_what_others_do() {
             probes::at_points(world, &[sensor.position], &options, &NeverStops).unwrap().probes[0].light.harmonics[0]
         }
     };
-    let truth = sensed(LookFrom::Places(&[]), 16, sense(4096, 16384));
-    let found = sensed(LookFrom::Places(&places), 64, sense(512, 512));
+    let truth = sensed(LightQuery::Places(&[]), 16, sense(4096, 16384));
+    let found = sensed(LightQuery::Places(&places), 64, sense(512, 512));
     for (i, (found, truth)) in found.iter().zip(&truth).enumerate() {
         let z = found.z(truth, 0.0).max_element();
         assert!(z < 4.0, "sensor {i}: {} and {}: {z}", found.mean, truth.mean);

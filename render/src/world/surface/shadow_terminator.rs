@@ -31,7 +31,7 @@ const UNSEEN: f32 = 1e-4;
 
 /// The side on which the round surface of its vertex normals rises above a triangle: transforms preserve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Bulge {
+pub(crate) enum Convexity {
     /// On neither side, or the triangle is to stay flat.
     None,
     /// On the side of the normals.
@@ -40,7 +40,7 @@ pub(crate) enum Bulge {
     Back,
 }
 
-impl Bulge {
+impl Convexity {
     /// The convexity of each triangle of a mesh.
     pub(crate) fn of_mesh<'a>(mesh: &'a Mesh, material: &Material) -> impl Iterator<Item = Self> + use<'a> {
         let can_round = !mesh.normals.is_empty() && material.is_opaque_and_dark();
@@ -76,28 +76,34 @@ impl Bulge {
 /// The height of the round surface above a point of a triangle, on its front and on its back; less than 0 where that is
 /// flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rounding {
+pub(crate) struct TerminatorOffset {
     front: f32,
     back: f32,
 }
 
-impl Rounding {
+impl TerminatorOffset {
     /// A flat triangle, or one that is to stay flat.
     pub(crate) const FLAT: Self = Self { front: -1.0, back: -1.0 };
 
     /// The heights above the point with these weights in a triangle. `normals` are the unit normals of its corners, on
     /// the side of its own.
-    pub(crate) fn new(bulge: Bulge, corners: &Triangle, normal: Vec3, normals: [Vec3; 3], weights: [f32; 3]) -> Self {
+    pub(crate) fn new(
+        bulge: Convexity,
+        corners: &Triangle,
+        normal: Vec3,
+        normals: [Vec3; 3],
+        weights: [f32; 3],
+    ) -> Self {
         let side = match bulge {
-            Bulge::None => return Self::FLAT,
-            Bulge::Front => 1.0,
-            Bulge::Back => -1.0,
+            Convexity::None => return Self::FLAT,
+            Convexity::Front => 1.0,
+            Convexity::Back => -1.0,
         };
         let point: Vec3 = (0..3).map(|i| weights[i] * corners[i]).sum();
         // The point's depth below each corner's plane, along the triangle's normal.
         let depth = |i: usize| (side * normals[i].dot(corners[i] - point)).max(0.0) * normals[i].dot(normal);
         let lift: f32 = (0..3).map(|i| weights[i] * depth(i)).sum::<f32>().max(0.0);
-        if bulge == Bulge::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
+        if bulge == Convexity::Front { Self { front: lift, ..Self::FLAT } } else { Self { back: lift, ..Self::FLAT } }
     }
 
     /// Bounds the height on the round side, if any, by `free(height, side)`: the side is 1 for the front, -1 for the
@@ -242,7 +248,7 @@ mod tests {
         for (mesh, material) in [(ball(), Material { inputs: glass, ..matte() }), (ball(), glowing), (flat, matte())] {
             let world = world(mesh, material, None);
             let surface = world.surface(40, 0.3, 0.3);
-            assert_eq!(surface.rounding, Rounding::FLAT);
+            assert_eq!(surface.rounding, TerminatorOffset::FLAT);
             assert_eq!(surface.facing(-surface.normal).offset, surface.offset);
         }
     }
@@ -253,7 +259,7 @@ mod tests {
         let leaning =
             |lean: f32| corners.map(|corner| (Vec3::Z + lean * (2.0 * corner - Vec3::ONE).with_z(0.0)).normalize());
         let rounding = |normals: [Vec3; 3], weights| {
-            Rounding::new(Bulge::of(&corners, normals), &corners, Vec3::Z, normals, weights)
+            TerminatorOffset::new(Convexity::of(&corners, normals), &corners, Vec3::Z, normals, weights)
         };
         let at = |lean: f32, weights| rounding(leaning(lean), weights);
         let corner = at(0.2, [1.0, 0.0, 0.0]);
@@ -266,9 +272,9 @@ mod tests {
         let inside = at(-0.2, [0.5, 0.5, 0.0]);
         assert!(inside.lift(false).is_none() && inside.lift(true).unwrap() > 0.0, "{inside:?}");
         // All normals along the triangle's own; too steep; convex along one side and concave along another.
-        assert_eq!(at(0.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
-        assert_eq!(at(1.0, [0.5, 0.5, 0.0]), Rounding::FLAT);
+        assert_eq!(at(0.0, [0.5, 0.5, 0.0]), TerminatorOffset::FLAT);
+        assert_eq!(at(1.0, [0.5, 0.5, 0.0]), TerminatorOffset::FLAT);
         let saddle = [vec3(-0.2, 0.2, 1.0), vec3(0.2, 0.2, 1.0), vec3(-0.2, -0.2, 1.0)].map(Vec3::normalize);
-        assert_eq!(rounding(saddle, [0.5, 0.5, 0.0]), Rounding::FLAT);
+        assert_eq!(rounding(saddle, [0.5, 0.5, 0.0]), TerminatorOffset::FLAT);
     }
 }

@@ -14,10 +14,10 @@ use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use rayon::prelude::*;
 
 use super::seen_points::SeenPoints;
-use crate::light::{LitTriangles, Reach, Receiver, TriangleLight, area};
+use crate::light::{Reach, Receiver, SecondaryLights, TriangleLight, area};
 use crate::world::{Hit, World};
 
-/// A lit triangle is at least this many times as bright as the mean.
+/// A secondary light is at least this many times as bright as the mean.
 const FIERCE: f32 = 8.0;
 /// The largest part of the total area for one such triangle, and for all of them.
 const SMALL: f64 = 1e-3;
@@ -37,8 +37,8 @@ const REACH_RAYS: u32 = 512;
 
 impl World {
     /// Finds the secondary lights.
-    pub(crate) fn find_lit_triangles(&mut self, points: &SeenPoints) {
-        let Some(lit) = self.worthy_lit_triangles(points) else { return };
+    pub(crate) fn find_secondary_lights(&mut self, points: &SeenPoints) {
+        let Some(lit) = self.secondary_lights_that_pay(points) else { return };
         for &prim_id in lit.prims() {
             if std::mem::replace(&mut self.triangle_records[prim_id as usize].is_plain, 0) != 0 {
                 self.plain_lit.push(prim_id);
@@ -48,15 +48,15 @@ impl World {
     }
 
     /// Removes all secondary lights.
-    pub(crate) fn forget_lit_triangles(&mut self) {
+    pub(crate) fn forget_secondary_lights(&mut self) {
         for prim_id in self.plain_lit.drain(..) {
             self.triangle_records[prim_id as usize].is_plain = 1;
         }
-        self.lights.lit = LitTriangles::default();
+        self.lights.lit = SecondaryLights::default();
     }
 
     /// The triangles that are worth sampling.
-    fn worthy_lit_triangles(&self, points: &SeenPoints) -> Option<LitTriangles> {
+    fn secondary_lights_that_pay(&self, points: &SeenPoints) -> Option<SecondaryLights> {
         // Distant lights do not light small triangles strongly.
         let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
         let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
@@ -66,9 +66,9 @@ impl World {
         // By power.
         let radiance = (sum(&lit, |light| light.radiance * light.radiance) / sum(&lit, |light| light.radiance)) as f32;
         let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
-        let mut lit = LitTriangles::new(lit, reach, self.triangle_records.len());
+        let mut lit = SecondaryLights::new(lit, reach, self.triangle_records.len());
         let [received, reached] = self.mean_received(&lit, points);
-        // The mean radiance of bounces, and the share and the relative brightness of lit triangles.
+        // The mean radiance of bounces, and the share and the relative brightness of secondary lights.
         let found = mean + received * FRAC_1_PI;
         let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
         lit.aim_from(AIM_FROM * PI * found, PI * mean);
@@ -101,9 +101,9 @@ impl World {
         lit
     }
 
-    /// The mean irradiance that lit triangles cause where paths come, and what it would be if aimed rays met nothing
+    /// The mean irradiance that secondary lights cause where paths come, and what it would be if aimed rays met nothing
     /// else.
-    fn mean_received(&self, lit: &LitTriangles, points: &SeenPoints) -> [f32; 2] {
+    fn mean_received(&self, lit: &SecondaryLights, points: &SeenPoints) -> [f32; 2] {
         let (mut received, mut reached, mut count) = (0.0, 0.0, 0);
         for point in points.all(self) {
             let receiver = Receiver::new(point.position, point.normal, false);
@@ -125,7 +125,7 @@ impl World {
         [received, reached].map(|sum| sum / count.max(1) as f32)
     }
 
-    /// The reach of a lit triangle's light; misses count as far.
+    /// The reach of a secondary light's light; misses count as far.
     fn reach(&self, prim_id: u32, light: &TriangleLight) -> Reach {
         let sampler = |number| Sampler::new(Pattern::Sobol, 0, prim_id, number);
         let ray = |number: u32| {
