@@ -1,8 +1,8 @@
 //! Direct light on a plane against closed forms: lights without a surface, the sky, and Lambert's polygon formula.
 
 mod guide;
-mod secondary;
 mod profiles;
+mod secondary;
 mod sizes;
 mod tables;
 

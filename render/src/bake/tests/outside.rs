@@ -73,7 +73,7 @@ fn places_in_walls_and_levels_without_an_inside_are_refused() {
     let nowhere = left_out(&house, &[vec3(2.0, 1.0, f32::MAX)]).unwrap_err();
     assert!(nowhere.problem.contains("is not inside a room"), "{nowhere}");
     let wall = left_out(&house, &[vec3(5.25, 1.0, 2.0)]).unwrap_err();
-    assert!(wall.problem.contains("backs of bodies"), "{wall}");
+    assert!(wall.problem.contains("back faces"), "{wall}");
     let yard = Scene { meshes: house.meshes[2..3].to_vec(), ..house };
     assert!(left_out(&yard, &[]).unwrap_err().problem.contains("no place is inside"));
 }

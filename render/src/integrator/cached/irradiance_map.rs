@@ -46,7 +46,7 @@ pub(super) fn radiance(
             continue;
         }
         let surface = world.surface_at(hit);
-        let is_known = surface.normal.dot(ray.direction) < 0.0 && world.is_nearly_diffuse(hit.prim_id);
+        let is_known = surface.normal.dot(ray.direction) < 0.0 && world.is_nearly_diffuse_to_lights(hit.prim_id);
         match is_known.then(|| map.irradiance(hit)).flatten() {
             Some(irradiance) => {
                 let albedo = world.scattering(&mut surface.facing(ray.direction)).albedo();
