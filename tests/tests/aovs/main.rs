@@ -153,7 +153,7 @@ fn wrong_expressions_are_shown_with_their_place() {
         parts.iter().for_each(|part| assert!(outcome.stderr.contains(part), "{part:?}: {}", outcome.stderr));
     }
     let outcome = program.run_line("render cornell --size 8x8 --spp 1 --light-groups -o x.png");
-    assert!(outcome.code == Some(0) && outcome.stderr.contains("PNG has none: name an .exr"), "{}", outcome.stderr);
+    assert!(outcome.code == Some(0) && outcome.stderr.contains("PNG has none: add an .exr"), "{}", outcome.stderr);
     std::fs::remove_file(folder.path().join("x.png")).unwrap();
     program.put("floor.obj", FLOOR);
     program.put("s.toml", SCENE.replace("CD<L.'key'>", "CD<L.'key'"));

@@ -101,7 +101,7 @@ fn a_target_that_is_given_is_what_a_lens_and_parallel_rays_are_made_for() {
     assert!((height - 14.0 * 20f32.to_radians().tan()).abs() < 1e-5);
     // The target of a model's camera is anywhere along its view.
     refused(of(lens), &["the lens has no focus distance", "give focus"]);
-    refused(of(kind(CameraKind::Orthographic)), &["how much the orthographic camera sees", "give ortho_height"]);
+    refused(of(kind(CameraKind::Orthographic)), &["the orthographic camera has no height", "give ortho_height"]);
     // What is made up shows all of the model.
     assert!(applied(of(kind(CameraKind::Orthographic)), None).is_ok());
 }
