@@ -3,13 +3,13 @@
 mod assemble;
 mod bodies;
 mod faults;
-mod glass;
 mod hit;
 mod labels;
 mod light_estimates;
 mod media;
 mod placement;
 mod ray_counts;
+mod specular;
 mod surface;
 mod trace;
 
@@ -23,8 +23,6 @@ use crate::light::LightSampler;
 use crate::material::Kind;
 use crate::scene::{CameraPose, LightLabel, Material, Mesh, Optics, Scene, SceneFault, Texture};
 pub(crate) use bodies::Bodies;
-use glass::Glass;
-pub(crate) use glass::{Between, LightEnd, RefractedConnection};
 pub(crate) use hit::{Hit, MIDDLE, time_of};
 pub use light_estimates::seen_points::LightQuery;
 pub(crate) use light_estimates::seen_points::Side;
@@ -35,6 +33,8 @@ use placement::instances::Instances;
 pub(crate) use placement::motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
+use specular::Specular;
+pub(crate) use specular::{Between, LightEnd, SpecularConnection, Start};
 use surface::closures::ClosureCell;
 pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use surface::shadow_terminator::Convexity;
@@ -57,7 +57,7 @@ pub struct World {
     /// The absorption of solids.
     solids: Solids,
     /// Glass that shadow rays cross.
-    glass: Glass,
+    specular: Specular,
     /// The closures of each material.
     closures: Vec<ClosureCell>,
     /// The record of each `prim_id`: first all triangles in world space, then those of each object.

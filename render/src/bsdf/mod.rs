@@ -77,6 +77,11 @@ impl<B: Bsdf> Scattering<B> {
         Some(Bounce { direction: sample.wi, weight: sample.weight, density: sample.density })
     }
 
+    /// The part of light from the mirror direction about the shading normal that delta functions reflect to `wo`.
+    pub(crate) fn mirror_reflectance(&self) -> Vec3 {
+        self.closure.mirror_reflectance(self.shading.frame().to_local(self.wo))
+    }
+
     /// The part of uniform light around the surface that reaches `wo`.
     #[inline]
     pub(crate) fn albedo(&self) -> Vec3 {

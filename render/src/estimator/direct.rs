@@ -12,10 +12,12 @@
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
 use super::light_warp::light_warp;
 use super::punctual::{PunctualSample, sample_punctual};
+use super::reflected::{ReflectedLight, sample_reflected};
 use crate::bsdf::Scattering;
 use crate::light::{Light, Receiver, SampledLight, SkyPart};
 use crate::material::Bsdf;
@@ -47,11 +49,26 @@ pub(crate) struct LightSample {
     pub is_punctual: bool,
 }
 
-/// Samples a light for a point of a surface whose normals face the viewer; `None` if no light is scattered. The first
-/// of the numbers in [0, 1) chooses the light, and its remainder, with the second number, a point or a direction.
-/// Lights without a surface are sampled completely.
+/// Samples direct light at a point of a surface whose normals face the viewer: a light, and light that mirrors reflect; none
+/// of what is not scattered. The first of the numbers in [0, 1) chooses the light, and its remainder, with the second
+/// number, a point or a direction. Lights without a surface are sampled completely.
 #[inline(always)]
 pub(crate) fn sample_direct(
+    world: &World,
+    surface: &Surface,
+    scattering: &Scattering<impl Bsdf>,
+    how: (LightSampling, SkyPart),
+    numbers: (f64, f32),
+) -> impl Iterator<Item = ShadowRay> {
+    let straight = sample_one_light(world, surface, scattering, how, numbers);
+    let reflected =
+        if world.has_reflected_light() { sample_mirrored(world, surface, scattering, how.0, numbers) } else { None };
+    straight.into_iter().chain(reflected)
+}
+
+/// Samples one light.
+#[inline(always)]
+fn sample_one_light(
     world: &World,
     surface: &Surface,
     scattering: &Scattering<impl Bsdf>,
@@ -66,6 +83,22 @@ pub(crate) fn sample_direct(
     let inv_density = if light.is_punctual { 0.0 } else { light.inv_density };
     let radiance = scattered * light.radiance * lights.light_weight(inv_density, bounce_density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
+}
+
+/// Samples the light that mirrors and glass reflect.
+#[inline(never)]
+fn sample_mirrored(
+    world: &World,
+    surface: &Surface,
+    scattering: &Scattering<impl Bsdf>,
+    lights: LightSampling,
+    (choice, v): (f64, f32),
+) -> Option<ShadowRay> {
+    let numbers = Vec2::new((choice as f32).min(ONE_MINUS_EPSILON), v);
+    let ReflectedLight { direction, shadow, received, .. } = sample_reflected(world, surface, numbers)?;
+    let (scattered, density) = scattering.eval(direction);
+    let radiance = scattered * received * lights.light_weight(0.0, density);
+    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: shadow, direction, radiance })
 }
 
 /// The density per solid angle with which a light sample at `receiver`, among bounces and with this part of the sky, gives

@@ -77,9 +77,7 @@ impl IncidentSampler {
     fn push_sample(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
         let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
         let numbers = (unit_double(Vec2::new(x, finer)), y);
-        if let Some(light) =
-            sample_direct(world, surface, &surface.white(), (LightSampling::Mis, SkyPart::Sun), numbers)
-        {
+        for light in sample_direct(world, surface, &surface.white(), (LightSampling::Mis, SkyPart::Sun), numbers) {
             self.shadows.push(light.ray);
             self.directions.push(light.direction);
             self.values.push(light.radiance * PI);

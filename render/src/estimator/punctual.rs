@@ -7,7 +7,7 @@
 //! with `4π L`.
 //!
 //! Rays from mirrors and glossy surfaces hit the lights with a size ([`seen`]). Shadow rays to all of them cross panes,
-//! and light refracted by [glass](crate::world::Between) is found by manifold exploration.
+//! and refracted light is found by manifold exploration; for reflected light see [`reflected`](super::reflected).
 
 use std::f32::consts::{PI, TAU};
 
@@ -18,7 +18,7 @@ use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
 use crate::light::SpotCone;
 use crate::scene::PunctualLight;
-use crate::world::{Between, LightEnd, RefractedConnection, Surface, World};
+use crate::world::{Between, LightEnd, SpecularConnection, Surface, World};
 
 /// A direction in which light arrives from such a light.
 pub(super) struct PunctualSample {
@@ -82,27 +82,28 @@ pub(super) fn sample_punctual(
         Between::Panes(rest, transmittance) => Some(straight(rest, transmittance)),
         Between::Bends => None,
     };
-    let ways = world.refracted_connections(surface, (end, number), straight.as_ref().map(|_| direction));
-    if ways.is_empty() {
+    let refracted = world.refracted_connections(surface, (end, number), straight.as_ref().map(|_| direction));
+    if refracted.is_empty() {
         return straight;
     }
     let straight = straight.filter(|sample| !world.occluded_at(&sample.shadow, surface.time));
-    let bent = ways.iter().map(|&RefractedConnection { direction, rest, leaving, transmittance, spread, .. }| {
-        let spread = match end {
-            LightEnd::Direction(_) => spread,
-            // Per area of the light in place of solid angle.
-            LightEnd::Point(end) => spread * end.distance_squared(surface.position),
-        };
-        let received = transmittance * intensity(light, leaving) * (per_intensity * spread);
-        PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 }
-    });
+    let refracted =
+        refracted.iter().map(|&SpecularConnection { direction, rest, leaving, transmittance, spread, .. }| {
+            let spread = match end {
+                LightEnd::Direction(_) => spread,
+                // Per area of the light in place of solid angle.
+                LightEnd::Point(end) => spread * end.distance_squared(surface.position),
+            };
+            let received = transmittance * intensity(light, leaving) * (per_intensity * spread);
+            PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 }
+        });
     let brought =
         |sample: &PunctualSample| sample.received.element_sum() * surface.shading_normal.dot(sample.direction).abs();
     let total: f32 =
-        straight.iter().map(brought).sum::<f32>() + bent.clone().map(|sample| brought(&sample)).sum::<f32>();
+        straight.iter().map(brought).sum::<f32>() + refracted.clone().map(|sample| brought(&sample)).sum::<f32>();
     // The low digits: place and choice depend on one number, but hardly on each other. Parts of 1/4096 and less may never be chosen.
     let mut rest = (u.x * 4096.0).fract() * total;
-    for sample in straight.into_iter().chain(bent) {
+    for sample in straight.into_iter().chain(refracted) {
         let share = brought(&sample);
         rest -= share;
         if rest < 0.0 {
@@ -114,7 +115,7 @@ pub(super) fn sample_punctual(
 }
 
 /// The intensity in a unit vector that leaves a light; of a sun, its irradiance.
-fn intensity(light: &PunctualLight, leaving: Vec3) -> Vec3 {
+pub(super) fn intensity(light: &PunctualLight, leaving: Vec3) -> Vec3 {
     match *light {
         PunctualLight::Directional { irradiance, .. } => irradiance,
         PunctualLight::Point { intensity, .. } => intensity,
@@ -201,7 +202,7 @@ fn crossing(center: Vec3, radius: f32, direction: Vec3, side: f32) -> f32 {
 }
 
 /// A unit vector in the cap about `axis` whose rim has this sine and cosine, evenly by solid angle.
-fn in_cap(axis: Vec3, sin: f32, cos: f32, u: Vec2) -> Vec3 {
+pub(super) fn in_cap(axis: Vec3, sin: f32, cos: f32, u: Vec2) -> Vec3 {
     // 1 - cos θ, without the rounding of a cosine near 1.
     let depth = u.x * (sin * sin / (1.0 + cos));
     let out = (depth * (2.0 - depth)).max(0.0).sqrt();

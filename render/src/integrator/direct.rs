@@ -62,7 +62,7 @@ impl VertexStep for Direct<'_> {
 
         let mut surface = surface.facing(ray.direction);
         let scattering = world.scattering(&mut surface);
-        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, how, numbers.light()) {
+        for shadow_ray in sample_direct(world, &surface, &scattering, how, numbers.light()) {
             shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         path.through(&surface, &scattering, vertex)

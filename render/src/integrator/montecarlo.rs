@@ -170,7 +170,7 @@ impl Gather<'_> {
         let [finer, chance] = sampler.uniform2(set).to_array();
         let u_light = sampler.uniform2(set.wrapping_add(1));
         let choice = unit_double(Vec2::new(u_light.x, finer));
-        if let Some(shadow_ray) = sample_direct(world, &surface, &scattering, how, (choice, u_light.y)) {
+        for shadow_ray in sample_direct(world, &surface, &scattering, how, (choice, u_light.y)) {
             children.shadow_queue.push(path.index, path.throughput, shadow_ray);
         }
         if node.bounces > 0 {

@@ -65,6 +65,12 @@ impl Path {
         self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
     }
 
+    /// Whether a bounce of this density is about one direction.
+    #[inline(always)]
+    pub(super) fn is_narrow(density: f32) -> bool {
+        density >= Self::NARROW
+    }
+
     /// The `normal` of a path that leaves a surface with this packed normal, where it had `normal` and `density` before, and
     /// now has the density `next`; whether it was reflected, and whether light samples there leave a part of the lights to it.
     #[inline(always)]
@@ -75,7 +81,7 @@ impl Path {
         shares_lights: bool,
     ) -> u32 {
         // Through glass the light samples of a surface may have come.
-        let is_narrow = (density == f32::INFINITY) | ((density >= Self::NARROW) & is_reflected);
+        let is_narrow = (density == f32::INFINITY) | (Self::is_narrow(density) & is_reflected);
         let is_shown = is_narrow & (normal & Self::SEES_LIGHTS != 0);
         let sees = if next == f32::INFINITY { is_shown } else { shares_lights };
         packed | if sees { Self::SEES_LIGHTS } else { 0 }

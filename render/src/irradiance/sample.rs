@@ -83,7 +83,7 @@ impl SensorScratch {
         for sampler in &self.samplers {
             let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
             let numbers = (unit_double(Vec2::new(x, finer)), y);
-            if let Some(light) = sample_direct(world, surface, &surface.white(), (lights, SkyPart::Sun), numbers) {
+            for light in sample_direct(world, surface, &surface.white(), (lights, SkyPart::Sun), numbers) {
                 self.shadows.push(light.ray);
                 self.values.push(light.radiance * PI);
             }

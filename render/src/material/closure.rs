@@ -144,6 +144,10 @@ impl Bsdf for Closure {
         each!(self, inner => inner.sample(wo, u))
     }
 
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        each!(self, inner => Bsdf::mirror_reflectance(inner, wo))
+    }
+
     #[inline]
     fn albedo(&self, wo: Vec3) -> Vec3 {
         each!(self, inner => Bsdf::albedo(inner, wo))

@@ -303,6 +303,10 @@ impl Lobes for Glass {
         wi.map(|wi| Choice::new(wi, Event::GLOSSY | side))
     }
 
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        if self.ggx.is_delta() { self.split(wo.z).0 } else { Vec3::ZERO }
+    }
+
     /// Of the tints of reflection as if microfacets reflected what the surface as a whole does.
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let (lost, reflected) = self.here.albedos(wo.z);

@@ -290,6 +290,10 @@ impl Lobes for Glossy {
         (wi.z > 0.0).then_some(Choice::new(wi, lobe | Event::REFLECTION))
     }
 
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        if self.reflection.is_delta() { self.reflectance(wo.z, 1.0) } else { Vec3::ZERO }
+    }
+
     fn albedo(&self, wo: Vec3) -> Vec3 {
         self.seen_from(wo).0
     }

@@ -270,6 +270,19 @@ impl Lobes for Layered {
         Some(choice)
     }
 
+    /// Without a coat that has a normal of its own.
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        let base = Lobes::mirror_reflectance(&self.base, wo);
+        if !self.is_outside {
+            return base;
+        }
+        let cos = self.about_coat(wo).z.abs();
+        let absorbed = self.absorbed(cos);
+        let is_mirror = self.coat_weight > 0.0 && self.coat.is_delta() && self.coat_frame.is_none();
+        let coat = if is_mirror { self.coat_fresnel.at(cos).0 * self.under_fuzz.at(cos) } else { Vec3::ZERO };
+        base * absorbed * absorbed * self.below.at(cos) + coat
+    }
+
     /// The base's albedo, as if light came back at the angle of `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let base = Lobes::albedo(&self.base, wo);

@@ -63,6 +63,8 @@ pub(super) trait Lobes {
     fn parts(&self, wo: Vec3, wi: Vec3) -> Parts;
     /// A direction from one of the lobes.
     fn choose(&self, wo: Vec3, u: Vec2) -> Option<Choice>;
+    /// See [`Bsdf::mirror_reflectance`].
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3;
     /// See [`Bsdf::albedo`].
     fn albedo(&self, wo: Vec3) -> Vec3;
     /// See [`Bsdf::diffuse_albedo`].
@@ -95,6 +97,10 @@ impl<T: Lobes> Bsdf for T {
         }
         let Evaluation { f_cos, density, .. } = self.eval(wo, wi);
         (density > 0.0).then(|| Sample { wi, weight: f_cos / density, density, event })
+    }
+
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        Lobes::mirror_reflectance(self, wo)
     }
 
     #[inline]

@@ -33,6 +33,10 @@ impl Bsdf for Matte {
         (wi.z > 0.0).then_some(Sample { wi, weight: self.color, density: wi.z * FRAC_1_PI, event })
     }
 
+    fn mirror_reflectance(&self, _wo: Vec3) -> Vec3 {
+        Vec3::ZERO
+    }
+
     #[inline]
     fn albedo(&self, _wo: Vec3) -> Vec3 {
         self.color

@@ -285,6 +285,10 @@ pub trait Bsdf {
     /// below the horizon. `u` is in [0, 1)².
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<Sample>;
 
+    /// The reflectance of its delta functions about the shading normal: the part of light from `wo`'s mirror direction
+    /// that reaches `wo`.
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3;
+
     /// The part of uniform light around the surface that reaches `wo`.
     fn albedo(&self, wo: Vec3) -> Vec3;
 

@@ -77,6 +77,12 @@ impl Lobes for Transmissive {
         }
     }
 
+    fn mirror_reflectance(&self, wo: Vec3) -> Vec3 {
+        let glass = self.glass.as_ref().map_or(Vec3::ZERO, |glass| self.share * glass.mirror_reflectance(wo));
+        let rest = |rest: &Glossy| (1.0 - self.share) * Lobes::mirror_reflectance(rest, wo);
+        glass + self.rest.as_ref().map_or(Vec3::ZERO, rest)
+    }
+
     fn albedo(&self, wo: Vec3) -> Vec3 {
         let glass = self.glass.as_ref().map_or(Vec3::ZERO, |glass| self.share * glass.albedo(wo));
         glass + self.rest.as_ref().map_or(Vec3::ZERO, |rest| (1.0 - self.share) * Lobes::albedo(rest, wo))

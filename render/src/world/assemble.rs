@@ -3,11 +3,11 @@
 use glam::Vec3;
 use halfdome_kernel::{BuildOptions, Bvh, Executor, Triangle, offset_distance, triangle_normal};
 
-use super::glass::Glass;
 use super::media::Solids;
 use super::placement::instances::Instances;
 use super::placement::motion::Motion;
 use super::ray_counts::RayCounters;
+use super::specular::Specular;
 use super::surface::closures::ClosureCell;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use super::surface::shadow_terminator::Convexity;
@@ -87,7 +87,7 @@ impl World {
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
-        let glass = Glass::new(&materials, &triangle_records, &corners[..still], has_punctual);
+        let specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),
@@ -99,7 +99,7 @@ impl World {
             bulges,
             has_closures,
             solids,
-            glass,
+            specular,
             triangle_records,
             placed: corners.len(),
             still,

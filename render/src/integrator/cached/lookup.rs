@@ -115,8 +115,8 @@ impl VertexStep for Lookup<'_> {
         let albedo = if is_gathered { scattering.albedo() } else { surface.diffuse };
         let lights = if is_matte { world.lights.techniques_at(surface.position) } else { LightSampling::Mis };
         if albedo != Vec3::ZERO || !is_matte {
-            let sample = sample_direct(world, &surface, &scattering, (lights, SkyPart::Sun), numbers.light());
-            if let Some(shadow_ray) = sample {
+            let how = (lights, SkyPart::Sun);
+            for shadow_ray in sample_direct(world, &surface, &scattering, how, numbers.light()) {
                 shadow_queue.push(index, throughput, shadow_ray);
             }
         }

@@ -7,7 +7,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::{Advance, SKY};
-use crate::estimator::{ShadowRay, aimed_density, sample_light};
+use crate::estimator::{ShadowRay, aimed_density, sample_light, sample_reflected};
 use crate::integrator::emission::{emission, sky};
 use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, clamp};
 use crate::integrator::state::Path;
@@ -196,6 +196,11 @@ impl Advance<'_, '_> {
                 }
             }
         }
+        if self.world.has_reflected_light() {
+            for i in (0..block.len).filter(|&i| block.is_going_on(i)) {
+                self.sample_reflected_light(closures, block, i);
+            }
+        }
         block.sample_lights(closures, self.options.lights, &WHITE, shadows);
         if let Some(guide) = &self.guide {
             guide.reweigh_lights(block, self.options.lights, shadows);
@@ -231,21 +236,49 @@ impl Advance<'_, '_> {
         let is_shared = C::SHARES_LIGHTS || !sample.is_punctual;
         let inv_density = if is_shared { sample.inv_density } else { 0.0 };
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
-        if radiance.cmpgt(Vec3::ZERO).any() {
-            let mut radiance = radiance;
-            if self.is_absorbed() {
-                radiance *= self.arrival(block, i).transmittance_of(&sample.shadow);
-            }
-            let (light_number, light) = (light.index, block.throughput(i) * radiance);
-            let radiance = self.clamp_at_surface().map_or(light, |most| clamp(light, most));
-            if self.recorder.is_some() {
-                let found = (self.wave.shadow_queue.len(), light_number, sample.direction, radiance);
-                self.record_light_sample(closures, block, i, found);
-            }
-            self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
-            let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
-            self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, shadow_ray);
+        let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
+        self.connect(closures, block, i, (light.index, shadow_ray));
+    }
+
+    /// Samples the light that mirrors and glass reflect to path `i`. Of lights with a size, bounces find what they reflect
+    /// about one direction: [`Path::sees_lights`].
+    #[inline(never)]
+    fn sample_reflected_light<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, i: usize) {
+        let surface = block.surface(i, &WHITE);
+        let Some(sample) = sample_reflected(self.world, &surface, block.u_light[i]) else { return };
+        let (scattered, density) = closures.eval(i, &surface, sample.direction);
+        let density = self.bounce_density(i, sample.direction, density);
+        if C::SHARES_LIGHTS && sample.is_seen && Path::is_narrow(density) {
+            return;
         }
+        let radiance = scattered * sample.received * self.options.lights.light_weight(0.0, density);
+        let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
+        self.connect(closures, block, i, (sample.light, shadow_ray));
+    }
+
+    /// Queues the shadow ray of a light's sample for path `i`, with what the closure there reflects.
+    fn connect<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        (light, shadow_ray): (u32, ShadowRay),
+    ) {
+        let ShadowRay { ray, direction, mut radiance } = shadow_ray;
+        if !radiance.cmpgt(Vec3::ZERO).any() {
+            return;
+        }
+        if self.is_absorbed() {
+            radiance *= self.arrival(block, i).transmittance_of(&ray);
+        }
+        let found = block.throughput(i) * radiance;
+        let radiance = self.clamp_at_surface().map_or(found, |most| clamp(found, most));
+        if self.recorder.is_some() {
+            let found = (self.wave.shadow_queue.len(), light, direction, radiance);
+            self.record_light_sample(closures, block, i, found);
+        }
+        self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
+        self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, ShadowRay { ray, direction, radiance });
     }
 
     /// The density with which path `i` continues in a direction, given its closure's density.

@@ -100,6 +100,11 @@ impl PathBlock {
         self.light_samples.lights[i]
     }
 
+    /// Whether path `i` has not ended at its surface.
+    pub(in crate::integrator) fn is_going_on(&self, i: usize) -> bool {
+        self.goes_on[i] != 0
+    }
+
     /// The receiver of path `i`.
     #[inline(always)]
     pub(in crate::integrator) fn receiver(&self, i: usize) -> Receiver {

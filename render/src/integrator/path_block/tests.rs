@@ -131,7 +131,8 @@ fn lanes_equal_paths(triangles: u32, has_instances: bool) {
                 // A light, as one path would sample it.
                 let u = u_light_choice(block.u_light[i], block.u_direction[i]);
                 let sample =
-                    sample_direct(&world, &surface, &scattering, (lights, SkyPart::Bright), (u, block.u_light[i].y));
+                    sample_direct(&world, &surface, &scattering, (lights, SkyPart::Bright), (u, block.u_light[i].y))
+                        .next();
                 unlit += usize::from(sample.is_none());
                 if let Some(ShadowRay { ray, radiance, .. }) = sample {
                     let (shadow, found) = connected.next().unwrap();

@@ -2,7 +2,7 @@
 
 use super::cases::{COSINES, coloured, tilted, white};
 use super::*;
-use crate::material::{Inputs, Kind};
+use crate::material::{Event, Inputs, Kind, Sample};
 
 #[test]
 fn white_closures_scatter_all_light() {
@@ -158,4 +158,25 @@ fn a_tilted_coat_mirrors_about_its_own_normal() {
         let [a, b] = [&upright, &turned].map(|closure| closure.eval(wo, wi));
         assert!((a.f_cos - b.f_cos).abs().max_element() < 5e-3 * a.f_cos.max_element() + 1e-5, "{wi}: {a:?} {b:?}");
     }
+}
+
+#[test]
+fn mirrors_reflect_as_much_as_samples_do() {
+    let mut mirrors = 0;
+    for (name, inputs) in white().into_iter().chain(coloured()) {
+        for is_inside in [false, true] {
+            let closure = Closure::new(&inputs, is_inside);
+            for cos in COSINES {
+                let (wo, count) = (direction(cos, 0.7), 4096);
+                let delta = |sample: &Sample| sample.event.contains(Event::SPECULAR | Event::REFLECTION);
+                let samples = points(count).filter_map(|u| closure.sample(wo, u)).filter(delta);
+                let sum: DVec3 = samples.map(|sample| sample.weight.as_dvec3()).sum();
+                let (sampled, known) = ((sum / f64::from(count)).as_vec3(), closure.mirror_reflectance(wo));
+                let error = (sampled - known).abs().max_element();
+                assert!(error < 0.004, "{name}, inside {is_inside}, cos {cos}: {sampled}, not {known}");
+                mirrors += u32::from(known != Vec3::ZERO);
+            }
+        }
+    }
+    assert!(mirrors > 200, "{mirrors}");
 }

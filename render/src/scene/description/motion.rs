@@ -92,6 +92,14 @@ impl PunctualLight {
         }
     }
 
+    /// Whether it is no delta light.
+    pub(crate) fn has_size(&self) -> bool {
+        match self {
+            Self::Directional { half_angle, .. } => *half_angle > 0.0,
+            Self::Point { radius, .. } | Self::Spot { radius, .. } | Self::Profiled { radius, .. } => *radius > 0.0,
+        }
+    }
+
     /// The light where it is between two of its keys.
     pub(crate) fn between(&self, place: Place, from: &Self, to: &Self) -> Self {
         let turned = |from: Vec3, to: Vec3| place.vector(from, to).try_normalize().unwrap_or(from);

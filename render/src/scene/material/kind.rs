@@ -7,6 +7,11 @@ use glam::Vec3;
 use super::{Input, InputMap, Material};
 use crate::material::{Bsdf, Closure, Inputs, Kind};
 
+/// A direction halfway between the normal and the horizon.
+const OBLIQUE: Vec3 = Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
+/// The least reflectance at 45° of what counts as a mirror.
+const MIN_MIRROR_REFLECTANCE: f32 = 0.01;
+
 impl Material {
     /// The kind of closure that it needs wherever it is: that of the greatest values of its inputs.
     pub(crate) fn kind(&self) -> Kind {
@@ -22,7 +27,6 @@ impl Material {
 
     /// The part of light that it scatters, about, without textures.
     pub(crate) fn mean_albedo(&self) -> Vec3 {
-        const OBLIQUE: Vec3 = Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
@@ -37,6 +41,13 @@ impl Material {
     /// Whether light goes through, so that one may see it from within.
     pub(crate) fn is_glass(&self) -> bool {
         self.kind() >= Kind::Transmissive && self.inputs.transmission_weight > 0.0
+    }
+
+    /// Whether it reflects as a mirror does, at least in part and everywhere: normal maps make it scatter.
+    pub(crate) fn is_mirror(&self) -> bool {
+        let has_flat_normals = !self.tilts_normals() && self.coat_normal.map().is_none();
+        let reflectance = || Closure::new(&self.greatest_inputs(), false).mirror_reflectance(OBLIQUE).max_element();
+        !self.unlit && has_flat_normals && reflectance() > MIN_MIRROR_REFLECTANCE
     }
 
     /// Whether light neither goes through nor comes from it, anywhere.

@@ -199,7 +199,7 @@ mod tests {
             let surface = world.surface_at(&hits[0]).facing(ray.direction.normalize());
             let numbers = (0.5, 0.5);
             let how = (LightSampling::Direct, SkyPart::Sun);
-            let found = sample_direct(world, &surface, &surface.white(), how, numbers);
+            let found = sample_direct(world, &surface, &surface.white(), how, numbers).next();
             let free = found.filter(|light| !world.occluded(&light.ray));
             (free.map_or(0.0, |light| light.radiance.x), surface.shading_normal.dot(TO_SUN).max(0.0))
         });

@@ -1,16 +1,18 @@
-//! Smooth glass between a surface and a light that no bounce can be relied on to hit.
+//! Specular connections: smooth faces between a surface and a light that no bounce can be relied on to hit.
 //!
-//! Light of points, spots and suns that reaches a scattering surface through smooth glass is found by light samples
-//! alone: rays cannot hit delta lights, and for lights with a size bounces are used only for gloss behind
-//! [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in its old direction, and
-//! a straight shadow ray finds it. Light [refracted](bent) by balls, bottles and water arrives from another direction,
-//! which manifold exploration finds.
+//! Light of points, spots and suns that reaches a scattering surface through smooth glass, or from a mirror, is found by
+//! light samples alone: rays cannot hit delta lights, and for lights with a size bounces are used only for gloss that sees
+//! them in mirrors or behind [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in
+//! its old direction, and a straight shadow ray finds it. Light that is refracted by balls, bottles and water, or
+//! reflected, arrives from another direction, which [manifold exploration](manifold) finds.
 //!
 //! The flux through a plane also crosses any parallel plane. Paths carry basic radiance, `L / n²`, so entering or
 //! leaving a solid needs no factor `n²`.
 //!
-//! Only smooth faces are crossed: rough ones sample lights by their closures.
+//! Deviations: rough faces are no part of a connection, and neither are reflections by faces with a normal map. A
+//! connection has one reflection at most.
 
+mod chain;
 mod manifold;
 mod panes;
 mod photons;
@@ -25,24 +27,29 @@ use crate::material::Inputs;
 use crate::material::fresnel::Dielectric;
 use crate::material::ggx::Ggx;
 use crate::scene::Material;
-pub(crate) use manifold::{LightEnd, RefractedConnection};
+pub(crate) use manifold::{LightEnd, SpecularConnection};
 use photons::Photons;
+pub(crate) use photons::Start;
 
-/// The most faces that a connection to a light may cross.
-const MOST: usize = 16;
+/// The most faces that a connection to a light may have.
+const MAX_FACES: usize = 16;
 
-/// The materials that transmit light; empty if none does, or if there are no lights that bounces cannot hit.
+/// The smooth faces between surfaces and lights that bounces cannot hit.
 #[derive(Debug)]
-pub(super) struct Glass {
+pub(super) struct Specular {
+    /// By material, whether it transmits light; empty if none does, or if there are no such lights.
     transmits: Vec<bool>,
-    /// The bounds of all such surfaces.
+    /// By material, whether it reflects light as a mirror does; empty likewise.
+    mirrors: Vec<bool>,
+    /// The bounds of all surfaces that transmit.
     bounds: Aabb,
-    /// Light that they refract.
-    photons: Photons,
+    /// Light that is refracted, and light that is reflected once.
+    refracted: Photons,
+    reflected: Photons,
 }
 
-impl Glass {
-    /// The glass among the triangles of `records`. The first ones have these `corners`; the positions of the others are
+impl Specular {
+    /// The smooth faces among the triangles of `records`. The first ones have these `corners`; the positions of the others are
     /// unknown.
     pub(super) fn new(
         materials: &[Material],
@@ -50,16 +57,28 @@ impl Glass {
         corners: &[Triangle],
         has_punctual: bool,
     ) -> Self {
-        let transmits: Vec<bool> = materials.iter().map(Material::is_glass).collect();
-        let is_glass = |record: &TriangleRecord| transmits[record.material as usize];
-        if !has_punctual || !records.iter().any(is_glass) {
-            return Self { transmits: Vec::new(), bounds: Aabb::EMPTY, photons: Photons::default() };
+        let mut specular = Self {
+            transmits: materials.iter().map(Material::is_glass).collect(),
+            mirrors: materials.iter().map(Material::is_mirror).collect(),
+            bounds: Aabb::EMPTY,
+            refracted: Photons::default(),
+            reflected: Photons::default(),
+        };
+        let among = |kind: &[bool]| records.iter().any(|record| kind[record.material as usize]);
+        if !has_punctual || !among(&specular.mirrors) {
+            specular.mirrors.clear();
         }
-        let everywhere = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        if !has_punctual || !among(&specular.transmits) {
+            specular.transmits.clear();
+            return specular;
+        }
+        let is_glass = |record: &TriangleRecord| specular.transmits[record.material as usize];
         let placed = corners.iter().zip(records).filter(|(_, record)| is_glass(record));
         let bounds = placed.fold(Aabb::EMPTY, |all, (corners, _)| all.union(&Aabb::around(corners)));
         let is_known = !records[corners.len()..].iter().any(is_glass);
-        Self { bounds: if is_known { bounds } else { everywhere }, transmits, photons: Photons::default() }
+        let everywhere = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        specular.bounds = if is_known { bounds } else { everywhere };
+        specular
     }
 
     /// Whether a ray may meet glass, rounding included.
@@ -82,13 +101,13 @@ pub(crate) enum Between {
     Bends,
 }
 
-/// A face of smooth glass that a ray has hit.
+/// A smooth face that a ray has hit.
 struct Face<'w> {
     /// The surface, facing the ray's origin.
     surface: Surface<'w>,
     /// The ray's hit.
     hit: Hit,
-    /// The transmission tint.
+    /// The transmission tint; zero if nothing is transmitted.
     tint: Vec3,
     is_thin: bool,
     /// Absorption coefficient of the solid behind the front.
@@ -117,7 +136,7 @@ impl World {
     /// Whether anything transmits light that no bounce can find.
     #[inline(always)]
     pub(crate) fn has_clear_glass(&self) -> bool {
-        !self.glass.transmits.is_empty()
+        !self.specular.transmits.is_empty()
     }
 
     /// Whether the surface that was hit may transmit such light.
@@ -125,7 +144,13 @@ impl World {
     pub(crate) fn is_clear_glass(&self, hit: &Hit) -> bool {
         self.has_clear_glass()
             && hit.is_hit()
-            && self.glass.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
+            && self.specular.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
+    }
+
+    /// Whether there are mirrors that show lights to other surfaces.
+    #[inline(always)]
+    pub(crate) fn has_reflected_light(&self) -> bool {
+        !self.specular.reflected.is_empty()
     }
 
     /// The nearest surface along a ray, if it is smooth glass.
@@ -134,14 +159,29 @@ impl World {
         if !self.is_clear_glass(&hit) {
             return None;
         }
-        let surface = self.surface_at(&hit).facing(ray.direction);
+        Some(self.face_at(hit, ray.direction)).filter(|face| face.tint != Vec3::ZERO)
+    }
+
+    /// The nearest surface along a ray, if it may be a mirror.
+    fn mirror_face(&self, ray: &Ray, time: f32) -> Option<Face<'_>> {
+        let hit = self.intersect_at(ray, time);
+        self.is_mirror(&hit).then(|| self.face_at(hit, ray.direction))
+    }
+
+    /// Whether the surface that was hit may show lights to others.
+    fn is_mirror(&self, hit: &Hit) -> bool {
+        let mirrors = &self.specular.mirrors;
+        !mirrors.is_empty() && hit.is_hit() && mirrors[self.triangle_records[hit.prim_id as usize].material as usize]
+    }
+
+    /// The face that a ray in this direction has hit.
+    fn face_at(&self, hit: Hit, direction: Vec3) -> Face<'_> {
+        let surface = self.surface_at(&hit).facing(direction);
         let inputs = self.inputs(&surface);
-        let weight = inputs.transmission_weight * (1.0 - inputs.base_metalness);
-        if weight == 0.0 || !Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta() {
-            return None;
-        }
+        let is_smooth = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta();
+        let weight = if is_smooth { inputs.transmission_weight * (1.0 - inputs.base_metalness) } else { 0.0 };
         let Inputs { specular_ior: ior, specular_weight, specular_color, .. } = inputs;
-        Some(Face {
+        Face {
             surface,
             hit,
             tint: weight * inputs.transmission_color,
@@ -149,7 +189,13 @@ impl World {
             absorption: inputs.absorption,
             ior,
             fresnel: Dielectric::new(ior, false, specular_weight, specular_color),
-        })
+        }
+    }
+
+    /// The part of light that a face reflects as a mirror.
+    fn mirror_reflectance(&self, face: &Face) -> Vec3 {
+        let mut surface = face.surface.smooth();
+        self.scattering(&mut surface).mirror_reflectance()
     }
 
     /// Whether a face's shading normal is constant over its triangle.

@@ -13,22 +13,22 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 
 use super::super::{MIDDLE, World};
-use super::{Between, Face, MOST, beyond};
+use super::{Between, Face, MAX_FACES, beyond};
 
 /// The cosine of 3°, the greatest angle between two faces that count as parallel.
-const PARALLEL: f32 = 0.998_63;
+const MIN_PARALLEL_COS: f32 = 0.998_63;
 /// The greatest relative change of the light's density by which a pane may spread or focus light from a point.
-const POWER: f32 = 0.03;
+const MAX_SPREAD: f32 = 0.03;
 
 impl World {
     /// The part of a shadow ray beyond all smooth glass that it meets first, ignoring refraction, at mid-shutter: an
     /// approximation for estimates of visibility.
     pub(in crate::world) fn beyond_glass(&self, shadow: Ray) -> Ray {
         let mut ray = shadow;
-        if !self.has_clear_glass() || !self.glass.may_meet(&shadow) {
+        if !self.has_clear_glass() || !self.specular.may_meet(&shadow) {
             return ray;
         }
-        for _ in 0..MOST {
+        for _ in 0..MAX_FACES {
             let Some(face) = self.face(&ray, MIDDLE) else { break };
             ray = beyond(&ray, &face.surface);
         }
@@ -39,12 +39,12 @@ impl World {
     #[inline(never)]
     pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
         let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
-        if !self.glass.may_meet(shadow) {
+        if !self.specular.may_meet(shadow) {
             return Between::NoGlass;
         }
-        for number in 0..MOST {
+        for index in 0..MAX_FACES {
             let Some(entry) = self.face(&ray, time) else {
-                return if number == 0 { Between::NoGlass } else { Between::Panes(ray, transmittance) };
+                return if index == 0 { Between::NoGlass } else { Between::Panes(ray, transmittance) };
             };
             let cos = entry.surface.smooth_normal.dot(ray.direction.normalize()).abs();
             let inner = beyond(&ray, &entry.surface);
@@ -57,11 +57,11 @@ impl World {
             }
             let Some(exit) = self.face(&inner, time) else { return Between::Bends };
             let is_same = exit.surface.is_back && std::ptr::eq(exit.surface.material, entry.surface.material);
-            let come = (inner.origin - shadow.origin).length();
-            if !is_same || !self.are_parallel(&entry, &exit, come) {
+            let distance = (inner.origin - shadow.origin).length();
+            if !is_same || !self.are_parallel(&entry, &exit, distance) {
                 return Between::Bends;
             }
-            // Straight on the way is as long as the pane is thick by the cosine outside.
+            // The straight ray's length inside, times the cosine outside, is the pane's thickness.
             let ([(f, cos_inside), (g, _)], thickness) =
                 ([entry.at(cos), exit.at(cos)], (exit.surface.position - entry.surface.position).length() * cos);
             let absorbed = (-thickness / cos_inside.max(1e-3) * entry.absorption).exp();
@@ -73,16 +73,16 @@ impl World {
     }
 
     /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance.
-    fn are_parallel(&self, entry: &Face, exit: &Face, way: f32) -> bool {
+    fn are_parallel(&self, entry: &Face, exit: &Face, distance: f32) -> bool {
         let normal = entry.surface.smooth_normal;
-        if normal.dot(exit.surface.smooth_normal) < PARALLEL {
+        if normal.dot(exit.surface.smooth_normal) < MIN_PARALLEL_COS {
             return false;
         }
         let [first, second] = [self.normal_derivative(entry), self.normal_derivative(exit)];
         let frame = Frame::from_normal(normal);
         [Vec3::X, Vec3::Y].iter().all(|&axis| {
             let step = frame.to_world(axis);
-            (entry.ior - 1.0) * (first.at(step) - second.at(step)).length() * way < POWER
+            (entry.ior - 1.0) * (first.at(step) - second.at(step)).length() * distance < MAX_SPREAD
         })
     }
 }

@@ -56,8 +56,8 @@ fn floor(world: &World, x: f32, y: f32) -> Surface<'_> {
 }
 
 /// The way that is next to the straight line.
-fn way(world: &World, from: &Surface, end: LightEnd) -> Option<RefractedConnection> {
-    world.refracted_connection_near(from, end, world.first_direction(from, end)?, FROM_STRAIGHT)
+fn way(world: &World, from: &Surface, end: LightEnd) -> Option<SpecularConnection> {
+    world.connection_near(from, (end, None), world.first_direction(from, end)?, FROM_STRAIGHT)
 }
 
 fn is_near(found: f32, expected: f64, tolerance: f64) -> bool {
@@ -141,27 +141,36 @@ fn balls() -> [World; 2] {
 
 #[test]
 fn differentials_are_differences() {
-    const STEP: f32 = 2e-3;
     for world in balls() {
         let from = floor(&world, 0.1, -0.15);
         let direction = vec3(0.1, -0.05, 1.0).normalize();
         let frame = Frame::from_normal(direction);
         // Lights where that leads.
-        let beam = world.trace_chain(&from, direction, &frame, LightEnd::Direction(direction)).unwrap().beam;
-        for end in [LightEnd::Direction(beam.ray.direction), LightEnd::Point(beam.ray.at(4.0))] {
-            let trace_chain = |step: Vec2| {
-                let direction = frame.to_world(step.extend(1.0)).normalize();
-                world.trace_chain(&from, direction, &frame, end).unwrap()
-            };
-            let shot = trace_chain(Vec2::ZERO);
-            assert!(shot.beam.transmittance.x < 0.93, "two faces");
-            for (axis, by) in [(Vec2::X, shot.jacobian.x_axis), (Vec2::Y, shot.jacobian.y_axis)] {
-                let [more, less] = [STEP, -STEP].map(|step| trace_chain(axis * step).beside);
-                let difference = (more - less) / (2.0 * STEP);
-                let most = shot.jacobian.x_axis.length().max(shot.jacobian.y_axis.length());
-                assert!((difference - by).length() < 0.02 * most, "{by}, not {difference}: {end:?}");
+        for kind in [None, Some(0), Some(1)] {
+            let towards = |end| world.trace_chain(&from, (direction, &frame), (end, kind));
+            // Any direction, as no light is behind a chain that leads back to the floor.
+            let last = [Vec3::Z, -Vec3::Z].into_iter().find_map(|sun| towards(LightEnd::Direction(sun))).unwrap().beam;
+            for end in [LightEnd::Direction(last.ray.direction), LightEnd::Point(last.ray.at(4.0))] {
+                differences(&world, &from, (direction, &frame), (end, kind));
             }
         }
+    }
+}
+
+/// Compares a chain's derivatives with differences.
+fn differences(world: &World, from: &Surface, (direction, frame): (Vec3, &Frame), chain: (LightEnd, Reflection)) {
+    const STEP: f32 = 2e-3;
+    let trace_chain = |step: Vec2| {
+        let direction = frame.to_world(step.extend(1.0)).normalize();
+        world.trace_chain(from, (direction, frame), chain).unwrap()
+    };
+    let arrival = trace_chain(Vec2::ZERO);
+    assert!(arrival.beam.transmittance.x < 0.93, "two faces, or a reflection");
+    for (axis, by) in [(Vec2::X, arrival.jacobian.x_axis), (Vec2::Y, arrival.jacobian.y_axis)] {
+        let [more, less] = [STEP, -STEP].map(|step| trace_chain(axis * step).beside);
+        let difference = (more - less) / (2.0 * STEP);
+        let most = arrival.jacobian.x_axis.length().max(arrival.jacobian.y_axis.length());
+        assert!((difference - by).length() < 0.02 * most, "{by}, not {difference}: {chain:?}");
     }
 }
 
@@ -208,7 +217,7 @@ fn photons_go_through_every_instance() {
     let [_, world] = balls();
     // Below the first and the second.
     for (x, y) in [(0.3, 0.2), (8.7, 8.8)] {
-        assert!(world.glass.photons.starts(0, floor(&world, x, y).position).count() > 0, "{x}, {y}");
+        assert!(world.specular.refracted.starts(0, floor(&world, x, y).position).iter().count() > 0, "{x}, {y}");
     }
 }
 
@@ -233,7 +242,7 @@ fn photons_leave_a_solid_around_their_light() {
             camera: Some(CAMERA),
             ..Scene::default()
         });
-        let starts = world.unwrap().glass.photons.starts(0, place(vec3(0.3, 0.2, 0.0))).count();
+        let starts = world.unwrap().specular.refracted.starts(0, place(vec3(0.3, 0.2, 0.0))).iter().count();
         assert!(starts > 0, "{radius}, {scale}, {away}");
     }
 }
@@ -295,7 +304,7 @@ fn walls_within_and_behind_glass_throw_shadows() {
 }
 
 /// What the ways of light bring to a surface that faces up.
-fn brought<'a>(ways: impl Iterator<Item = &'a RefractedConnection>) -> f32 {
+fn brought<'a>(ways: impl Iterator<Item = &'a SpecularConnection>) -> f32 {
     ways.map(|way| way.spread * way.transmittance.x * way.direction.z).sum()
 }
 
@@ -313,10 +322,10 @@ fn photons_find_nearly_all_ways() {
             let place = 0.3 * (0.03 * f32::from(i)).powi(2) * Vec2::from_angle(2.4 * f32::from(i));
             let from = floor(&world, place.x, place.y);
             found += brought(world.refracted_connections(&from, (end, 0), None).iter());
-            let mut all: Vec<RefractedConnection> = Vec::new();
+            let mut all: Vec<SpecularConnection> = Vec::new();
             for start in 0..STARTS * STARTS {
                 let place = (vec2(f32::from(start % STARTS), f32::from(start / STARTS)) + 0.5) / f32::from(STARTS);
-                let way = world.refracted_connection_near(&from, end, UniformHemisphere.map(place), FROM_STRAIGHT);
+                let way = world.connection_near(&from, (end, None), UniformHemisphere.map(place), FROM_STRAIGHT);
                 all.extend(way.filter(|way| !all.iter().any(|other| way.direction.distance(other.direction) < 0.01)));
             }
             there += brought(all.iter());

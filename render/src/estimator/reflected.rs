@@ -1,0 +1,114 @@
+//! Light of points, spots and suns that arrives from a mirror or a glass face, by connections with one reflection.
+//!
+//! Where photons have left starts, manifold exploration finds the connections (see
+//! [`specular`](crate::world::SpecularConnection)). They are samples of their own, beside that of a light: which light is
+//! reflected to a point, the light tree does not know, as it may be behind the surface. One number `r` in [0, 1) decides
+//! which starts are worth a search, all of them with the same number: those with
+//!
+//! `r < q = min(1, s / ALWAYS)`,
+//!
+//! where `s` is a start's strength, and what they find is divided by `q`. The strongest come first, so that a connection
+//! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
+//! chosen by what it brings.
+//!
+//! A light with a size is a disc that faces the photon's direction, of which one point is sampled.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
+
+use super::punctual::{in_cap, intensity};
+use crate::light::Light;
+use crate::scene::PunctualLight;
+use crate::world::{LightEnd, SpecularConnection, Start, Surface, World};
+
+/// The strength from which on a start is always searched.
+const ALWAYS: f32 = 0.1;
+/// The most connections to a point.
+const MAX_CONNECTIONS: usize = 16;
+/// How much finer the digits are that decide about searches and choose among connections than those that place a point on
+/// a light.
+const FINER: f32 = 4096.0;
+
+/// Reflected light that arrives if nothing is in between.
+pub(crate) struct ReflectedLight {
+    /// The index of the light.
+    pub light: u32,
+    /// The unit vector by which it arrives.
+    pub direction: Vec3,
+    /// The ray from the last face to the light.
+    pub shadow: Ray,
+    /// Irradiance on what faces the direction, over the probability of the choice.
+    pub received: Vec3,
+    /// Whether bounces of narrow lobes find it too: it has a size, and its chain begins with the reflection.
+    pub is_seen: bool,
+}
+
+/// A sample of the light that mirrors and glass reflect to a surface.
+#[inline(never)]
+pub(crate) fn sample_reflected(world: &World, surface: &Surface, u: Vec2) -> Option<ReflectedLight> {
+    let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
+    let mut found: [Option<(u32, SpecularConnection)>; MAX_CONNECTIONS] = Default::default();
+    let (mut count, mut total, mut chosen) = (0, 0.0, None);
+    for (index, starts) in world.reflected_starts(surface.position) {
+        let Light::Punctual(light) = &world.lights.lights()[index as usize] else { continue };
+        let moved = world.motion().and_then(|_| world.moved_light(index, light, surface.time));
+        let light = moved.as_ref().unwrap_or(light);
+        for start in starts.strongest_first().iter() {
+            let probability = (start.strength / ALWAYS).min(1.0);
+            if roulette >= probability || count == MAX_CONNECTIONS {
+                break;
+            }
+            let (end, spread_of_size) = light_end(light, start, u);
+            // The spacing of a sun's photons is no angle.
+            let spacing = if let LightEnd::Point(_) = end { start.spacing } else { 0.0 };
+            if !surface.transmits && surface.normal.dot(start.direction) <= 0.0 {
+                continue;
+            }
+            let Some(connection) = world.connection_from(surface, (end, start.reflection), start.direction) else {
+                continue;
+            };
+            let is_known =
+                |(other, known): &(u32, SpecularConnection)| *other == index && known.is_same(&connection, spacing);
+            if found.iter().flatten().any(is_known) {
+                continue;
+            }
+            let SpecularConnection { direction, rest, leaving, transmittance, spread, .. } = connection;
+            let received = transmittance * intensity(light, leaving) * (spread_of_size * spread / probability);
+            let brought = received.element_sum() * surface.shading_normal.dot(direction).abs();
+            if brought > 0.0 {
+                total += brought;
+                let share = brought / total;
+                if choice < share {
+                    let is_seen = start.reflection == Some(0) && light.has_size();
+                    chosen =
+                        Some((ReflectedLight { light: index, direction, shadow: rest, received, is_seen }, brought));
+                    choice /= share;
+                } else {
+                    choice = (choice - share) / (1.0 - share);
+                }
+            }
+            found[count] = Some((index, connection));
+            count += 1;
+        }
+    }
+    let (light, brought) = chosen?;
+    Some(ReflectedLight { received: light.received * (total / brought), ..light })
+}
+
+/// The point or direction of a light that two numbers in [0, 1) mean, and the radiance of that part over the density of its
+/// choice, for an intensity or irradiance of one.
+fn light_end(light: &PunctualLight, start: &Start, u: Vec2) -> (LightEnd, f32) {
+    if let PunctualLight::Directional { direction, half_angle, .. } = *light {
+        let (sin, cos) = half_angle.sin_cos();
+        let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
+        return (LightEnd::Direction(to_light), 2.0 / (1.0 + cos));
+    }
+    let (position, _, radius) = light.place().unwrap_or_default();
+    let across = Frame::from_normal(start.sent.normalize_or_zero()).to_world(PolarDisc.map(u).extend(0.0));
+    (LightEnd::Point(position + radius * across), 1.0)
+}
+
+#[cfg(test)]
+mod tests;
