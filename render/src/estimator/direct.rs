@@ -95,7 +95,7 @@ fn sample_mirrored(
     (choice, v): (f64, f32),
 ) -> Option<ShadowRay> {
     let numbers = Vec2::new((choice as f32).min(ONE_MINUS_EPSILON), v);
-    let ReflectedLight { direction, shadow, received, .. } = sample_reflected(world, surface, numbers)?;
+    let ReflectedLight { direction, shadow, received, .. } = sample_reflected(world, surface, 1.0, numbers)?;
     let (scattered, density) = scattering.eval(direction);
     let radiance = scattered * received * lights.light_weight(0.0, density);
     radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: shadow, direction, radiance })

@@ -5,7 +5,7 @@
 //! reflected to a point, the light tree does not know, as it may be behind the surface. One number `r` in [0, 1) decides
 //! which starts are worth a search, all of them with the same number: those with
 //!
-//! `r < q = min(1, s / ALWAYS)`,
+//! `r ≤ q = min(1, s / ALWAYS)`,
 //!
 //! where `s` is a start's strength, and what they find is divided by `q`. The strongest come first, so that a connection
 //! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
@@ -24,7 +24,7 @@ use crate::scene::PunctualLight;
 use crate::world::{LightEnd, SpecularConnection, Start, Surface, World};
 
 /// The strength from which on a start is always searched.
-const ALWAYS: f32 = 0.1;
+const ALWAYS: f32 = 0.5;
 /// The most connections to a point.
 const MAX_CONNECTIONS: usize = 16;
 /// How much finer the digits are that decide about searches and choose among connections than those that place a point on
@@ -45,19 +45,21 @@ pub(crate) struct ReflectedLight {
     pub is_seen: bool,
 }
 
-/// A sample of the light that mirrors and glass reflect to a surface.
+/// A sample of the light that mirrors and glass reflect to a surface. The less important it is, from 0 to 1, the fewer
+/// searches are made.
 #[inline(never)]
-pub(crate) fn sample_reflected(world: &World, surface: &Surface, u: Vec2) -> Option<ReflectedLight> {
+pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32, u: Vec2) -> Option<ReflectedLight> {
+    let always = ALWAYS / importance;
     let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
     let mut found: [Option<(u32, SpecularConnection)>; MAX_CONNECTIONS] = Default::default();
     let (mut count, mut total, mut chosen) = (0, 0.0, None);
-    for (index, starts) in world.reflected_starts(surface.position) {
+    for (index, starts) in world.reflected_starts(surface.position, roulette * always) {
         let Light::Punctual(light) = &world.lights.lights()[index as usize] else { continue };
         let moved = world.motion().and_then(|_| world.moved_light(index, light, surface.time));
         let light = moved.as_ref().unwrap_or(light);
-        for start in starts.strongest_first().iter() {
-            let probability = (start.strength / ALWAYS).min(1.0);
-            if roulette >= probability || count == MAX_CONNECTIONS {
+        for start in starts.iter() {
+            let probability = (start.strength / always).min(1.0);
+            if count == MAX_CONNECTIONS {
                 break;
             }
             let (end, spread_of_size) = light_end(light, start, u);

@@ -155,6 +155,9 @@ impl World {
 
     /// The nearest surface along a ray, if it is smooth glass.
     fn face(&self, ray: &Ray, time: f32) -> Option<Face<'_>> {
+        if !self.has_clear_glass() || !self.specular.may_meet(ray) {
+            return None;
+        }
         let hit = self.intersect_at(ray, time);
         if !self.is_clear_glass(&hit) {
             return None;

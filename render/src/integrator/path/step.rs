@@ -16,6 +16,10 @@ use crate::light::SampledLight;
 use crate::settings::{LightSampling, Stop};
 use crate::world::{Hit, WHITE};
 
+/// The importance of light that mirrors reflect to surfaces that the camera does not see: bounces spread its noise over
+/// many pixels.
+const INDIRECT_IMPORTANCE: f32 = 0.25;
+
 impl Advance<'_, '_> {
     /// The step of those paths, by their places in the order by kind, whose surfaces have closures of one type.
     #[inline(always)]
@@ -244,8 +248,9 @@ impl Advance<'_, '_> {
     /// about one direction: [`Path::sees_lights`].
     #[inline(never)]
     fn sample_reflected_light<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, i: usize) {
+        let importance = if self.depth > 1 { INDIRECT_IMPORTANCE } else { 1.0 };
         let surface = block.surface(i, &WHITE);
-        let Some(sample) = sample_reflected(self.world, &surface, block.u_light[i]) else { return };
+        let Some(sample) = sample_reflected(self.world, &surface, importance, block.u_light[i]) else { return };
         let (scattered, density) = closures.eval(i, &surface, sample.direction);
         let density = self.bounce_density(i, sample.direction, density);
         if C::SHARES_LIGHTS && sample.is_seen && Path::is_narrow(density) {

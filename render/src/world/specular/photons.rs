@@ -22,8 +22,10 @@ mod send;
 use glam::{IVec3, Mat2, Vec2, Vec3};
 use halfdome_kernel::geometry::Aabb;
 use std::collections::{BTreeMap, HashMap};
+use std::hash::{BuildHasherDefault, Hasher};
 
 use super::chain::Reflection;
+use crate::light::Light;
 use crate::world::World;
 
 /// The least width of a cell, as a part of the body's radius.
@@ -53,11 +55,20 @@ pub(super) struct Photons {
 struct LightPhotons {
     photons: Vec<Photon>,
     /// In a cell, of photons whose starts are close to each other there, one; by level and place.
-    cells: HashMap<(i32, IVec3), Vec<u32>>,
-    /// Cells of a level are `2^level` wide: this, by level.
-    levels: Vec<(i32, f32)>,
+    cells: HashMap<(i32, IVec3), Vec<u32>, BuildHasherDefault<CellHasher>>,
+    levels: Vec<Level>,
     /// Around all footprints.
     bounds: Option<Aabb>,
+}
+
+/// Cells of one size.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    /// The binary logarithm of their width.
+    exponent: i32,
+    width: f32,
+    /// The greatest irradiance of a photon in them.
+    irradiance: f32,
 }
 
 /// A ray that has left the last face, and its change for one sent beside it, along each of two axes.
@@ -72,8 +83,8 @@ struct Photon {
     /// on the source.
     blur: f32,
     reflection: Reflection,
-    /// Its irradiance where it arrives, by that of the light without faces at the same distance.
-    strength: f32,
+    /// Its irradiance where it arrives, for an intensity of 1, or of a sun for an irradiance of 1.
+    irradiance: f32,
 }
 
 /// The emission of a photon: for a sun its origin, for other lights its direction.
@@ -91,7 +102,7 @@ pub(crate) struct Start {
     pub direction: Vec3,
     /// The kind of its chain.
     pub reflection: Reflection,
-    /// About how much light comes, as a part of what would come from the light without faces at the same distance.
+    /// About how much light comes, as a part of what would come straight from the light.
     pub strength: f32,
     /// The emission of a photon that arrives there (of a sun, its origin; of other lights, its direction), ...
     pub sent: Vec3,
@@ -145,7 +156,7 @@ impl Photon {
             sent: self.sent.at + place.x * self.sent.by[0] + place.y * self.sent.by[1],
             spacing: self.sent.by[0].length(),
             reflection: self.reflection,
-            strength: self.strength,
+            strength: self.irradiance,
             off,
         })
     }
@@ -165,15 +176,22 @@ impl Photons {
 
     /// The starts for a point of searches for the light of this index.
     pub(super) fn starts(&self, light: u32, point: Vec3) -> Starts {
-        self.lights.get(&light).map_or(Starts::NONE, |light| light.merged_starts(point))
+        self.lights.get(&light).map_or(Starts::NONE, |light| light.merged_starts(point, 0.0))
     }
 }
 
 impl World {
-    /// The lights whose reflections may arrive at a point, by index, and the starts of the searches for them.
-    pub(crate) fn reflected_starts(&self, point: Vec3) -> impl Iterator<Item = (u32, Starts)> {
-        let lights = self.specular.reflected.lights.iter().filter(move |(_, light)| light.may_reach(point));
-        lights.map(move |(&index, light)| (index, light.merged_starts(point)))
+    /// The lights whose reflections may arrive at a point, by index, and the starts of the searches for them that have at
+    /// least this strength, the strongest first.
+    pub(crate) fn reflected_starts(&self, point: Vec3, strength: f32) -> impl Iterator<Item = (u32, Starts)> {
+        let lights = self.specular.reflected.lights.iter().filter(move |(_, photons)| photons.may_reach(point));
+        lights.map(move |(&index, photons)| {
+            let distance_squared = match &self.lights.lights()[index as usize] {
+                Light::Punctual(light) => light.place().map_or(1.0, |(position, ..)| position.distance_squared(point)),
+                _ => 1.0,
+            };
+            (index, photons.merged_starts(point, strength / distance_squared).strongest_first(distance_squared))
+        })
     }
 }
 
@@ -195,21 +213,26 @@ impl Starts {
         self.starts[..self.count].iter()
     }
 
-    /// The same starts, the strongest first.
-    pub(crate) fn strongest_first(mut self) -> Self {
-        self.starts[..self.count].sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    /// The same starts, the strongest first, where the light has the reciprocal of this irradiance.
+    fn strongest_first(mut self, distance_squared: f32) -> Self {
+        let starts = &mut self.starts[..self.count];
+        starts.iter_mut().for_each(|start| start.strength *= distance_squared);
+        starts.sort_by(|a, b| b.strength.total_cmp(&a.strength));
         self
     }
 
     /// Adds a start, or puts it in the place of one that is farther from its light: of one beside it, or of the worst if
-    /// there is no place left.
+    /// there is no place left. It then counts as strong as the stronger of both.
     fn add(&mut self, start: Start) {
         let kept = &mut self.starts[..self.count];
         let same = kept.iter().position(|other| start.is_beside(other));
         let worst = || kept.iter().enumerate().max_by(|a, b| a.1.off.total_cmp(&b.1.off)).map(|(i, _)| i);
         match same.or_else(|| if self.count == MAX_STARTS { worst() } else { None }) {
-            Some(place) if start.off < kept[place].off => kept[place] = start,
-            Some(_) => {}
+            Some(place) => {
+                let other = &mut kept[place];
+                let strength = start.strength.max(other.strength);
+                *other = Start { strength, ..if start.off < other.off { start } else { *other } };
+            }
             None => {
                 self.starts[self.count] = start;
                 self.count += 1;
@@ -224,20 +247,22 @@ impl LightPhotons {
         self.bounds.is_some_and(|bounds| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all())
     }
 
-    /// The starts for a point, without those that lead to the same connection.
-    fn merged_starts(&self, point: Vec3) -> Starts {
+    /// The starts for a point by photons of at least this irradiance, without those that lead to the same connection.
+    fn merged_starts(&self, point: Vec3, irradiance: f32) -> Starts {
         let mut starts = Starts::NONE;
-        self.starts(point).for_each(|start| starts.add(start));
+        if self.may_reach(point) {
+            for level in self.levels.iter().filter(|level| level.irradiance >= irradiance) {
+                let photons = self.cells.get(&(level.exponent, cell(point, level.width))).into_iter().flatten();
+                let photons = photons.map(|&index| &self.photons[index as usize]);
+                let strong = photons.filter(|photon| photon.irradiance >= irradiance);
+                strong
+                    .filter_map(|photon| {
+                        photon.start(point, if photon.reflection.is_some() { 0.5 * level.width } else { level.width })
+                    })
+                    .for_each(|start| starts.add(start));
+            }
+        }
         starts
-    }
-
-    /// The starts of all photons around a point.
-    fn starts(&self, point: Vec3) -> impl Iterator<Item = Start> {
-        let levels = self.may_reach(point).then(|| self.levels.iter()).into_iter().flatten();
-        levels.flat_map(move |&(level, width)| {
-            let cell = self.cells.get(&(level, cell(point, width)));
-            cell.into_iter().flatten().filter_map(move |photon| self.photons[*photon as usize].start(point, width))
-        })
     }
 
     /// Adds a photon that has arrived from a body of this radius.
@@ -252,8 +277,9 @@ impl LightPhotons {
         let least = (MIN_CELL_IN_RADII * radius).max(MIN_CELL_IN_DISTANCES * point.abs().max_element());
         let level = greatest.max(least).log2().floor() as i32;
         let width = (level as f32).exp2();
-        if !self.levels.contains(&(level, width)) {
-            self.levels.push((level, width));
+        match self.levels.iter_mut().find(|other| other.exponent == level) {
+            Some(other) => other.irradiance = other.irradiance.max(photon.irradiance),
+            None => self.levels.push(Level { exponent: level, width, irradiance: photon.irradiance }),
         }
         let index = self.photons.len() as u32;
         self.photons.push(*photon);
@@ -300,4 +326,23 @@ fn cell(point: Vec3, width: f32) -> IVec3 {
     let scaled = point / width;
     let towards_zero = scaled.as_ivec3();
     towards_zero.saturating_sub(IVec3::from(scaled.cmplt(towards_zero.as_vec3())))
+}
+
+/// A hash of few words, faster than the standard library's, which withstands attackers.
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_i32(byte.into()));
+    }
+
+    fn write_i32(&mut self, word: i32) {
+        // Knuth's multiplier of a linear congruential generator.
+        self.0 = (self.0.rotate_left(13) ^ u64::from(word as u32)).wrapping_mul(6_364_136_223_846_793_005);
+    }
 }

@@ -1,6 +1,6 @@
 //! Light through water, balls and wedges, against Snell's law in double precision and against paths.
 
-use glam::{Affine3A, DMat2, DVec2, Quat, vec2, vec3};
+use glam::{Affine3A, DMat2, DVec2, Quat, Vec2, vec2, vec3};
 
 use halfdome_kernel::sampling::warp::{UniformHemisphere, Warp};
 
@@ -151,14 +151,14 @@ fn differentials_are_differences() {
             // Any direction, as no light is behind a chain that leads back to the floor.
             let last = [Vec3::Z, -Vec3::Z].into_iter().find_map(|sun| towards(LightEnd::Direction(sun))).unwrap().beam;
             for end in [LightEnd::Direction(last.ray.direction), LightEnd::Point(last.ray.at(4.0))] {
-                differences(&world, &from, (direction, &frame), (end, kind));
+                differences(&world, &from, &frame, (end, kind));
             }
         }
     }
 }
 
 /// Compares a chain's derivatives with differences.
-fn differences(world: &World, from: &Surface, (direction, frame): (Vec3, &Frame), chain: (LightEnd, Reflection)) {
+fn differences(world: &World, from: &Surface, frame: &Frame, chain: (LightEnd, Reflection)) {
     const STEP: f32 = 2e-3;
     let trace_chain = |step: Vec2| {
         let direction = frame.to_world(step.extend(1.0)).normalize();

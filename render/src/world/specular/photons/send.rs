@@ -224,14 +224,23 @@ impl Flight {
         }
         let DifferentialRay { d_origin, d_direction, transmittance, .. } = beam;
         let reflection = reflected.map(|index| faces - 1 - index);
-        let mut photon =
-            Photon { origin: beam.ray.origin, direction, d_origin, d_direction, sent, blur, reflection, strength: 0.0 };
+        let mut photon = Photon {
+            origin: beam.ray.origin,
+            direction,
+            d_origin,
+            d_direction,
+            sent,
+            blur,
+            reflection,
+            irradiance: 0.0,
+        };
         let across = [0, 1].map(|axis| photon.across(axis, hit.t));
-        // The footprint without faces has the same width along both axes.
-        let straight = sent.by[0].length() * if self.is_distant { 1.0 } else { self.length + hit.t };
-        let area = across[0].cross(across[1]).length();
-        photon.strength = transmittance.max_element() * (straight * straight / area.max(f32::MIN_POSITIVE));
-        if reflected.is_some() && !(photon.strength >= MIN_STRENGTH) {
+        // What has been sent, by what it arrives on.
+        let (sent_by, area) = (sent.by[0].length(), across[0].cross(across[1]).length().max(f32::MIN_POSITIVE));
+        photon.irradiance = transmittance.max_element() * (sent_by * sent_by / area);
+        // By that of the light without faces at the same distance.
+        let strength = photon.irradiance * if self.is_distant { 1.0 } else { (self.length + hit.t).powi(2) };
+        if reflected.is_some() && !(strength >= MIN_STRENGTH) {
             return None;
         }
         let slant = direction.dot(normal).abs().max(MIN_SLANT);
