@@ -77,7 +77,7 @@ fn main() -> Result<(), Error> {
             let (to_item, prim) = (to_scene.inverse(), found.hit.prim_id as usize);
             let local =
                 Ray::new(to_item.transform_point3(ray.ray.origin), to_item.transform_vector3(ray.ray.direction));
-            let surface = match found.geometry_id {
+            let surface = match found.item {
                 0 => RoundSurface::of(&local, &floor[prim]),
                 1 => RoundSurface::of(&local, &rail[prim]),
                 id if id % 2 == 0 => RoundSurface::of(&local, &grass[prim]),

@@ -104,7 +104,7 @@ fn main() -> Result<(), Error> {
         world.scene.view().intersect_many(&rays, &mut hits);
         tracing += start.elapsed().as_secs_f64();
         checksum = hits.iter().filter(|hit| hit.is_hit()).fold(checksum, |sum, hit| {
-            sum.rotate_left(5) ^ hit.hit.t.to_bits() ^ hit.hit.prim_id.rotate_left(16) ^ hit.geometry_id
+            sum.rotate_left(5) ^ hit.hit.t.to_bits() ^ hit.hit.prim_id.rotate_left(16) ^ hit.item
         });
     }
     let triangles = 2 * rings * rings;

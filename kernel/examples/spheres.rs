@@ -65,7 +65,7 @@ fn main() -> Result<(), Error> {
     for (ray, found) in rays.iter().zip(&hits) {
         let point = ray.ray.at(found.hit.t);
         let prim = found.hit.prim_id as usize;
-        let normal = match found.geometry_id {
+        let normal = match found.item {
             0 => triangle_normal(&floor[prim]),
             1 => (point - beads.0.0[prim].center).normalize(),
             2 => (point - balls.0[prim].center - vec3(0.0, 0.0, -0.5)).normalize(),

@@ -49,7 +49,7 @@
 //! let items = vec![Item::new(bvh.view()), Item::new(bvh.view()).placed(&right).unwrap()];
 //! let (scene, _) = Scene::build(items, &BuildOptions::default()).unwrap();
 //! let hit = scene.view().intersect(&Ray::new(Vec3::new(5.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.geometry_id, hit.hit.prim_id, hit.hit.t), (1, 0, 1.0));
+//! assert_eq!((hit.item, hit.hit.prim_id, hit.hit.t), (1, 0, 1.0));
 //! # }
 //! ```
 //!

@@ -423,7 +423,7 @@ typedef struct hd_scene_hit {
     /**
      * The item that has the mesh: its number in the scene that has the item.
      */
-    uint32_t geometry_id;
+    uint32_t item;
     /**
      * How many items that are scenes the ray went through on its way there.
      */
@@ -439,7 +439,7 @@ typedef struct hd_scene_hit {
  */
 typedef struct hd_handle {
     /**
-     * The item's number: the geometry_id of its hits.
+     * The item's index: the item field of its hits.
      */
     uint32_t index;
     /**
@@ -642,7 +642,7 @@ hd_status hd_scene_build(const struct hd_item *items,
                          struct hd_scene **scene);
 
 /**
- * Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest item, then prim_id, then path.
  */
 hd_status hd_scene_intersect(const struct hd_scene *scene, const struct hd_scene_ray *ray, struct hd_scene_hit *hit);
 
@@ -750,9 +750,9 @@ hd_status hd_scene_commit(struct hd_scene *scene,
                           struct hd_commit *commit);
 
 /**
- * Gives the handle of the item that a hit names by its geometry_id. HD_ERROR_VALUE if it was removed since.
+ * Gives the handle of the item that a hit names by its item field. HD_ERROR_VALUE if it was removed since.
  */
-hd_status hd_scene_handle(const struct hd_scene *scene, uint32_t geometry_id, struct hd_handle *handle);
+hd_status hd_scene_handle(const struct hd_scene *scene, uint32_t item, struct hd_handle *handle);
 
 /**
  * Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are nearer

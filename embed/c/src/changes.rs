@@ -13,7 +13,7 @@ use crate::status::{Failure, guard, hd_status};
 #[derive(Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct hd_handle {
-    /// The item's number: the geometry_id of its hits.
+    /// The item's index: the item field of its hits.
     pub index: u32,
     /// How many items had this number before.
     pub generation: u32,
@@ -147,18 +147,14 @@ pub unsafe extern "C" fn hd_scene_commit(scene: Option<&mut hd_scene>, commit: *
     })
 }
 
-/// Gives the handle of the item that a hit names by its geometry_id. HD_ERROR_VALUE if it was removed since.
+/// Gives the handle of the item that a hit names by its item field. HD_ERROR_VALUE if it was removed since.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hd_scene_handle(
-    scene: Option<&hd_scene>,
-    geometry_id: u32,
-    handle: *mut hd_handle,
-) -> hd_status {
+pub unsafe extern "C" fn hd_scene_handle(scene: Option<&hd_scene>, item: u32, handle: *mut hd_handle) -> hd_status {
     guard(|| {
         let scene = self::handle("scene", scene)?;
         check("handle", handle, 1)?;
-        let Some(found) = scene.0.handle(geometry_id) else {
-            let message = format!("there is no item {geometry_id}");
+        let Some(found) = scene.0.handle(item) else {
+            let message = format!("there is no item {item}");
             return Err(Failure::new(crate::status::hd_status::HD_ERROR_VALUE, message));
         };
         // SAFETY: the caller's promise.

@@ -72,7 +72,7 @@ pub struct hd_scene_hit {
     /// Where, and which triangle of its mesh. t is the same in all spaces.
     pub hit: hd_hit,
     /// The item that has the mesh: its number in the scene that has the item.
-    pub geometry_id: u32,
+    pub item: u32,
     /// How many items that are scenes the ray went through on its way there.
     pub depth: u32,
     /// The number of that way among all in the scene; hd_scene_instances lists the items.
@@ -204,7 +204,7 @@ pub(crate) fn transform(rows: &[f32; 12]) -> Affine3A {
     }
 }
 
-/// Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest item, then prim_id, then path.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_intersect(
     scene: Option<&hd_scene>,

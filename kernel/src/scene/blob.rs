@@ -49,7 +49,7 @@
 //! let mut items = [const { Item::nothing() }; 2];
 //! let scene = SceneView::from_bytes(&bytes, &mut items)?;
 //! let hit = scene.intersect(&Ray::new(Vec3::new(5.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.geometry_id, hit.hit.t), (1, 1.0));
+//! assert_eq!((hit.item, hit.hit.t), (1, 1.0));
 //! # }
 //! # Ok::<(), halfdome_kernel::Error>(())
 //! ```

@@ -10,7 +10,7 @@ pub struct Handle {
 }
 
 impl Handle {
-    /// The item's index: the `geometry_id` of its hits.
+    /// The item's index: the `item` of its hits.
     pub fn index(self) -> u32 {
         self.index
     }

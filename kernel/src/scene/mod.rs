@@ -35,7 +35,7 @@
 //! scene.set_transform(handle, &Affine3A::from_translation(Vec3::NEG_Z))?;
 //! scene.commit()?;
 //! let hit = scene.view().intersect(&Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.hit.t, scene.handle(hit.geometry_id)), (2.0, Some(handle)));
+//! assert_eq!((hit.hit.t, scene.handle(hit.item)), (2.0, Some(handle)));
 //! # }
 //! # Ok::<(), halfdome_kernel::Error>(())
 //! ```
@@ -43,7 +43,7 @@
 //! # What a hit is
 //! The ray is transformed into the item's own space by the inverse of its transform, in `f64`, and rounded once: the
 //! hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with this local ray. Its direction is not
-//! normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `geometry_id` counts,
+//! normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `item` counts,
 //! then the lowest `prim_id`, then the lowest `path`. So what is hit does not depend on the order of the tree, and is
 //! equal bit for bit on every instruction set and to the loop in [`mod@reference`].
 //!

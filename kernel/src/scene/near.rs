@@ -25,7 +25,7 @@ use crate::simd::Level;
 impl SceneView<'_> {
     /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and
     /// the hit that identifies the triangle, with the distance as its `t`. Only items whose mask has a bit in common
-    /// with `mask` count; points, curves and custom shapes do not. Of equally close ones the lowest `geometry_id`
+    /// with `mask` count; points, curves and custom shapes do not. Of equally close ones the lowest `item`
     /// counts, then the lowest `prim_id`, then the lowest `path`.
     ///
     /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
@@ -106,7 +106,7 @@ impl Proximity for Closest {
 
     fn meet(&mut self, triangle: &Triangle, place: SceneHit) -> ControlFlow<()> {
         let foot = ClosestCandidate { prim_id: place.hit.prim_id, ..closest_point(self.point, triangle) };
-        let order = |foot: &ClosestCandidate, place: &SceneHit| (place.geometry_id, foot.prim_id, place.path);
+        let order = |foot: &ClosestCandidate, place: &SceneHit| (place.item, foot.prim_id, place.path);
         let is_first = || order(&foot, &place) < order(&self.best, &self.place);
         if foot.distance2 < self.best.distance2 || foot.distance2 == self.best.distance2 && is_first() {
             (self.best, self.place) = (foot, place);
@@ -176,7 +176,7 @@ impl<Q: Proximity> Visit<'_, Q> {
                 };
                 let Some(space) = space.of(&item.placement, self.time) else { continue };
                 let hit = Hit { prim_id: part.prim_id, ..Hit::MISS };
-                let place = SceneHit { hit, geometry_id: part.item, depth, path };
+                let place = SceneHit { hit, item: part.item, depth, path };
                 self.item(item, &space, place, first_path + item.first_path)?;
             }
         }

@@ -198,9 +198,9 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The handle of the item that a hit names by its `geometry_id`; `None` if it has been removed since.
-    pub fn handle(&self, geometry_id: u32) -> Option<Handle> {
-        self.places.handle(geometry_id)
+    /// The handle of the item that a hit names by its `item`; `None` if it has been removed since.
+    pub fn handle(&self, item: u32) -> Option<Handle> {
+        self.places.handle(item)
     }
 
     /// The handles of all items, in the order of their indices.

@@ -23,7 +23,7 @@ pub struct SceneHit {
     /// The hit in the item's geometry. `t` is the same in all spaces, as the direction is not normalised.
     pub hit: Hit,
     /// The index of the item with the geometry, in the scene that has the item.
-    pub geometry_id: u32,
+    pub item: u32,
     /// The number of nested scenes around the item; 0 in the outermost scene itself.
     pub depth: u32,
     /// The index of the path to it among all paths of the scene; [`SceneView::instances`](super::SceneView::instances)
@@ -61,7 +61,7 @@ impl From<Ray> for SceneRay {
 
 impl SceneHit {
     /// What batches write for a ray that hits nothing.
-    pub const MISS: Self = Self { hit: Hit::MISS, geometry_id: u32::MAX, depth: 0, path: u64::MAX };
+    pub const MISS: Self = Self { hit: Hit::MISS, item: u32::MAX, depth: 0, path: u64::MAX };
 
     /// Whether something was hit.
     #[inline]
@@ -72,7 +72,7 @@ impl SceneHit {
     /// Whether this hit is nearer than `other`, or as near and before it: by geometry, then by part, then by path.
     #[inline]
     pub(super) fn precedes(&self, other: &Self) -> bool {
-        let order = |hit: &Self| (hit.geometry_id, hit.hit.prim_id, hit.path);
+        let order = |hit: &Self| (hit.item, hit.hit.prim_id, hit.path);
         self.hit.t < other.hit.t || self.hit.t == other.hit.t && order(self) < order(other)
     }
 }

@@ -222,7 +222,7 @@ impl<'a> SceneView<'a> {
         for (_, item) in instances.by_ref() {
             whole *= item.to_scene(time)?;
         }
-        Some(whole * instances.scene?.items.get(hit.geometry_id as usize)?.to_scene(time)?)
+        Some(whole * instances.scene?.items.get(hit.item as usize)?.to_scene(time)?)
     }
 
     /// The items with nested scenes on the path to a hit, the outermost first; empty for a hit of another scene.

@@ -219,7 +219,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
             return ControlFlow::Continue(());
         };
         let path = self.first_path + (self.scene.paths() - 1);
-        let common = SceneHit { hit: Hit::MISS, geometry_id: index, depth: self.depth, path };
+        let common = SceneHit { hit: Hit::MISS, item: index, depth: self.depth, path };
         match item.object.target() {
             Target::Nothing => ControlFlow::Continue(()),
             Target::Mesh(tree) => self.search.visit_mesh::<S>(&tree, &ray, common, self.triangles),

@@ -102,7 +102,7 @@ fn change(blob: &mut Blob, bytes: &mut Bytes) {
 fn trace_scene(blob: &[u8], bytes: &mut Bytes) {
     // Two triangles may have one index by now, so that weights may be of either.
     let first = |scene: &SceneView, ray: &SceneRay| {
-        scene.intersect(ray).map(|hit| (hit.hit.t, hit.hit.prim_id, hit.geometry_id, hit.path))
+        scene.intersect(ray).map(|hit| (hit.hit.t, hit.hit.prim_id, hit.item, hit.path))
     };
     let loaded = Scene::from_bytes(blob);
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];

@@ -247,7 +247,7 @@ pub extern "C" fn scene_closest_points(count: usize, mask: u32, time: f32) -> *c
 
 fn push_hits(answer: &mut Answer, hits: &[SceneHit]) {
     answer.push_hits(hits.iter().map(|hit| &hit.hit));
-    answer.push_words(hits.iter().map(|hit| hit.geometry_id));
+    answer.push_words(hits.iter().map(|hit| hit.item));
 }
 
 impl Stage {

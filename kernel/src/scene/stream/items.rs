@@ -75,7 +75,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
                 continue;
             }
             active.set_up(&setups, lane, A::ANY);
-            let common = SceneHit { geometry_id: item, ..self.common };
+            let common = SceneHit { item, ..self.common };
             active.best = self.answers.to_precede(active.number, t_max, &common);
             self.trees.enter_item(place, item, mesh);
             self.turned &= !(1 << place);

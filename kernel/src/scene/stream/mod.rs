@@ -237,7 +237,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     /// What hits in the item that the ray at a place is in have in common.
     #[inline(always)]
     fn common_of(&self, place: usize) -> SceneHit {
-        SceneHit { geometry_id: self.trees.item(place), ..self.common }
+        SceneHit { item: self.trees.item(place), ..self.common }
     }
 }
 

@@ -96,7 +96,7 @@ fn an_update_that_is_refused_leaves_the_scene_as_it_was() {
         let found = check(&scene.view(), &rays);
         assert_eq!(found > 0, left > 0);
         for hit in rays.iter().filter_map(|ray| scene.view().intersect(ray)) {
-            assert!((hit.hit.prim_id as usize) < 2 * left && scene.handle(hit.geometry_id) == Some(handle));
+            assert!((hit.hit.prim_id as usize) < 2 * left && scene.handle(hit.item) == Some(handle));
         }
     }
 }

@@ -71,7 +71,7 @@ fn rays_beyond_the_limits_hit_nothing() {
     let fast = Ray { direction: Vec3::splat(-5e14), ..good };
     for ray in [far, fast] {
         let found = scene.view().intersect(&Ray { t_max: inf, ..ray }.into());
-        assert!(found.is_none_or(|found| found.geometry_id == 0), "{ray:?}");
+        assert!(found.is_none_or(|found| found.item == 0), "{ray:?}");
         check(&scene.view(), &[ray.into()]);
     }
     let mut random = Random(41);
@@ -105,7 +105,7 @@ fn scenes_nest_until_paths_have_no_numbers() {
         deepest = pair_of(deepest);
         assert_eq!(deepest.levels(), level);
         let found = deepest.intersect(&ray.with_mask(1)).unwrap();
-        assert_eq!((found.hit.t, found.geometry_id, found.depth), (2.0 + level as f32, 0, level as u32));
+        assert_eq!((found.hit.t, found.item, found.depth), (2.0 + level as f32, 0, level as u32));
         assert_eq!(instances(deepest, &found), vec![1; level]);
         let moved = Affine3A::from_translation(vec3(0.0, 0.0, -(level as f32)));
         assert_eq!(deepest.to_scene(&found, 0.0), Some(moved));

@@ -50,7 +50,7 @@ fn instances(scene: &SceneView, hit: &SceneHit) -> Vec<u32> {
 
 /// A verdict that looks arbitrary, and depends on the hit alone.
 fn verdict(hit: &SceneHit) -> Verdict {
-    let sum = hit.hit.prim_id ^ hit.hit.t.to_bits() >> 9 ^ hit.geometry_id;
+    let sum = hit.hit.prim_id ^ hit.hit.t.to_bits() >> 9 ^ hit.item;
     if sum.is_multiple_of(3) { Verdict::Accept } else { Verdict::Reject }
 }
 

@@ -103,7 +103,7 @@ fn instances_are_where_their_transforms_take_them() {
     // 10 + 2 * 0.75 along x, one above.
     let (point, hit) = view.closest_point(vec3(11.5, 0.5, 1.0), f32::INFINITY, 0.0, u32::MAX).unwrap();
     assert_eq!((point, hit.hit.t, hit.hit.prim_id), (vec3(11.5, 0.5, 0.0), 1.0, 0));
-    assert_eq!((hit.geometry_id, hit.depth, instances(&view, &hit)), (0, 1, vec![0]));
+    assert_eq!((hit.item, hit.depth, instances(&view, &hit)), (0, 1, vec![0]));
     let height = |time: f32| view.closest_point(vec3(0.25, 0.5, 20.0), 100.0, time, 2).map(|(point, _)| point.z);
     assert_eq!([0.0, 0.25, 1.0, 7.0].map(height), [0.0, 2.0, 8.0, 8.0].map(Some));
     assert_eq!(height(f32::NAN), None);

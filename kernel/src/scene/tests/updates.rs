@@ -110,8 +110,8 @@ fn changed_scenes_equal_scenes_built_anew() {
         assert_same_hits(&scene.view(), &fresh.view(), &rays);
         assert_eq!(scene.view().bounds(), fresh.view().bounds());
         for hit in hits(&scene.view(), &rays).iter().filter(|hit| hit.is_hit() && hit.depth == 0) {
-            let handle = scene.handle(hit.geometry_id).unwrap();
-            assert!(handle.index() == hit.geometry_id && scene.get(handle).is_some() && !removed.contains(&handle));
+            let handle = scene.handle(hit.item).unwrap();
+            assert!(handle.index() == hit.item && scene.get(handle).is_some() && !removed.contains(&handle));
         }
     }
     assert!(fits > 15 && builds > 10 && found > fewer(500), "{fits} {builds} {found}");
@@ -222,7 +222,7 @@ fn what_is_flat_or_far_is_hidden_until_it_comes_back() {
     scene.commit().unwrap();
     let rays = rays(&mut random, &Scene::build(vec![Item::new(mesh)], &BuildOptions::default()).unwrap().0.view(), 300);
     let before = hits(&scene.view(), &rays);
-    let of_first = |hits: &[SceneHit]| hits.iter().filter(|hit| hit.geometry_id == 0).count();
+    let of_first = |hits: &[SceneHit]| hits.iter().filter(|hit| hit.item == 0).count();
     assert!(of_first(&before) > 20);
     for hidden in [Affine3A::from_scale(Vec3::ZERO), Affine3A::from_translation(Vec3::X * 1e13)] {
         scene.set_transform(handle, &hidden).unwrap();

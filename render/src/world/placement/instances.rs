@@ -166,8 +166,8 @@ impl Instances {
     }
 
     fn hit(&self, found: &SceneHit) -> Hit {
-        let prim_id = self.first_prims[found.geometry_id as usize] + found.hit.prim_id;
-        let instance = if self.moving == Some(found.geometry_id) { 0 } else { found.geometry_id + 1 };
+        let prim_id = self.first_prims[found.item as usize] + found.hit.prim_id;
+        let instance = if self.moving == Some(found.item) { 0 } else { found.item + 1 };
         Hit { prim_id, instance, ..Hit::of(&found.hit) }
     }
 
