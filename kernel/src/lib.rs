@@ -79,7 +79,7 @@
 //! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
 //! | to follow triangles that move | `Bvh::refit` |
 //! | where the next ray may start | [`offset_origin`] |
-//! | spheres, discs, round curves in place of triangles | [`RoundView`], [`geometry::round`] |
+//! | spheres, discs, round curves in place of triangles | [`RoundBvhView`], [`geometry::round`] |
 //!
 //! # Modules
 //!
@@ -147,8 +147,11 @@ pub mod traverse;
 #[cfg(feature = "rayon")]
 pub use bvh::RayonExecutor;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, RoundBvh, Serial, UnknownQuality};
-pub use bvh::{BvhView, RoundView};
+pub use bvh::{
+    BuildOptions, BuildReport, Bvh, Executor, MovingBvh, Quality, Refit, RoundBvh, Serial, TreeStatistics,
+    UnknownQuality,
+};
+pub use bvh::{BvhView, MovingBvhView, RoundBvhView};
 pub use error::{Error, InvalidMesh, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
     Aabb, CubicCurve, Disc, Hit, HitPacket, LinearCurve, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket,

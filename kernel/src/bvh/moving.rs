@@ -8,7 +8,7 @@ use super::contents::{Contents, LeafShape, TRIANGLES};
 use super::executor::{Executor, Serial};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
-use super::{MovingView, Node, TriangleBlock, fit, validate};
+use super::{MovingBvhView, Node, TriangleBlock, fit, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::round::RoundFault;
 use crate::geometry::{Aabb, Triangle};
@@ -84,12 +84,12 @@ impl MovingBvh {
             tree.nodes.append(&mut nodes);
             tree.blocks.append(&mut blocks);
         }
-        tree.bounds = MovingView::trusted(&tree.nodes, &tree.blocks, tree.keys).bounds();
+        tree.bounds = MovingBvhView::trusted(&tree.nodes, &tree.blocks, tree.keys).bounds();
         Ok((tree, report))
     }
 
     /// A copy of a tree in borrowed memory.
-    pub(crate) fn copy_of(tree: &MovingView) -> Self {
+    pub(crate) fn copy_of(tree: &MovingBvhView) -> Self {
         let keys = 0..tree.keys();
         let nodes = keys.clone().flat_map(|key| tree.nodes(key)).copied().collect();
         let blocks = keys.flat_map(|key| tree.blocks(key)).copied().collect();
@@ -102,8 +102,8 @@ impl MovingBvh {
     }
 
     /// Borrows the tree for tracing.
-    pub fn view(&self) -> MovingView<'_> {
-        MovingView::with_bounds(&self.nodes, &self.blocks, self.keys, self.bounds)
+    pub fn view(&self) -> MovingBvhView<'_> {
+        MovingBvhView::with_bounds(&self.nodes, &self.blocks, self.keys, self.bounds)
     }
 }
 

@@ -9,7 +9,7 @@ use super::node::{Child, Node, WIDTH};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, SphereBlock, leaf_bounds};
-use super::{Bvh, RoundBlocks, RoundView, validate};
+use super::{Bvh, RoundBlocks, RoundBvhView, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::round::RoundPrimitive;
 use crate::geometry::{Aabb, CubicCurve, Disc, LinearCurve, Sphere};
@@ -96,7 +96,7 @@ impl RoundBvh {
     }
 
     /// A copy of a tree.
-    pub(crate) fn copy_of(tree: &RoundView) -> Self {
+    pub(crate) fn copy_of(tree: &RoundBvhView) -> Self {
         let blocks = match tree.blocks() {
             RoundBlocks::Spheres(blocks) => Blocks::Spheres(blocks.to_vec()),
             RoundBlocks::Discs(blocks) => Blocks::Discs(blocks.to_vec()),
@@ -107,14 +107,14 @@ impl RoundBvh {
     }
 
     /// Borrows the tree for tracing.
-    pub fn view(&self) -> RoundView<'_> {
+    pub fn view(&self) -> RoundBvhView<'_> {
         let blocks = match &self.blocks {
             Blocks::Spheres(blocks) => RoundBlocks::Spheres(blocks),
             Blocks::Discs(blocks) => RoundBlocks::Discs(blocks),
             Blocks::LinearCurves(blocks) => RoundBlocks::LinearCurves(blocks),
             Blocks::CubicCurves(blocks) => RoundBlocks::CubicCurves(blocks),
         };
-        RoundView::with_bounds(&self.nodes, blocks, self.bounds)
+        RoundBvhView::with_bounds(&self.nodes, blocks, self.bounds)
     }
 
     /// Memory of nodes and blocks in bytes.

@@ -69,7 +69,7 @@ use layout::{
 
 use super::{Item, Object, Part, SceneView};
 use crate::bvh::blob_header::{BlobHeader, HEADER};
-use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, RoundBlocks, RoundView, TriangleBlock, WIDTH};
+use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingBvhView, Node, RoundBlocks, RoundBvhView, TriangleBlock, WIDTH};
 use crate::error::{Error, InvalidScene};
 
 /// The version of the blobs of scenes that this crate writes, and the only one that it reads.
@@ -192,8 +192,8 @@ impl<'a> SceneBlob<'a> {
             follow(end, record.first_block, record.blocks, bad)?;
             match self.mesh_parts(record).ok_or(bad)? {
                 Parts::Still(nodes, blocks) => BvhView::new(nodes, blocks).map(|_| ())?,
-                Parts::Moving(nodes, blocks, keys) => MovingView::new(nodes, blocks, keys).map(|_| ())?,
-                Parts::Round(nodes, blocks) => RoundView::new(nodes, blocks).map(|_| ())?,
+                Parts::Moving(nodes, blocks, keys) => MovingBvhView::new(nodes, blocks, keys).map(|_| ())?,
+                Parts::Round(nodes, blocks) => RoundBvhView::new(nodes, blocks).map(|_| ())?,
             }
         }
         let (mut item, mut part, mut number, mut scene_node) = (0, 0, 0, 0);
@@ -306,8 +306,8 @@ impl<'a> SceneBlob<'a> {
     fn mesh(&self, index: u32) -> Object<'a> {
         match self.meshes.get(index as usize).and_then(|record| self.mesh_parts(record)) {
             Some(Parts::Still(nodes, blocks)) => Object::Mesh(BvhView::trusted(nodes, blocks)),
-            Some(Parts::Moving(nodes, blocks, keys)) => Object::Moving(MovingView::trusted(nodes, blocks, keys)),
-            Some(Parts::Round(nodes, blocks)) => Object::Round(RoundView::trusted(nodes, blocks)),
+            Some(Parts::Moving(nodes, blocks, keys)) => Object::Moving(MovingBvhView::trusted(nodes, blocks, keys)),
+            Some(Parts::Round(nodes, blocks)) => Object::Round(RoundBvhView::trusted(nodes, blocks)),
             None => Object::Nothing,
         }
     }

@@ -58,7 +58,7 @@
 //!
 //! # Motion
 //! Times are 0..=1; other times are clamped, and a ray whose time is NaN hits nothing. Motion has keys, evenly spaced
-//! over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are interpolated as `(1 - f) a + f
+//! over that time: triangles ([`MovingBvhView`](crate::bvh::MovingBvhView)), whose corners are interpolated as `(1 - f) a + f
 //! b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a key both equal
 //! static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes are interpolated,
 //! and an item whose own keys do not coincide with the tree's has one box around its whole motion.

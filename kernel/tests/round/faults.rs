@@ -107,9 +107,9 @@ fn a_borrowed_tree_is_checked() {
     let view = tree.view();
     let halfdome_kernel::bvh::RoundBlocks::Spheres(blocks) = view.blocks() else { panic!("other blocks") };
     let ray = Ray::new(vec3(7.0, 0.0, -3.0), Vec3::Z);
-    let borrowed = RoundView::new(view.nodes(), blocks).unwrap();
+    let borrowed = RoundBvhView::new(view.nodes(), blocks).unwrap();
     assert_eq!(borrowed.intersect(&ray).map(|hit| hit.prim_id), Some(7));
-    let error = |nodes: &[Node], blocks: &[SphereBlock]| match RoundView::new(nodes, blocks) {
+    let error = |nodes: &[Node], blocks: &[SphereBlock]| match RoundBvhView::new(nodes, blocks) {
         Err(Error::InvalidTree(error)) => Some(error),
         _ => None,
     };
@@ -126,7 +126,7 @@ fn a_borrowed_tree_is_checked() {
     assert!(error(view.nodes(), &blocks[1..]).is_some());
     assert_eq!(error(&[], blocks), Some(InvalidTree::NoRoot));
     // Trees without primitives, of any kind.
-    assert!(RoundView::new(&[Node::EMPTY], &[] as &[CubicCurveBlock]).unwrap().bounds().is_empty());
+    assert!(RoundBvhView::new(&[Node::EMPTY], &[] as &[CubicCurveBlock]).unwrap().bounds().is_empty());
 }
 
 #[test]

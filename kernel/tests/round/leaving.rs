@@ -21,7 +21,7 @@ fn away(random: &mut Random, normal: Vec3, least: f32) -> Vec3 {
 /// least so steep, and do not hit the same primitive again.
 fn leave<P: RoundPrimitive>(
     primitives: &[P],
-    tree: RoundView,
+    tree: RoundBvhView,
     target: impl Fn(&P, f32) -> Sphere,
     least: f32,
     leaving_rays: usize,

@@ -39,7 +39,7 @@ use line_test::Crossing;
 
 use super::{Aabb, Hit, Ray, own_box};
 
-/// What a [`RoundView`](crate::RoundView) traces: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
+/// What a [`RoundBvhView`](crate::RoundBvhView) traces: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
 pub trait RoundPrimitive: LineTest + bytemuck::Pod + Send + Sync {
     /// Why no ray hits the primitive, if none does.
     fn fault(&self) -> Option<RoundFault>;

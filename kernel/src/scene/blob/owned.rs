@@ -199,7 +199,7 @@ impl Writer {
     }
 
     /// The same of points or curves.
-    fn round(&mut self, tree: &RoundView) -> Result<u32, Error> {
+    fn round(&mut self, tree: &RoundBvhView) -> Result<u32, Error> {
         let place = (tree.nodes().as_ptr().addr(), tree.nodes().len(), 0);
         if let Some(&known) = self.known_meshes.get(&place) {
             return Ok(known);

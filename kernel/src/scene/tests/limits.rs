@@ -207,7 +207,7 @@ fn moving_trees_from_memory_are_checked() {
     let view = tree.view();
     let nodes: Vec<_> = (0..2).flat_map(|key| view.nodes(key).to_vec()).collect();
     let blocks: Vec<_> = (0..2).flat_map(|key| view.blocks(key).to_vec()).collect();
-    let check = |nodes: &[_], blocks: &[_], keys| crate::bvh::MovingView::new(nodes, blocks, keys).err();
+    let check = |nodes: &[_], blocks: &[_], keys| crate::bvh::MovingBvhView::new(nodes, blocks, keys).err();
     assert_eq!(check(&nodes, &blocks, 2), None);
     let bad_keys = |keys| Some(Error::InvalidTree(InvalidTree::BadKeys { keys }));
     assert_eq!((check(&nodes, &blocks, 0), check(&[], &[], 1)), (bad_keys(0), bad_keys(1)));
