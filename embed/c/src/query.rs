@@ -260,12 +260,10 @@ pub unsafe extern "C" fn hd_closest_point(
         check_radius(radius)?;
         // SAFETY: the caller's promise.
         let from = unsafe { self::point("point", point) }?;
-        let found = tree
-            .view()
-            .closest_point(from, radius)
-            .map(|found| (found.point, Hit { t: found.distance, u: found.u, v: found.v, prim_id: found.prim_id }));
+        let found = tree.view().closest_point(from, radius);
+        let found = found.map_or((Vec3::ZERO, Hit::MISS), |found| (found.point, found.to_hit()));
         // SAFETY: the caller's promise.
-        unsafe { write_closest(found.unwrap_or((Vec3::ZERO, Hit::MISS)), closest, hit) }
+        unsafe { write_closest(found, closest, hit) }
     })
 }
 
@@ -288,8 +286,9 @@ pub unsafe extern "C" fn hd_scene_closest_point(
         // SAFETY: the caller's promise.
         let from = unsafe { self::point("point", point) }?;
         let found = scene.0.view().closest_point(from, radius, time, mask_of(mask));
+        let found = found.map_or((Vec3::ZERO, SceneHit::MISS), |found| (found.point.point, found.to_hit()));
         // SAFETY: the caller's promise.
-        unsafe { write_closest(found.unwrap_or((Vec3::ZERO, SceneHit::MISS)), closest, hit) }
+        unsafe { write_closest(found, closest, hit) }
     })
 }
 

@@ -105,7 +105,7 @@ pub use object::Object;
 #[cfg(any(feature = "alloc", test))]
 pub use owned::{Commit, Scene};
 pub use quad::Quads;
-pub use ray::{SceneHit, SceneRay};
+pub use ray::{SceneHit, ScenePoint, SceneRay};
 pub use shape::Shape;
 pub use sphere::Spheres;
 pub use view::MAX_LEVELS;

@@ -15,29 +15,26 @@ use glam::Vec3;
 
 use super::object::Target;
 use super::space::{Proximity, Space, between, next};
-use super::{Item, SceneHit, SceneView, reference, round};
+use super::{Item, SceneHit, ScenePoint, SceneView, reference, round};
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::closest::{ClosestCandidate, closest_point};
 use crate::geometry::moment::Moment;
-use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle, overlaps};
+use crate::geometry::{Aabb, Hit, Triangle, overlaps};
 use crate::simd::Level;
 
 impl SceneView<'_> {
-    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and
-    /// the hit that identifies the triangle, with the distance as its `t`. Only items whose mask has a bit in common
-    /// with `mask` count; points, curves and custom shapes do not. Of equally close ones the lowest `item`
-    /// counts, then the lowest `prim_id`, then the lowest `path`.
+    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`. Only
+    /// items whose mask has a bit in common with `mask` count; points, curves and custom shapes do not. Of equally close
+    /// ones the lowest `item` counts, then the lowest `prim_id`, then the lowest `path`.
     ///
     /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
     /// NaN; it may be infinite.
-    pub fn closest_point(&self, point: Vec3, radius: f32, time: f32, mask: u32) -> Option<(Vec3, SceneHit)> {
-        let in_range = point.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
-        if !in_range || radius.is_nan() || radius < 0.0 {
-            return None;
-        }
-        let mut search = Closest::new(point, radius);
+    pub fn closest_point(&self, point: Vec3, radius: f32, time: f32, mask: u32) -> Option<ScenePoint> {
+        let best = ClosestCandidate::none_within(point, radius)?;
+        let mut search = Closest { point, best, place: SceneHit::MISS };
         self.search(&mut search, time, mask);
-        search.found()
+        let SceneHit { item, depth, path, .. } = search.place;
+        search.best.found(point).map(|point| ScenePoint { point, item, depth, path })
     }
 
     /// Gives `visit` every primitive that [overlaps](overlaps()) a box at a time, once for each path to it and in the
@@ -74,23 +71,6 @@ struct Closest {
     best: ClosestCandidate,
     /// The item and path of the closest point.
     place: SceneHit,
-}
-
-impl Closest {
-    fn new(point: Vec3, radius: f32) -> Self {
-        let nothing =
-            ClosestCandidate { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
-        Self { point, best: nothing, place: SceneHit::MISS }
-    }
-
-    fn found(self) -> Option<(Vec3, SceneHit)> {
-        let Self { point, best, place } = self;
-        (best.prim_id != Hit::NO_PRIM).then(|| {
-            let surface = best.to_surface(point);
-            let hit = Hit { t: surface.distance, u: surface.u, v: surface.v, prim_id: surface.prim_id };
-            (surface.point, SceneHit { hit, ..place })
-        })
-    }
 }
 
 impl Proximity for Closest {

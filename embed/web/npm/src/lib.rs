@@ -231,9 +231,7 @@ pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
         let bvh = state.still(mesh);
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
             let found = bvh.and_then(|bvh| bvh.view().closest_point(Vec3::new(x, y, z), radius));
-            found.map_or((Vec3::NAN, Hit::MISS), |found| {
-                (found.point, Hit { t: found.distance, u: found.u, v: found.v, prim_id: found.prim_id })
-            })
+            found.map_or((Vec3::NAN, Hit::MISS), |found| (found.point, found.to_hit()))
         };
         let found: Vec<(Vec3, Hit)> = state.points(count).iter().map(closest).collect();
         state.answer.clear();

@@ -235,7 +235,8 @@ pub extern "C" fn scene_closest_points(count: usize, mask: u32, time: f32) -> *c
     with_both(|stage, state| {
         let scene = stage.scene.view();
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
-            scene.closest_point(Vec3::new(x, y, z), radius, time, mask).unwrap_or((Vec3::NAN, SceneHit::MISS))
+            let found = scene.closest_point(Vec3::new(x, y, z), radius, time, mask);
+            found.map_or((Vec3::NAN, SceneHit::MISS), |found| (found.point.point, found.to_hit()))
         };
         let (places, hits): (Vec<Vec3>, Vec<SceneHit>) = state.points(count).iter().map(closest).unzip();
         state.answer.clear();
