@@ -54,7 +54,7 @@ impl World {
 
     fn insert(&mut self, object: usize, frame: usize) -> Result<(), Error> {
         let item = Item::new(self.ball.clone()).placed(&place(object, frame, self.side))?;
-        self.objects.push((self.scene.insert(item), object));
+        self.objects.push((self.scene.insert(item)?, object));
         Ok(())
     }
 

@@ -73,7 +73,7 @@ pub unsafe extern "C" fn hd_scene_insert(
         // SAFETY: the caller's promise. The item may be the scene itself, as it is now: only then is it borrowed to be changed.
         let (made, scene, handle) =
             unsafe { (self::item("item", item)?, changing(scene.as_mut())?, room_for_one("handle", handle)?) };
-        *handle = scene.insert(made).into();
+        *handle = scene.insert(made)?.into();
         Ok(())
     })
 }

@@ -65,8 +65,10 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match error {
-            Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
-            Error::InvalidScene(InvalidScene::TooManyPaths { .. } | InvalidScene::TooDeep { .. }) => HD_ERROR_LIMIT,
+            Error::TooManyPrimitives { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
+            Error::InvalidScene(
+                InvalidScene::TooManyItems { .. } | InvalidScene::TooManyPaths { .. } | InvalidScene::TooDeep { .. },
+            ) => HD_ERROR_LIMIT,
             Error::InvalidScene(_) | Error::InvalidMesh(_) | Error::Refit(_) => HD_ERROR_VALUE,
             Error::InvalidTree(InvalidTree::BadKeys { .. }) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,

@@ -118,7 +118,7 @@ impl Bvh {
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
-    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
+    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
     /// fewer do not fit, as blocks are not full.
     pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, triangles, options)
@@ -245,7 +245,7 @@ fn attempt<E: Executor, C: Contents + ?Sized>(
 
 pub(super) fn check_count(count: usize) -> Result<(), Error> {
     let limit = Bvh::MAX_TRIANGLES;
-    if count > limit { Err(Error::TooManyTriangles { count, limit }) } else { Ok(()) }
+    if count > limit { Err(Error::TooManyPrimitives { count, limit }) } else { Ok(()) }
 }
 
 /// The triangles that a ray can hit; counts them and the others.
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(Bvh::MAX_TRIANGLES, (1 << 29) - 1);
         assert_eq!(check_count(Bvh::MAX_TRIANGLES), Ok(()));
         let error = check_count(Bvh::MAX_TRIANGLES + 1).unwrap_err();
-        assert_eq!(error, Error::TooManyTriangles { count: 1 << 29, limit: (1 << 29) - 1 });
-        assert_eq!(alloc::format!("{error}"), "536870912 triangles are too many: a tree holds 536870911 at most");
+        assert_eq!(error, Error::TooManyPrimitives { count: 1 << 29, limit: (1 << 29) - 1 });
+        assert_eq!(alloc::format!("{error}"), "536870912 primitives are too many: a tree holds 536870911 at most");
     }
 }

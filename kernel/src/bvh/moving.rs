@@ -29,7 +29,7 @@ impl MovingBvh {
     /// and counted, and those that are beyond the limits at some time.
     ///
     /// # Errors
-    /// [`InvalidTree::BadKeys`] if there are no keys or they differ in length, [`Error::TooManyTriangles`], and
+    /// [`InvalidTree::BadKeys`] if there are no keys or they differ in length, [`Error::TooManyPrimitives`], and
     /// [`InvalidTree::TooLarge`].
     pub fn build(keys: &[&[Triangle]], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, keys, options)

@@ -2,14 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::build::{BuildReport, build_tree};
+use super::build::{BuildReport, build_tree, check_count};
 use super::contents::{Contents, LeafShape};
 use super::executor::{Executor, Serial};
-use super::node::{Child, Node, WIDTH};
+use super::node::{Node, WIDTH};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, SphereBlock, leaf_bounds};
-use super::{Bvh, RoundBlocks, RoundBvhView, validate};
+use super::{RoundBlocks, RoundBvhView, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::round::RoundPrimitive;
 use crate::geometry::{Aabb, CubicCurve, Disc, LinearCurve, Sphere};
@@ -67,8 +67,8 @@ impl RoundBvh {
     /// for each linear and 115 for each cubic curve, nodes included.
     ///
     /// # Errors
-    /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold:
-    /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), or fewer where blocks are not full.
+    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](super::Bvh::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
+    /// fewer do not fit, as blocks are not full.
     pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, primitives, options)
     }
@@ -83,9 +83,7 @@ impl RoundBvh {
         primitives: &[P],
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        if primitives.len() > Bvh::MAX_TRIANGLES {
-            return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
-        }
+        check_count(primitives.len())?;
         let mut report = BuildReport::default();
         let prims = || usable(primitives, &mut report);
         let tree = build_tree(executor, &Rounds(primitives), prims, options.quality)?;

@@ -30,7 +30,7 @@
 //!
 //! let (mesh, _) = Bvh::build(&[[Vec3::ZERO, Vec3::X, Vec3::Y]], &BuildOptions::default())?;
 //! let mut scene: Scene<'static> = Scene::new(BuildOptions::default());
-//! let handle = scene.insert(Item::new(Arc::new(mesh)));
+//! let handle = scene.insert(Item::new(Arc::new(mesh)))?;
 //! // Each frame:
 //! scene.set_transform(handle, &Affine3A::from_translation(Vec3::NEG_Z))?;
 //! scene.commit()?;

@@ -94,7 +94,7 @@ impl<'a> Scene<'a> {
     /// beyond the [numeric limits](crate#numeric-limits) at some time as out of range. Neither is in the scene.
     ///
     /// # Errors
-    /// The errors of [`commit`](Self::commit).
+    /// [`InvalidScene::TooManyItems`] and the errors of [`commit`](Self::commit).
     pub fn build(items: Vec<Item<'a>>, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, items, options)
     }
@@ -108,11 +108,11 @@ impl<'a> Scene<'a> {
         items: Vec<Item<'a>>,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
+        let mut scene = Self::new(*options);
+        scene.places = Places::taken(items.len())?;
         let mut facts = Vec::new();
         facts.resize(items.len(), ItemSummary::NOTHING);
         for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = items[place].facts());
-        let mut scene = Self::new(*options);
-        scene.places = Places::taken(items.len());
         scene.staged_at = alloc::vec![UNCHANGED; items.len()];
         (scene.items, scene.facts) = (items, facts);
         scene.summary = scene.new_summary()?;
@@ -124,10 +124,10 @@ impl<'a> Scene<'a> {
 
     /// Adds an item, from the next commit on.
     ///
-    /// # Panics
-    /// If there are 2³² - 1 items.
-    pub fn insert(&mut self, item: Item<'a>) -> Handle {
-        let handle = self.places.take().expect("there are fewer than 2^32 - 1 items");
+    /// # Errors
+    /// [`InvalidScene::TooManyItems`] if there are 2³² - 1 items.
+    pub fn insert(&mut self, item: Item<'a>) -> Result<Handle, Error> {
+        let handle = self.places.take()?;
         let index = handle.index as usize;
         if index == self.items.len() {
             // Nothing yet, with the paths of nothing: none.
@@ -136,7 +136,7 @@ impl<'a> Scene<'a> {
             self.staged_at.push(UNCHANGED);
         }
         *self.stage(handle.index) = item;
-        handle
+        Ok(handle)
     }
 
     /// Removes an item, from the next commit on, and its handle at once.

@@ -104,14 +104,14 @@ fn round<P: RoundBuild>(numbers: &[f32], options: &BuildOptions) -> Option<Tree>
     Some(Tree::Round(Arc::new(bvh), report.kept))
 }
 
-/// Adds an item where the matrices take a mesh: its number; -1 if there is no such mesh; and less if a matrix is refused, see
+/// Adds an item where the matrices take a mesh: its number; -1 if there is no such mesh, or there are too many items; and less if a matrix is refused, see
 /// [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn insert(mesh: usize, mask: u32) -> i32 {
     with_both(|Stage { matrices, scene, meshes, .. }, state| {
         let tree = state.tree(mesh).ok_or(-1)?;
         let item = placed(Item::new(tree.object()).with_mask(mask), matrices)?;
-        let index = scene.insert(item).index();
+        let index = scene.insert(item).map_err(|_| -1)?.index();
         let place = index as usize;
         meshes.resize(meshes.len().max(place + 1), usize::MAX);
         meshes[place] = mesh;

@@ -38,7 +38,7 @@ fn two_trees_in_turn_follow_a_mesh_that_deforms() {
     let mut trees = [tree.clone(), Arc::new((*tree).clone())];
     drop(tree);
     let mut scene: Scene<'static> = Scene::default();
-    let handle = scene.insert(Item::new(trees[0].clone()));
+    let handle = scene.insert(Item::new(trees[0].clone())).unwrap();
     scene.commit().unwrap();
     let rays = rays_onto(count, &mut random);
     for frame in 1..12 {
@@ -68,7 +68,7 @@ fn an_update_that_is_refused_leaves_the_scene_as_it_was() {
     let vertices = wave(count, 0.0);
     let mut tree = Bvh::build_mesh(&mesh_of(&vertices, &indices), &options).unwrap().0;
     let mut scene: Scene<'static> = Scene::default();
-    let handle = scene.insert(Item::new(Arc::new(tree.clone())));
+    let handle = scene.insert(Item::new(Arc::new(tree.clone()))).unwrap();
     scene.commit().unwrap();
     let rays = rays_onto(count, &mut random);
     let hits = |scene: &Scene| rays.iter().map(|ray| bits(scene.view().intersect(ray))).collect::<Vec<_>>();
