@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use halfdome_kernel::bvh::Serial;
 use halfdome_kernel::mesh::IndexedMesh;
 use halfdome_kernel::scene::Object;
 use halfdome_kernel::{BuildOptions, Bvh, BvhView, Quality};
@@ -160,10 +159,10 @@ pub unsafe extern "C" fn hd_tree_refit(tree: Option<&mut hd_tree>, mesh: *const 
         }
         let refit = |mesh: &IndexedMesh| {
             let refit = match &mut tree.0 {
-                Memory::Own(bvh) => Arc::make_mut(bvh).refit_mesh_on(&Serial, mesh)?,
+                Memory::Own(bvh) => Arc::make_mut(bvh).refit_mesh(mesh)?,
                 Memory::Blob { bytes, .. } => {
                     let mut bvh = Bvh::from_bytes(bytes)?;
-                    let refit = bvh.refit_mesh_on(&Serial, mesh)?;
+                    let refit = bvh.refit_mesh(mesh)?;
                     *tree = bvh.into();
                     refit
                 }

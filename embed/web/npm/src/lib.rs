@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halfdome_kernel::mesh::{IndexedMesh, Indices, Positions};
-use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray, Serial};
+use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray};
 
 use answer::Answer;
 use tree::Tree;
@@ -147,7 +147,7 @@ pub extern "C" fn refit(number: usize) -> f32 {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             // A scene that has the tree keeps it as it is.
             let bvh = Arc::make_mut(state.meshes.get_mut(number)?.as_mut()?.still_mut()?);
-            Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, indices.as_deref())?).ok()?.cost_ratio)
+            Some(bvh.refit_mesh(&mesh(&positions, indices.as_deref())?).ok()?.cost_ratio)
         })
         .unwrap_or(-1.0)
 }

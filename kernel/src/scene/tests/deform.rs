@@ -45,7 +45,7 @@ fn two_trees_in_turn_follow_a_mesh_that_deforms() {
         let vertices = wave(count, frame as f32);
         let mesh = mesh_of(&vertices, &indices);
         let tree = Arc::get_mut(&mut trees[frame % 2]).expect("after the commit nobody else shares it");
-        tree.refit_mesh_on(&crate::Serial, &mesh).unwrap();
+        tree.refit_mesh(&mesh).unwrap();
         scene.set_object(handle, trees[frame % 2].clone()).unwrap();
         assert!(!scene.commit().unwrap().is_rebuilt);
         let fresh = Bvh::build_mesh(&mesh, &options).unwrap().0;
@@ -75,10 +75,10 @@ fn an_update_that_is_refused_leaves_the_scene_as_it_was() {
     let before = hits(&scene);
     let mut broken = vertices.clone();
     broken[5].y = f32::NAN;
-    let error = tree.refit_mesh_on(&crate::Serial, &mesh_of(&broken, &indices)).unwrap_err();
+    let error = tree.refit_mesh(&mesh_of(&broken, &indices)).unwrap_err();
     assert!(matches!(error, Error::Refit(RefitError::Vanished { .. })));
     // Fewer triangles than the tree has.
-    let error = tree.refit_mesh_on(&crate::Serial, &mesh_of(&vertices, &indices[..6])).unwrap_err();
+    let error = tree.refit_mesh(&mesh_of(&vertices, &indices[..6])).unwrap_err();
     assert!(matches!(error, Error::Refit(RefitError::Missing { count: 2, .. })));
     // Fewer vertices than the indices name.
     assert!(IndexedMesh::new(&vertices[..9], Indices::U16(&indices)).is_err());
