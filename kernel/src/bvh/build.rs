@@ -13,10 +13,9 @@ use super::options::{BuildOptions, Effort, Quality};
 use super::primitive::Primitive;
 use super::{BvhView, MAX_STACK, reinsertion, top_down};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::round::RoundFault;
 #[cfg(doc)]
 use crate::geometry::round::RoundPrimitive;
-use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
+use crate::geometry::{Aabb, Hit, MAX_COORDINATE, PrimitiveFault, Triangle};
 use crate::mesh::Mesh;
 
 /// A tree that owns its memory.
@@ -80,12 +79,12 @@ impl BuildReport {
     }
 
     /// Counts a primitive that is left out; they come in their order.
-    pub(super) fn drop(&mut self, prim_id: u32, fault: RoundFault) {
+    pub(super) fn drop(&mut self, prim_id: u32, fault: PrimitiveFault) {
         self.first_dropped.get_or_insert(prim_id);
         match fault {
-            RoundFault::NotFinite => self.not_finite += 1,
-            RoundFault::OutOfRange => self.out_of_range += 1,
-            RoundFault::Degenerate => self.degenerate += 1,
+            PrimitiveFault::NotFinite => self.not_finite += 1,
+            PrimitiveFault::OutOfRange => self.out_of_range += 1,
+            PrimitiveFault::Degenerate => self.degenerate += 1,
         }
     }
 }
@@ -255,11 +254,11 @@ pub(super) fn usable<M: Mesh + ?Sized>(mesh: &M, report: &mut BuildReport) -> Ve
     for prim_id in 0..mesh.len() {
         let triangle = &mesh.triangle(prim_id);
         if !triangle.iter().all(|p| p.is_finite()) {
-            report.drop(prim_id as u32, RoundFault::NotFinite);
+            report.drop(prim_id as u32, PrimitiveFault::NotFinite);
         } else if !in_range(triangle) {
-            report.drop(prim_id as u32, RoundFault::OutOfRange);
+            report.drop(prim_id as u32, PrimitiveFault::OutOfRange);
         } else if is_degenerate(triangle) {
-            report.drop(prim_id as u32, RoundFault::Degenerate);
+            report.drop(prim_id as u32, PrimitiveFault::Degenerate);
         } else {
             prims.push(Primitive::new(&Aabb::around(triangle), prim_id as u32));
         }

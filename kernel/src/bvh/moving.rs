@@ -10,8 +10,7 @@ use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::{MovingBvhView, Node, TriangleBlock, fit, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::round::RoundFault;
-use crate::geometry::{Aabb, Triangle};
+use crate::geometry::{Aabb, PrimitiveFault, Triangle};
 
 /// A tree of moving triangles that owns its memory.
 #[derive(Clone, Debug)]
@@ -56,9 +55,9 @@ impl MovingBvh {
             for index in 0..count {
                 let at_keys = || keys.iter().map(|triangles| &triangles[index]);
                 if !at_keys().all(in_range) {
-                    report.drop(index as u32, RoundFault::OutOfRange);
+                    report.drop(index as u32, PrimitiveFault::OutOfRange);
                 } else if never_has_area(at_keys()) {
-                    report.drop(index as u32, RoundFault::Degenerate);
+                    report.drop(index as u32, PrimitiveFault::Degenerate);
                 } else {
                     let boxes = at_keys().map(|triangle| Aabb::around(triangle));
                     prims.push(Primitive::new(&mean(boxes, keys.len()), index as u32));

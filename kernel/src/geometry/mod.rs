@@ -26,6 +26,7 @@
 mod aabb;
 pub(crate) mod bundle;
 pub(crate) mod closest;
+mod fault;
 pub(crate) mod moment;
 mod offset;
 pub(crate) mod overlap;
@@ -41,6 +42,7 @@ pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use closest::SurfacePoint;
+pub use fault::PrimitiveFault;
 pub use moment::Moment;
 pub use offset::{offset_distance, offset_origin, offset_point, triangle_normal};
 pub use overlap::overlaps;

@@ -16,7 +16,7 @@ use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::accumulate::{Above, LEAST_DISTANCE, Samples, bound, bound_lanes};
+use super::accumulate::{Above, MIN_DISTANCE, Samples, bound, bound_lanes};
 use super::edge::{Ends, Sums};
 use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, NEXT, Row, parts};
 use super::{Hessian, LUMINANCE};
@@ -121,7 +121,7 @@ fn on_horizon(mut row: Points) -> Points {
     for k in 0..x.len() {
         let sine = libm::sqrtf(x[k] * x[k] + y[k] * y[k]).max(f32::MIN_POSITIVE);
         (x[k], y[k], z[k]) = (x[k] / sine, y[k] / sine, 0.0);
-        inverse[k] = (inverse[k] / sine).min(1.0 / LEAST_DISTANCE);
+        inverse[k] = (inverse[k] / sine).min(1.0 / MIN_DISTANCE);
     }
     row
 }

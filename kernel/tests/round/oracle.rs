@@ -167,7 +167,7 @@ fn cubic_curves() {
         }
         let largest = controls.iter().fold(0.0f32, |largest, control| largest.max(control.radius));
         let curve = CubicCurve { controls };
-        let counts = check(&curve, &Swept(&controls), f64::from(largest) * TOLERANCE, &mut random, 40);
+        let counts = check(&curve, &Swept(&controls), f64::from(largest) * CUBIC_TOLERANCE, &mut random, 40);
         (0..3).for_each(|kind| sum[kind] += counts[kind]);
     }
     assert!(sum[0] > 500 && sum[1] > 30 && sum[2] > 300, "{sum:?}");

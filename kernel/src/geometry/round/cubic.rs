@@ -9,7 +9,7 @@
 //! deviation <= 3/4 m 4^-k
 //! ```
 //!
-//! `k` is the least number for which that is at most [`TOLERANCE`] of the greatest radius, and [`MOST_HALVINGS`] at most.
+//! `k` is the least number for which that is at most [`CUBIC_TOLERANCE`] of the greatest radius, and [`MAX_CUBIC_HALVINGS`] at most.
 //!
 //! A ray meets few of the pieces. They are found from the whole curve down, eight parts at a time: a part lies within a capsule
 //! around its chord whose radius is the greater one of its ends, and the deviation. There are four such steps at most, and what
@@ -22,19 +22,19 @@ use glam::{DVec4, Vec3};
 use super::frame::max;
 use super::line_test::{Crossing, LineTest, Span};
 use super::linear::{capsule_margin, cone_span};
-use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive, Sphere, sphere_fault};
 use crate::geometry::Aabb;
 
 /// How far pieces may stray from a curve, in parts of its greatest radius.
-pub const TOLERANCE: f64 = 1.0 / 256.0;
+pub const CUBIC_TOLERANCE: f64 = 1.0 / 256.0;
 /// How often a curve is halved at most.
-pub const MOST_HALVINGS: u32 = 12;
+pub const MAX_CUBIC_HALVINGS: u32 = 12;
 
 /// Parts that are tested together, and the halvings that make them.
 const PARTS: usize = 8;
 const PARTS_HALVINGS: u32 = 3;
 /// Steps from the curve to its pieces, at most.
-const MOST_STEPS: usize = MOST_HALVINGS.div_ceil(PARTS_HALVINGS) as usize;
+const MAX_STEPS: usize = MAX_CUBIC_HALVINGS.div_ceil(PARTS_HALVINGS) as usize;
 
 /// A sphere swept along a cubic Bézier curve, hit from outside and inside. `u` of hits is the curve's parameter, 0..=1: the
 /// centre of the sphere that touches the hit is there.
@@ -93,7 +93,7 @@ fn from_vectors(points: [DVec4; 4]) -> CubicCurve {
 }
 
 impl RoundPrimitive for CubicCurve {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         sphere_fault(&self.controls)
     }
 
@@ -185,9 +185,9 @@ impl Pieces {
             bend = max(bend, sum);
         }
         let deviation = 0.75 * bend;
-        let tolerance = TOLERANCE * max(max(n[3], n[7]), max(n[11], n[15]));
+        let tolerance = CUBIC_TOLERANCE * max(max(n[3], n[7]), max(n[11], n[15]));
         let (mut halvings, mut left) = (0, deviation);
-        while left > tolerance && halvings < MOST_HALVINGS {
+        while left > tolerance && halvings < MAX_CUBIC_HALVINGS {
             left *= 0.25;
             halvings += 1;
         }
@@ -218,7 +218,7 @@ impl Pieces {
         }
         // Of each step the parts that are left to visit, and the number of the first.
         let (mut left, mut first) = ([0u8; PARTS], [0u32; PARTS]);
-        const { assert!(MOST_STEPS <= PARTS) }
+        const { assert!(MAX_STEPS <= PARTS) }
         let mut step = 0;
         left[0] = self.parts_near(0, 0);
         loop {

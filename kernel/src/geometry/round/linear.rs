@@ -16,7 +16,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::frame::{dot, max};
 use super::line_test::{LineTest, Span};
-use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive, Sphere, sphere_fault};
 use crate::geometry::Aabb;
 
 /// A sphere swept along a segment, from one end to the other: a cone or a cylinder with round ends, hit from outside and
@@ -29,7 +29,7 @@ pub struct LinearCurve {
 }
 
 impl RoundPrimitive for LinearCurve {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         sphere_fault(&self.ends)
     }
 
