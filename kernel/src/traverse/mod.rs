@@ -34,6 +34,7 @@ pub(crate) mod stream;
 pub(crate) mod tests;
 
 use collector::Collector;
+use packet::TracePacket;
 pub use packet::{PacketWidth, Width};
 pub use query::{Facing, Hits, Verdict, Visits};
 pub(crate) use stack::TraversalStack;
