@@ -109,7 +109,11 @@ fn main() -> Result<(), Error> {
     }
     let triangles = 2 * rings * rings;
     println!("{} instances of {triangles} triangles: {} in all", side * side, side * side * triangles);
-    println!("{} bytes for the triangles, {} for the scene", world.ball.statistics().bytes, world.scene.bytes());
+    println!(
+        "{} bytes for the triangles, {} for the scene",
+        world.ball.statistics().memory_bytes,
+        world.scene.memory_bytes()
+    );
     let found = hits.iter().filter(|hit| hit.is_hit()).count();
     println!("{found} of {} rays hit in the last of {frames} frames, checksum {checksum:08x}", hits.len());
     let each = |time: f64| 1e3 * time / frames as f64;

@@ -104,7 +104,7 @@ impl BoxTree {
     }
 
     /// Memory of nodes and numbers in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.items[..])
     }
 

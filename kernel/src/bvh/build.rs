@@ -67,7 +67,7 @@ pub struct TreeStatistics {
     /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a block.
     pub cost: f32,
     /// Memory of nodes and blocks in bytes.
-    pub bytes: usize,
+    pub memory_bytes: usize,
     /// Entries that the stack of a traversal needs, of [`MAX_STACK`].
     pub stack: u32,
 }
@@ -191,7 +191,7 @@ impl Bvh {
             triangles: used.count(),
             depth,
             cost: self.cost,
-            bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            memory_bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
             stack: self.stack,
         }
     }

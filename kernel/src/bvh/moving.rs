@@ -96,7 +96,7 @@ impl MovingBvh {
     }
 
     /// Memory of nodes and blocks in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 

@@ -30,19 +30,22 @@ pub enum Blocks {
     CubicCurves(Vec<CubicCurveBlock>),
 }
 
-/// The primitives that trees can be built over.
-pub trait RoundBuild: RoundPrimitive {
-    #[doc(hidden)]
+/// The primitives that a [`RoundBvh`] can be built over: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
+pub trait RoundBuild: InBlocks {}
+
+impl<P: InBlocks> RoundBuild for P {}
+
+/// A primitive that is stored in blocks.
+pub trait InBlocks: RoundPrimitive {
     type Block: RoundBlock<Primitive = Self>;
-    #[doc(hidden)]
+    /// The cost of a block's test, in units of that of a node.
     const BLOCK_COST: f32;
-    #[doc(hidden)]
     fn keep(blocks: Vec<Self::Block>) -> Blocks;
 }
 
 macro_rules! build {
     ($($primitive:ident: $block:ident, $kind:ident, $cost:literal;)*) => {$(
-        impl RoundBuild for $primitive {
+        impl InBlocks for $primitive {
             type Block = $block;
             const BLOCK_COST: f32 = $cost;
             fn keep(blocks: Vec<$block>) -> Blocks {
@@ -116,7 +119,7 @@ impl RoundBvh {
     }
 
     /// Memory of nodes and blocks in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let blocks = match &self.blocks {
             Blocks::Spheres(blocks) => size_of_val(&blocks[..]),
             Blocks::Discs(blocks) => size_of_val(&blocks[..]),

@@ -285,8 +285,8 @@ impl<'a> Scene<'a> {
     }
 
     /// Memory of items, parts and the tree in bytes; borrowed and shared objects are not counted.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.bytes()
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.memory_bytes()
     }
 
     /// The options of its own tree.

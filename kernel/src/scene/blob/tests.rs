@@ -201,7 +201,7 @@ fn the_way_there_does_not_matter() {
     scene.set_mask(handles[0], 0).unwrap();
     assert_eq!(scene.to_bytes().unwrap(), built);
     // One mesh, however many items: of each of them a transform, a record and a part.
-    let mesh_bytes = mesh.statistics().bytes;
+    let mesh_bytes = mesh.statistics().memory_bytes;
     assert!(built.len() < mesh_bytes + 20 * 120 + 5000, "{} of {mesh_bytes}", built.len());
 }
 

@@ -157,7 +157,7 @@ impl Instances {
 
     /// See [`World::instance_bytes`].
     pub(crate) fn bytes(&self) -> usize {
-        self.scene.bytes() + size_of_val(&self.first_prims[..]) + size_of_val(&self.records[..])
+        self.scene.memory_bytes() + size_of_val(&self.first_prims[..]) + size_of_val(&self.records[..])
     }
 
     /// The box around all instances; empty if there are none.
