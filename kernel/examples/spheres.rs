@@ -4,8 +4,8 @@
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec3, vec3};
-use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay, Shape, Sphere, Spheres};
-use halfdome_kernel::{Aabb, Bvh, Error, Hit, Quality, Ray, triangle_normal};
+use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay, Shape, Spheres};
+use halfdome_kernel::{Aabb, Bvh, Error, Hit, Quality, Ray, Sphere, triangle_normal};
 
 /// Spheres with a hole from top to bottom: any rule of the caller's makes a shape.
 struct Beads<'a>(Spheres<'a>);

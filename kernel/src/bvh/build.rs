@@ -73,7 +73,7 @@ pub struct TreeStatistics {
 }
 
 impl BuildReport {
-    /// Triangles that are not in the tree, for any reason.
+    /// Primitives that are not in the tree, for any reason.
     pub fn dropped(&self) -> usize {
         self.degenerate + self.not_finite + self.out_of_range
     }
@@ -90,7 +90,7 @@ impl BuildReport {
 }
 
 impl fmt::Display for BuildReport {
-    /// Prints for example `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
+    /// Prints for example `12 primitives kept, 3 dropped, the first of them 4: 2 degenerate, 1 not finite`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = if self.kept == 1 { "" } else { "s" };
         write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;

@@ -91,7 +91,7 @@ pub const SCENE_BLOB_VERSION: u32 = 2;
 /// # let inside = inside.view();
 /// # let bytes = Scene::build(vec![Item::new(&inside), Item::new(&inside)], &options)?.0.to_bytes()?;
 /// let blob = SceneBlob::open(&bytes)?;
-/// assert_eq!((blob.scenes(), blob.item_count(0), blob.item_count(1)), (2, Some(1), Some(2)));
+/// assert_eq!((blob.scene_count(), blob.item_count(0), blob.item_count(1)), (2, Some(1), Some(2)));
 /// let mut items = [const { Item::nothing() }; 1];
 /// let inner = [blob.view(0, &mut items, &[])?];
 /// let mut items = [const { Item::nothing() }; 2];
@@ -124,7 +124,7 @@ impl<'a> SceneView<'a> {
     /// The errors of [`SceneBlob::open`] and [`SceneBlob::view`].
     pub fn from_bytes<'b: 'a>(bytes: &'b [u8], items: &'a mut [Item<'b>]) -> Result<Self, Error> {
         let blob = SceneBlob::open(bytes)?;
-        blob.view(blob.scenes() - 1, items, &[])
+        blob.view(blob.scene_count() - 1, items, &[])
     }
 }
 
@@ -236,7 +236,7 @@ impl<'a> SceneBlob<'a> {
     }
 
     /// The number of scenes: nested ones first, the outermost last.
-    pub fn scenes(&self) -> usize {
+    pub fn scene_count(&self) -> usize {
         self.scenes.len()
     }
 

@@ -67,6 +67,7 @@
 
 mod answers;
 pub mod blob;
+mod debug;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
 mod image;
@@ -95,7 +96,6 @@ mod view;
 mod walk;
 mod widening;
 
-pub use crate::geometry::Sphere;
 pub use blob::{SCENE_BLOB_VERSION, SceneBlob};
 #[cfg(any(feature = "alloc", test))]
 pub use handle::Handle;
@@ -116,6 +116,7 @@ use core::slice;
 
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
+use crate::traverse::stream::MIN_STREAM_RAYS;
 use answers::{Answers, Nearest, Occluded};
 use search::Judged;
 use stream::StreamAll;
@@ -251,9 +252,10 @@ impl SceneView<'_> {
     }
 }
 
-/// Whether rays are too few for a stream, or the stack has no room for one, as below nested scenes.
+/// Rays by the method that suits their number and the scene: one by one where they are too few for a stream, or the stack
+/// has no room for one, as below nested scenes.
 fn trace_many<A: Answers>(scene: &SceneView, rays: &[SceneRay], answers: A) {
-    if cfg!(target_os = "none") || rays.len() < stream::LEAST || scene.levels() > 0 {
+    if cfg!(target_os = "none") || rays.len() < MIN_STREAM_RAYS || scene.levels() > 0 {
         dispatch(scene.isa(), TraceAll { scene, rays, answers });
     } else {
         dispatch(scene.isa(), StreamAll { scene, rays, answers });

@@ -261,7 +261,7 @@ impl<'a> SceneView<'a> {
 }
 
 /// The items on the path to a hit, each with its index in the scene that has it; returned by [`SceneView::instances`].
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Instances<'a> {
     /// The scene that the path has reached so far; `None` if there is no such path.
     scene: Option<SceneView<'a>>,

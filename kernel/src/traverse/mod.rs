@@ -195,13 +195,9 @@ fn trace_gather<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut
     }
 }
 
-/// The least number of rays that pays for a stream.
-const LEAST_STREAM: usize = 24;
-
 /// Rays of any kind, by the method that suits their number and the tree.
 fn trace_many<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
-    // With few rays most lanes would be empty, and setting up a stream would take longer than it saves.
-    if cfg!(target_os = "none") || rays.len() < LEAST_STREAM {
+    if cfg!(target_os = "none") || rays.len() < stream::MIN_STREAM_RAYS {
         dispatch(tree.isa(), Few::<ANY, _> { tree, rays, write });
     } else if leaf_queues::suit(tree) {
         dispatch(tree.isa(), LeafQueues::<ANY, _> { tree, rays, write });

@@ -137,7 +137,7 @@ fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Option<Resul
         Ok(first) => first,
         Err(error) => return Some(Err(error)),
     };
-    match blob.scenes() {
+    match blob.scene_count() {
         1 => Some(Ok(look(&first))),
         2 => {
             let inner = [first];

@@ -93,7 +93,7 @@ fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Result<T, Er
     let blob = SceneBlob::open(bytes)?;
     let mut items = vec![Item::nothing(); blob.item_count(0).unwrap()];
     let first = blob.view(0, &mut items, &[])?;
-    if blob.scenes() == 1 {
+    if blob.scene_count() == 1 {
         return Ok(look(&first));
     }
     let inner = [first];

@@ -31,9 +31,6 @@ use crate::traverse::stream::{ActiveRay, Next, Stream, places_of};
 /// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
 
-/// Fewer rays are traced one by one, as lanes would be mostly empty.
-pub(super) const LEAST: usize = 24;
-
 /// Rays to trace as a stream, and their answers, of which there are as many.
 pub(super) struct StreamAll<'a, A> {
     pub scene: &'a SceneView<'a>,

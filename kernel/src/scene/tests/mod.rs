@@ -23,7 +23,7 @@ use crate::bvh::{MovingBvh, Node};
 use crate::simd::isas;
 use crate::traverse::reference as trees;
 use crate::traverse::tests::{Random, fewer, rays_at, soup};
-use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Triangle};
+use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Sphere, Triangle};
 
 fn bvh(triangles: &[Triangle]) -> Bvh {
     Bvh::build(triangles, &BuildOptions::default()).unwrap().0

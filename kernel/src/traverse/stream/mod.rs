@@ -29,6 +29,9 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// Rays that are traced at the same time. Fewer hide less latency; more do not fit into the first-level cache.
 const MAX_ACTIVE: usize = 64;
 
+/// Fewer rays are traced one by one: most lanes would be empty, and setting up a stream would take longer than it saves.
+pub(crate) const MIN_STREAM_RAYS: usize = 24;
+
 /// The trees that the rays of a stream are in, each at its place.
 pub(crate) trait Trees {
     fn nodes(&self, place: usize) -> &[Node];
